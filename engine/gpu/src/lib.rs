@@ -1,1 +1,83 @@
-//! gpu
+//! A thin Vulkan 1.3 executor: it knows devices, memory, frames, passes, queries and predicates, and no scene.
+//!
+//! All the `unsafe` of the engine lives here. The types are thin on purpose: they own one Vulkan
+//! thing each, give it a debug name, free it when the GPU is done with it, and leave deciding to
+//! the caller. What is worth reading first:
+//!
+//! - [`FrameRing`]: N frames in flight, the only wait of a frame loop.
+//! - [`QueryRing`]: occlusion queries whose answers come home through mapped memory, tagged with
+//!   whatever the caller wants back, without a blocking call.
+//! - [`Predicates`]: draws that the GPU skips by itself, with conditional rendering or without.
+//! - [`Access`]: named accesses, from which every barrier of the engine is computed.
+//!
+//! ```no_run
+//! # fn main() -> Result<(), gpu::Error> {
+//! # use antumbra_gpu as gpu;
+//! # #[cfg(feature = "loaded")] {
+//! let instance = gpu::Instance::new(gpu::load_entry()?, &gpu::InstanceOptions::default())?;
+//! let adapter = instance.pick_adapter(None)?;
+//! let device = gpu::Device::new(&instance, &adapter, &gpu::DeviceOptions::default())?;
+//! let mut frames = gpu::FrameRing::new(&device, 2)?;
+//! let mut queries = gpu::QueryRing::<&str>::new(&device, 2, "doc")?;
+//! for _ in 0..8 {
+//!     let mut frame = frames.begin()?; // waits for this slot's frame of two frames ago, for nothing else
+//!     queries.collect(device.completed()?, |tag, samples| println!("{tag}: {samples} samples"));
+//!     queries.begin(&mut frame, &["nothing drawn"])?;
+//!     let commands = frame.commands();
+//!     queries.scope(commands, gpu::QueryIndex(0), |_| {});
+//!     queries.resolve(commands, 0..1);
+//!     queries.read_back(commands);
+//!     let tick = frames.submit(frame, None)?;
+//!     queries.submitted(tick);
+//! }
+//! # } Ok(()) }
+//! ```
+
+mod access;
+mod adapter;
+mod buffer;
+mod capabilities;
+mod commands;
+mod deletion;
+mod device;
+mod error;
+mod frames;
+mod instance;
+mod pipeline;
+mod pipeline_cache;
+mod predicates;
+mod query_ring;
+mod shader;
+mod target;
+mod timeline;
+mod timing;
+mod transfer;
+mod upload;
+mod validation;
+
+pub use access::{Access, LayoutChange, MemoryBarrier};
+pub use adapter::Adapter;
+pub use ash::{Entry, vk};
+pub use buffer::{Buffer, BufferSlice, Place};
+pub use capabilities::{Capabilities, Optional, Required};
+pub use commands::{Commands, RenderTarget};
+pub use device::{Device, DeviceOptions, WaitCounts};
+pub use error::Error;
+pub use frames::{Frame, FrameRing, SlotIndex};
+#[cfg(feature = "loaded")]
+pub use instance::load_entry;
+pub use instance::{Instance, InstanceOptions, Validation};
+pub use pipeline::{
+    Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout,
+    VertexLayout,
+};
+pub use predicates::{DrawRange, IndirectDraw, Predicates, Predication};
+pub use query_ring::{QueryIndex, QueryRing};
+pub use shader::Spirv;
+#[cfg(feature = "shader-compiler")]
+pub use shader::compile;
+pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, Target};
+pub use timeline::{Tick, Timeline};
+pub use timing::PassTime;
+pub use upload::Uploads;
+pub use validation::{Message, ValidationLog};

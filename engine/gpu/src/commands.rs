@@ -1,0 +1,348 @@
+//! Recording: the few commands the engine uses, each in one place, each with its range checked.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use ash::vk;
+use bytemuck::Pod;
+
+use crate::access::{LayoutChange, MemoryBarrier};
+use crate::buffer::BufferSlice;
+use crate::device::Device;
+use crate::error::{Called, Error};
+use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
+use crate::query_ring::QueryIndex;
+use crate::timing::PassTimer;
+
+/// A command buffer being recorded.
+pub struct Commands {
+    device: Device,
+    raw: vk::CommandBuffer,
+    descriptors: vk::DescriptorPool,
+    timer: Option<Rc<PassTimer>>,
+    failed: Cell<Option<vk::Result>>,
+}
+
+/// What a render pass draws to.
+#[derive(Debug, Clone, Copy)]
+pub struct RenderTarget {
+    pub(crate) colour: vk::ImageView,
+    pub(crate) depth: vk::ImageView,
+    pub(crate) size: [u32; 2],
+    /// The colour and depth to start from; `None` goes on from what is there.
+    pub clear: Option<([f32; 4], f32)>,
+}
+
+impl Commands {
+    pub(crate) fn new(device: &Device, raw: vk::CommandBuffer) -> Self {
+        let device = device.clone();
+        let descriptors = vk::DescriptorPool::null();
+        Self { device, raw, descriptors, timer: None, failed: Cell::new(None) }
+    }
+
+    pub(crate) fn for_frame(
+        device: &Device,
+        raw: vk::CommandBuffer,
+        descriptors: vk::DescriptorPool,
+        timer: Option<Rc<PassTimer>>,
+    ) -> Self {
+        Self { device: device.clone(), raw, descriptors, timer, failed: Cell::new(None) }
+    }
+
+    pub(crate) fn raw(&self) -> vk::CommandBuffer {
+        self.raw
+    }
+
+    pub(crate) fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// The first failure while recording, which [`crate::Frame::submit`] reports.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        match self.failed.get() {
+            None => Ok(()),
+            Some(code) => Err(code).called("vkAllocateDescriptorSets"),
+        }
+    }
+
+    /// A pass: one label for the debugger and the log, and one timestamp pair when timing is on.
+    /// Not inside [`Commands::rendering`].
+    pub fn pass(&self, label: &'static str, record: impl FnOnce(&Self)) {
+        if let Some(timer) = &self.timer {
+            timer.begin(self, label);
+        }
+        self.label(label, record);
+        if let Some(timer) = &self.timer {
+            timer.end(self);
+        }
+    }
+
+    /// A part of a pass: a label only.
+    pub fn label(&self, label: &'static str, record: impl FnOnce(&Self)) {
+        let debug = self.device.debug();
+        if let Some(debug) = debug {
+            let name = std::ffi::CString::new(label).unwrap_or_default();
+            let info = vk::DebugUtilsLabelEXT::default().label_name(&name);
+            // SAFETY: the command buffer is being recorded, here and in the rest of this file.
+            unsafe { debug.cmd_begin_debug_utils_label(self.raw, &info) };
+        }
+        record(self);
+        if let Some(debug) = debug {
+            // SAFETY: closes the label opened above.
+            unsafe { debug.cmd_end_debug_utils_label(self.raw) };
+        }
+    }
+
+    /// Orders memory. Nothing to order records nothing.
+    pub fn barrier(&self, barrier: MemoryBarrier) {
+        let memory = [vk::MemoryBarrier2::default()
+            .src_stage_mask(barrier.from_stages)
+            .src_access_mask(barrier.from_access)
+            .dst_stage_mask(barrier.to_stages)
+            .dst_access_mask(barrier.to_access)];
+        let info = vk::DependencyInfo::default().memory_barriers(&memory);
+        // SAFETY: recorded outside of rendering, as the method's callers are passes' edges.
+        unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
+    }
+
+    /// Orders images and moves them to other layouts.
+    pub fn change_layouts<const N: usize>(&self, changes: [LayoutChange; N]) {
+        let images = changes.map(|change| {
+            vk::ImageMemoryBarrier2::default()
+                .image(change.image)
+                .src_stage_mask(change.barrier.from_stages)
+                .src_access_mask(change.barrier.from_access)
+                .dst_stage_mask(change.barrier.to_stages)
+                .dst_access_mask(change.barrier.to_access)
+                .old_layout(change.old_layout)
+                .new_layout(change.new_layout)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .subresource_range(vk::ImageSubresourceRange {
+                    aspect_mask: change.aspect,
+                    level_count: 1,
+                    layer_count: 1,
+                    ..Default::default()
+                })
+        });
+        let info = vk::DependencyInfo::default().image_memory_barriers(&images);
+        // SAFETY: the images live at least until this frame is over.
+        unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
+    }
+
+    /// Draws to a colour and a depth image; viewport and scissor cover all of it.
+    pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
+        let load = match target.clear {
+            Some(_) => vk::AttachmentLoadOp::CLEAR,
+            None => vk::AttachmentLoadOp::LOAD,
+        };
+        let (colour_clear, depth_clear) = target.clear.unwrap_or_default();
+        let colour = [vk::RenderingAttachmentInfo::default()
+            .image_view(target.colour)
+            .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .load_op(load)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .clear_value(vk::ClearValue { color: vk::ClearColorValue { float32: colour_clear } })];
+        let depth = vk::RenderingAttachmentInfo::default()
+            .image_view(target.depth)
+            .image_layout(vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL)
+            .load_op(load)
+            .store_op(vk::AttachmentStoreOp::STORE)
+            .clear_value(vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue { depth: depth_clear, stencil: 0 },
+            });
+        let [width, height] = target.size;
+        let area = vk::Rect2D { extent: vk::Extent2D { width, height }, ..Default::default() };
+        let info = vk::RenderingInfo::default()
+            .render_area(area)
+            .layer_count(1)
+            .color_attachments(&colour)
+            .depth_attachment(&depth);
+        let viewport = vk::Viewport {
+            width: width as f32,
+            height: height as f32,
+            max_depth: 1.0,
+            ..Default::default()
+        };
+        let raw = self.device.raw();
+        // SAFETY: the views live at least until this frame is over.
+        unsafe {
+            raw.cmd_begin_rendering(self.raw, &info);
+            raw.cmd_set_viewport(self.raw, 0, &[viewport]);
+            raw.cmd_set_scissor(self.raw, 0, &[area]);
+        }
+        record(self);
+        // SAFETY: closes the rendering opened above.
+        unsafe { raw.cmd_end_rendering(self.raw) };
+    }
+
+    /// Binds a graphics pipeline and the storage buffers it reads, in the order of its layout.
+    pub fn bind(&self, pipeline: &GraphicsPipeline, storage: &[BufferSlice]) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage);
+    }
+
+    /// Binds a compute pipeline and its storage buffers.
+    pub fn bind_compute(&self, pipeline: &ComputePipeline, storage: &[BufferSlice]) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage);
+    }
+
+    fn bind_kind(
+        &self,
+        pipeline: &PipelineKind,
+        point: vk::PipelineBindPoint,
+        storage: &[BufferSlice],
+    ) {
+        let raw = self.device.raw();
+        // SAFETY: a live pipeline of the right kind.
+        unsafe { raw.cmd_bind_pipeline(self.raw, point, pipeline.raw) };
+        if storage.is_empty() {
+            return;
+        }
+        let layouts = [pipeline.storage];
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(self.descriptors)
+            .set_layouts(&layouts);
+        // SAFETY: the pool belongs to this frame slot and was reset after its tick.
+        let set = match unsafe { raw.allocate_descriptor_sets(&info) } {
+            Ok(sets) => sets.first().copied().unwrap_or_default(),
+            Err(code) => {
+                self.failed.set(Some(code));
+                return;
+            }
+        };
+        for (binding, slice) in storage.iter().enumerate() {
+            let buffers = [vk::DescriptorBufferInfo {
+                buffer: slice.raw,
+                offset: slice.offset_bytes,
+                range: slice.size_bytes,
+            }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding as u32)
+                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                .buffer_info(&buffers);
+            // SAFETY: the set is fresh, so no command uses it yet.
+            unsafe { raw.update_descriptor_sets(&[write], &[]) };
+        }
+        // SAFETY: the set was made from this pipeline's layout.
+        unsafe {
+            raw.cmd_bind_descriptor_sets(self.raw, point, pipeline.layout, 0, &[set], &[]);
+        }
+    }
+
+    /// Sets the push constants of a graphics pipeline.
+    pub fn push_constants<T: Pod>(&self, pipeline: &GraphicsPipeline, constants: &T) {
+        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        self.push_kind(&pipeline.0, stages, constants);
+    }
+
+    /// Sets the push constants of a compute pipeline.
+    pub fn push_compute_constants<T: Pod>(&self, pipeline: &ComputePipeline, constants: &T) {
+        self.push_kind(&pipeline.0, vk::ShaderStageFlags::COMPUTE, constants);
+    }
+
+    fn push_kind<T: Pod>(
+        &self,
+        pipeline: &PipelineKind,
+        stages: vk::ShaderStageFlags,
+        constants: &T,
+    ) {
+        debug_assert_eq!(size_of::<T>() as u32, pipeline.push_bytes);
+        let bytes = bytemuck::bytes_of(constants);
+        // SAFETY: the layout has one range of this size for these stages.
+        unsafe {
+            self.device.raw().cmd_push_constants(self.raw, pipeline.layout, stages, 0, bytes);
+        }
+    }
+
+    /// Binds a vertex buffer and, if there is one, a buffer of 32-bit indices.
+    pub fn bind_geometry(&self, vertices: BufferSlice, indices: Option<BufferSlice>) {
+        let raw = self.device.raw();
+        // SAFETY: both buffers live at least until this frame is over.
+        unsafe {
+            let (buffers, offsets) = ([vertices.raw], [vertices.offset_bytes]);
+            raw.cmd_bind_vertex_buffers(self.raw, 0, &buffers, &offsets);
+            if let Some(indices) = indices {
+                let offset = indices.offset_bytes;
+                raw.cmd_bind_index_buffer(self.raw, indices.raw, offset, vk::IndexType::UINT32);
+            }
+        }
+    }
+
+    /// Draws `vertices` vertices of one instance.
+    pub fn draw(&self, vertices: u32, instance: u32) {
+        // SAFETY: a pipeline is bound; what it reads is bounded by the shader's own buffers.
+        unsafe { self.device.raw().cmd_draw(self.raw, vertices, 1, 0, instance) };
+    }
+
+    /// Draws the indexed indirect commands in `draws`, which holds nothing else.
+    pub fn draw_indirect(&self, draws: BufferSlice) {
+        let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+        let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count.max(1));
+        let mut left = draws.size_bytes / u64::from(stride);
+        let mut offset = draws.offset_bytes;
+        while left > 0 {
+            let count = left.min(limit);
+            // SAFETY: multiDrawIndirect is required; the slice lies in its buffer.
+            unsafe {
+                self.device.raw().cmd_draw_indexed_indirect(
+                    self.raw,
+                    draws.raw,
+                    offset,
+                    count as u32,
+                    stride,
+                );
+            }
+            left -= count;
+            offset += count * u64::from(stride);
+        }
+    }
+
+    /// Draws as many of the commands in `draws` as the word in `count` says.
+    pub(crate) fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
+        let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+        let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
+        // SAFETY: drawIndirectCount was checked when this way was chosen; both slices lie in
+        // their buffers.
+        unsafe {
+            self.device.raw().cmd_draw_indexed_indirect_count(
+                self.raw,
+                draws.raw,
+                draws.offset_bytes,
+                count.raw,
+                count.offset_bytes,
+                most,
+                stride,
+            );
+        }
+    }
+
+    /// Runs a compute shader over `groups` workgroups.
+    pub fn dispatch(&self, groups: [u32; 3]) {
+        // SAFETY: a compute pipeline is bound.
+        unsafe { self.device.raw().cmd_dispatch(self.raw, groups[0], groups[1], groups[2]) };
+    }
+
+    /// Copies as much as fits.
+    pub fn copy_buffer(&self, from: BufferSlice, to: BufferSlice) {
+        let region = vk::BufferCopy {
+            src_offset: from.offset_bytes,
+            dst_offset: to.offset_bytes,
+            size: from.size_bytes.min(to.size_bytes),
+        };
+        if region.size > 0 {
+            // SAFETY: both slices lie in their buffers.
+            unsafe { self.device.raw().cmd_copy_buffer(self.raw, from.raw, to.raw, &[region]) };
+        }
+    }
+
+    /// Records what `record` draws under an occlusion query.
+    pub(crate) fn query(&self, pool: vk::QueryPool, query: QueryIndex, record: impl FnOnce(&Self)) {
+        let raw = self.device.raw();
+        // SAFETY: the query was reset at the start of this frame and is used once in it.
+        unsafe { raw.cmd_begin_query(self.raw, pool, query.0, vk::QueryControlFlags::empty()) };
+        record(self);
+        // SAFETY: closes the query opened above.
+        unsafe { raw.cmd_end_query(self.raw, pool, query.0) };
+    }
+}

@@ -1,0 +1,154 @@
+//! What can go wrong between us and the GPU, with the call, the code, and what to do about it.
+
+use ash::vk;
+
+/// An error of the GPU layer. Its text is one sentence for the person in front of the machine.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The Vulkan loader library is not installed.
+    #[error(
+        "no Vulkan loader was found ({0}); install it (on Debian: apt install libvulkan1 mesa-vulkan-drivers)"
+    )]
+    NoLoader(String),
+    /// The loader is there, but it found no driver at all.
+    #[error(
+        "the Vulkan loader found no driver; install one (on Debian: apt install mesa-vulkan-drivers, which needs no GPU)"
+    )]
+    NoDriver,
+    /// The loader itself is older than Vulkan 1.3.
+    #[error("the Vulkan loader speaks {found}, the engine needs 1.3; update libvulkan1")]
+    OldLoader {
+        /// The loader's version, `major.minor`.
+        found: String,
+    },
+    /// Validation was asked for and the layer is not installed.
+    #[error(
+        "the layer {0} is not installed, validation is impossible; install it (on Debian: apt install vulkan-validationlayers) or switch validation off"
+    )]
+    NoValidationLayer(String),
+    /// No device has what the engine needs.
+    #[error("no Vulkan device can run the engine: {refused}")]
+    NoSuitableDevice {
+        /// Each device with what it lacks.
+        refused: String,
+    },
+    /// A device was asked for that is not there.
+    #[error("there is no device '{wanted}'; the devices are: {available}")]
+    UnknownDevice {
+        /// The index or name asked for.
+        wanted: String,
+        /// The list of devices.
+        available: String,
+    },
+    /// The device asked for lacks something required.
+    #[error(
+        "the device {device} lacks {missing}; update its driver or choose another device ({available})"
+    )]
+    DeviceLacks {
+        /// The device's name.
+        device: String,
+        /// The names of the required capabilities that are missing.
+        missing: String,
+        /// The list of devices.
+        available: String,
+    },
+    /// An optional capability was asked for that the device lacks.
+    #[error("the device {device} lacks {missing}, which {wanted} needs")]
+    Unsupported {
+        /// The device's name.
+        device: String,
+        /// The capability it lacks.
+        missing: &'static str,
+        /// What needed it.
+        wanted: &'static str,
+    },
+    /// A size or count is beyond what the device takes.
+    #[error("{what} would be {wanted}, and this device takes at most {limit}")]
+    TooLarge {
+        /// What is too large.
+        what: String,
+        /// How large it would be.
+        wanted: u64,
+        /// The device's limit.
+        limit: u64,
+    },
+    /// A Vulkan call failed.
+    #[error("{call} failed with {code:?}{}", advice(*.code))]
+    Vulkan {
+        /// The Vulkan call.
+        call: &'static str,
+        /// What it returned.
+        code: vk::Result,
+    },
+    /// Memory could not be had.
+    #[error(
+        "no GPU memory for {what} ({size_bytes} bytes): {source}; use fewer objects or a smaller image"
+    )]
+    Memory {
+        /// What the memory was for.
+        what: String,
+        /// How much was asked for.
+        size_bytes: u64,
+        /// The allocator's reason.
+        source: gpu_allocator::AllocationError,
+    },
+    /// The memory allocator could not be set up.
+    #[error("the GPU memory allocator could not start: {0}")]
+    Allocator(gpu_allocator::AllocationError),
+    /// The GPU did not finish in time.
+    #[error(
+        "the GPU did not finish {what} within {seconds} s; it may hang, or the frame is too heavy for this device"
+    )]
+    Timeout {
+        /// What was waited for.
+        what: &'static str,
+        /// How long.
+        seconds: u64,
+    },
+    /// A shader does not compile. The text starts with the file and line.
+    #[error("the shader {name} does not compile:\n{log}")]
+    ShaderCompile {
+        /// The shader's file name.
+        name: String,
+        /// The compiler's messages, `file:line: error: …`.
+        log: String,
+    },
+    /// Bytes that are no SPIR-V.
+    #[error("{name} is not SPIR-V; compile the shaders again")]
+    NotSpirv {
+        /// The shader's name.
+        name: String,
+    },
+}
+
+/// Gives a failed call its name.
+pub(crate) trait Called<T> {
+    fn called(self, call: &'static str) -> Result<T, Error>;
+}
+
+impl<T> Called<T> for Result<T, vk::Result> {
+    fn called(self, call: &'static str) -> Result<T, Error> {
+        self.map_err(|code| Error::Vulkan { call, code })
+    }
+}
+
+fn advice(code: vk::Result) -> &'static str {
+    match code {
+        vk::Result::ERROR_DEVICE_LOST => {
+            ": the driver gave up on the GPU; restart the program, update the driver if it comes back"
+        }
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
+            ": the GPU is out of memory; use fewer objects or a smaller image"
+        }
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+            ": the machine is out of memory; use fewer objects or a smaller image"
+        }
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
+            ": the driver has no Vulkan 1.3; update it, or install mesa-vulkan-drivers"
+        }
+        vk::Result::ERROR_INITIALIZATION_FAILED => {
+            ": the driver could not start; check that the device may be used by this user"
+        }
+        _ => "",
+    }
+}

@@ -1,0 +1,210 @@
+//! The frame ring: N frames in flight, each with its slot; the only wait of a frame loop is here.
+
+use std::rc::Rc;
+
+use ash::vk;
+
+use crate::access::{Access, MemoryBarrier};
+use crate::capabilities::Optional;
+use crate::commands::Commands;
+use crate::deletion::Garbage;
+use crate::device::{Device, WaitFor};
+use crate::error::{Called, Error};
+use crate::timeline::{Tick, Timeline};
+use crate::timing::{PassTime, PassTimer};
+use crate::transfer::{allocate_commands, begin_commands, create_command_pool, end_commands};
+use crate::upload::Uploads;
+
+/// A slot of the ring: what one frame in flight holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SlotIndex(pub usize);
+
+struct Slot {
+    device: Device,
+    pool: vk::CommandPool,
+    descriptors: vk::DescriptorPool,
+    commands: Commands,
+    uploads: Uploads,
+    timer: Option<Rc<PassTimer>>,
+    pass_times: Vec<PassTime>,
+    tick: Tick,
+}
+
+/// N frames in flight.
+pub struct FrameRing {
+    device: Device,
+    slots: Vec<Slot>,
+    next: usize,
+}
+
+/// A frame being recorded. Dropped without [`Frame::submit`], it never happened.
+pub struct Frame<'ring> {
+    ring: &'ring mut FrameRing,
+    slot: SlotIndex,
+}
+
+/// Storage-buffer sets a frame may bind; a frame binds a few per pass.
+const DESCRIPTOR_SETS: u32 = 256;
+/// Storage buffers over all those sets.
+const DESCRIPTORS: u32 = 1024;
+
+impl FrameRing {
+    /// A ring of `frames_in_flight` slots (at least one), without timing.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
+        let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
+        let slots = slots.collect::<Result<_, _>>()?;
+        Ok(Self { device: device.clone(), slots, next: 0 })
+    }
+
+    /// Measures the GPU time of every pass from now on.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
+    pub fn time_passes(&mut self) -> Result<(), Error> {
+        if !self.device.capabilities().has(Optional::Timestamps) {
+            return Err(Error::Unsupported {
+                device: self.device.adapter().name.clone(),
+                missing: Optional::Timestamps.name(),
+                wanted: "timing passes",
+            });
+        }
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            slot.timer =
+                Some(Rc::new(PassTimer::new(&self.device, &format!("pass times {index}"))?));
+        }
+        Ok(())
+    }
+
+    /// The number of slots.
+    pub fn frames_in_flight(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Starts a frame: waits until this slot's frame of N frames ago is over, and frees what
+    /// retired before it.
+    ///
+    /// # Errors
+    /// [`Error::Timeout`], a failed call.
+    pub fn begin(&mut self) -> Result<Frame<'_>, Error> {
+        let index = self.next;
+        let Some(slot) = self.slots.get_mut(index) else {
+            return Err(Error::TooLarge {
+                what: "the frame slot".to_owned(),
+                wanted: index as u64,
+                limit: 0,
+            });
+        };
+        if slot.tick > Tick::ZERO {
+            self.device.wait(slot.tick, WaitFor::Slot)?;
+        }
+        self.device.free_retired()?;
+        slot.restart()?;
+        Ok(Frame { ring: self, slot: SlotIndex(index) })
+    }
+}
+
+impl Slot {
+    fn new(device: &Device, index: usize) -> Result<Self, Error> {
+        let name = format!("frame {index}");
+        let pool = create_command_pool(device, &name)?;
+        let sizes = [vk::DescriptorPoolSize {
+            ty: vk::DescriptorType::STORAGE_BUFFER,
+            descriptor_count: DESCRIPTORS,
+        }];
+        let info =
+            vk::DescriptorPoolCreateInfo::default().max_sets(DESCRIPTOR_SETS).pool_sizes(&sizes);
+        // SAFETY: a plain descriptor pool.
+        let descriptors = unsafe { device.raw().create_descriptor_pool(&info, None) }
+            .called("vkCreateDescriptorPool")?;
+        device.name(descriptors, &name);
+        let buffer = allocate_commands(device, pool, &name)?;
+        Ok(Self {
+            device: device.clone(),
+            pool,
+            descriptors,
+            commands: Commands::for_frame(device, buffer, descriptors, None),
+            uploads: Uploads::new(device, &name),
+            timer: None,
+            pass_times: Vec::new(),
+            tick: Tick::ZERO,
+        })
+    }
+
+    /// Makes the slot ready to record; its tick is over.
+    fn restart(&mut self) -> Result<(), Error> {
+        let raw = self.device.raw();
+        // SAFETY: the slot's tick is over, so nothing of it is in use.
+        unsafe {
+            raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .called("vkResetCommandPool")?;
+            raw.reset_descriptor_pool(self.descriptors, vk::DescriptorPoolResetFlags::empty())
+                .called("vkResetDescriptorPool")?;
+        }
+        if let Some(timer) = &self.timer
+            && self.tick > Tick::ZERO
+        {
+            timer.read(&mut self.pass_times);
+        }
+        self.uploads.reset()?;
+        let (buffer, descriptors) = (self.commands.raw(), self.descriptors);
+        begin_commands(&self.device, buffer)?;
+        let timer = self.timer.clone();
+        self.commands = Commands::for_frame(&self.device, buffer, descriptors, timer);
+        if let Some(timer) = &self.timer {
+            timer.reset(&self.commands);
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        self.device.retire(Garbage::DescriptorPool(self.descriptors));
+        self.device.retire(Garbage::CommandPool(self.pool));
+    }
+}
+
+impl Frame<'_> {
+    /// The slot of this frame. What belongs to the slot is free to use again.
+    pub fn slot(&self) -> SlotIndex {
+        self.slot
+    }
+
+    /// What this frame records into.
+    pub fn commands(&self) -> &Commands {
+        &self.ring.slots[self.slot.0].commands
+    }
+
+    /// This frame's upload memory.
+    pub fn uploads(&mut self) -> &mut Uploads {
+        &mut self.ring.slots[self.slot.0].uploads
+    }
+
+    /// The GPU times of the frame that used this slot before, N frames ago. Empty without timing.
+    pub fn pass_times(&self) -> &[PassTime] {
+        &self.ring.slots[self.slot.0].pass_times
+    }
+
+    /// Submits the frame and returns its tick. It starts on the GPU once `after`, if given, is
+    /// reached; the CPU does not wait.
+    ///
+    /// # Errors
+    /// What failed while recording, or a failed call.
+    pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+        let slot = &mut self.ring.slots[self.slot.0];
+        slot.commands.check()?;
+        if let Some(timer) = &slot.timer {
+            timer.read_back(&slot.commands);
+            let visible = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
+            slot.commands.barrier(visible);
+        }
+        end_commands(&slot.device, slot.commands.raw())?;
+        slot.tick = slot.device.submit(slot.commands.raw(), after)?;
+        let tick = slot.tick;
+        self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
+        Ok(tick)
+    }
+}

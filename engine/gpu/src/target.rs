@@ -1,0 +1,249 @@
+//! An offscreen target: colour and depth to draw to, and buffers to read the picture back.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+
+use crate::access::{Access, LayoutChange};
+use crate::buffer::{Buffer, Place, allocate, free};
+use crate::commands::{Commands, RenderTarget};
+use crate::deletion::Garbage;
+use crate::device::Device;
+use crate::error::{Called, Error};
+
+/// Colour: eight bits a channel, sRGB-encoded by the hardware.
+pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+/// Depth: 32-bit float, reversed, so that precision is even over all distances.
+pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
+
+struct Image {
+    device: Device,
+    raw: vk::Image,
+    view: vk::ImageView,
+    allocation: Option<gpu_allocator::vulkan::Allocation>,
+}
+
+/// A colour and a depth image of one size.
+pub struct Target {
+    colour: Image,
+    depth: Image,
+    size: [u32; 2],
+    // What the images were last used for, by the frames in the order of their submits.
+    colour_access: Access,
+    depth_access: Access,
+}
+
+/// A picture on its way to the CPU.
+pub struct Readback {
+    buffer: Buffer,
+    size: [u32; 2],
+}
+
+impl Target {
+    /// A target of `size` pixels.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; no memory.
+    pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
+        let limits = &device.adapter().limits;
+        let largest = limits
+            .max_image_dimension2_d
+            .min(limits.max_framebuffer_width)
+            .min(limits.max_framebuffer_height)
+            .min(limits.max_viewport_dimensions[0])
+            .min(limits.max_viewport_dimensions[1]);
+        for (side, what) in
+            size.into_iter().zip(["the width of the image", "the height of the image"])
+        {
+            if side == 0 || side > largest {
+                return Err(Error::TooLarge {
+                    what: what.to_owned(),
+                    wanted: side.into(),
+                    limit: largest.into(),
+                });
+            }
+        }
+        let colour_usage =
+            vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+        let depth_usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
+        let image = |what, format, usage, aspect| {
+            Image::new(device, &format!("{name} {what}"), size, format, usage, aspect)
+        };
+        Ok(Self {
+            colour: image("colour", COLOUR_FORMAT, colour_usage, colour)?,
+            depth: image("depth", DEPTH_FORMAT, depth_usage, depth)?,
+            size,
+            colour_access: Access::Nothing,
+            depth_access: Access::Nothing,
+        })
+    }
+
+    /// Its size in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Makes both images ready to be drawn to, after whatever they were used for before. Between
+    /// two renderings too: dynamic rendering orders nothing by itself.
+    pub fn prepare(&mut self, commands: &Commands) {
+        let colour =
+            self.colour.change(vk::ImageAspectFlags::COLOR, self.colour_access, Access::Colour);
+        let depth =
+            self.depth.change(vk::ImageAspectFlags::DEPTH, self.depth_access, Access::Depth);
+        commands.change_layouts([colour, depth]);
+        self.colour_access = Access::Colour;
+        self.depth_access = Access::Depth;
+    }
+
+    /// What to draw to, starting from a colour and the far depth, or from what is there.
+    pub fn render_target(&self, clear: Option<[f32; 4]>) -> RenderTarget {
+        const FAR: f32 = 0.0; // reversed depth
+        RenderTarget {
+            colour: self.colour.view,
+            depth: self.depth.view,
+            size: self.size,
+            clear: clear.map(|colour| (colour, FAR)),
+        }
+    }
+
+    /// Copies the colour image to `readback`. The last use of the target in a frame.
+    pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
+        let change =
+            self.colour.change(vk::ImageAspectFlags::COLOR, self.colour_access, Access::CopyRead);
+        commands.change_layouts([change]);
+        self.colour_access = Access::CopyRead;
+        let [width, height] = self.size;
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
+        let to = readback.buffer.whole();
+        if readback.size == self.size {
+            // SAFETY: the buffer holds exactly this image; it is in the layout named.
+            unsafe {
+                commands.device().raw().cmd_copy_image_to_buffer(
+                    commands.raw(),
+                    self.colour.raw,
+                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                    to.raw,
+                    &[region],
+                );
+            }
+        }
+        let home = crate::access::MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
+        commands.barrier(home);
+    }
+}
+
+impl Readback {
+    /// Room for one picture of `size` pixels.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn new(device: &Device, size: [u32; 2]) -> Result<Self, Error> {
+        let size_bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        let buffer = Buffer::new(device, "picture", size_bytes, usage, Place::ReadBack)?;
+        Ok(Self { buffer, size })
+    }
+
+    /// Its size in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The picture: rows from the top, four bytes a pixel, sRGB. Once the frame's tick is over.
+    pub fn rgba8(&self) -> &[u8] {
+        self.buffer.read(0..self.size[0] as usize * self.size[1] as usize * 4)
+    }
+}
+
+impl Image {
+    fn new(
+        device: &Device,
+        name: &str,
+        size: [u32; 2],
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+        aspect: vk::ImageAspectFlags,
+    ) -> Result<Self, Error> {
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(format)
+            .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .usage(usage);
+        // SAFETY: the size is within the limits, checked by the caller.
+        let raw = unsafe { device.raw().create_image(&info, None) }.called("vkCreateImage")?;
+        device.name(raw, name);
+        // SAFETY: just made.
+        let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
+        let made = allocate(device, name, requirements, MemoryLocation::GpuOnly, false).and_then(
+            |memory| {
+                let view = bind_and_view(device, raw, &memory, format, aspect);
+                match view {
+                    Ok(view) => Ok((view, memory)),
+                    Err(error) => {
+                        free(device, memory);
+                        Err(error)
+                    }
+                }
+            },
+        );
+        match made {
+            Ok((view, memory)) => {
+                device.name(view, name);
+                Ok(Self { device: device.clone(), raw, view, allocation: Some(memory) })
+            }
+            Err(error) => {
+                // SAFETY: never used.
+                unsafe { device.raw().destroy_image(raw, None) };
+                Err(error)
+            }
+        }
+    }
+
+    fn change(&self, aspect: vk::ImageAspectFlags, from: Access, to: Access) -> LayoutChange {
+        LayoutChange::new(self.raw, aspect, from, to)
+    }
+}
+
+fn bind_and_view(
+    device: &Device,
+    image: vk::Image,
+    memory: &gpu_allocator::vulkan::Allocation,
+    format: vk::Format,
+    aspect: vk::ImageAspectFlags,
+) -> Result<vk::ImageView, Error> {
+    let info = vk::ImageViewCreateInfo::default()
+        .image(image)
+        .view_type(vk::ImageViewType::TYPE_2D)
+        .format(format)
+        .subresource_range(vk::ImageSubresourceRange {
+            aspect_mask: aspect,
+            level_count: 1,
+            layer_count: 1,
+            ..Default::default()
+        });
+    // SAFETY: fresh memory that fits the image's requirements; the view is made after binding.
+    unsafe {
+        device
+            .raw()
+            .bind_image_memory(image, memory.memory(), memory.offset())
+            .called("vkBindImageMemory")?;
+        device.raw().create_image_view(&info, None).called("vkCreateImageView")
+    }
+}
+
+impl Drop for Image {
+    fn drop(&mut self) {
+        if let Some(allocation) = self.allocation.take() {
+            self.device.retire(Garbage::Image(self.raw, self.view, allocation));
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! GPU time per pass: timestamps around each pass, read frames later from mapped memory.
+
+use std::cell::RefCell;
+
+use ash::vk;
+
+use crate::buffer::{Buffer, Place};
+use crate::commands::Commands;
+use crate::deletion::Garbage;
+use crate::device::Device;
+use crate::error::{Called, Error};
+
+/// How long a pass took on the GPU.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PassTime {
+    /// The pass's label, the same in the debugger.
+    pub label: &'static str,
+    /// Its time in milliseconds.
+    pub gpu_ms: f64,
+}
+
+/// Timestamps of one frame slot.
+pub(crate) struct PassTimer {
+    device: Device,
+    pool: vk::QueryPool,
+    results: Buffer,
+    labels: RefCell<Vec<&'static str>>,
+    ns_per_step: f64,
+    mask: u64,
+    needs_full_barriers: bool,
+}
+
+/// More passes than this in a frame go untimed.
+const PASSES: u32 = 32;
+
+impl PassTimer {
+    pub(crate) fn new(device: &Device, name: &str) -> Result<Self, Error> {
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(2 * PASSES);
+        // SAFETY: a plain query pool.
+        let pool =
+            unsafe { device.raw().create_query_pool(&info, None) }.called("vkCreateQueryPool")?;
+        device.name(pool, name);
+        let size_bytes = u64::from(2 * PASSES) * 8;
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        let results = Buffer::new(device, name, size_bytes, usage, Place::ReadBack)?;
+        let adapter = device.adapter();
+        Ok(Self {
+            device: device.clone(),
+            pool,
+            results,
+            labels: RefCell::new(Vec::new()),
+            ns_per_step: f64::from(adapter.limits.timestamp_period),
+            mask: u64::MAX >> (64 - adapter.timestamp_bits.clamp(1, 64)),
+            needs_full_barriers: adapter.is_software(),
+        })
+    }
+
+    /// The times of the slot's last frame, which is over.
+    pub(crate) fn read(&self, times: &mut Vec<PassTime>) {
+        times.clear();
+        let stamps = self.results.read::<u64>(0..2 * PASSES as usize);
+        for (label, pair) in self.labels.borrow().iter().zip(stamps.chunks_exact(2)) {
+            let [begin, end] = [pair[0] & self.mask, pair[1] & self.mask];
+            let steps = end.wrapping_sub(begin) & self.mask;
+            times.push(PassTime { label, gpu_ms: steps as f64 * self.ns_per_step * 1e-6 });
+        }
+    }
+
+    pub(crate) fn reset(&self, commands: &Commands) {
+        self.labels.borrow_mut().clear();
+        // SAFETY: the slot's tick is over, so no query is in use.
+        unsafe {
+            self.device.raw().cmd_reset_query_pool(commands.raw(), self.pool, 0, 2 * PASSES);
+        }
+    }
+
+    pub(crate) fn begin(&self, commands: &Commands, label: &'static str) {
+        let mut labels = self.labels.borrow_mut();
+        labels.push(label);
+        if labels.len() <= PASSES as usize {
+            self.stamp(commands, 2 * (labels.len() as u32 - 1));
+        }
+    }
+
+    pub(crate) fn end(&self, commands: &Commands) {
+        let passes = self.labels.borrow().len() as u32;
+        if passes <= PASSES {
+            self.stamp(commands, 2 * passes - 1);
+        }
+    }
+
+    /// Copies the stamps to mapped memory. The last command of a frame.
+    pub(crate) fn read_back(&self, commands: &Commands) {
+        let stamps = 2 * (self.labels.borrow().len() as u32).min(PASSES);
+        if stamps == 0 {
+            return;
+        }
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+        let to = self.results.whole();
+        // SAFETY: these queries were written in this frame; the buffer holds all of them.
+        unsafe {
+            self.device.raw().cmd_copy_query_pool_results(
+                commands.raw(),
+                self.pool,
+                0,
+                stamps,
+                to.raw,
+                to.offset_bytes,
+                8,
+                flags,
+            );
+        }
+    }
+
+    fn stamp(&self, commands: &Commands, query: u32) {
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        if self.needs_full_barriers {
+            self.full_barrier(commands);
+        }
+        // SAFETY: the query was reset at the start of this frame.
+        unsafe {
+            self.device.raw().cmd_write_timestamp2(commands.raw(), all, self.pool, query);
+        }
+        if self.needs_full_barriers {
+            self.full_barrier(commands);
+        }
+    }
+
+    /// lavapipe shifts a timestamp by one pass unless everything is flushed before and after it.
+    fn full_barrier(&self, commands: &Commands) {
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let barriers = [vk::MemoryBarrier2::default().src_stage_mask(all).dst_stage_mask(all)];
+        let info = vk::DependencyInfo::default().memory_barriers(&barriers);
+        // SAFETY: outside of rendering, as passes are.
+        unsafe { self.device.raw().cmd_pipeline_barrier2(commands.raw(), &info) };
+    }
+}
+
+impl Drop for PassTimer {
+    fn drop(&mut self) {
+        self.device.retire(Garbage::QueryPool(self.pool));
+    }
+}

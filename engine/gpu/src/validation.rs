@@ -1,0 +1,104 @@
+//! The validation log: what the layers said, kept until a test drains it.
+
+use std::ffi::{CStr, c_void};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use ash::vk;
+
+/// One message of a validation layer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// The layer's name for the rule, such as `VUID-vkCmdDraw-None-02699`.
+    pub id: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// Everything the validation layers had to say, in order. Clones share one log.
+#[derive(Debug, Clone, Default)]
+pub struct ValidationLog {
+    messages: Arc<Mutex<Vec<Message>>>,
+}
+
+/// More messages than this are counted by the layers themselves; the first ones tell the story.
+const MESSAGES_KEPT: usize = 10_000;
+
+impl ValidationLog {
+    /// Takes out all messages since the last call.
+    pub fn drain(&self) -> Vec<Message> {
+        std::mem::take(&mut *self.lock())
+    }
+
+    /// The number of messages waiting.
+    pub fn len(&self) -> usize {
+        self.lock().len()
+    }
+
+    /// Whether no message waits.
+    pub fn is_empty(&self) -> bool {
+        self.lock().is_empty()
+    }
+
+    fn push(&self, message: Message) {
+        let mut messages = self.lock();
+        if messages.len() < MESSAGES_KEPT {
+            messages.push(message);
+        }
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, Vec<Message>> {
+        self.messages.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What the messenger needs: the callback and, as its user data, this log.
+    /// The log must outlive the messenger; [`crate::Instance`] holds it in a box for that.
+    pub(crate) fn messenger_info(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'_> {
+        vk::DebugUtilsMessengerCreateInfoEXT::default()
+            .message_severity(
+                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
+                    | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
+            )
+            .message_type(
+                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE
+                    | vk::DebugUtilsMessageTypeFlagsEXT::GENERAL,
+            )
+            .pfn_user_callback(Some(on_message))
+            .user_data(std::ptr::from_ref(log).cast_mut().cast())
+    }
+}
+
+unsafe extern "system" fn on_message(
+    _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    kind: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    user_data: *mut c_void,
+) -> vk::Bool32 {
+    if data.is_null() || user_data.is_null() {
+        return vk::FALSE;
+    }
+    // SAFETY: the loader passes valid callback data for the length of the call.
+    let data = unsafe { &*data };
+    // SAFETY: user_data is the boxed log of the instance, which outlives its messenger.
+    let log = unsafe { &*user_data.cast::<ValidationLog>() };
+    // SAFETY: both strings are null or null-terminated and live for the call.
+    let (id, text) = unsafe { (text_of(data.p_message_id_name), text_of(data.p_message)) };
+    if kind == vk::DebugUtilsMessageTypeFlagsEXT::GENERAL {
+        // The loader's own talk (a manifest it could not read): no statement about our calls.
+        tracing::debug!(target: "vulkan", "{id}: {text}");
+    } else {
+        tracing::warn!(target: "vulkan", "{id}: {text}");
+        log.push(Message { id, text });
+    }
+    vk::FALSE
+}
+
+/// # Safety
+/// `text` is null or points to a null-terminated string.
+unsafe fn text_of(text: *const std::ffi::c_char) -> String {
+    if text.is_null() {
+        return String::new();
+    }
+    // SAFETY: not null, and null-terminated by the caller's promise.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+}

@@ -1,0 +1,16 @@
+// What the vertex shaders know of an object: one entry per leaf, in depth-first order of the hierarchy.
+
+struct Instance {
+    vec4 rows[3]; // object to world, row-major 3x4
+    vec4 tint;    // linear, multiplied with the vertex colour
+};
+
+vec3 to_world(Instance instance, vec3 position) {
+    vec4 p = vec4(position, 1.0);
+    return vec3(dot(instance.rows[0], p), dot(instance.rows[1], p), dot(instance.rows[2], p));
+}
+
+vec3 direction_to_world(Instance instance, vec3 direction) {
+    return vec3(dot(instance.rows[0].xyz, direction), dot(instance.rows[1].xyz, direction),
+                dot(instance.rows[2].xyz, direction));
+}

@@ -1,0 +1,26 @@
+// The opaque pass: places an object's vertices.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "instance.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 normal; // snorm, w unused
+layout(location = 2) in vec4 colour; // linear after the hardware's unorm conversion
+
+layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
+
+layout(push_constant) uniform Constants {
+    mat4 view_proj;
+    vec4 towards_light;
+    vec4 ambient;
+};
+
+layout(location = 0) out vec3 world_normal;
+layout(location = 1) out vec3 albedo;
+
+void main() {
+    Instance instance = instances[gl_InstanceIndex];
+    gl_Position = view_proj * vec4(to_world(instance, position), 1.0);
+    world_normal = direction_to_world(instance, normal.xyz);
+    albedo = colour.rgb * instance.tint.rgb;
+}

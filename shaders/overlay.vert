@@ -1,0 +1,16 @@
+// The overlay of the bird's-eye view: coloured triangles and lines in the world.
+#version 460
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 colour;
+
+layout(push_constant) uniform Constants {
+    mat4 view_proj;
+};
+
+layout(location = 0) out vec4 passed_colour;
+
+void main() {
+    gl_Position = view_proj * vec4(position, 1.0);
+    passed_colour = colour;
+}

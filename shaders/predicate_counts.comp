@@ -1,0 +1,26 @@
+// Turns the word of each query into a draw count: 0 if nothing showed, else the whole range.
+#version 460
+
+layout(local_size_x = 64) in;
+
+struct DrawRange {
+    uint first;
+    uint count;
+};
+
+layout(std430, binding = 0) readonly buffer Words { uint words[]; };
+layout(std430, binding = 1) readonly buffer Ranges { DrawRange ranges[]; };
+layout(std430, binding = 2) writeonly buffer Counts { uint counts[]; };
+
+layout(push_constant) uniform Constants {
+    uint first_word;
+    uint word_count;
+};
+
+void main() {
+    if (gl_GlobalInvocationID.x >= word_count) {
+        return;
+    }
+    uint word = first_word + gl_GlobalInvocationID.x;
+    counts[word] = words[word] != 0 ? ranges[word].count : 0;
+}
