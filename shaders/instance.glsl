@@ -2,7 +2,7 @@
 
 struct Instance {
     vec4 rows[3]; // object to world, row-major 3x4
-    vec4 tint;    // linear, multiplied with the vertex colour
+    vec4 tint;    // linear; the vertex colour says how much of it shows
 };
 
 vec3 to_world(Instance instance, vec3 position) {

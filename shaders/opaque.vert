@@ -2,18 +2,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
+#include "opaque_constants.glsl"
 
 layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 normal; // snorm, w unused
-layout(location = 2) in vec4 colour; // linear after the hardware's unorm conversion
+layout(location = 1) in vec4 normal; // w unused
+layout(location = 2) in vec4 colour; // linear; alpha is the share of the object's tint
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
-
-layout(push_constant) uniform Constants {
-    mat4 view_proj;
-    vec4 towards_light;
-    vec4 ambient;
-};
 
 layout(location = 0) out vec3 world_normal;
 layout(location = 1) out vec3 albedo;
@@ -22,5 +17,5 @@ void main() {
     Instance instance = instances[gl_InstanceIndex];
     gl_Position = view_proj * vec4(to_world(instance, position), 1.0);
     world_normal = direction_to_world(instance, normal.xyz);
-    albedo = colour.rgb * instance.tint.rgb;
+    albedo = colour.rgb * mix(vec3(1.0), instance.tint.rgb, colour.a);
 }

@@ -1,1 +1,23 @@
-//! samples
+//! What the sample programs share: options, measuring, reports, pictures.
+//!
+//! The `walkthrough` program, step by step: [`args`] turns its command line into [`Options`],
+//! [`outputs`] makes sure that what it will write can be written, [`run`] draws the frames that
+//! [`schedule`] orders and measures them with [`measurement`], [`report`] and [`table`] tell.
+#![forbid(unsafe_code)]
+
+pub mod args;
+pub mod choices;
+pub mod measurement;
+pub mod memory;
+pub mod options;
+pub mod outputs;
+pub mod picture;
+pub mod progress;
+pub mod report;
+pub mod run;
+pub mod schedule;
+pub mod statistics;
+pub mod strategy;
+pub mod table;
+
+pub use options::Options;

@@ -1,1 +1,79 @@
-//! tests
+//! The harness of the GPU tests: a device per test, and any validation message fails it.
+//!
+//! A missing driver or layer fails a test: a test that passes because nothing ran proves nothing.
+// A harness fails by panicking.
+#![allow(clippy::panic, clippy::expect_used)]
+#![forbid(unsafe_code)]
+
+pub mod shapes;
+
+use std::time::Duration;
+
+use gpu::{Device, DeviceOptions, Instance, InstanceOptions, Message, Validation};
+
+/// A software driver that every machine can have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Driver {
+    /// Mesa's, with conditional rendering.
+    Lavapipe,
+    /// Google's, with less: no conditional rendering, no draw counts.
+    SwiftShader,
+}
+
+impl Driver {
+    /// Both.
+    pub const ALL: [Driver; 2] = [Driver::Lavapipe, Driver::SwiftShader];
+
+    /// A part of its device's name.
+    pub fn device_name(self) -> &'static str {
+        match self {
+            Driver::Lavapipe => "llvmpipe",
+            Driver::SwiftShader => "SwiftShader",
+        }
+    }
+}
+
+/// An instance with synchronization validation and a device of `driver`.
+pub fn open(driver: Driver) -> (Instance, Device) {
+    let instance = instance();
+    let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap_or_else(|error| {
+        panic!("{error}\nRun `ci/setup --tests` and `. ci/env` first: these tests need {driver:?}.")
+    });
+    // Short, so that a test that fails while it holds the GPU back ends soon.
+    let options = DeviceOptions { wait_bound: Duration::from_secs(60), ..Default::default() };
+    let device = Device::new(&instance, &adapter, &options);
+    (instance, device.expect("a device"))
+}
+
+/// An instance with synchronization validation.
+pub fn instance() -> Instance {
+    let options = InstanceOptions {
+        application: "tests".to_owned(),
+        validation: Validation::Synchronization,
+    };
+    let entry = gpu::load_entry().unwrap_or_else(|error| panic!("{error}"));
+    Instance::new(entry, &options).unwrap_or_else(|error| {
+        panic!("{error}\nRun `ci/setup --tests` first: these tests need the validation layer.")
+    })
+}
+
+/// Runs `test` on `driver` and returns what the layers said until everything was torn down.
+pub fn messages_of(driver: Driver, test: impl FnOnce(&Device)) -> Vec<Message> {
+    let (instance, device) = open(driver);
+    test(&device);
+    drop(device);
+    instance.validation_log().drain()
+}
+
+/// Runs `test` on `driver`; any validation message fails it.
+pub fn run(driver: Driver, test: impl FnOnce(&Device)) {
+    let messages = messages_of(driver, test);
+    assert!(messages.is_empty(), "the validation layer said on {driver:?}: {messages:#?}");
+}
+
+/// Runs `test` on both drivers.
+pub fn run_on_all(test: impl Fn(&Device)) {
+    for driver in Driver::ALL {
+        run(driver, &test);
+    }
+}

@@ -1,1 +1,93 @@
-//! cull
+//! What to draw and what to ask: coherent occlusion culling as pure values.
+//!
+//! A [`Culler`] turns what it learned of earlier frames into a [`FramePlan`]: leaves to draw at
+//! once, and a *frontier* of proxies to test, each with the contiguous range of leaves to draw in
+//! the same frame if a sample of it shows. The answers come back frames later, or never, and only
+//! steer what the next plans cost: an object that owns a pixel is drawn in any case, because
+//! whatever is not drawn at once lies under a proxy that is tested now. The method follows
+//! Bittner and Wimmer's coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU
+//! Gems 2, chapter 6), with predicates on the GPU in place of waiting on the CPU.
+//!
+//! Nothing here knows Vulkan, reads a clock, or allocates in a steady frame, and equal inputs make
+//! equal plans.
+//!
+//! - [`Hierarchy`]: the tree over the objects' boxes. Every subtree is one range of leaves.
+//! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] says how large a
+//!   proxy must be, and why that is enough.
+//! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once a frame.
+//! - [`Policy`]: all constants. They change costs, never the image.
+//!
+//! # Example
+//!
+//! A wall with a hundred things behind it. In this example the GPU's part is played by a closure:
+//! only the wall shows.
+//!
+//! ```
+//! use antumbra_cull::{
+//!     Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, Policy, Strategy, View,
+//! };
+//! use glam::Vec3;
+//!
+//! let wall = Aabb::new(Vec3::new(-20.0, -20.0, -6.0), Vec3::new(20.0, 20.0, -5.0));
+//! let behind = (0..100).map(|n| {
+//!     let corner = Vec3::new((n % 10) as f32 - 5.0, 0.0, -8.0 - (n / 10) as f32);
+//!     Aabb::new(corner, corner + 0.5)
+//! });
+//! let boxes: Vec<Aabb> = std::iter::once(wall).chain(behind).collect();
+//! let hierarchy = Hierarchy::build(&boxes)?;
+//! let camera = Camera {
+//!     eye: Vec3::ZERO,
+//!     forward: Vec3::NEG_Z,
+//!     up: Vec3::Y,
+//!     fov_y: 1.0,
+//!     near: 0.1,
+//! };
+//! let view = View::new(&camera, [1280, 720], 8);
+//!
+//! let mut culler = Culler::new(Policy::default());
+//! let mut plan = FramePlan::default();
+//! let mut answers: Vec<Answer> = Vec::new();
+//! let shows = |node| hierarchy.bounds(node).max.z > -7.0;
+//! for _ in 0..100 {
+//!     culler.ingest(&hierarchy, answers.drain(..));
+//!     culler.plan(&hierarchy, Strategy::Antumbra, &view, 1_000, &mut plan);
+//!     // The GPU draws `draws` and `queried_draws`, then tests and draws round by round.
+//!     let tested = plan.tests.iter().map(|test| test.tag);
+//!     let queried = plan.queried_draws.iter().map(|(_, tag)| *tag);
+//!     answers.extend(tested.chain(queried).map(|tag| Answer {
+//!         tag,
+//!         samples: u32::from(shows(tag.node)),
+//!     }));
+//! }
+//! // The wall is drawn; all that is hidden costs a handful of queries and no draw.
+//! assert_eq!(plan.draws.len() + plan.queried_draws.len(), 1);
+//! assert!(plan.tests.len() < 10);
+//! assert_eq!(plan.tests.iter().map(|test| test.leaves.count).sum::<u32>(), 100);
+//! # Ok::<(), antumbra_cull::HierarchyError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod bounds;
+mod camera;
+mod culler;
+mod frustum;
+mod hierarchy;
+mod ids;
+mod margin;
+mod plan;
+mod policy;
+mod rng;
+mod strategy;
+mod view;
+
+pub use bounds::Aabb;
+pub use camera::Camera;
+pub use culler::{Culler, NodeState};
+pub use frustum::{Containment, Frustum, PlaneMask};
+pub use hierarchy::{Hierarchy, HierarchyError, MAX_COORDINATE, MAX_OBJECTS};
+pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
+pub use margin::Margin;
+pub use plan::{Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag};
+pub use policy::Policy;
+pub use strategy::{Strategy, UnknownStrategy};
+pub use view::View;

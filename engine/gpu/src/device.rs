@@ -201,12 +201,8 @@ impl Device {
             WaitFor::Drain => (&self.shared.other_waits, "the work in flight"),
         };
         counter.fetch_add(1, Ordering::Relaxed);
-        let (semaphores, values) = ([self.shared.timeline], [tick.0]);
-        let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
         let bound = self.shared.wait_bound;
-        let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(u64::MAX / 2);
-        // SAFETY: the device's own timeline.
-        match unsafe { self.raw().wait_semaphores(&info, bound_ns) } {
+        match wait_bounded(self.raw(), self.shared.timeline, tick, bound) {
             Err(vk::Result::TIMEOUT) => Err(Error::Timeout { what, seconds: bound.as_secs() }),
             other => other.called("vkWaitSemaphores"),
         }
@@ -333,8 +329,14 @@ impl DeviceShared {
 
 impl Drop for DeviceShared {
     fn drop(&mut self) {
-        // SAFETY: nobody else holds the device. A lost device cannot be waited for; going on is
-        // all that is left then.
+        // vkDeviceWaitIdle knows no bound, so the timeline is waited for first. Work that never
+        // ends keeps its objects: destroying what the GPU still uses would be worse.
+        let newest = Tick(self.submitted.load(Ordering::Acquire));
+        if let Err(code) = wait_bounded(&self.raw, self.timeline, newest, self.wait_bound) {
+            tracing::error!("the GPU did not finish ({code:?}); the device is left as it is");
+            return;
+        }
+        // SAFETY: nobody else holds the device.
         if let Err(code) = unsafe { self.raw.device_wait_idle() } {
             tracing::error!("vkDeviceWaitIdle failed with {code:?} while closing the device");
         }
@@ -367,6 +369,19 @@ impl Drop for DeviceShared {
             Arc::strong_count(&self.instance)
         );
     }
+}
+
+fn wait_bounded(
+    device: &ash::Device,
+    timeline: vk::Semaphore,
+    tick: Tick,
+    bound: Duration,
+) -> Result<(), vk::Result> {
+    let (semaphores, values) = ([timeline], [tick.0]);
+    let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
+    let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(u64::MAX / 2);
+    // SAFETY: the device's own timeline.
+    unsafe { device.wait_semaphores(&info, bound_ns) }
 }
 
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

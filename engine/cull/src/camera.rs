@@ -1,0 +1,20 @@
+//! Where the eye is and what it sees: the input of a view.
+
+use glam::Vec3;
+
+/// A perspective camera in a right-handed world.
+///
+/// Values that describe no camera are repaired by [`View::new`](crate::View::new), which says how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Position of the eye (metres).
+    pub eye: Vec3,
+    /// Direction of sight; any length but 0.
+    pub forward: Vec3,
+    /// What is up; not parallel to `forward`.
+    pub up: Vec3,
+    /// The full vertical angle of sight (radians), inside 0 to pi.
+    pub fov_y: f32,
+    /// Distance of the near plane along `forward` (metres), above 0. There is no far plane.
+    pub near: f32,
+}

@@ -1,0 +1,69 @@
+//! What is remembered of one node.
+
+use std::num::NonZeroU32;
+
+/// What is known of a node in a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum NodeState {
+    /// Never asked, or what was known is void.
+    #[default]
+    Unknown,
+    /// A leaf that showed, or an inner node with something below that did.
+    Visible,
+    /// Nothing of it showed when it was last asked.
+    Hidden,
+}
+
+/// A frame in 32 bits, counted from the culler's epoch; 0 stands for never.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Stamp(u32);
+
+impl Stamp {
+    pub(super) const NEVER: Self = Self(0);
+    pub(super) const FIRST: Self = Self(1);
+
+    /// `None` for 0 and for what does not fit.
+    pub(super) fn new(frames: u64) -> Option<Self> {
+        let frames = NonZeroU32::new(u32::try_from(frames).ok()?)?;
+        Some(Self(frames.get()))
+    }
+
+    pub(super) const fn plus(self, frames: u32) -> Self {
+        Self(self.0.saturating_add(frames))
+    }
+
+    /// Frames from `earlier` to here; 0 if it is later.
+    pub(super) const fn since(self, earlier: Self) -> u32 {
+        self.0.saturating_sub(earlier.0)
+    }
+}
+
+/// The history of one node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Record {
+    pub(super) state: NodeState,
+    /// Leaves: own-draw tests that succeeded one after the other. Inner nodes: probes that failed.
+    pub(super) streak: u8,
+    /// Leaves: how often it showed soon after it did not.
+    pub(super) flips: u8,
+    /// The frame whose answer brought the state about.
+    pub(super) since: Stamp,
+    /// When the traversal last came here.
+    pub(super) visited: Stamp,
+    /// The youngest frame that is known to have answered.
+    pub(super) answered: Stamp,
+    /// Visible leaves: when to test the own draw. Open inner nodes: when to probe.
+    pub(super) due: Stamp,
+}
+
+impl Record {
+    /// True if the traversal came here lately.
+    pub(super) fn is_fresh(&self, now: Stamp, stale_frames: u32) -> bool {
+        self.visited != Stamp::NEVER && now.since(self.visited) <= stale_frames
+    }
+
+    /// For how long it has been watched and was hidden; time out of sight does not count.
+    pub(super) fn hidden_frames(&self) -> u32 {
+        self.visited.since(self.since)
+    }
+}

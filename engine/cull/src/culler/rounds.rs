@@ -1,0 +1,65 @@
+//! Cuts the tests of a frame into slabs, front to back, each tested against the depth that the
+//! draws of the one before left.
+
+use std::ops::Range;
+
+use crate::policy::Policy;
+
+/// Fills `rounds` with ranges that cover `0..tests`. After a cut each is twice as long as the one
+/// before; in a calm frame they are equal.
+pub(super) fn split(tests: usize, is_cut: bool, policy: &Policy, rounds: &mut Vec<Range<usize>>) {
+    rounds.clear();
+    let wished = if is_cut { policy.rounds_cut } else { policy.rounds_calm };
+    let worth = tests / (policy.round_tests_min.max(1) as usize);
+    let count = (wished.min(16) as usize).min(worth).max(1);
+    let weight = |round: usize| if is_cut { 1_usize << round } else { 1 };
+    let total: usize = (0..count).map(weight).sum();
+    let mut passed = 0;
+    let mut start = 0;
+    for round in 0..count {
+        passed += weight(round);
+        let end = if round + 1 == count {
+            tests
+        } else {
+            (tests as u64 * passed as u64 / total as u64) as usize
+        };
+        if end > start {
+            rounds.push(start..end);
+            start = end;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rounds(tests: usize, is_cut: bool) -> Vec<Range<usize>> {
+        let mut rounds = Vec::new();
+        split(tests, is_cut, &Policy::default(), &mut rounds);
+        rounds
+    }
+
+    #[test]
+    fn slabs_are_contiguous_and_complete() {
+        for tests in 0..200 {
+            for is_cut in [false, true] {
+                let rounds = rounds(tests, is_cut);
+                let mut next = 0;
+                for round in &rounds {
+                    assert_eq!(round.start, next);
+                    assert!(round.end > round.start);
+                    next = round.end;
+                }
+                assert_eq!(next, tests);
+            }
+        }
+    }
+
+    #[test]
+    fn slabs_double_after_a_cut_only() {
+        assert_eq!(rounds(150, true), [0..10, 10..30, 30..70, 70..150]);
+        assert_eq!(rounds(150, false), [0..75, 75..150]);
+        assert_eq!(rounds(5, true).len(), 1);
+    }
+}

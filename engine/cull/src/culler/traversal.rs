@@ -1,0 +1,276 @@
+//! The walk through the hierarchy, front to back by a priority queue ("Hardware Occlusion Queries
+//! Made Useful", 6.5.7), shared by all strategies.
+
+use std::cmp::Reverse;
+
+use super::history::History;
+use super::record::{NodeState, Record, Stamp};
+use super::selection::{Candidate, Draw, Retest, Scratch};
+use crate::bounds::Aabb;
+use crate::frustum::{Containment, PlaneMask};
+use crate::hierarchy::Hierarchy;
+use crate::ids::{LeafIndex, NodeId};
+use crate::plan::{PlanStats, QueryKind};
+use crate::policy::Policy;
+use crate::view::View;
+
+/// Whether a walk looks at the past.
+#[derive(Clone, Copy)]
+pub(super) enum Knowledge<'a> {
+    /// Everything in the frustum is drawn.
+    Ignored,
+    Used(&'a History),
+}
+
+/// What one walk goes by.
+#[derive(Clone, Copy)]
+pub(super) struct Walk<'a> {
+    pub(super) hierarchy: &'a Hierarchy,
+    pub(super) view: &'a View,
+    pub(super) policy: &'a Policy,
+    pub(super) knowledge: Knowledge<'a>,
+    pub(super) now: Stamp,
+    pub(super) is_turning: bool,
+    /// How often the allowed size of tested nodes was raised fourfold.
+    pub(super) coarseness: u32,
+}
+
+/// Squared distance from the eye as sortable bits: floats that are not negative sort like them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Nearness(u32);
+
+impl Nearness {
+    pub(super) fn of(bounds: &Aabb, eye: glam::Vec3) -> Self {
+        Self(bounds.distance_squared(eye).to_bits())
+    }
+
+    fn distance(self) -> f32 {
+        f32::from_bits(self.0).sqrt()
+    }
+}
+
+/// A node in the frustum that waits for its turn; the nearest comes first, then the smallest id.
+pub(super) type Waiting = Reverse<(Nearness, u32, Mask)>;
+
+/// A plane mask that takes no part in the order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mask(pub(super) PlaneMask);
+
+impl PartialEq for Mask {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+impl Eq for Mask {}
+impl PartialOrd for Mask {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Mask {
+    fn cmp(&self, _: &Self) -> std::cmp::Ordering {
+        std::cmp::Ordering::Equal
+    }
+}
+
+/// What becomes of a node.
+enum Verdict {
+    Draw,
+    Retest,
+    Test(Aabb),
+    /// Go on to the children; the proxy is there if the node could be probed.
+    Open(Option<Aabb>),
+}
+
+/// A node at its turn.
+struct Turn {
+    nearness: Nearness,
+    node: u32,
+    mask: PlaneMask,
+    leaf_count: u32,
+    bounds: Aabb,
+    record: Record,
+}
+
+impl Walk<'_> {
+    /// Visits what is in the frustum and sorts it into `scratch`, which is cleared first.
+    pub(super) fn run(&self, scratch: &mut Scratch, stats: &mut PlanStats) {
+        scratch.clear();
+        stats.visible = 0;
+        stats.too_near = 0;
+        if let Some(root) = self.hierarchy.root() {
+            self.push(root.0, PlaneMask::ALL, scratch);
+        }
+        while let Some(Reverse((nearness, node, Mask(mask)))) = scratch.queue.pop() {
+            stats.nodes_visited += 1;
+            let turn = Turn {
+                nearness,
+                node,
+                mask,
+                leaf_count: self.hierarchy.leaves(NodeId(node)).count,
+                bounds: self.hierarchy.bounds(NodeId(node)),
+                record: self.record(node),
+            };
+            if matches!(self.knowledge, Knowledge::Used(_)) {
+                scratch.visited.push(node);
+            }
+            self.settle(&turn, scratch, stats);
+        }
+    }
+
+    fn settle(&self, turn: &Turn, scratch: &mut Scratch, stats: &mut PlanStats) {
+        let leaf = self.leaf(turn.node);
+        match self.verdict(turn, stats) {
+            Verdict::Draw => scratch.draws.push(Draw { nearness: turn.nearness, leaf }),
+            Verdict::Retest => {
+                scratch.retests.push(Retest { nearness: turn.nearness, leaf, node: turn.node })
+            }
+            Verdict::Test(proxy) => scratch.tests.push(Candidate {
+                node: turn.node,
+                kind: QueryKind::Proxy,
+                proxy,
+                leaf_count: turn.leaf_count,
+                is_unknown: turn.record.state != NodeState::Hidden,
+            }),
+            Verdict::Open(proxy) => self.open(turn, proxy, scratch),
+        }
+    }
+
+    fn verdict(&self, turn: &Turn, stats: &mut PlanStats) -> Verdict {
+        let is_leaf = turn.leaf_count == 1;
+        if matches!(self.knowledge, Knowledge::Ignored) {
+            stats.visible += u32::from(is_leaf);
+            return if is_leaf { Verdict::Draw } else { Verdict::Open(None) };
+        }
+        let Some(proxy) = self.view.margin.proxy(&turn.bounds) else {
+            stats.too_near += u32::from(is_leaf);
+            return if is_leaf { Verdict::Draw } else { Verdict::Open(None) };
+        };
+        let record = &turn.record;
+        let is_fresh = record.is_fresh(self.now, self.policy.stale_frames);
+        match record.state {
+            NodeState::Visible if is_fresh && is_leaf => {
+                stats.visible += 1;
+                if record.due <= self.now { Verdict::Retest } else { Verdict::Draw }
+            }
+            NodeState::Visible if is_fresh => Verdict::Open(Some(proxy)),
+            NodeState::Hidden if is_leaf || self.may_share(turn, record.hidden_frames()) => {
+                Verdict::Test(proxy)
+            }
+            _ if is_leaf || self.is_small(turn) => Verdict::Test(proxy),
+            _ => Verdict::Open(Some(proxy)),
+        }
+    }
+
+    /// Puts the children that are in the frustum into the queue, and asks for a probe of the node
+    /// if all of them are hidden.
+    fn open(&self, turn: &Turn, proxy: Option<Aabb>, scratch: &mut Scratch) {
+        let Some(children) = self.hierarchy.children(NodeId(turn.node)) else {
+            return;
+        };
+        let mut hidden_since = None;
+        let mut is_quiet = true;
+        for child in children {
+            if !self.push(child.0, turn.mask, scratch) {
+                continue;
+            }
+            let record = self.record(child.0);
+            is_quiet &= record.state == NodeState::Hidden
+                && record.is_fresh(self.now, self.policy.stale_frames);
+            hidden_since = hidden_since.max(Some(record.since));
+        }
+        let (Some(proxy), Some(since)) = (proxy, hidden_since) else {
+            return;
+        };
+        let is_probe = is_quiet
+            && turn.record.state != NodeState::Hidden
+            && turn.record.due <= self.now
+            && self.may_share(turn, self.now.since(since));
+        if is_probe {
+            scratch.tests.push(Candidate {
+                node: turn.node,
+                kind: QueryKind::Probe,
+                proxy,
+                leaf_count: turn.leaf_count,
+                is_unknown: false,
+            });
+        }
+    }
+
+    /// Queues a node unless it is outside of the frustum.
+    fn push(&self, node: u32, mask: PlaneMask, scratch: &mut Scratch) -> bool {
+        let bounds = self.hierarchy.bounds(NodeId(node));
+        let (containment, mask) = self.view.frustum.classify(&bounds, mask);
+        if containment == Containment::Outside {
+            return false;
+        }
+        let nearness = Nearness::of(&bounds, self.view.eye);
+        scratch.queue.push(Reverse((nearness, node, Mask(mask))));
+        true
+    }
+
+    /// Whether a node that has been hidden for so long may be tested as one.
+    fn may_share(&self, turn: &Turn, hidden_frames: u32) -> bool {
+        let doublings = hidden_frames / self.policy.growth_frames.max(1);
+        let mut allowed = u64::from(self.policy.unknown_leaves) << doublings.min(32);
+        if self.is_turning && !turn.mask.is_inside() {
+            allowed = allowed.min(self.policy.edge_leaves.into());
+        }
+        u64::from(turn.leaf_count) <= self.coarse(allowed) || self.is_small(turn)
+    }
+
+    /// Whether a node of which nothing is known may be tested as one.
+    fn is_small(&self, turn: &Turn) -> bool {
+        let leaves = u64::from(turn.leaf_count);
+        if leaves <= self.coarse(self.policy.unknown_leaves.into()) {
+            return true;
+        }
+        let diagonal = 2.0 * turn.bounds.half_extent().length();
+        let angle = self.policy.unknown_angle * (1 << self.coarseness.min(16)) as f32;
+        leaves <= self.coarse(self.policy.unknown_leaves_far.into())
+            && diagonal < angle * turn.nearness.distance()
+    }
+
+    fn coarse(&self, leaves: u64) -> u64 {
+        leaves.saturating_mul(1 << (2 * self.coarseness.min(16)))
+    }
+
+    fn record(&self, node: u32) -> Record {
+        match self.knowledge {
+            Knowledge::Ignored => Record::default(),
+            Knowledge::Used(history) => history.record(node),
+        }
+    }
+
+    fn leaf(&self, node: u32) -> LeafIndex {
+        self.hierarchy.leaves(NodeId(node)).first
+    }
+
+    /// Calls `each` for the leaves under a node that are in the frustum.
+    pub(super) fn leaves_in_frustum(
+        &self,
+        node: u32,
+        stack: &mut Vec<(u32, Mask)>,
+        mut each: impl FnMut(Retest),
+    ) {
+        stack.clear();
+        stack.push((node, Mask(PlaneMask::ALL)));
+        while let Some((node, Mask(mask))) = stack.pop() {
+            let bounds = self.hierarchy.bounds(NodeId(node));
+            let (containment, mask) = self.view.frustum.classify(&bounds, mask);
+            if containment == Containment::Outside {
+                continue;
+            }
+            match self.hierarchy.children(NodeId(node)) {
+                Some(children) => {
+                    stack.extend(children.map(|child| (child.0, Mask(mask))));
+                }
+                None => each(Retest {
+                    nearness: Nearness::of(&bounds, self.view.eye),
+                    leaf: self.leaf(node),
+                    node,
+                }),
+            }
+        }
+    }
+}

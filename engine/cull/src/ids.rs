@@ -1,0 +1,59 @@
+//! Newtypes for everything that is counted, so that a leaf is never taken for a node.
+
+use std::ops::Range;
+
+/// An object of the scene: its position in the slice of boxes the hierarchy was built from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ObjectId(pub u32);
+
+/// A node of one [generation](Generation) of a hierarchy, numbered in depth-first pre-order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(pub u32);
+
+/// The position of a leaf in depth-first order: the order in which the renderer keeps instances
+/// and indirect commands, so that a subtree is one contiguous slice of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LeafIndex(pub u32);
+
+/// Contiguous leaves: what lies under one node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LeafRange {
+    /// The first leaf.
+    pub first: LeafIndex,
+    /// How many leaves; may be 0 (see [`QueryKind::Probe`](crate::QueryKind::Probe)).
+    pub count: u32,
+}
+
+impl LeafRange {
+    /// The leaves as plain indices, to slice arrays with.
+    #[must_use]
+    pub fn indices(self) -> Range<usize> {
+        let first = self.first.0 as usize;
+        first..first + self.count as usize
+    }
+
+    /// The leaves one by one.
+    pub fn iter(self) -> impl Iterator<Item = LeafIndex> {
+        (self.first.0..self.first.0.saturating_add(self.count)).map(LeafIndex)
+    }
+
+    /// True if there is nothing in it.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.count == 0
+    }
+
+    /// True if `leaf` is one of these.
+    #[must_use]
+    pub fn contains(self, leaf: LeafIndex) -> bool {
+        leaf.0 >= self.first.0 && leaf.0 - self.first.0 < self.count
+    }
+}
+
+/// A frame of one [`Culler`](crate::Culler): the first that it plans is 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FrameId(pub u64);
+
+/// Counts the rebuilds of a hierarchy; node ids of different generations have nothing in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Generation(pub u32);

@@ -1,0 +1,140 @@
+//! Executes plans as the renderer does, and brings answers home with all mishaps there are.
+
+use antumbra_cull::{Aabb, Answer, FramePlan, Hierarchy, LeafIndex, QueryTag, View};
+
+use crate::image::{Image, Shift};
+use crate::random::Random;
+
+/// What can happen to an answer on its way.
+#[derive(Clone, Copy, Debug)]
+pub struct Mishaps {
+    /// Frames between asking and knowing.
+    pub latency: u64,
+    /// Probability that it takes up to three frames longer.
+    pub late: f32,
+    pub lost: f32,
+    pub twice: f32,
+}
+
+impl Mishaps {
+    pub const fn none(latency: u64) -> Self {
+        Self { latency, late: 0.0, lost: 0.0, twice: 0.0 }
+    }
+}
+
+/// The solids that are drawn: what is inside of the bounding boxes.
+pub struct Solids<'a> {
+    pub solids: &'a [Aabb],
+    /// How the device's grid shifts each.
+    pub shifts: &'a [Shift],
+}
+
+pub struct Device {
+    pub image: Image,
+    /// Objects drawn by the last frame, in order.
+    pub drawn: Vec<u32>,
+    mishaps: Mishaps,
+    random: Random,
+    sub_pixel_step: f64,
+    /// Answers on their way, and the frame they arrive at.
+    under_way: Vec<(u64, Answer)>,
+}
+
+impl Device {
+    pub fn new(size: [u32; 2], sub_pixel_bits: u32, mishaps: Mishaps, seed: u64) -> Self {
+        Self {
+            image: Image::new(size),
+            drawn: Vec::new(),
+            mishaps,
+            random: Random::new(seed),
+            sub_pixel_step: 0.5_f64.powi(sub_pixel_bits as i32),
+            under_way: Vec::new(),
+        }
+    }
+
+    /// The answers that are home when frame `next` is planned, in random order.
+    pub fn collect(&mut self, next: u64) -> Vec<Answer> {
+        let mut home = Vec::new();
+        self.under_way.retain(|(arrival, answer)| {
+            let is_home = *arrival <= next;
+            if is_home {
+                home.push(*answer);
+            }
+            !is_home
+        });
+        for position in (1..home.len()).rev() {
+            home.swap(position, self.random.below(position + 1));
+        }
+        home
+    }
+
+    /// A frame, in the order that a plan asks for.
+    pub fn execute(
+        &mut self,
+        view: &View,
+        hierarchy: &Hierarchy,
+        solids: &Solids<'_>,
+        plan: &FramePlan,
+    ) {
+        self.image.clear();
+        self.drawn.clear();
+        for leaf in &plan.draws {
+            self.draw(view, hierarchy, solids, *leaf);
+        }
+        for (leaf, tag) in &plan.queried_draws {
+            let samples = self.draw(view, hierarchy, solids, *leaf);
+            self.answer(*tag, samples);
+        }
+        for round in &plan.rounds {
+            let tests = &plan.tests[round.clone()];
+            let shown: Vec<u32> = tests
+                .iter()
+                .map(|test| {
+                    let step = self.sub_pixel_step;
+                    // A device rounds the same box in the same way in every frame.
+                    let mut rounding = Random::new(test.tag.node.0.into());
+                    let shift = [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * step);
+                    self.image.test(view, &test.bounds, shift)
+                })
+                .collect();
+            for (test, samples) in tests.iter().zip(shown) {
+                self.answer(test.tag, samples);
+                if samples > 0 {
+                    for leaf in test.leaves.iter() {
+                        self.draw(view, hierarchy, solids, leaf);
+                    }
+                }
+            }
+        }
+    }
+
+    fn draw(
+        &mut self,
+        view: &View,
+        hierarchy: &Hierarchy,
+        solids: &Solids<'_>,
+        leaf: LeafIndex,
+    ) -> u32 {
+        let object = hierarchy.leaf_objects()[leaf.0 as usize].0;
+        self.drawn.push(object);
+        let (solid, shift) = (&solids.solids[object as usize], solids.shifts[object as usize]);
+        self.image.draw(view, solid, shift)
+    }
+
+    fn answer(&mut self, tag: QueryTag, samples: u32) {
+        let copies = match () {
+            () if self.random.chance(self.mishaps.lost) => 0,
+            () if self.random.chance(self.mishaps.twice) => 2,
+            () => 1,
+        };
+        for _ in 0..copies {
+            let delay = if self.random.chance(self.mishaps.late) {
+                1 + self.random.below(3) as u64
+            } else {
+                0
+            };
+            let arrival = tag.frame.0 + self.mishaps.latency + delay;
+            self.under_way.push((arrival, Answer { tag, samples }));
+        }
+    }
+}

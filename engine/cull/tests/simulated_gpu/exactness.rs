@@ -1,0 +1,188 @@
+//! Whatever happens to the answers, the image is that of drawing everything.
+
+use antumbra_cull::{Camera, Culler, FramePlan, Hierarchy, ObjectId, Policy, Strategy, View};
+
+use crate::device::{Device, Mishaps, Solids};
+use crate::image::Image;
+use crate::invariants;
+use crate::random::Random;
+use crate::scene::{PATHS, Path, Scene};
+
+const SCENES: u64 = 1_500;
+const FRAMES: u64 = 24;
+const LATENCIES: std::ops::RangeInclusive<u64> = 1..=4;
+const THREADS: u64 = 2;
+const SIZE: [u32; 2] = [40, 28];
+
+/// One strategy at one latency in one scene.
+struct Run {
+    strategy: Strategy,
+    culler: Culler,
+    device: Device,
+    plan: FramePlan,
+}
+
+/// What a seed stands for.
+struct World {
+    random: Random,
+    scene: Scene,
+    hierarchy: Hierarchy,
+    camera: Camera,
+    path: Path,
+    sub_pixel_bits: u32,
+    budget: usize,
+    moving: bool,
+    rebuilding: bool,
+}
+
+impl World {
+    fn new(seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let sub_pixel_bits = [4, 8][random.below(2)];
+        let scene = Scene::random(&mut random, sub_pixel_bits);
+        Self {
+            hierarchy: Hierarchy::build(&scene.bounds).unwrap(),
+            camera: Path::start(&mut random),
+            path: PATHS[random.below(PATHS.len())],
+            sub_pixel_bits,
+            budget: [0, 3, 12, 10_000, 10_000, 10_000][random.below(6)],
+            moving: random.chance(0.4),
+            rebuilding: random.chance(0.3),
+            scene,
+            random,
+        }
+    }
+
+    fn runs(&mut self, seed: u64) -> Vec<Run> {
+        let is_rough = self.random.chance(0.7);
+        let mut runs = Vec::new();
+        for strategy in Strategy::ALL {
+            for latency in LATENCIES {
+                let calm = Mishaps::none(latency);
+                let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
+                let mishaps = if is_rough { rough } else { calm };
+                runs.push(Run {
+                    strategy,
+                    culler: Culler::new(Policy { seed, ..Policy::default() }),
+                    device: Device::new(SIZE, self.sub_pixel_bits, mishaps, seed ^ latency),
+                    plan: FramePlan::default(),
+                });
+            }
+        }
+        runs
+    }
+
+    /// Moves everything on by a frame.
+    fn advance(&mut self, frame: u64) -> View {
+        self.path.advance(&mut self.camera, frame, &mut self.random);
+        if self.moving {
+            for _ in 0..3 {
+                let object = self.scene.move_one(&mut self.random);
+                let moved = (ObjectId(object as u32), self.scene.bounds[object]);
+                self.hierarchy.refit([moved]).unwrap();
+            }
+        }
+        if self.rebuilding && frame % 6 == 5 {
+            self.hierarchy.rebuild(&self.scene.bounds).unwrap();
+        }
+        View::new(&self.camera, SIZE, self.sub_pixel_bits)
+    }
+
+    fn solids(&self) -> Solids<'_> {
+        Solids { solids: &self.scene.solids, shifts: &self.scene.shifts }
+    }
+}
+
+/// What was checked.
+#[derive(Debug, Default)]
+struct Checked {
+    runs: u64,
+    frames: u64,
+    /// Objects drawn, with frustum culling and with ours.
+    drawn: [u64; 2],
+}
+
+impl Checked {
+    fn and(self, other: Self) -> Self {
+        Self {
+            runs: self.runs + other.runs,
+            frames: self.frames + other.frames,
+            drawn: [0, 1].map(|strategy| self.drawn[strategy] + other.drawn[strategy]),
+        }
+    }
+}
+
+/// Runs one seed.
+fn verify(seed: u64) -> Checked {
+    let mut world = World::new(seed);
+    let mut runs = world.runs(seed);
+    let mut truth = Image::new(SIZE);
+    let mut checked = Checked { runs: runs.len() as u64, ..Checked::default() };
+    for frame in 0..FRAMES {
+        let view = world.advance(frame);
+        truth.clear();
+        for (solid, shift) in world.scene.solids.iter().zip(&world.scene.shifts) {
+            truth.draw(&view, solid, *shift);
+        }
+        for run in &mut runs {
+            let answers = run.device.collect(run.culler.frame().0 + 1);
+            run.culler.ingest(&world.hierarchy, answers);
+            run.culler.plan(&world.hierarchy, run.strategy, &view, world.budget, &mut run.plan);
+            let context = || format!("seed {seed}, frame {frame}, {}", run.strategy);
+            invariants::check(&world.hierarchy, run.strategy, &view, world.budget, &run.plan)
+                .unwrap_or_else(|broken| panic!("{}: {broken}", context()));
+            run.device.execute(&view, &world.hierarchy, &world.solids(), &run.plan);
+            // An object that owns a pixel and was not drawn leaves a depth that is not its own.
+            assert!(run.device.image.depths == truth.depths, "{}: wrong pixels", context());
+            checked.frames += 1;
+            let ours = usize::from(run.strategy == Strategy::Antumbra);
+            checked.drawn[ours] += run.device.drawn.len() as u64;
+        }
+    }
+    checked
+}
+
+#[test]
+fn nothing_visible_is_ever_missing() {
+    let workers: Vec<_> = (0..THREADS)
+        .map(|worker| {
+            std::thread::spawn(move || {
+                (worker..SCENES)
+                    .step_by(THREADS as usize)
+                    .map(verify)
+                    .fold(Checked::default(), Checked::and)
+            })
+        })
+        .collect();
+    let checked = workers
+        .into_iter()
+        .map(|worker| worker.join().expect("a scene failed, see above"))
+        .fold(Checked::default(), Checked::and);
+    println!("{checked:?}");
+    let combinations = Strategy::ALL.len() as u64 * LATENCIES.count() as u64;
+    assert_eq!(checked.runs, SCENES * combinations);
+    assert_eq!(checked.frames, checked.runs * FRAMES);
+    let [frustum, ours] = checked.drawn;
+    assert!(ours * 10 < frustum * 9, "nothing was culled: {ours} of {frustum}");
+}
+
+/// The test above must be able to fail: drawing every second object only is noticed.
+#[test]
+fn missing_objects_are_noticed() {
+    let mut noticed = 0;
+    for seed in 0..40 {
+        let mut world = World::new(seed);
+        let view = world.advance(0);
+        let mut truth = Image::new(SIZE);
+        let mut without_last = Image::new(SIZE);
+        let objects = world.scene.solids.iter().zip(&world.scene.shifts);
+        for (number, (solid, shift)) in objects.enumerate() {
+            truth.draw(&view, solid, *shift);
+            if number % 2 == 0 {
+                without_last.draw(&view, solid, *shift);
+            }
+        }
+        noticed += u32::from(truth.depths != without_last.depths);
+    }
+    assert!(noticed > 10, "only {noticed} of 40 scenes show a missing object");
+}

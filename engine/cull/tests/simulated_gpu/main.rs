@@ -1,0 +1,19 @@
+//! The decision logic against a simulated GPU: a small software depth buffer executes the plans,
+//! and its answers come home late, out of order, twice, or never.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+mod device;
+mod exactness;
+mod image;
+mod invariants;
+mod knowledge;
+mod random;
+mod rest;
+mod scene;
+mod walk;
+mod work;

@@ -1,0 +1,67 @@
+//! A still camera comes to rest: what can be said once is not asked for ever.
+
+use std::collections::BTreeSet;
+
+use antumbra_cull::{Camera, QueryKind};
+use glam::Vec3;
+
+use crate::random::Random;
+use crate::scene::city;
+use crate::walk::Walk;
+
+const STREET: Camera = Camera {
+    eye: Vec3::new(-1.0, 1.7, 70.0),
+    forward: Vec3::new(0.05, 0.0, -1.0),
+    up: Vec3::Y,
+    fov_y: 1.0,
+    near: 0.1,
+};
+
+/// What a plan draws for certain and what it tests, less what is scheduled.
+fn essence(walk: &Walk) -> (BTreeSet<u32>, BTreeSet<u32>) {
+    let queried = walk.plan.queried_draws.iter().map(|(leaf, _)| leaf.0);
+    let draws = walk.plan.draws.iter().map(|leaf| leaf.0).chain(queried);
+    let tests = walk.plan.tests.iter();
+    let frontier = tests.filter(|test| test.tag.kind == QueryKind::Proxy);
+    (draws.collect(), frontier.map(|test| test.tag.node.0).collect())
+}
+
+#[test]
+fn a_still_camera_comes_to_rest() {
+    for latency in [1, 3] {
+        let objects = city(&mut Random::new(3), 24);
+        let count = objects.len();
+        let mut walk = Walk::new(objects, latency);
+        walk.step(&STREET);
+        let first = walk.plan.stats.frontier;
+        walk.steps(&STREET, 300);
+        let mut before = essence(&walk);
+        let (mut changed, mut queried, mut probes) = (0, 0, 0);
+        let mut drawn = BTreeSet::new();
+        let frames = 256;
+        for _ in 0..frames {
+            walk.step(&STREET);
+            let now = essence(&walk);
+            changed += before.0.symmetric_difference(&now.0).count()
+                + before.1.symmetric_difference(&now.1).count();
+            queried += walk.plan.queried_draws.len();
+            probes += walk.plan.stats.probes;
+            drawn.insert(walk.device.drawn.len());
+            before = now;
+        }
+        let stats = walk.plan.stats;
+        let report = format!(
+            "latency {latency}, {count} objects, frontier {first} at first, then {stats:?}; \
+             {changed} changes, {queried} own draws, {probes} probes in {frames} frames, \
+             drawn {drawn:?}"
+        );
+        assert_eq!(drawn.len(), 1, "what is drawn does not change: {report}");
+        assert!(drawn.iter().all(|drawn| *drawn < count / 10), "{report}");
+        assert!(stats.frontier < first && stats.unknown == 0, "{report}");
+        // What still changes: leaves whose boxes show while they do not, now and then.
+        assert!(changed < frames, "{report}");
+        // Own draws are tested at half to all of the longest interval, probes now and then.
+        let scheduled = frames * stats.visible as usize / 8;
+        assert!(queried + (probes as usize) < scheduled, "{report}");
+    }
+}

@@ -1,0 +1,166 @@
+//! Seeded scenes and camera paths, the awkward ones included.
+
+use antumbra_cull::{Aabb, Camera};
+use glam::Vec3;
+
+use crate::image::Shift;
+use crate::random::Random;
+
+/// Objects: their bounding boxes, what is solid in them, and how the device shifts them.
+pub struct Scene {
+    pub bounds: Vec<Aabb>,
+    pub solids: Vec<Aabb>,
+    pub shifts: Vec<Shift>,
+}
+
+impl Scene {
+    pub fn random(random: &mut Random, sub_pixel_bits: u32) -> Self {
+        let count = 1 + random.below(70);
+        let bounds: Vec<Aabb> = match random.below(6) {
+            0 => (0..count).map(|_| cube(random.point(-20.0, 20.0), random)).collect(),
+            1 => city(random, 7),
+            2 => wall_and_clutter(random, count),
+            3 => row(count),
+            4 => vec![Aabb::new(Vec3::splat(-2.0), Vec3::splat(1.0)); count],
+            _ => flat(random, count),
+        };
+        let step = 0.5_f32.powi(sub_pixel_bits as i32);
+        let solids = bounds.iter().map(|bounds| shrunken(bounds, random)).collect();
+        let shifts =
+            bounds.iter().map(|_| [0, 1].map(|_| f64::from(random.between(-step, step)))).collect();
+        Self { bounds, solids, shifts }
+    }
+
+    /// Solids that fill their bounding boxes, not shifted.
+    pub fn solid(bounds: Vec<Aabb>) -> Self {
+        Self { solids: bounds.clone(), shifts: vec![[0.0; 2]; bounds.len()], bounds }
+    }
+
+    /// Moves an object by a random distance; answers its number.
+    pub fn move_one(&mut self, random: &mut Random) -> usize {
+        let object = random.below(self.bounds.len());
+        let offset = random.point(-3.0, 3.0);
+        for bounds in [&mut self.bounds[object], &mut self.solids[object]] {
+            *bounds = Aabb::new(bounds.min + offset, bounds.max + offset);
+        }
+        object
+    }
+}
+
+pub fn cube(centre: Vec3, random: &mut Random) -> Aabb {
+    let half = random.point(0.2, 3.0);
+    Aabb::new(centre - half, centre + half)
+}
+
+/// Blocks of different heights on a grid, with small things between.
+pub fn city(random: &mut Random, side: usize) -> Vec<Aabb> {
+    let mut boxes = Vec::new();
+    for x in 0..side {
+        for z in 0..side {
+            let corner = Vec3::new(x as f32, 0.0, z as f32) * 8.0 - side as f32 * 4.0;
+            let corner = corner.with_y(0.0);
+            let size = Vec3::new(5.5, random.between(4.0, 14.0), 5.5);
+            boxes.push(Aabb::new(corner, corner + size));
+            if random.chance(0.4) {
+                let prop = corner + Vec3::new(6.5, 0.0, random.between(0.0, 7.0));
+                boxes.push(Aabb::new(prop, prop + random.point(0.3, 0.9)));
+            }
+        }
+    }
+    boxes
+}
+
+fn wall_and_clutter(random: &mut Random, count: usize) -> Vec<Aabb> {
+    let wall = Aabb::new(Vec3::new(-15.0, -15.0, -6.0), Vec3::new(15.0, 15.0, -5.0));
+    let clutter = (1..count).map(|_| {
+        let centre = random.point(-12.0, 12.0) - Vec3::Z * 14.0;
+        cube(centre, random)
+    });
+    std::iter::once(wall).chain(clutter).collect()
+}
+
+/// Equal boxes in equal distances, touching: ties everywhere, coplanar faces.
+fn row(count: usize) -> Vec<Aabb> {
+    (0..count)
+        .map(|number| {
+            let corner = Vec3::new(number as f32 % 8.0, 0.0, -(number as f32 / 8.0).floor());
+            Aabb::new(corner * 2.0, corner * 2.0 + 2.0)
+        })
+        .collect()
+}
+
+/// Boxes without a thickness, and without any size.
+fn flat(random: &mut Random, count: usize) -> Vec<Aabb> {
+    (0..count)
+        .map(|number| {
+            let mut bounds = cube(random.point(-12.0, 12.0), random);
+            bounds.max[number % 3] = bounds.min[number % 3];
+            if number % 7 == 0 {
+                bounds.max = bounds.min;
+            }
+            bounds
+        })
+        .collect()
+}
+
+/// What fills a part of a bounding box, or all of it.
+fn shrunken(bounds: &Aabb, random: &mut Random) -> Aabb {
+    if random.chance(0.4) {
+        return *bounds;
+    }
+    let half = bounds.half_extent() * random.between(0.4, 1.0);
+    let solid = Aabb::new(bounds.centre() - half, bounds.centre() + half);
+    Aabb::new(solid.min.max(bounds.min), solid.max.min(bounds.max))
+}
+
+/// A way for the camera.
+#[derive(Clone, Copy, Debug)]
+pub enum Path {
+    Still,
+    Forward,
+    Turning,
+    /// Somewhere else every few frames.
+    Cuts,
+    /// Through everything, also through boxes.
+    Wander,
+}
+
+pub const PATHS: [Path; 5] = [Path::Still, Path::Forward, Path::Turning, Path::Cuts, Path::Wander];
+
+impl Path {
+    pub fn start(random: &mut Random) -> Camera {
+        Camera {
+            eye: random.point(-14.0, 14.0).with_y(1.7),
+            forward: looking(random),
+            up: Vec3::Y,
+            fov_y: random.between(0.5, 1.6),
+            near: [0.01, 0.1, 1.0][random.below(3)],
+        }
+    }
+
+    pub fn advance(self, camera: &mut Camera, frame: u64, random: &mut Random) {
+        match self {
+            Self::Still => {}
+            Self::Forward => camera.eye += camera.forward * 0.3,
+            Self::Turning => {
+                let turn = glam::Quat::from_rotation_y(random.between(0.02, 0.2));
+                camera.forward = turn * camera.forward;
+            }
+            Self::Cuts => {
+                if frame % 5 == 4 {
+                    camera.eye = random.point(-16.0, 16.0);
+                    camera.forward = looking(random);
+                }
+            }
+            Self::Wander => {
+                camera.eye += random.point(-0.8, 0.8);
+                camera.forward += random.point(-0.1, 0.1);
+            }
+        }
+    }
+}
+
+fn looking(random: &mut Random) -> Vec3 {
+    let angle = random.between(0.0, std::f32::consts::TAU);
+    Vec3::new(angle.cos(), random.between(-0.3, 0.3), angle.sin())
+}

@@ -1,0 +1,64 @@
+//! A culler, a device and a scene that go on frame by frame.
+
+use antumbra_cull::{Aabb, Camera, Culler, FramePlan, Hierarchy, Policy, Strategy, View};
+
+use crate::device::{Device, Mishaps, Solids};
+use crate::image::Image;
+use crate::scene::Scene;
+
+pub const SIZE: [u32; 2] = [48, 32];
+pub const BUDGET: usize = 4_096;
+
+pub struct Walk {
+    pub scene: Scene,
+    pub hierarchy: Hierarchy,
+    pub culler: Culler,
+    pub device: Device,
+    pub plan: FramePlan,
+}
+
+impl Walk {
+    pub fn new(bounds: Vec<Aabb>, latency: u64) -> Self {
+        Self {
+            hierarchy: Hierarchy::build(&bounds).unwrap(),
+            scene: Scene::solid(bounds),
+            culler: Culler::new(Policy::default()),
+            device: Device::new(SIZE, 8, Mishaps::none(latency), 1),
+            plan: FramePlan::default(),
+        }
+    }
+
+    pub fn step(&mut self, camera: &Camera) {
+        let view = View::new(camera, SIZE, 8);
+        let answers = self.device.collect(self.culler.frame().0 + 1);
+        self.culler.ingest(&self.hierarchy, answers);
+        self.culler.plan(&self.hierarchy, Strategy::Antumbra, &view, BUDGET, &mut self.plan);
+        let solids = Solids { solids: &self.scene.solids, shifts: &self.scene.shifts };
+        self.device.execute(&view, &self.hierarchy, &solids, &self.plan);
+    }
+
+    pub fn steps(&mut self, camera: &Camera, frames: usize) {
+        for _ in 0..frames {
+            self.step(camera);
+        }
+    }
+
+    /// Leaves that frustum culling would draw.
+    pub fn count_in_frustum(&self, camera: &Camera) -> usize {
+        let view = View::new(camera, SIZE, 8);
+        let mut plan = FramePlan::default();
+        let mut culler = Culler::new(Policy::default());
+        culler.plan(&self.hierarchy, Strategy::Frustum, &view, 0, &mut plan);
+        plan.draws.len()
+    }
+
+    /// The last frame's image is that of drawing everything.
+    pub fn is_exact(&self, camera: &Camera) -> bool {
+        let view = View::new(camera, SIZE, 8);
+        let mut truth = Image::new(SIZE);
+        for (solid, shift) in self.scene.solids.iter().zip(&self.scene.shifts) {
+            truth.draw(&view, solid, *shift);
+        }
+        truth.depths == self.device.image.depths
+    }
+}

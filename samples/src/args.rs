@@ -1,0 +1,255 @@
+//! The command line of `walkthrough`: its declaration, its help, and the checks that make it
+//! [`Options`].
+
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Parser;
+
+use crate::Options;
+use crate::choices::{DeviceChoice, Named, Scene, Verify, parse_named};
+use crate::options::{
+    DEFAULT_PICTURES, FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, UsageError,
+};
+use crate::strategy::Strategy;
+
+/// Walks a camera through a scene without a window and measures strategies of visibility culling
+/// against each other.
+///
+/// Each strategy draws the same frames with a history of its own. They take turns in short rounds
+/// of consecutive frames; the first frames of a round warm it up and do not count. A table at the
+/// end tells the times, and how many pixels differ from plain frustum culling.
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "walkthrough",
+    version,
+    allow_negative_numbers = true,
+    after_help = "\
+Examples:
+  walkthrough
+      A walk down the streets of a city of 10,000 objects, all strategies.
+  walkthrough --path cut --verify every --out pictures
+      Jumps about, compares every frame with frustum culling, leaves pictures.
+  walkthrough --objects 1000000 --frames 10 --report million.json
+      A large city: how long it takes to build and how much memory it needs.
+  walkthrough --list-devices
+      What --device can choose from.
+
+Ends with 0 when all went well, 2 when something in the command line is wrong, 1 when the machine
+cannot do it."
+)]
+pub struct Arguments {
+    /// What to walk through: city (nearly all hidden at street level) or field (nothing hides
+    /// anything)
+    #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Walk")]
+    pub scene: String,
+    /// About how many objects the scene has, 1 to 4000000
+    #[arg(long, value_name = "N", default_value = "10000", help_heading = "Walk")]
+    pub objects: String,
+    /// Seed of the scene: the same one builds the same scene
+    #[arg(long, value_name = "S", default_value = "1", help_heading = "Walk")]
+    pub seed: String,
+    /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps)
+    #[arg(long, value_name = "street|fly|cut", default_value = "street", help_heading = "Walk")]
+    pub path: String,
+    /// Timed frames of each strategy, 1 to 1000000
+    #[arg(long, value_name = "N", default_value = "120", help_heading = "Walk")]
+    pub frames: String,
+    /// Size of the frames in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Walk")]
+    pub size: String,
+
+    /// What to compare: frustum, antumbra, or all
+    #[arg(long, value_name = "NAME[,NAME]|all", default_value = "all", help_heading = "Compare")]
+    pub strategy: String,
+    /// Compare frames bit for bit with frustum culling: every one, every K-th, or none
+    #[arg(long, value_name = "every|K|off", default_value = "off", help_heading = "Compare")]
+    pub verify: String,
+    /// How many frames the CPU may be ahead of the GPU
+    #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Compare")]
+    pub frames_in_flight: String,
+    /// How draws that turn out hidden are skipped; auto takes what the device does best
+    #[arg(
+        long,
+        value_name = "auto|conditional|count|instances",
+        default_value = "auto",
+        help_heading = "Compare"
+    )]
+    pub predicates: String,
+
+    /// The device that draws, by its place in --list-devices or a part of its name [default: best]
+    #[arg(long, value_name = "INDEX|NAME", help_heading = "Device")]
+    pub device: Option<String>,
+    /// List the Vulkan devices and end
+    #[arg(long, help_heading = "Device")]
+    pub list_devices: bool,
+    /// Load the Vulkan validation layer: core checks (on), or with synchronization (sync)
+    #[arg(long, value_name = "off|on|sync", default_value = "off", help_heading = "Device")]
+    pub validation: String,
+    /// Compile the shaders from this folder instead of using the embedded ones (needs a build with
+    /// `--features shader-compiler`)
+    #[arg(long, value_name = "DIR", help_heading = "Device")]
+    pub shaders: Option<PathBuf>,
+
+    /// Folder for pictures; made if it is missing [default: no pictures]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
+    pub out: Option<PathBuf>,
+    /// How many frames become pictures in --out, spread over the walk [default: 4]
+    #[arg(long, value_name = "N", help_heading = "Output")]
+    pub pictures: Option<String>,
+    /// The frame that --out also shows from above: what is drawn, what is hidden, the frustum
+    /// [default: the middle one]
+    #[arg(long, value_name = "FRAME", help_heading = "Output")]
+    pub birds_eye: Option<String>,
+    /// File for the report as JSON [default: none]
+    #[arg(long, value_name = "FILE.json", help_heading = "Output")]
+    pub report: Option<PathBuf>,
+    /// No progress, only the table
+    #[arg(long, help_heading = "Output")]
+    pub quiet: bool,
+}
+
+impl Arguments {
+    /// Checks every argument. Looks at nothing but the arguments: files and devices come later.
+    ///
+    /// # Errors
+    /// The first argument that cannot be.
+    pub fn options(&self) -> Result<Options, UsageError> {
+        let frames = parse_in_range("--frames", &self.frames, 1, MAX_FRAMES)?;
+        Ok(Options {
+            scene: parse_scene(&self.scene)?,
+            objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
+            seed: parse_in_range("--seed", &self.seed, 0, u64::MAX)?,
+            path: parse_path(&self.path)?,
+            frames,
+            size: parse_size(&self.size)?,
+            strategies: parse_strategies(&self.strategy)?,
+            verify: parse_verify(&self.verify)?,
+            frames_in_flight: parse_in_range(
+                "--frames-in-flight",
+                &self.frames_in_flight,
+                1,
+                MAX_FRAMES_IN_FLIGHT,
+            )?,
+            device: parse_device(self.device.as_deref())?,
+            validation: named("--validation", &self.validation)?,
+            predicates: named("--predicates", &self.predicates)?,
+            shaders: self.shaders.clone(),
+            output: self.out.clone(),
+            report: self.report.clone(),
+            pictures: self.parse_pictures(frames)?,
+            birds_eye: self.parse_birds_eye(frames)?,
+        })
+    }
+
+    fn parse_pictures(&self, frames: u32) -> Result<u32, UsageError> {
+        match (&self.out, &self.pictures) {
+            (None, None) => Ok(0),
+            (None, Some(_)) => usage("--pictures needs a folder: say --out DIR"),
+            (Some(_), None) => Ok(DEFAULT_PICTURES.min(frames)),
+            (Some(_), Some(text)) => parse_in_range("--pictures", text, 0, frames),
+        }
+    }
+
+    fn parse_birds_eye(&self, frames: u32) -> Result<Option<u32>, UsageError> {
+        match (&self.out, &self.birds_eye) {
+            (None, None) => Ok(None),
+            (None, Some(_)) => usage("--birds-eye needs a folder: say --out DIR"),
+            (Some(_), None) => Ok(Some(frames / 2)),
+            (Some(_), Some(text)) => {
+                parse_in_range("--birds-eye", text, 0, frames.saturating_sub(1)).map(Some)
+            }
+        }
+    }
+}
+
+fn usage<T>(message: impl Into<String>) -> Result<T, UsageError> {
+    Err(UsageError(message.into()))
+}
+
+fn named<T: Named>(option: &str, text: &str) -> Result<T, UsageError> {
+    parse_named(text).map_err(|message| UsageError(format!("{option}: {message}")))
+}
+
+fn parse_in_range<T>(option: &str, text: &str, least: T, most: T) -> Result<T, UsageError>
+where
+    T: FromStr + PartialOrd + std::fmt::Display,
+{
+    match text.parse::<T>() {
+        Ok(number) if number >= least && number <= most => Ok(number),
+        _ => usage(format!("{option} takes a whole number from {least} to {most}, not '{text}'")),
+    }
+}
+
+fn parse_scene(text: &str) -> Result<Scene, UsageError> {
+    let lower = text.to_lowercase();
+    if lower.ends_with(".glb") || lower.ends_with(".gltf") {
+        return usage(format!(
+            "--scene: glTF files such as '{text}' come in a later version; this one has city and field"
+        ));
+    }
+    named("--scene", text)
+}
+
+fn parse_path(text: &str) -> Result<crate::choices::CameraPath, UsageError> {
+    named("--path", text).map_err(|UsageError(message)| {
+        UsageError(format!("{message} (the cameras of glTF files come in a later version)"))
+    })
+}
+
+fn parse_size(text: &str) -> Result<FrameSize, UsageError> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|&side| side > 0);
+    let sides = text.split_once(['x', 'X']).map(|(width, height)| (side(width), side(height)));
+    match sides {
+        Some((Some(width), Some(height))) => Ok(FrameSize { width, height }),
+        _ => usage(format!(
+            "--size takes two whole numbers of pixels above 0, such as 1280x720, not '{text}'"
+        )),
+    }
+}
+
+fn parse_strategies(text: &str) -> Result<Vec<Strategy>, UsageError> {
+    if text == "all" {
+        return Ok(Strategy::ALL.to_vec());
+    }
+    let mut strategies = Vec::new();
+    for name in text.split(',') {
+        let strategy: Strategy = named("--strategy", name.trim())?;
+        if strategies.contains(&strategy) {
+            return usage(format!("--strategy names '{}' twice: name each once", strategy.name()));
+        }
+        strategies.push(strategy);
+    }
+    Ok(strategies)
+}
+
+fn parse_verify(text: &str) -> Result<Verify, UsageError> {
+    match text {
+        "off" => Ok(Verify::Off),
+        "every" => Ok(Verify::EveryNth(NonZeroU32::MIN)),
+        _ => match text.parse::<NonZeroU32>() {
+            Ok(interval) => Ok(Verify::EveryNth(interval)),
+            Err(_) => usage(format!(
+                "--verify takes 'every', 'off' or a whole number K above 0 (every K-th frame), not '{text}'"
+            )),
+        },
+    }
+}
+
+fn parse_device(text: Option<&str>) -> Result<DeviceChoice, UsageError> {
+    match text.map(str::trim) {
+        None => Ok(DeviceChoice::Best),
+        Some("") => {
+            usage("--device takes a place in --list-devices or a part of a name, not nothing")
+        }
+        Some(text) => Ok(match text.parse() {
+            Ok(index) => DeviceChoice::Index(index),
+            Err(_) => DeviceChoice::Name(text.to_owned()),
+        }),
+    }
+}
+
+#[cfg(test)]
+#[path = "args_tests.rs"]
+mod tests;

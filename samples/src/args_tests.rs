@@ -1,0 +1,178 @@
+//! Tests of the command line: defaults, every option, every refusal.
+
+use super::*;
+use crate::choices::{CameraPath, Predicates, Validation};
+use crate::strategy::Strategy;
+use clap::CommandFactory;
+use proptest::collection::vec as any_vec;
+use proptest::{prop_assert, proptest};
+
+fn parse(line: &[&str]) -> Result<Options, UsageError> {
+    Arguments::try_parse_from([&["walkthrough"], line].concat()).unwrap().options()
+}
+
+fn refusal(line: &[&str]) -> String {
+    let message = parse(line).unwrap_err().to_string();
+    assert!(!message.contains('\n'), "one sentence: {message}");
+    message
+}
+
+#[test]
+fn the_declaration_is_consistent() {
+    Arguments::command().debug_assert();
+}
+
+#[test]
+fn without_arguments_it_is_a_street_walk_of_all_strategies() {
+    let options = parse(&[]).unwrap();
+    assert_eq!(options.scene, Scene::City);
+    assert_eq!(options.objects, 10_000);
+    assert_eq!(options.path, CameraPath::Street);
+    assert_eq!(options.size, FrameSize { width: 1280, height: 720 });
+    assert_eq!(options.strategies, Strategy::ALL);
+    assert_eq!(options.verify, Verify::Off);
+    assert_eq!(options.frames_in_flight, 2);
+    assert_eq!(options.device, DeviceChoice::Best);
+    assert_eq!((options.pictures, options.birds_eye), (0, None));
+    assert_eq!((options.output, options.report, options.shaders), (None, None, None));
+}
+
+#[test]
+fn every_option_arrives() {
+    let options = parse(&[
+        "--scene=field",
+        "--objects=4000000",
+        "--seed=18446744073709551615",
+        "--path=cut",
+        "--frames=7",
+        "--size=64X32",
+        "--strategy=antumbra, frustum",
+        "--verify=3",
+        "--frames-in-flight=4",
+        "--device=llvmpipe",
+        "--validation=sync",
+        "--predicates=instances",
+        "--shaders=glsl",
+        "--out=pictures",
+        "--report=r.json",
+        "--pictures=7",
+        "--birds-eye=6",
+    ])
+    .unwrap();
+    assert_eq!(
+        options,
+        Options {
+            scene: Scene::Field,
+            objects: 4_000_000,
+            seed: u64::MAX,
+            path: CameraPath::Cut,
+            frames: 7,
+            size: FrameSize { width: 64, height: 32 },
+            strategies: vec![Strategy::Antumbra, Strategy::Frustum],
+            verify: Verify::EveryNth(NonZeroU32::new(3).unwrap()),
+            frames_in_flight: 4,
+            device: DeviceChoice::Name("llvmpipe".into()),
+            validation: Validation::Sync,
+            predicates: Predicates::Instances,
+            shaders: Some("glsl".into()),
+            output: Some("pictures".into()),
+            report: Some("r.json".into()),
+            pictures: 7,
+            birds_eye: Some(6),
+        }
+    );
+    assert_eq!(parse(&["--device", "1"]).unwrap().device, DeviceChoice::Index(1));
+    assert_eq!(parse(&["--verify", "every"]).unwrap().verify, Verify::EveryNth(NonZeroU32::MIN));
+}
+
+#[test]
+fn numbers_outside_their_range_are_refused() {
+    for (option, values) in [
+        ("--objects", ["0", "4000001", "-5", "many", "", "1e6"]),
+        ("--frames", ["0", "1000001", "-1", "1.5", " 3", "4294967296"]),
+        ("--frames-in-flight", ["0", "5", "-1", "two", "", "99999999999"]),
+        ("--seed", ["-1", "18446744073709551616", "abc", "", "0x10", "1.0"]),
+    ] {
+        for value in values {
+            let message = refusal(&[option, value]);
+            assert!(
+                message.starts_with(&format!("{option} takes a whole number from")),
+                "{message}"
+            );
+            assert!(message.ends_with(&format!("not '{value}'")), "{message}");
+        }
+    }
+}
+
+#[test]
+fn sizes_that_are_none_are_refused() {
+    for size in ["0x720", "1280x0", "1280", "x", "", "-1x5", "1280x720x3", "axb", "99999999999x1"] {
+        let message = refusal(&[&format!("--size={size}")]);
+        assert!(message.contains("such as 1280x720"), "{message}");
+    }
+}
+
+#[test]
+fn unknown_names_are_refused_with_what_there_is() {
+    assert!(refusal(&["--scene", "citty"]).contains("city and field; did you mean 'city'?"));
+    assert!(refusal(&["--path", "steet"]).contains("did you mean 'street'?"));
+    assert!(refusal(&["--strategy", "antumbra,magic"]).contains("unknown strategy 'magic'"));
+    assert!(refusal(&["--strategy", ""]).contains("unknown strategy ''"));
+    assert!(refusal(&["--strategy", "frustum,"]).contains("unknown strategy ''"));
+    assert!(refusal(&["--validation", "yes"]).contains("off, on and sync"));
+    assert!(refusal(&["--predicates", "none"]).contains("auto, conditional, count and instances"));
+    assert!(refusal(&["--verify", "0"]).contains("above 0"));
+    assert!(refusal(&["--verify", "always"]).contains("not 'always'"));
+    assert!(refusal(&["--device", " "]).contains("--list-devices"));
+}
+
+#[test]
+fn a_strategy_named_twice_is_refused() {
+    assert!(refusal(&["--strategy", "frustum,antumbra,frustum"]).contains("'frustum' twice"));
+}
+
+#[test]
+fn gltf_is_announced_for_later() {
+    assert!(refusal(&["--scene", "town.GLB"]).contains("come in a later version"));
+    assert!(refusal(&["--path", "Camera.001"]).contains("glTF files come in a later version"));
+}
+
+#[test]
+fn pictures_need_a_folder_and_their_frames() {
+    assert!(refusal(&["--pictures", "3"]).contains("--out"));
+    assert!(refusal(&["--birds-eye", "3"]).contains("--out"));
+    assert!(refusal(&["--out", "o", "--frames", "9", "--pictures", "10"]).contains("from 0 to 9"));
+    assert!(refusal(&["--out", "o", "--frames", "9", "--birds-eye", "9"]).contains("from 0 to 8"));
+    let options = parse(&["--out", "o", "--frames", "1"]).unwrap();
+    assert_eq!((options.pictures, options.birds_eye), (1, Some(0)));
+}
+
+#[test]
+fn pictures_are_spread_over_the_walk() {
+    let options = parse(&["--out", "o", "--frames", "10", "--pictures", "3"]).unwrap();
+    assert_eq!(options.picture_frames(), [0, 3, 6]);
+    let options = parse(&["--out", "o", "--frames", "4", "--pictures", "4"]).unwrap();
+    assert_eq!(options.picture_frames(), [0, 1, 2, 3]);
+    assert!(parse(&[]).unwrap().picture_frames().is_empty());
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_it_panic(texts in any_vec(".{0,12}", 9)) {
+        let mut arguments = Arguments::try_parse_from(["walkthrough", "--out", "o"]).unwrap();
+        let fields: [&mut String; 7] = [
+            &mut arguments.scene, &mut arguments.objects, &mut arguments.size,
+            &mut arguments.strategy, &mut arguments.verify, &mut arguments.path,
+            &mut arguments.frames,
+        ];
+        for (field, text) in fields.into_iter().zip(&texts) {
+            let was = std::mem::replace(field, text.clone());
+            if text.len() % 2 == 0 { *field = was; }
+        }
+        arguments.pictures = Some(texts[7].clone());
+        arguments.birds_eye = Some(texts[8].clone());
+        if let Err(UsageError(message)) = arguments.options() {
+            prop_assert!(!message.is_empty());
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Collects what is measured of each frame of one strategy, and sums it up for the report.
+
+use crate::report::{AgeReport, RunReport};
+use crate::statistics::{Summary, median_count};
+use crate::strategy::Strategy;
+
+/// What is measured of one timed frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameMeasurement {
+    /// Time of the whole frame in milliseconds.
+    pub frame_ms: f64,
+    /// CPU time of the engine in it, in milliseconds.
+    pub cpu_ms: f64,
+    /// Draws submitted.
+    pub draws: u64,
+    /// Triangles submitted.
+    pub triangles: u64,
+    /// Occlusion queries issued.
+    pub queries: u64,
+    /// Draws that a predicate decided.
+    pub predicated_draws: u64,
+    /// Age in frames of the oldest result that came home in it; none if none did.
+    pub result_age_frames: Option<u64>,
+    /// Waits of the frame loop other than for the frame's own slot.
+    pub blocking_waits: u64,
+}
+
+/// The frames of one strategy so far.
+#[derive(Clone, Debug)]
+pub struct RunMeasurement {
+    strategy: Strategy,
+    frames: Vec<FrameMeasurement>,
+    untimed_blocking_waits: u64,
+    frames_verified: u64,
+    pixels_wrong: u64,
+}
+
+impl RunMeasurement {
+    /// A run without frames.
+    pub fn new(strategy: Strategy) -> Self {
+        Self {
+            strategy,
+            frames: Vec::new(),
+            untimed_blocking_waits: 0,
+            frames_verified: 0,
+            pixels_wrong: 0,
+        }
+    }
+
+    /// Adds a timed frame.
+    pub fn push(&mut self, frame: FrameMeasurement) {
+        self.frames.push(frame);
+    }
+
+    /// Adds the waits of a frame that is not timed: they count all the same.
+    pub fn waited_untimed(&mut self, blocking_waits: u64) {
+        self.untimed_blocking_waits += blocking_waits;
+    }
+
+    /// Adds a frame that was compared with plain frustum culling.
+    pub fn verified(&mut self, pixels_wrong: u64) {
+        self.frames_verified += 1;
+        self.pixels_wrong += pixels_wrong;
+    }
+
+    /// Sums up.
+    pub fn report(&self) -> RunReport {
+        let times = |of: fn(&FrameMeasurement) -> f64| Summary::of(self.frames.iter().map(of));
+        let count = |of: fn(&FrameMeasurement) -> u64| median_count(self.frames.iter().map(of));
+        let ages = || self.frames.iter().filter_map(|frame| frame.result_age_frames);
+        let timed_waits: u64 = self.frames.iter().map(|frame| frame.blocking_waits).sum();
+        RunReport {
+            strategy: self.strategy.name().to_owned(),
+            frame_ms: times(|frame| frame.frame_ms),
+            cpu_ms: times(|frame| frame.cpu_ms),
+            draws: count(|frame| frame.draws),
+            triangles: count(|frame| frame.triangles),
+            queries: count(|frame| frame.queries),
+            predicated_draws: count(|frame| frame.predicated_draws),
+            result_age_frames: AgeReport { median: median_count(ages()), max: ages().max() },
+            blocking_waits: timed_waits + self.untimed_blocking_waits,
+            frames_timed: u64::try_from(self.frames.len()).unwrap_or(u64::MAX),
+            frames_verified: self.frames_verified,
+            pixels_wrong: (self.frames_verified > 0).then_some(self.pixels_wrong),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_up_frames() {
+        let mut run = RunMeasurement::new(Strategy::Antumbra);
+        for (draws, age, waits) in [(5, None, 1), (9, Some(1), 0), (7, Some(3), 0)] {
+            run.push(FrameMeasurement {
+                draws,
+                result_age_frames: age,
+                blocking_waits: waits,
+                ..FrameMeasurement::default()
+            });
+        }
+        run.waited_untimed(2);
+        run.verified(0);
+        run.verified(4);
+        let report = run.report();
+        assert_eq!(report.draws, Some(7));
+        assert_eq!(report.result_age_frames, AgeReport { median: Some(1), max: Some(3) });
+        assert_eq!(report.blocking_waits, 3);
+        assert_eq!((report.frames_timed, report.frames_verified), (3, 2));
+        assert_eq!(report.pixels_wrong, Some(4));
+    }
+}

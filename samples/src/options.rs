@@ -1,0 +1,87 @@
+//! The options of a walk, checked: what [`crate::args`] makes of the command line.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation, Verify};
+use crate::strategy::Strategy;
+
+/// The most objects a scene may have.
+pub const MAX_OBJECTS: u32 = 4_000_000;
+/// The most frames a walk may have.
+pub const MAX_FRAMES: u32 = 1_000_000;
+/// The most frames that may be in flight.
+pub const MAX_FRAMES_IN_FLIGHT: u32 = 4;
+/// How many pictures of frames a walk leaves where `--pictures` does not say.
+pub const DEFAULT_PICTURES: u32 = 4;
+
+/// What the user asked for that cannot be: one sentence that says what is wrong and what to do.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct UsageError(pub String);
+
+/// Width and height of the rendered frames in pixels, neither of them 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameSize {
+    /// Pixels from left to right.
+    pub width: u32,
+    /// Pixels from top to bottom.
+    pub height: u32,
+}
+
+impl fmt::Display for FrameSize {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}x{}", self.width, self.height)
+    }
+}
+
+/// A walk, fully described. Every value is in its range.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// What is walked through.
+    pub scene: Scene,
+    /// About how many objects the scene has: 1 to [`MAX_OBJECTS`].
+    pub objects: u32,
+    /// The same seed builds the same scene and the same path.
+    pub seed: u64,
+    /// How the camera moves.
+    pub path: CameraPath,
+    /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].
+    pub frames: u32,
+    /// Size of the frames; the device may have a lower limit.
+    pub size: FrameSize,
+    /// What is compared: at least one, each once, in the order asked for.
+    pub strategies: Vec<Strategy>,
+    /// Which frames are compared with plain frustum culling.
+    pub verify: Verify,
+    /// How many frames the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
+    pub frames_in_flight: u32,
+    /// Which device draws.
+    pub device: DeviceChoice,
+    /// What the validation layer looks at.
+    pub validation: Validation,
+    /// How hidden draws are skipped.
+    pub predicates: Predicates,
+    /// Folder of GLSL that replaces the embedded shaders.
+    pub shaders: Option<PathBuf>,
+    /// Folder for pictures.
+    pub output: Option<PathBuf>,
+    /// File for the report, as JSON.
+    pub report: Option<PathBuf>,
+    /// How many frames become pictures in `output`, spread over the walk; 0 without a folder.
+    pub pictures: u32,
+    /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
+    pub birds_eye: Option<u32>,
+}
+
+impl Options {
+    /// The frames that become pictures: `pictures` of them, spread evenly, the first one included.
+    pub fn picture_frames(&self) -> Vec<u32> {
+        let (frames, pictures) = (u64::from(self.frames), u64::from(self.pictures));
+        (0..pictures)
+            .filter_map(|picture| u32::try_from(picture * frames / pictures).ok())
+            .collect()
+    }
+}

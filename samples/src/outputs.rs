@@ -1,0 +1,236 @@
+//! Files a walk writes: that they can be is made sure before any work, and none is ever half there.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process;
+
+use thiserror::Error;
+
+use crate::options::{Options, UsageError};
+
+/// A file that could not be written.
+#[derive(Debug, Error)]
+#[error("cannot write '{path}': {reason}; is there space, and may you write there?")]
+pub struct WriteError {
+    path: String,
+    reason: String,
+}
+
+impl WriteError {
+    /// For a file and what went wrong with it.
+    pub fn new(path: &Path, reason: impl ToString) -> Self {
+        Self { path: path.display().to_string(), reason: reason.to_string() }
+    }
+}
+
+/// The folders that were made for a walk. Dropped, it removes those that are still empty, so that a
+/// walk that failed leaves nothing behind.
+#[derive(Debug)]
+pub struct Outputs {
+    made: Vec<PathBuf>,
+}
+
+impl Outputs {
+    /// Makes the folders for pictures and report where they are missing, and makes sure that files
+    /// can be written there; checks also that the folder of shaders is one.
+    ///
+    /// # Errors
+    /// Which option names something that cannot be written or read, and why.
+    pub fn prepare(options: &Options) -> Result<Self, UsageError> {
+        let mut outputs = Self { made: Vec::new() };
+        if let Some(folder) = &options.shaders {
+            check_shaders(folder)?;
+        }
+        if let Some(folder) = &options.output {
+            outputs.prepare_folder("--out", folder)?;
+        }
+        if let Some(report) = &options.report {
+            outputs.prepare_report(report)?;
+        }
+        Ok(outputs)
+    }
+
+    fn prepare_report(&mut self, report: &Path) -> Result<(), UsageError> {
+        let shown = report.display();
+        let ends_open = report.as_os_str().to_string_lossy().ends_with('/');
+        if report.file_name().is_none() || ends_open || report.is_dir() {
+            return Err(UsageError(format!("--report: '{shown}' is not the name of a file")));
+        }
+        self.prepare_folder("--report", folder_of(report))
+    }
+
+    fn prepare_folder(&mut self, option: &str, folder: &Path) -> Result<(), UsageError> {
+        let refuse = |what: &str, error: &dyn std::fmt::Display| {
+            let shown = folder.display();
+            UsageError(format!(
+                "{option}: {what} '{shown}' ({error}); choose a place you can write"
+            ))
+        };
+        if folder.exists() && !folder.is_dir() {
+            return Err(refuse("cannot use", &"it is not a folder"));
+        }
+        self.make(folder).map_err(|error| refuse("cannot make the folder", &error))?;
+        let probe = folder.join(format!(".walkthrough-probe-{}", process::id()));
+        fs::File::create_new(&probe)
+            .and_then(|_| fs::remove_file(&probe))
+            .map_err(|error| refuse("cannot write into the folder", &error))
+    }
+
+    fn make(&mut self, folder: &Path) -> std::io::Result<()> {
+        let missing: Vec<&Path> =
+            folder.ancestors().take_while(|ancestor| !ancestor.exists()).collect();
+        for &ancestor in missing.iter().rev() {
+            if ancestor.as_os_str().is_empty() {
+                continue;
+            }
+            fs::create_dir(ancestor)?;
+            self.made.push(ancestor.to_owned());
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Outputs {
+    fn drop(&mut self) {
+        for folder in self.made.iter().rev() {
+            // Refuses where something was written, which is what we want.
+            let _refused = fs::remove_dir(folder);
+        }
+    }
+}
+
+fn check_shaders(folder: &Path) -> Result<(), UsageError> {
+    if cfg!(not(feature = "shader-compiler")) {
+        return Err(UsageError(
+            "--shaders: this build has no shader compiler; build it with --features shader-compiler"
+                .to_owned(),
+        ));
+    }
+    if folder.is_dir() {
+        return Ok(());
+    }
+    Err(UsageError(format!("--shaders: there is no folder '{}'", folder.display())))
+}
+
+fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Writes a file under another name beside it, then renames: the file is the old one or the whole
+/// new one, whatever goes wrong.
+///
+/// # Errors
+/// When the folder or the disk refuses.
+pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let failed = |reason: &dyn std::fmt::Display| WriteError::new(path, reason);
+    let name = path.file_name().ok_or_else(|| failed(&"it is not the name of a file"))?;
+    let partial_name = format!(".{}.{}.partial", name.to_string_lossy(), process::id());
+    let partial = folder_of(path).join(partial_name);
+    let written = fs::File::create(&partial)
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
+        .and_then(|()| fs::rename(&partial, path));
+    written.map_err(|error| {
+        let _absent = fs::remove_file(&partial);
+        failed(&error)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::args::Arguments;
+    use clap::Parser;
+
+    /// A folder of the test's own that is gone afterwards.
+    struct Scratch(PathBuf);
+
+    impl Scratch {
+        fn new(name: &str) -> Self {
+            let folder = std::env::temp_dir().join(format!("antumbra-{name}-{}", process::id()));
+            fs::create_dir_all(&folder).unwrap();
+            Self(folder)
+        }
+
+        fn names(&self) -> Vec<String> {
+            let entries = fs::read_dir(&self.0).unwrap();
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+        }
+    }
+
+    impl Drop for Scratch {
+        fn drop(&mut self) {
+            fs::remove_dir_all(&self.0).unwrap();
+        }
+    }
+
+    fn options(line: &[&str]) -> Options {
+        Arguments::try_parse_from([&["walkthrough"], line].concat()).unwrap().options().unwrap()
+    }
+
+    #[test]
+    fn folders_that_stay_empty_go_again() {
+        let scratch = Scratch::new("empty");
+        let out = scratch.0.join("a/b");
+        let report = scratch.0.join("c/report.json");
+        let options =
+            options(&["--out", out.to_str().unwrap(), "--report", report.to_str().unwrap()]);
+        let outputs = Outputs::prepare(&options).unwrap();
+        assert!(out.is_dir() && report.parent().unwrap().is_dir() && !report.exists());
+        drop(outputs);
+        assert!(scratch.names().is_empty());
+    }
+
+    #[test]
+    fn folders_with_something_in_them_stay() {
+        let scratch = Scratch::new("kept");
+        let out = scratch.0.join("a/b");
+        let outputs = Outputs::prepare(&options(&["--out", out.to_str().unwrap()])).unwrap();
+        replace_file(&out.join("x"), b"new").unwrap();
+        drop(outputs);
+        assert_eq!(fs::read(out.join("x")).unwrap(), b"new");
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_or_not_at_all() {
+        let scratch = Scratch::new("replace");
+        let file = scratch.0.join("file");
+        replace_file(&file, b"old").unwrap();
+        replace_file(&file, b"new").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert_eq!(scratch.names(), ["file"]);
+
+        let folder = scratch.0.join("folder");
+        fs::create_dir(&folder).unwrap();
+        let message = replace_file(&folder, b"x").unwrap_err().to_string();
+        assert!(message.starts_with("cannot write"), "{message}");
+        assert_eq!(scratch.names().len(), 2);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_refused_and_leaves_nothing() {
+        let scratch = Scratch::new("refused");
+        let file = scratch.0.join("file");
+        fs::write(&file, b"kept").unwrap();
+        let below = file.join("below");
+        for (option, path) in [
+            ("--out", file.as_path()),
+            ("--out", below.as_path()),
+            ("--out", Path::new("/proc")),
+            ("--report", below.as_path()),
+            ("--report", scratch.0.as_path()),
+            ("--report", Path::new("/proc/report.json")),
+            ("--report", Path::new("folder/")),
+            ("--report", Path::new("..")),
+        ] {
+            let refused = Outputs::prepare(&options(&[option, path.to_str().unwrap()]));
+            let message = refused.unwrap_err().to_string();
+            assert!(message.starts_with(option) && !message.contains('\n'), "{message}");
+        }
+        assert_eq!(scratch.names(), ["file"]);
+        assert_eq!(fs::read(&file).unwrap(), b"kept");
+    }
+}

@@ -1,0 +1,126 @@
+//! Shows how far a walk has come: a bar on a terminal, a line now and then elsewhere.
+
+use std::cell::Cell;
+use std::io::IsTerminal;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// What a walk tells while it runs.
+pub trait Progress {
+    /// A step of the preparations begins: "building the city".
+    fn stage(&self, what: &str);
+    /// The frames begin; so many will be drawn.
+    fn begin_frames(&self, frames: u64);
+    /// One frame is done, drawn by this strategy.
+    fn frame_done(&self, strategy: &str);
+    /// The frames are over; nothing more will come.
+    fn finish(&self);
+}
+
+/// The progress that suits standard error, or none.
+pub fn for_terminal(quiet: bool) -> Box<dyn Progress> {
+    if quiet {
+        Box::new(Silent)
+    } else if std::io::stderr().is_terminal() {
+        Box::new(Bar::new())
+    } else {
+        Box::new(Lines::default())
+    }
+}
+
+/// Tells nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn stage(&self, _: &str) {}
+    fn begin_frames(&self, _: u64) {}
+    fn frame_done(&self, _: &str) {}
+    fn finish(&self) {}
+}
+
+/// A bar that is redrawn in place on standard error.
+#[derive(Debug)]
+struct Bar(ProgressBar);
+
+impl Bar {
+    fn new() -> Self {
+        Self(ProgressBar::new_spinner())
+    }
+}
+
+impl Progress for Bar {
+    fn stage(&self, what: &str) {
+        self.0.set_message(what.to_owned());
+        self.0.tick();
+    }
+
+    fn begin_frames(&self, frames: u64) {
+        let style = "{bar:40} {pos}/{len} frames, {eta} left  {msg}";
+        if let Ok(style) = ProgressStyle::with_template(style) {
+            self.0.set_style(style);
+        }
+        self.0.set_length(frames);
+        self.0.reset();
+    }
+
+    fn frame_done(&self, strategy: &str) {
+        if self.0.message() != strategy {
+            self.0.set_message(strategy.to_owned());
+        }
+        self.0.inc(1);
+    }
+
+    fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// A line for each stage and each tenth of the frames, for logs.
+#[derive(Debug, Default)]
+struct Lines {
+    done: Cell<u64>,
+    frames: Cell<u64>,
+}
+
+impl Progress for Lines {
+    fn stage(&self, what: &str) {
+        eprintln!("{what}");
+    }
+
+    fn begin_frames(&self, frames: u64) {
+        self.frames.set(frames);
+        self.done.set(0);
+    }
+
+    fn frame_done(&self, _: &str) {
+        let (done, frames) = (self.done.get() + 1, self.frames.get());
+        self.done.set(done);
+        if completes_tenth(done, frames) {
+            eprintln!("{done} of {frames} frames");
+        }
+    }
+
+    fn finish(&self) {}
+}
+
+/// Whether a whole number of tenths is reached with this frame and was not before it.
+fn completes_tenth(done: u64, frames: u64) -> bool {
+    let tenths = |done: u64| done.saturating_mul(10).checked_div(frames);
+    tenths(done) != tenths(done.saturating_sub(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_at_each_tenth() {
+        let lines = |frames| (1..=frames).filter(|&done| completes_tenth(done, frames)).count();
+        assert_eq!(lines(1000), 10);
+        assert_eq!(lines(37), 10);
+        assert_eq!(lines(3), 3);
+        assert!(completes_tenth(37, 37));
+        assert!(!completes_tenth(1, 0));
+    }
+}

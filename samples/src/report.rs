@@ -1,0 +1,162 @@
+//! `report.json`: what a walk measured, in a form that other programs read.
+//!
+//! Its keys are a contract: they may grow, they do not change. Numbers that could not be had are
+//! `null`; all others are finite. Times are milliseconds, memory is MiB.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::outputs::{WriteError, replace_file};
+use crate::statistics::{Summary, ratio};
+
+/// Everything a walk measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// What drew.
+    pub device: DeviceReport,
+    /// What was drawn.
+    pub scene: SceneReport,
+    /// Name of the camera's path.
+    pub path: String,
+    /// Timed frames of each strategy.
+    pub frames: u32,
+    /// Width and height of the frames in pixels.
+    pub size: [u32; 2],
+    /// How many frames the CPU was allowed to be ahead.
+    pub frames_in_flight: u32,
+    /// How hidden draws were skipped: what `--predicates` chose.
+    pub predicates: String,
+    /// Messages of the validation layer, 0 where it was off.
+    pub validation_messages: u64,
+    /// Memory at the end of the walk.
+    pub memory: MemoryReport,
+    /// How long the preparations took.
+    pub build_ms: BuildReport,
+    /// One entry a strategy, in the order asked for.
+    pub runs: Vec<RunReport>,
+    /// "A/B": median frame time of A over that of B, for every ordered pair.
+    pub ratios: BTreeMap<String, Option<f64>>,
+}
+
+/// The device that drew.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DeviceReport {
+    /// Its name, as the driver gives it.
+    pub name: String,
+    /// Name and version of the driver.
+    pub driver: String,
+    /// The Vulkan version it implements, as "1.3.230".
+    pub api: String,
+    /// Whether it has `VK_EXT_conditional_rendering`.
+    pub conditional_rendering: bool,
+}
+
+/// The scene as built.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SceneReport {
+    /// Its name on the command line.
+    pub name: String,
+    /// How many objects it really has.
+    pub objects: u64,
+    /// Triangles of all objects together.
+    pub triangles: u64,
+    /// The seed it was built from.
+    pub seed: u64,
+}
+
+/// Memory at the end of a walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MemoryReport {
+    /// The most that the process had resident.
+    pub peak_resident_mib: Option<f64>,
+    /// What was allocated from the device.
+    pub gpu_allocated_mib: Option<f64>,
+}
+
+/// Times of the preparations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct BuildReport {
+    /// Generating or loading the objects and their meshes.
+    pub scene: Option<f64>,
+    /// Building the bounding-volume hierarchy.
+    pub hierarchy: Option<f64>,
+    /// Bringing everything to the device.
+    pub upload: Option<f64>,
+}
+
+/// Median and maximum of the age of query results, in frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct AgeReport {
+    /// The median; absent where no result came home.
+    pub median: Option<u64>,
+    /// The largest.
+    pub max: Option<u64>,
+}
+
+/// One strategy's walk. Counts are medians per frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Its name.
+    pub strategy: String,
+    /// Time of a frame: from its begin on the CPU to its end on the device, per frame in flight.
+    pub frame_ms: Summary,
+    /// CPU time of the engine in a frame.
+    pub cpu_ms: Summary,
+    /// Draws submitted.
+    pub draws: Option<u64>,
+    /// Triangles submitted, those of predicated draws included.
+    pub triangles: Option<u64>,
+    /// Occlusion queries issued.
+    pub queries: Option<u64>,
+    /// Draws that a predicate decided.
+    pub predicated_draws: Option<u64>,
+    /// How old the results were that came home.
+    pub result_age_frames: AgeReport,
+    /// Waits of the frame loop, in all frames together, other than for a frame's own slot.
+    pub blocking_waits: u64,
+    /// How many frames the times and counts come from.
+    pub frames_timed: u64,
+    /// How many frames were compared with plain frustum culling.
+    pub frames_verified: u64,
+    /// Pixels that differed in all of them; absent where none was compared.
+    pub pixels_wrong: Option<u64>,
+}
+
+/// "A/B" for every ordered pair of runs: median frame time of A over that of B.
+pub fn ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
+    let mut ratios = BTreeMap::new();
+    for (a_place, a) in runs.iter().enumerate() {
+        for (b_place, b) in runs.iter().enumerate() {
+            if a_place != b_place {
+                let name = format!("{}/{}", a.strategy, b.strategy);
+                ratios.insert(name, ratio(a.frame_ms.median, b.frame_ms.median));
+            }
+        }
+    }
+    ratios
+}
+
+impl Report {
+    /// The report as indented JSON with a final line break.
+    ///
+    /// # Errors
+    /// When a value cannot be JSON, which no report that this program makes holds.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|json| json + "\n")
+    }
+
+    /// Writes the report so that the file is either the old one or the whole new one.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        let json = self.to_json().map_err(|error| WriteError::new(path, error))?;
+        replace_file(path, json.as_bytes())
+    }
+}
+
+#[cfg(test)]
+#[path = "report_tests.rs"]
+pub(crate) mod tests;

@@ -1,0 +1,95 @@
+//! Tests of the report: its keys, its ratios, and that nothing but finite numbers gets in.
+
+use super::*;
+use crate::measurement::{FrameMeasurement, RunMeasurement};
+use crate::strategy::Strategy;
+use serde_json::{Value, json};
+
+fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
+    let mut run = RunMeasurement::new(strategy);
+    for &frame_ms in frame_ms {
+        run.push(FrameMeasurement {
+            frame_ms,
+            cpu_ms: frame_ms / 10.0,
+            draws: 3,
+            triangles: 3000,
+            queries: 2,
+            predicated_draws: 1,
+            result_age_frames: Some(2),
+            blocking_waits: 0,
+        });
+    }
+    run.verified(0);
+    run.report()
+}
+
+pub(crate) fn example() -> Report {
+    let runs = vec![run(Strategy::Frustum, &[30.0, 33.0]), run(Strategy::Antumbra, &[10.0, 11.0])];
+    Report {
+        device: DeviceReport {
+            name: "llvmpipe".into(),
+            driver: "llvmpipe Mesa 22.3.6".into(),
+            api: "1.3.230".into(),
+            conditional_rendering: true,
+        },
+        scene: SceneReport { name: "city".into(), objects: 10_012, triangles: 9_876_543, seed: 1 },
+        path: "street".into(),
+        frames: 2,
+        size: [1280, 720],
+        frames_in_flight: 2,
+        predicates: "conditional".into(),
+        validation_messages: 0,
+        memory: MemoryReport { peak_resident_mib: Some(123.4), gpu_allocated_mib: Some(56.0) },
+        build_ms: BuildReport { scene: Some(1.5), hierarchy: Some(2.5), upload: Some(3.5) },
+        ratios: ratios(&runs),
+        runs,
+    }
+}
+
+#[test]
+fn the_keys_are_the_contract() {
+    let json: Value = serde_json::from_str(&example().to_json().unwrap()).unwrap();
+    let run = |strategy: &str, low: f64, high: f64| {
+        json!({
+            "strategy": strategy,
+            "frame_ms": {"median": (low + high) / 2.0, "p95": high, "max": high},
+            "cpu_ms": {"median": (low + high) / 20.0, "p95": high / 10.0, "max": high / 10.0},
+            "draws": 3, "triangles": 3000, "queries": 2, "predicated_draws": 1,
+            "result_age_frames": {"median": 2, "max": 2},
+            "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1, "pixels_wrong": 0,
+        })
+    };
+    let expected = json!({
+        "device": {
+            "name": "llvmpipe", "driver": "llvmpipe Mesa 22.3.6", "api": "1.3.230",
+            "conditional_rendering": true,
+        },
+        "scene": {"name": "city", "objects": 10_012, "triangles": 9_876_543, "seed": 1},
+        "path": "street", "frames": 2, "size": [1280, 720], "frames_in_flight": 2,
+        "predicates": "conditional", "validation_messages": 0,
+        "memory": {"peak_resident_mib": 123.4, "gpu_allocated_mib": 56.0},
+        "build_ms": {"scene": 1.5, "hierarchy": 2.5, "upload": 3.5},
+        "runs": [run("frustum", 30.0, 33.0), run("antumbra", 10.0, 11.0)],
+        "ratios": {"frustum/antumbra": 3.0, "antumbra/frustum": 0.3333},
+    });
+    assert_eq!(json, expected);
+}
+
+#[test]
+fn what_was_not_measured_is_null() {
+    let mut report = example();
+    report.runs =
+        vec![RunMeasurement::new(Strategy::Frustum).report(), run(Strategy::Antumbra, &[f64::NAN])];
+    report.ratios = ratios(&report.runs);
+    let json: Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
+    assert_eq!(json["ratios"]["frustum/antumbra"], Value::Null);
+    assert_eq!(json["runs"][0]["pixels_wrong"], Value::Null);
+    assert_eq!(json["runs"][0]["draws"], Value::Null);
+    assert_eq!(json["runs"][1]["frame_ms"]["median"], Value::Null);
+    assert_eq!(json["runs"][1]["frames_timed"], 1);
+}
+
+#[test]
+fn one_strategy_has_no_ratios() {
+    assert!(ratios(&[run(Strategy::Frustum, &[1.0])]).is_empty());
+}

@@ -1,0 +1,134 @@
+//! Median, 95th percentile and maximum of a run's samples, and ratios of medians.
+
+use serde::Serialize;
+
+/// Digits after the point that reports keep: a tenth of a microsecond where the unit is ms.
+const KEPT_DIGITS: f64 = 1e4;
+
+/// Three numbers that describe many; absent where there was no sample.
+///
+/// Samples that are not finite are left out, so a summary never holds one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Summary {
+    /// The middle sample; between the two middle ones if their number is even.
+    pub median: Option<f64>,
+    /// The smallest sample that 95 % of all do not exceed (nearest rank).
+    pub p95: Option<f64>,
+    /// The largest sample.
+    pub max: Option<f64>,
+}
+
+impl Summary {
+    /// Describes samples in any order.
+    pub fn of(samples: impl IntoIterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> =
+            samples.into_iter().filter(|sample| sample.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        Self {
+            median: median(&sorted).map(rounded),
+            p95: nearest_rank(&sorted, 95).copied().map(rounded),
+            max: sorted.last().copied().map(rounded),
+        }
+    }
+}
+
+/// The middle one of some counts, an actual one of them (the lower if their number is even).
+pub fn median_count(counts: impl IntoIterator<Item = u64>) -> Option<u64> {
+    let mut sorted: Vec<u64> = counts.into_iter().collect();
+    sorted.sort_unstable();
+    nearest_rank(&sorted, 50).copied()
+}
+
+/// How many times `a` is as large as `b`; absent where that is no finite number.
+pub fn ratio(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    let ratio = a? / b?;
+    ratio.is_finite().then(|| rounded(ratio))
+}
+
+fn median(sorted: &[f64]) -> Option<f64> {
+    let upper = sorted.len() / 2;
+    let high = *sorted.get(upper)?;
+    if sorted.len() % 2 == 1 {
+        return Some(high);
+    }
+    // Halved first: the sum of two large samples may not be finite.
+    sorted.get(upper.checked_sub(1)?).map(|low| low / 2.0 + high / 2.0)
+}
+
+/// The smallest sample that `percent` of all do not exceed.
+fn nearest_rank<T>(sorted: &[T], percent: usize) -> Option<&T> {
+    let rank = (sorted.len() * percent).div_ceil(100);
+    sorted.get(rank.checked_sub(1)?)
+}
+
+fn rounded(value: f64) -> f64 {
+    let scaled = (value * KEPT_DIGITS).round() / KEPT_DIGITS;
+    if scaled.is_finite() { scaled } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn nothing_is_summarised_as_nothing() {
+        assert_eq!(Summary::of([]), Summary::default());
+        assert_eq!(Summary::of([f64::NAN, f64::INFINITY]), Summary::default());
+        assert_eq!(median_count([]), None);
+    }
+
+    #[test]
+    fn known_samples() {
+        let summary = Summary::of((1..=100).rev().map(f64::from));
+        assert_eq!(summary, Summary { median: Some(50.5), p95: Some(95.0), max: Some(100.0) });
+        let one = Summary::of([3.0]);
+        assert_eq!(one, Summary { median: Some(3.0), p95: Some(3.0), max: Some(3.0) });
+        // Of 20 samples the 19th: 95 % do not exceed it. Of 10, only the largest will do.
+        assert_eq!(Summary::of((1..=20).map(f64::from)).p95, Some(19.0));
+        assert_eq!(Summary::of((1..=10).map(f64::from)).p95, Some(10.0));
+        assert_eq!(median_count([9, 1, 5, 3]), Some(3));
+        assert_eq!(median_count([9, 1, 5]), Some(5));
+    }
+
+    #[test]
+    fn samples_that_are_not_finite_do_not_count() {
+        assert_eq!(Summary::of([1.0, f64::NAN, 3.0, f64::NEG_INFINITY]).median, Some(2.0));
+    }
+
+    #[test]
+    fn ratios() {
+        assert_eq!(ratio(Some(9.0), Some(3.0)), Some(3.0));
+        assert_eq!(ratio(Some(9.0), Some(0.0)), None);
+        assert_eq!(ratio(Some(0.0), Some(0.0)), None);
+        assert_eq!(ratio(None, Some(1.0)), None);
+        assert_eq!(ratio(Some(1.0), None), None);
+    }
+
+    proptest! {
+        #[test]
+        fn a_summary_is_ordered_finite_and_blind_to_order(
+            samples in prop::collection::vec(prop::num::f64::ANY, 0..50)
+        ) {
+            let summary = Summary::of(samples.iter().copied());
+            let reversed = Summary::of(samples.iter().rev().copied());
+            prop_assert_eq!(summary, reversed);
+            prop_assert_eq!(summary.median.is_some(), samples.iter().any(|s| s.is_finite()));
+            if let Summary { median: Some(median), p95: Some(p95), max: Some(max) } = summary {
+                prop_assert!(median.is_finite() && p95.is_finite() && max.is_finite());
+                prop_assert!(median <= p95 && p95 <= max);
+            }
+        }
+
+        #[test]
+        fn at_least_95_percent_do_not_exceed_p95(
+            samples in prop::collection::vec(0u32..1000, 1..200)
+        ) {
+            let p95 = Summary::of(samples.iter().map(|&s| f64::from(s))).p95.unwrap();
+            let within = samples.iter().filter(|&&s| f64::from(s) <= p95).count();
+            let below = samples.iter().filter(|&&s| f64::from(s) < p95).count();
+            prop_assert!(within * 100 >= samples.len() * 95);
+            prop_assert!(below * 100 < samples.len() * 95);
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! The table a person reads after a walk: the same numbers as the report.
+
+use std::fmt::{Display, Write};
+
+use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
+
+use crate::report::{Report, RunReport};
+
+/// Shown where a number could not be had.
+const ABSENT: &str = "-";
+
+const COLUMNS: [&str; 9] = [
+    "strategy",
+    "frame ms\nmedian",
+    "frame ms\n95 %",
+    "CPU ms\nmedian",
+    "draws",
+    "triangles",
+    "queries",
+    "result age\nframes",
+    "pixels\nwrong",
+];
+
+/// What was drawn on what, the strategies side by side, their ratios, memory and build times.
+pub fn render(report: &Report) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED);
+    table.set_content_arrangement(ContentArrangement::Disabled);
+    table.set_header(COLUMNS.map(|column| Cell::new(column).set_alignment(CellAlignment::Center)));
+    for run in &report.runs {
+        table.add_row(row(run));
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let lines = [head(report), table.trim_fmt(), ratio_lines(report), foot(report)];
+    lines.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + "\n"
+}
+
+fn row(run: &RunReport) -> [String; 9] {
+    [
+        run.strategy.clone(),
+        milliseconds(run.frame_ms.median),
+        milliseconds(run.frame_ms.p95),
+        milliseconds(run.cpu_ms.median),
+        count(run.draws),
+        count(run.triangles),
+        count(run.queries),
+        shown(run.result_age_frames.median),
+        count(run.pixels_wrong),
+    ]
+}
+
+fn head(report: &Report) -> String {
+    let Report { device, scene, size: [width, height], .. } = report;
+    format!(
+        "{} ({}, Vulkan {}), hidden draws skipped by {}\n\
+         {} of {} objects, {} triangles, seed {}; path {}, {} frames of {width}x{height}, {} in flight",
+        device.name,
+        device.driver,
+        device.api,
+        report.predicates,
+        scene.name,
+        count(Some(scene.objects)),
+        count(Some(scene.triangles)),
+        scene.seed,
+        report.path,
+        report.frames,
+        report.frames_in_flight,
+    )
+}
+
+/// A sentence for each pair, in the order of the runs.
+fn ratio_lines(report: &Report) -> String {
+    let names: Vec<&str> = report.runs.iter().map(|run| run.strategy.as_str()).collect();
+    let mut lines = Vec::new();
+    for (place, a) in names.iter().enumerate() {
+        for b in names.iter().skip(place + 1) {
+            if let Some(Some(ratio)) = report.ratios.get(&format!("{a}/{b}")) {
+                lines.push(format!("{a} takes {ratio:.2} times as long a frame as {b}"));
+            }
+        }
+    }
+    lines.join("\n")
+}
+
+fn foot(report: &Report) -> String {
+    let waits: u64 = report.runs.iter().map(|run| run.blocking_waits).sum();
+    let verified: u64 = report.runs.iter().map(|run| run.frames_verified).sum();
+    let (build, memory) = (&report.build_ms, &report.memory);
+    let mut text = format!(
+        "built in ms: scene {}, hierarchy {}, upload {}; peak memory {} MiB, on the device {} MiB\n\
+         frames compared with frustum culling: {verified}; blocking waits: {waits}; validation messages: {}",
+        milliseconds(build.scene),
+        milliseconds(build.hierarchy),
+        milliseconds(build.upload),
+        whole(memory.peak_resident_mib),
+        whole(memory.gpu_allocated_mib),
+        report.validation_messages,
+    );
+    let wrong: u64 = report.runs.iter().filter_map(|run| run.pixels_wrong).sum();
+    if wrong > 0 {
+        // Writing to a String cannot fail.
+        let _ok = write!(text, "\nWRONG: {wrong} pixels differ from plain frustum culling");
+    }
+    text
+}
+
+fn milliseconds(value: Option<f64>) -> String {
+    value.map_or(ABSENT.to_owned(), |value| format!("{value:.2}"))
+}
+
+fn whole(value: Option<f64>) -> String {
+    value.map_or(ABSENT.to_owned(), |value| format!("{value:.0}"))
+}
+
+fn shown(value: Option<impl Display>) -> String {
+    value.map_or(ABSENT.to_owned(), |value| value.to_string())
+}
+
+/// A number with a comma between each three digits.
+fn count(value: Option<u64>) -> String {
+    let Some(value) = value else {
+        return ABSENT.to_owned();
+    };
+    let digits = value.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measurement::RunMeasurement;
+    use crate::report::tests::example;
+    use crate::strategy::Strategy;
+
+    #[test]
+    fn a_person_finds_every_number() {
+        let text = render(&example());
+        for expected in [
+            "llvmpipe (llvmpipe Mesa 22.3.6, Vulkan 1.3.230), hidden draws skipped by conditional",
+            "city of 10,012 objects, 9,876,543 triangles, seed 1",
+            "path street, 2 frames of 1280x720, 2 in flight",
+            "31.50",
+            "33.00",
+            "10.50",
+            "3.15",
+            "1.05",
+            "3,000",
+            "frustum takes 3.00 times as long a frame as antumbra",
+            "scene 1.50, hierarchy 2.50, upload 3.50; peak memory 123 MiB, on the device 56 MiB",
+            "frames compared with frustum culling: 2; blocking waits: 0; validation messages: 0",
+        ] {
+            assert!(text.contains(expected), "'{expected}' is missing in\n{text}");
+        }
+        assert!(!text.contains("WRONG"));
+        assert!(text.lines().all(|line| line.chars().count() <= 120), "too wide:\n{text}");
+    }
+
+    #[test]
+    fn what_is_absent_is_a_dash_and_what_is_wrong_is_loud() {
+        let mut report = example();
+        report.runs = vec![RunMeasurement::new(Strategy::Frustum).report()];
+        let text = render(&report);
+        let row: Vec<&str> = text
+            .lines()
+            .find(|line| line.contains("│ frustum"))
+            .unwrap()
+            .split(['│', '┆'])
+            .map(str::trim)
+            .filter(|cell| !cell.is_empty())
+            .collect();
+        assert_eq!(row, ["frustum", "-", "-", "-", "-", "-", "-", "-", "-"]);
+
+        let mut wrong = RunMeasurement::new(Strategy::Antumbra);
+        wrong.verified(1234);
+        report.runs = vec![wrong.report()];
+        assert!(render(&report).contains("WRONG: 1234 pixels differ"));
+    }
+
+    #[test]
+    fn thousands_are_separated() {
+        let cases = [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")];
+        for (value, text) in cases {
+            assert_eq!(count(Some(value)), text);
+        }
+    }
+}

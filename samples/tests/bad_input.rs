@@ -1,0 +1,198 @@
+//! Runs `walkthrough` with what cannot be: one sentence, the right exit code, nothing left behind.
+
+#![allow(clippy::expect_used, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder of the test's own, gone when dropped.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(name: &str) -> Self {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _absent = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).expect("the target folder is writable");
+        Self(folder)
+    }
+
+    fn assert_empty(&self) {
+        let left: Vec<_> = fs::read_dir(&self.0).expect("it exists").collect();
+        assert!(left.is_empty(), "left behind: {left:?}");
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _gone = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn walkthrough(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_walkthrough"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The message of a refusal, which must be one line, with nothing on standard output.
+fn refusal(output: &Output, exit_code: i32) -> String {
+    let message = stderr(output);
+    assert_eq!(output.status.code(), Some(exit_code), "{message}");
+    assert!(message.starts_with("error: "), "{message}");
+    assert_eq!(message.lines().count(), 1, "one sentence: {message}");
+    assert!(!message.contains("panicked"), "{message}");
+    assert!(output.stdout.is_empty());
+    message
+}
+
+#[test]
+fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
+    let scratch = Scratch::new("mistakes");
+    let out = ["--out", "made", "--report", "made/report.json"];
+    for (mistake, sentence) in [
+        (["--scene", "citty"], "did you mean 'city'?"),
+        (["--scene", "town.glb"], "glTF files such as 'town.glb' come in a later version"),
+        (["--path", "Camera"], "there is street, fly and cut"),
+        (["--strategy", "frustum,frustum"], "'frustum' twice"),
+        (["--strategy", "best"], "unknown strategy 'best': there is frustum"),
+        (["--objects", "0"], "from 1 to 4000000, not '0'"),
+        (["--objects", "-3"], "from 1 to 4000000, not '-3'"),
+        (["--frames", "0"], "from 1 to 1000000, not '0'"),
+        (["--frames-in-flight", "5"], "from 1 to 4, not '5'"),
+        (["--size", "0x0"], "such as 1280x720, not '0x0'"),
+        (["--verify", "0"], "not '0'"),
+        (["--validation", "maybe"], "off, on and sync"),
+        (["--predicates", "maybe"], "auto, conditional, count and instances"),
+        (["--birds-eye", "120"], "from 0 to 119, not '120'"),
+        (["--pictures", "121"], "from 0 to 120, not '121'"),
+    ] {
+        let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
+        let message = refusal(&output.expect("it starts"), 2);
+        assert!(message.contains(mistake[0]), "names the option: {message}");
+        assert!(message.contains(sentence), "{message}");
+        scratch.assert_empty();
+    }
+}
+
+#[test]
+fn arguments_that_do_not_exist_end_with_2() {
+    let scratch = Scratch::new("unknown-argument");
+    for arguments in [&["--objets", "5"][..], &["city"], &["--out"], &["--out", ""], &["--report="]]
+    {
+        let output = walkthrough(&scratch.0, arguments).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(2));
+        assert!(stderr(&output).starts_with("error: "));
+    }
+    let output = walkthrough(&scratch.0, &["--objets", "5"]).output().expect("it starts");
+    assert!(stderr(&output).contains("'--objects'"), "{}", stderr(&output));
+    scratch.assert_empty();
+}
+
+#[test]
+fn places_that_cannot_be_written_end_with_2_before_any_work() {
+    let scratch = Scratch::new("unwritable");
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("unwritable-file");
+    fs::write(&file, "kept").expect("the target folder is writable");
+    let below = file.join("below");
+    let (file_name, below) = (file.to_string_lossy(), below.to_string_lossy());
+    for arguments in [
+        ["--out", file_name.as_ref()],
+        ["--out", below.as_ref()],
+        ["--report", below.as_ref()],
+        ["--report", "."],
+        ["--report", "folder/"],
+    ] {
+        let output = walkthrough(&scratch.0, &arguments).output().expect("it starts");
+        let message = refusal(&output, 2);
+        assert!(message.contains(arguments[0]), "names the option: {message}");
+        scratch.assert_empty();
+    }
+    assert_eq!(fs::read_to_string(&file).expect("still there"), "kept");
+    fs::remove_file(&file).expect("ours");
+}
+
+/// Runs walks and `--list-devices` on a machine made poorer; each must end with 1 and one error.
+fn assert_machine_is_blamed(name: &str, poorer: impl Fn(&mut Command)) {
+    let scratch = Scratch::new(name);
+    let walk = ["--out", "made/pictures", "--report", "made/report.json"];
+    for arguments in [&walk[..], &["--list-devices"]] {
+        let mut command = walkthrough(&scratch.0, arguments);
+        poorer(&mut command);
+        let output = command.output().expect("it starts");
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        // The Vulkan loader may add lines of its own.
+        let errors = message.lines().filter(|line| line.starts_with("error: ")).count();
+        assert_eq!(errors, 1, "{message}");
+        assert!(!message.contains("panicked"), "{message}");
+        scratch.assert_empty();
+    }
+}
+
+#[test]
+fn without_a_driver_it_ends_with_1_and_leaves_nothing() {
+    assert_machine_is_blamed("no-driver", |command| {
+        command
+            .env("VK_DRIVER_FILES", "/nonexistent/driver.json")
+            .env_remove("VK_ADD_DRIVER_FILES");
+    });
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn without_a_loader_it_ends_with_1_and_leaves_nothing() {
+    // An empty file of its name, found first: the dynamic linker gives up on it.
+    let fake = Scratch::new("fake-loader");
+    fs::write(fake.0.join("libvulkan.so.1"), "").expect("the target folder is writable");
+    fs::write(fake.0.join("libvulkan.so"), "").expect("the target folder is writable");
+    assert_machine_is_blamed("no-loader", |command| {
+        command.env("LD_LIBRARY_PATH", &fake.0);
+    });
+}
+
+#[test]
+fn help_explains_every_option_of_the_contract() {
+    let scratch = Scratch::new("help");
+    let output = walkthrough(&scratch.0, &["--help"]).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0));
+    let help = String::from_utf8_lossy(&output.stdout);
+    for option in [
+        "--scene",
+        "--objects",
+        "--seed",
+        "--path",
+        "--frames",
+        "--size",
+        "--strategy",
+        "--verify",
+        "--frames-in-flight",
+        "--device",
+        "--validation",
+        "--out",
+        "--report",
+        "Examples:",
+    ] {
+        assert!(help.contains(option), "{option} is missing in\n{help}");
+    }
+}
+
+#[test]
+#[cfg(not(feature = "shader-compiler"))]
+fn shaders_need_a_build_with_the_compiler() {
+    let scratch = Scratch::new("no-compiler");
+    let output = walkthrough(&scratch.0, &["--shaders", "."]).output().expect("it starts");
+    assert!(refusal(&output, 2).contains("--features shader-compiler"));
+}
+
+#[test]
+#[cfg(feature = "shader-compiler")]
+fn a_folder_of_shaders_that_is_none_ends_with_2() {
+    let scratch = Scratch::new("no-shaders");
+    let output = walkthrough(&scratch.0, &["--shaders", "nowhere"]).output().expect("it starts");
+    assert!(refusal(&output, 2).contains("there is no folder 'nowhere'"));
+}

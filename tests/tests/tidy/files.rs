@@ -1,0 +1,77 @@
+//! The files of the workspace, read once a test.
+
+use std::fs;
+use std::path::Path;
+
+/// A file, by its path from the workspace's root with `/` between the parts.
+pub struct SourceFile {
+    /// As "engine/gpu/src/lib.rs".
+    pub path: String,
+    /// Empty where it is no text.
+    pub text: String,
+}
+
+impl SourceFile {
+    pub fn new(path: &str, text: &str) -> Self {
+        Self { path: path.to_owned(), text: text.to_owned() }
+    }
+
+    /// What follows the last dot of its name, or nothing.
+    pub fn extension(&self) -> &str {
+        let name = self.path.rsplit('/').next().unwrap_or_default();
+        name.rsplit_once('.').map_or("", |(_, extension)| extension)
+    }
+
+    pub fn is_rust(&self) -> bool {
+        self.extension() == "rs"
+    }
+
+    /// A shader of one stage, not an include.
+    pub fn is_stage(&self) -> bool {
+        ["vert", "frag", "comp", "geom", "tesc", "tese"].contains(&self.extension())
+    }
+
+    /// A script, or a file that scripts read.
+    pub fn is_script(&self) -> bool {
+        self.path.starts_with("ci/") || self.path.starts_with(".ci/") || self.extension() == "sh"
+    }
+
+    /// Whether all of it is compiled for tests alone.
+    pub fn is_test(&self) -> bool {
+        let path = self.path.as_str();
+        path.starts_with("tests/")
+            || path.contains("/tests/")
+            || path.ends_with("/tests.rs")
+            || path.ends_with("_tests.rs")
+    }
+
+    /// A finding in a line, counted from 1.
+    pub fn finding(&self, line: usize, reason: &str) -> String {
+        format!("{}:{line}: {reason}", self.path)
+    }
+}
+
+/// Every file but what is built and what git keeps, in the order of their paths.
+pub fn workspace() -> Vec<SourceFile> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the root");
+    let mut files = Vec::new();
+    collect(root, "", &mut files);
+    files.sort_by(|a, b| a.path.cmp(&b.path));
+    files
+}
+
+fn collect(folder: &Path, prefix: &str, files: &mut Vec<SourceFile>) {
+    for entry in fs::read_dir(folder).expect("a folder of the workspace") {
+        let entry = entry.expect("an entry of the workspace");
+        let name = entry.file_name().into_string().expect("names are UTF-8");
+        let kind = entry.file_type().expect("a kind of file");
+        let skipped = prefix.is_empty() && ["target", "out", ".git"].contains(&name.as_str());
+        let path = format!("{prefix}{name}");
+        if kind.is_dir() && !skipped {
+            collect(&entry.path(), &format!("{path}/"), files);
+        } else if kind.is_file() && !skipped {
+            let bytes = fs::read(entry.path()).expect("readable");
+            files.push(SourceFile { path, text: String::from_utf8(bytes).unwrap_or_default() });
+        }
+    }
+}

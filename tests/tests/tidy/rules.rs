@@ -1,0 +1,258 @@
+//! The rules: each looks at all files and says what it does not like.
+
+use crate::code::{has_word, without_comments_and_strings, without_tests};
+use crate::files::SourceFile;
+
+/// Looks at files, answers with findings.
+pub type Rule = fn(&[SourceFile]) -> Vec<String>;
+
+const MAX_LINES: usize = 500;
+const MAX_MAP_LINES: usize = 199;
+
+/// Applies a check to each line of the Rust code, comments and strings blanked.
+fn in_code(
+    files: &[SourceFile],
+    keep: impl Fn(&SourceFile) -> bool,
+    forbidden: impl Fn(&str) -> bool,
+    reason: &str,
+) -> Vec<String> {
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.is_rust() && keep(file)) {
+        let code = without_comments_and_strings(&file.text);
+        for (line, text) in (1..).zip(code.lines()) {
+            if forbidden(text) {
+                findings.push(file.finding(line, reason));
+            }
+        }
+    }
+    findings
+}
+
+/// A first line, or one after the `#!`, that says what the file is for.
+pub fn purpose(files: &[SourceFile]) -> Vec<String> {
+    let mut findings = Vec::new();
+    for file in files {
+        let mark = match file.extension() {
+            "rs" => "//! ",
+            "glsl" => "// ",
+            _ if file.is_stage() => "// ",
+            _ if file.is_script() => "# ",
+            _ => continue,
+        };
+        let mut lines = file.text.lines().skip_while(|line| line.starts_with("#!/"));
+        let says = lines.next().and_then(|line| line.strip_prefix(mark));
+        if says.is_none_or(|purpose| purpose.trim().is_empty()) {
+            findings.push(file.finding(1, &format!("must begin with '{mark}' and its purpose")));
+        }
+    }
+    findings
+}
+
+/// No file that people write is longer than a person reads at once.
+pub fn length(files: &[SourceFile]) -> Vec<String> {
+    let written = |file: &&SourceFile| {
+        file.is_rust()
+            || file.is_stage()
+            || file.is_script()
+            || ["glsl", "md", "toml"].contains(&file.extension())
+    };
+    let too_long = |file: &SourceFile| {
+        let lines = file.text.lines().count();
+        (lines > MAX_LINES)
+            .then(|| file.finding(lines, &format!("at most {MAX_LINES} lines: split it")))
+    };
+    files.iter().filter(written).filter_map(too_long).collect()
+}
+
+/// `cull` knows no Vulkan, `gpu` knows no scene, nobody knows a sample.
+pub fn arrows(files: &[SourceFile]) -> Vec<String> {
+    const VULKAN: &[&str] =
+        &["gpu", "antumbra-gpu", "ash", "ash-window", "gpu-allocator", "render", "antumbra-render"];
+    const SCENE: &[&str] = &["cull", "antumbra-cull", "render", "antumbra-render"];
+    let mut findings = Vec::new();
+    for file in files {
+        let forbidden = match file.path.as_str() {
+            "engine/cull/Cargo.toml" => VULKAN,
+            "engine/gpu/Cargo.toml" => SCENE,
+            "engine/render/Cargo.toml" => &[],
+            _ => continue,
+        };
+        for (line, name) in dependencies(&file.text) {
+            if forbidden.contains(&name.as_str()) || ["samples", "tests"].contains(&name.as_str()) {
+                findings.push(file.finding(line, &format!("must not depend on {name}")));
+            }
+        }
+    }
+    findings
+}
+
+/// Names and packages of a manifest's dependencies, of every kind, with their lines.
+fn dependencies(manifest: &str) -> Vec<(usize, String)> {
+    let mut names = Vec::new();
+    let mut in_dependencies = false;
+    for (line, text) in (1..).zip(manifest.lines().map(str::trim)) {
+        if let Some(section) = text.strip_prefix('[') {
+            let section = section.trim_end_matches(']');
+            in_dependencies = section.ends_with("dependencies");
+            if let Some((_, name)) = section.rsplit_once("dependencies.") {
+                in_dependencies = true;
+                names.push((line, name.to_owned()));
+            }
+        } else if in_dependencies && !text.starts_with('#') {
+            let key = text.split(['.', '=', ' ']).next().unwrap_or_default();
+            let package = text.split_once("package").and_then(|(_, after)| after.split('"').nth(1));
+            names.extend([Some(key), package].into_iter().flatten().map(|n| (line, n.to_owned())));
+        }
+    }
+    names
+}
+
+/// Libraries without unsafe code, and the samples, say so to the compiler.
+pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
+    let must = |file: &&SourceFile| {
+        ["engine/cull/src/lib.rs", "engine/render/src/lib.rs", "samples/src/lib.rs"]
+            .contains(&file.path.as_str())
+            || (file.path.starts_with("samples/src/bin/") && file.is_rust())
+    };
+    let forbids = |file: &&SourceFile| {
+        without_comments_and_strings(&file.text).contains("#![forbid(unsafe_code)]")
+    };
+    let silent = files.iter().filter(must).filter(|file| !forbids(file));
+    silent.map(|file| file.finding(1, "must say #![forbid(unsafe_code)]")).collect()
+}
+
+/// All the unsafe code is in `gpu`; tests may wrap Vulkan calls.
+pub fn unsafe_code(files: &[SourceFile]) -> Vec<String> {
+    in_code(
+        files,
+        |file| !file.path.starts_with("engine/gpu/") && !file.path.starts_with("tests/"),
+        |line| has_word(line, "unsafe"),
+        "unsafe code belongs in engine/gpu",
+    )
+}
+
+/// What is left for later goes to an issue.
+pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
+    // Put together, so that this file does not find itself.
+    let marks =
+        [["TO", "DO"], ["FIX", "ME"], ["XX", "X"], ["HA", "CK"]].map(|parts| parts.concat());
+    let calls = [["todo", "!"], ["unimplemented", "!"]].map(|parts| parts.concat());
+    let mut findings = Vec::new();
+    for file in files {
+        let shown = file.is_rust() || file.is_stage() || file.is_script();
+        if !shown && !["glsl", "md", "toml"].contains(&file.extension()) {
+            continue;
+        }
+        for (line, text) in (1..).zip(file.text.lines()) {
+            let marked = marks.iter().any(|mark| has_word(text, mark));
+            if marked || calls.iter().any(|call| text.contains(call)) {
+                findings.push(file.finding(line, "finish it, or write an issue"));
+            }
+        }
+    }
+    findings
+}
+
+/// Waiting for the whole device is how the device itself goes, and nothing else.
+pub fn device_wait_idle(files: &[SourceFile]) -> Vec<String> {
+    let waits = |line: &str| has_word(line, "device_wait_idle") || line.contains("queue_wait_idle");
+    let in_gpu = |file: &SourceFile| file.path.starts_with("engine/gpu/src/");
+    let reason = "the device's own drop is the one place that waits for the whole device";
+    let mut findings = in_code(files, |file| !in_gpu(file) && !file.is_test(), waits, reason);
+    findings.extend(in_code(files, in_gpu, waits, reason).into_iter().skip(1));
+    findings
+}
+
+/// Results come home through mapped memory when their tick is over.
+pub fn query_readback(files: &[SourceFile]) -> Vec<String> {
+    in_code(
+        files,
+        |_| true,
+        |line| line.contains("get_query_pool_results"),
+        "some drivers wait for the whole device in it: copy results on the GPU instead",
+    )
+}
+
+/// A wait without a bound hangs where a bounded one says what went wrong.
+pub fn unbounded_waits(files: &[SourceFile]) -> Vec<String> {
+    const WAITS: [&str; 4] =
+        ["wait_semaphores", "wait_for_fences", "acquire_next_image", "wait_for_present"];
+    const NEAR: usize = 4;
+    let endless = |line: &str| {
+        line.contains("Duration::MAX")
+            || ["u64::MAX,", "u64::MAX)", "u64::MAX;", "!0,", "!0)", "!0;"]
+                .iter()
+                .any(|end| line.contains(end))
+            || line.trim_end().ends_with("u64::MAX")
+    };
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.is_rust()) {
+        let code = without_comments_and_strings(&file.text);
+        let lines: Vec<&str> = code.lines().collect();
+        for (at, text) in lines.iter().enumerate().filter(|(_, text)| endless(text)) {
+            let around = &lines[at.saturating_sub(NEAR)..(at + NEAR + 1).min(lines.len())];
+            let waits = around.iter().any(|line| WAITS.iter().any(|wait| line.contains(wait)));
+            if waits || text.contains("Duration::MAX") {
+                findings.push(file.finding(at + 1, "every wait has a bound"));
+            }
+        }
+    }
+    findings
+}
+
+/// Bad input gets an error, never a panic.
+pub fn unwraps(files: &[SourceFile]) -> Vec<String> {
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
+        let code = without_tests(&without_comments_and_strings(&file.text));
+        for (line, text) in (1..).zip(code.lines()) {
+            if text.contains(".unwrap()") {
+                findings.push(file.finding(line, "return an error instead"));
+            }
+        }
+    }
+    findings
+}
+
+/// Names that say nothing are taken by things that do too much.
+pub fn names(files: &[SourceFile]) -> Vec<String> {
+    let empty = |word: &str| {
+        ["Manager", "Helper", "Helpers", "Util", "Utils"].iter().any(|end| word.ends_with(end))
+            || ["util", "utils", "helper", "helpers", "misc"].contains(&word)
+    };
+    in_code(
+        files,
+        |_| true,
+        |line| {
+            line.contains("fn get_")
+                || line.split(|c: char| !c.is_alphanumeric() && c != '_').any(empty)
+        },
+        "name it after what it is or does",
+    )
+}
+
+/// A map that is longer than this is not read.
+pub fn architecture(files: &[SourceFile]) -> Vec<String> {
+    const MAP: &str = "engine/ARCHITECTURE.md";
+    let Some(map) = files.iter().find(|file| file.path == MAP) else {
+        return vec![format!("{MAP}:1: is missing")];
+    };
+    let lines = map.text.lines().count();
+    let reason = format!("at most {MAX_MAP_LINES} lines");
+    if lines > MAX_MAP_LINES { vec![map.finding(lines, &reason)] } else { Vec::new() }
+}
+
+/// Whoever builds without a shader compiler finds what the shaders say today.
+pub fn committed_spirv(files: &[SourceFile]) -> Vec<String> {
+    let exists = |path: &str| files.iter().any(|file| file.path == path);
+    let mut findings = Vec::new();
+    for file in files {
+        if file.is_stage() && !exists(&format!("{}.spv", file.path)) {
+            findings.push(file.finding(1, "its SPIR-V must lie beside it"));
+        }
+        if file.path.strip_suffix(".spv").is_some_and(|source| !exists(source)) {
+            findings.push(file.finding(1, "its source is gone"));
+        }
+    }
+    findings
+}
