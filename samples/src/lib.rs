@@ -12,12 +12,15 @@ pub mod memory;
 pub mod options;
 pub mod outputs;
 pub mod picture;
+pub mod pictures;
 pub mod progress;
 pub mod report;
 pub mod run;
 pub mod schedule;
 pub mod statistics;
+pub mod stopwatch;
 pub mod strategy;
 pub mod table;
+pub mod walk;
 
 pub use options::Options;

@@ -1,11 +1,19 @@
-//! The walk itself: drives the engine through the schedule and measures.
+//! From options to report: opens the device, builds the scene, walks, sums up.
 
+use std::path::PathBuf;
+
+use cull::Hierarchy;
+use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication};
+use render::{Renderer, RendererOptions, ShaderSet, object_bounds, scene};
 use thiserror::Error;
 
-use crate::Options;
+use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation};
 use crate::options::UsageError;
 use crate::progress::Progress;
-use crate::report::Report;
+use crate::report::{BuildReport, DeviceReport, MemoryReport, Report, SceneReport, ratios};
+use crate::stopwatch::Stopwatch;
+use crate::walk::Walk;
+use crate::{Options, memory, pictures};
 
 /// Whose fault a failure is: it decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,12 +59,50 @@ impl From<UsageError> for RunError {
     }
 }
 
+impl From<render::Error> for RunError {
+    fn from(error: render::Error) -> Self {
+        match error {
+            render::Error::Gpu(error) => error.into(),
+            render::Error::NoShaderCompiler(_) | render::Error::Scene(_) => Self::user(error),
+            render::Error::Hierarchy(_) => Self::machine(error),
+        }
+    }
+}
+
+impl From<gpu::Error> for RunError {
+    fn from(error: gpu::Error) -> Self {
+        match error {
+            gpu::Error::UnknownDevice { .. }
+            | gpu::Error::Unsupported { .. }
+            | gpu::Error::TooLarge { .. }
+            | gpu::Error::ShaderCompile { .. } => Self::user(error),
+            _ => Self::machine(error),
+        }
+    }
+}
+
+impl From<scene::SceneError> for RunError {
+    fn from(error: scene::SceneError) -> Self {
+        Self::user(error)
+    }
+}
+
 /// Walks, measures, writes the pictures into `options.output` (which exists and is writable).
 ///
 /// # Errors
 /// When the device is not there or cannot do it, or a picture cannot be written.
-pub fn run(_options: &Options, _progress: &dyn Progress) -> Result<Report, RunError> {
-    Err(RunError::machine("this build has no renderer"))
+pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, RunError> {
+    let instance = open_instance(options.validation)?;
+    let adapter = pick_adapter(&instance, &options.device)?;
+    progress.stage(&format!("opening {}", adapter.name));
+    let device_options =
+        DeviceOptions { pipeline_cache: pipeline_cache_file(), ..Default::default() };
+    let device = Device::new(&instance, &adapter, &device_options)?;
+    let mut report = walk_on(&device, options, progress)?;
+    // The layers have their last word when everything is torn down.
+    drop(device);
+    report.validation_messages = u64::try_from(instance.validation_log().len()).unwrap_or(u64::MAX);
+    Ok(report)
 }
 
 /// A line for each Vulkan device, in the order that `--device INDEX` counts, from 0.
@@ -64,5 +110,126 @@ pub fn run(_options: &Options, _progress: &dyn Progress) -> Result<Report, RunEr
 /// # Errors
 /// When there is no Vulkan loader or no driver.
 pub fn list_devices() -> Result<Vec<String>, RunError> {
-    Err(RunError::machine("this build has no renderer"))
+    let adapters = open_instance(Validation::Off)?.adapters()?;
+    let line = |(index, adapter): (usize, &Adapter)| {
+        let fitness = match adapter.missing() {
+            None => String::new(),
+            Some(missing) => format!(", cannot be used: it lacks {missing}"),
+        };
+        format!("{index}: {} ({}, Vulkan {}){fitness}", adapter.name, adapter.driver, adapter.api)
+    };
+    Ok(adapters.iter().enumerate().map(line).collect())
+}
+
+fn open_instance(validation: Validation) -> Result<Instance, RunError> {
+    let options = InstanceOptions {
+        application: "Antumbra walkthrough".to_owned(),
+        validation: match validation {
+            Validation::Off => gpu::Validation::Off,
+            Validation::On => gpu::Validation::Core,
+            Validation::Sync => gpu::Validation::Synchronization,
+        },
+    };
+    Ok(Instance::new(gpu::load_entry()?, &options)?)
+}
+
+fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapter, RunError> {
+    let wanted = match choice {
+        DeviceChoice::Best => None,
+        DeviceChoice::Index(index) => Some(index.to_string()),
+        DeviceChoice::Name(name) => Some(name.clone()),
+    };
+    Ok(instance.pick_adapter(wanted.as_deref())?)
+}
+
+/// Where compiled pipelines are kept: the user's cache folder, if there is one.
+fn pipeline_cache_file() -> Option<PathBuf> {
+    let absolute = |folder: &PathBuf| folder.is_absolute();
+    let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(absolute);
+    let home = || std::env::var_os("HOME").map(PathBuf::from).filter(absolute);
+    let folder = cache.or_else(|| home().map(|home| home.join(".cache")))?;
+    Some(folder.join("antumbra").join("pipelines.bin"))
+}
+
+fn walk_on(
+    device: &Device,
+    options: &Options,
+    progress: &dyn Progress,
+) -> Result<Report, RunError> {
+    progress.stage(&format!("building the {} of about {} objects", options.scene, options.objects));
+    let mut clock = Stopwatch::start();
+    let scene = match options.scene {
+        Scene::City => scene::city(options.objects, options.seed)?,
+        Scene::Field => scene::field(options.objects, options.seed)?,
+    };
+    let path = scene::CameraPath::new(path_kind(options.path), &scene)?;
+    let scene_ms = clock.lap_ms();
+    let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
+    let hierarchy_ms = clock.lap_ms();
+    progress.stage("bringing it to the device");
+    let mut renderer =
+        Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?)?;
+    let upload_ms = clock.lap_ms();
+
+    let runs = Walk::new(&mut renderer, &path, options)?.run(progress)?;
+    if let Some(folder) = &options.output {
+        pictures::write(&mut renderer, &path, options, folder)?;
+    }
+    let adapter = device.adapter();
+    Ok(Report {
+        device: DeviceReport {
+            name: adapter.name.clone(),
+            driver: adapter.driver.clone(),
+            api: adapter.api.clone(),
+            conditional_rendering: adapter.has_conditional_rendering(),
+        },
+        scene: SceneReport {
+            name: options.scene.to_string(),
+            objects: scene.objects.len() as u64,
+            triangles: scene.triangles(),
+            seed: options.seed,
+        },
+        path: options.path.to_string(),
+        frames: options.frames,
+        size: [options.size.width, options.size.height],
+        frames_in_flight: options.frames_in_flight,
+        predicates: renderer.predication().name().to_owned(),
+        validation_messages: 0,
+        memory: MemoryReport {
+            peak_resident_mib: memory::peak_resident_mib(),
+            gpu_allocated_mib: Some(device.memory_bytes().1 as f64 / f64::from(1 << 20)),
+        },
+        build_ms: BuildReport {
+            scene: Some(scene_ms),
+            hierarchy: Some(hierarchy_ms),
+            upload: Some(upload_ms),
+        },
+        ratios: ratios(&runs),
+        runs,
+    })
+}
+
+fn path_kind(path: CameraPath) -> scene::PathKind {
+    match path {
+        CameraPath::Street => scene::PathKind::Street,
+        CameraPath::Fly => scene::PathKind::Fly,
+        CameraPath::Cut => scene::PathKind::Cut,
+    }
+}
+
+fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
+    let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?;
+    let frames_in_flight = options.frames_in_flight.try_into().unwrap_or(1);
+    Ok(RendererOptions {
+        size: [options.size.width, options.size.height],
+        frames_in_flight,
+        predication: match options.predicates {
+            Predicates::Auto => None,
+            Predicates::Conditional => Some(Predication::Conditional),
+            Predicates::Count => Some(Predication::Counts),
+            Predicates::Instances => Some(Predication::Instances),
+        },
+        shaders,
+        ..Default::default()
+    })
 }

@@ -1,1 +1,52 @@
-//! render
+//! The Antumbra engine: it draws only what can be seen, never waits for the GPU to find out, and
+//! never shows a wrong pixel.
+//!
+//! A frame is a [`cull::FramePlan`] (pure, from the crate `cull`) executed by the crate `gpu`; this
+//! crate is the glue: scenes, passes, and the [`Renderer`] that runs one frame from top to bottom.
+//!
+//! ```no_run
+//! # use antumbra_render as render;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let instance = gpu::Instance::new(gpu::load_entry()?, &gpu::InstanceOptions::default())?;
+//! let adapter = instance.pick_adapter(None)?;
+//! let device = gpu::Device::new(&instance, &adapter, &gpu::DeviceOptions::default())?;
+//!
+//! let scene = render::scene::city(10_000, 1)?;
+//! let path = render::scene::CameraPath::new(render::scene::PathKind::Street, &scene);
+//! let mut renderer = render::Renderer::new(&device, &scene, &render::RendererOptions::default())?;
+//! let mut view = renderer.new_view()?;
+//! let picture = gpu::Readback::new(&device, renderer.size())?;
+//! for frame in 0..100 {
+//!     let request = render::FrameRequest {
+//!         strategy: cull::Strategy::Antumbra,
+//!         camera: path.camera(frame),
+//!         picture: (frame == 99).then_some(&picture),
+//!         after: None,
+//!     };
+//!     renderer.render(&mut view, &request)?;
+//! }
+//! renderer.drain(&mut view)?;
+//! println!("{} bytes of picture", picture.rgba8().len());
+//! # Ok(()) }
+//! ```
+#![forbid(unsafe_code)]
+
+mod birds_eye;
+mod error;
+mod frame_passes;
+mod geometry;
+mod moment;
+mod passes;
+mod renderer;
+pub mod scene;
+mod shaders;
+mod view_history;
+
+pub use error::Error;
+pub use moment::Moment;
+pub use passes::{
+    OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass,
+};
+pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
+pub use shaders::{SHADERS, Shader, ShaderSet};
+pub use view_history::{FrameOutcome, ViewHistory};

@@ -1,0 +1,168 @@
+//! The bird's-eye view of a moment: what is drawn, what is hidden as boxes, and where the eye looks
+//! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
+
+use cull::{Aabb, Camera, LeafIndex, View};
+use glam::{Vec3, Vec4};
+use gpu::Readback;
+
+use crate::error::Error;
+use crate::moment::Moment;
+use crate::passes::{OverlayIo, OverlayPass, OverlayVertex};
+use crate::renderer::Renderer;
+use crate::scene::pack_unorm;
+
+/// How far the drawn frustum reaches, as a share of what it looks over.
+const FRUSTUM_REACH: f32 = 1.0;
+const FRUSTUM_COLOUR: [f32; 4] = [1.0, 0.85, 0.1, 1.0];
+
+impl Renderer {
+    /// Draws `moment` from above into `picture` and waits for it: what was drawn in its own
+    /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
+    ///
+    /// # Errors
+    /// No memory, a shader that does not compile, a failed call.
+    pub fn birds_eye(&mut self, moment: &Moment, picture: &Readback) -> Result<(), Error> {
+        if self.birds_eye.is_none() {
+            self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
+        }
+        let view = self.view_of(&self.above(moment));
+        let (triangles, lines) = overlay(moment, self.reach(moment));
+        let geometry = &self.passes.geometry;
+        let leaves = moment
+            .drawn
+            .iter()
+            .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex));
+        let draws: Vec<_> = leaves.map(|leaf| geometry.draw(leaf)).collect();
+
+        let mut frame = self.frames.begin()?;
+        let uploads = frame.uploads();
+        let visible = uploads.push(&draws)?;
+        let io = OverlayIo {
+            triangles: (uploads.push(&triangles)?, triangles.len() as u32),
+            lines: (uploads.push(&lines)?, lines.len() as u32),
+        };
+        let commands = frame.commands();
+        let passes = &mut self.passes;
+        passes.target.prepare(commands);
+        commands.pass("bird's eye", |commands| {
+            let background = Some([0.02, 0.025, 0.035, 1.0]);
+            commands.rendering(passes.target.render_target(background), |commands| {
+                passes.opaque.bind(commands, &passes.opaque_io(), &view, &passes.light);
+                if !draws.is_empty() {
+                    commands.draw_indirect(visible);
+                }
+                if let Some(overlay) = &self.birds_eye {
+                    overlay.record(commands, &io, &view);
+                }
+            });
+        });
+        passes.target.copy_to(commands, picture);
+        frame.submit(None)?;
+        Ok(self.device.drain()?)
+    }
+
+    /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
+    fn reach(&self, moment: &Moment) -> f32 {
+        let hierarchy = &self.hierarchy;
+        let distance = |range: &cull::LeafRange| {
+            let object = hierarchy.leaf_objects().get(range.first.0 as usize)?;
+            let bounds = hierarchy.bounds(hierarchy.node_of(*object)?);
+            Some((bounds.centre() - moment.view.eye).length())
+        };
+        let mut distances: Vec<f32> = moment.drawn.iter().filter_map(distance).collect();
+        distances.sort_unstable_by(f32::total_cmp);
+        let most = distances.len() * 9 / 10;
+        distances.get(most).copied().unwrap_or(50.0).clamp(20.0, 2000.0)
+    }
+
+    /// A camera behind and above the moment's, looking down on what it looks at.
+    fn above(&self, moment: &Moment) -> Camera {
+        let reach = self.reach(moment) * FRUSTUM_REACH;
+        let flat = Vec3::new(moment.view.forward.x, 0.0, moment.view.forward.z);
+        let along = flat.try_normalize().unwrap_or(Vec3::X);
+        let eye = moment.view.eye - along * reach * 0.55 + Vec3::Y * reach * 1.5;
+        let target = moment.view.eye + along * reach * 0.75;
+        Camera { eye, forward: target - eye, up: Vec3::Y, fov_y: 0.9, near: 0.5 }
+    }
+}
+
+/// The boxes' faces, and all edges: of the boxes and of the frustum.
+fn overlay(moment: &Moment, reach: f32) -> (Vec<OverlayVertex>, Vec<OverlayVertex>) {
+    let mut triangles = Vec::new();
+    let mut lines = Vec::new();
+    for (bounds, level) in &moment.hidden {
+        let colour = level_colour(*level);
+        let corners = corners_of(bounds);
+        let face_colour = pack_unorm(colour.truncate().extend(0.10).to_array());
+        for face in FACES {
+            let quad = face.map(|corner| corners[corner]);
+            for corner in [0, 1, 2, 0, 2, 3] {
+                triangles.push(vertex(quad[corner], face_colour));
+            }
+        }
+        push_edges(&mut lines, &corners, pack_unorm(colour.to_array()));
+    }
+    let frustum = frustum_corners(&moment.view, reach);
+    push_edges(&mut lines, &frustum, pack_unorm(FRUSTUM_COLOUR));
+    (triangles, lines)
+}
+
+/// Corner `i` has the low or high x, y, z by the bits of `i`.
+const FACES: [[usize; 4]; 6] =
+    [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+
+fn corners_of(bounds: &Aabb) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        let pick =
+            |bit: usize, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+        Vec3::new(
+            pick(0, bounds.min.x, bounds.max.x),
+            pick(1, bounds.min.y, bounds.max.y),
+            pick(2, bounds.min.z, bounds.max.z),
+        )
+    })
+}
+
+/// The view's volume from the near plane to `reach`, with corners numbered as a box's.
+fn frustum_corners(view: &View, reach: f32) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        let side = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        let depth = if corner >> 2 & 1 == 1 { reach } else { view.near };
+        let across = view.right * view.tan_half[0] * side(0) + view.up * view.tan_half[1] * side(1);
+        view.eye + (view.forward + across) * depth
+    })
+}
+
+fn push_edges(lines: &mut Vec<OverlayVertex>, corners: &[Vec3; 8], colour: u32) {
+    for from in 0..8usize {
+        for bit in 0..3 {
+            let to = from | 1 << bit;
+            if to != from {
+                lines.push(vertex(corners[from], colour));
+                lines.push(vertex(corners[to], colour));
+            }
+        }
+    }
+}
+
+fn vertex(position: Vec3, colour: u32) -> OverlayVertex {
+    OverlayVertex { position: position.to_array(), colour }
+}
+
+/// Red for the topmost nodes, over yellow and green to blue for the leaves.
+fn level_colour(level: u32) -> Vec4 {
+    let stops = [
+        Vec3::new(0.9, 0.05, 0.05),
+        Vec3::new(0.9, 0.4, 0.02),
+        Vec3::new(0.7, 0.75, 0.05),
+        Vec3::new(0.1, 0.7, 0.15),
+        Vec3::new(0.05, 0.55, 0.75),
+        Vec3::new(0.15, 0.2, 0.9),
+        Vec3::new(0.5, 0.1, 0.8),
+    ];
+    const LEVELS_PER_STOP: f32 = 2.5;
+    let place = level as f32 / LEVELS_PER_STOP;
+    let below = (place as usize).min(stops.len() - 1);
+    let above = (below + 1).min(stops.len() - 1);
+    stops[below].lerp(stops[above], place.fract()).extend(0.9)
+}

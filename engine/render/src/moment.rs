@@ -1,0 +1,56 @@
+//! One moment of a view, frozen: what was drawn, and which parts of the frontier stayed hidden.
+
+use cull::{Aabb, FrameId, LeafRange, QueryKind, View};
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::view_history::ViewHistory;
+
+/// What a view decided and found out in one frame.
+#[derive(Debug, Clone)]
+pub struct Moment {
+    /// The frame.
+    pub frame: FrameId,
+    /// The view it was seen from.
+    pub view: View,
+    /// The leaves that were drawn.
+    pub drawn: Vec<LeafRange>,
+    /// The frontier nodes that stayed hidden: box and level in the hierarchy.
+    pub hidden: Vec<(Aabb, u32)>,
+}
+
+impl Renderer {
+    /// Freezes the newest frame of `history`, which was seen from `view`. Waits for it.
+    ///
+    /// # Errors
+    /// A lost device, or a frame that takes too long.
+    pub fn moment(&mut self, history: &mut ViewHistory, view: View) -> Result<Moment, Error> {
+        self.drain(history)?;
+        let plan = history.plan();
+        let one = |first| LeafRange { first, count: 1 };
+        let taken = plan.draws.iter().copied().map(one);
+        let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
+        let mut moment = Moment {
+            frame: plan.frame,
+            view,
+            drawn: taken.chain(queried).collect(),
+            hidden: Vec::new(),
+        };
+        let mut showed: Vec<_> = history
+            .answers()
+            .iter()
+            .filter(|answer| answer.samples > 0 && answer.tag.frame == plan.frame)
+            .filter(|answer| answer.tag.kind == QueryKind::Proxy)
+            .map(|answer| answer.tag.node)
+            .collect();
+        showed.sort_unstable();
+        for test in plan.tests.iter().filter(|test| test.leaves.count > 0) {
+            if showed.binary_search(&test.tag.node).is_ok() {
+                moment.drawn.push(test.leaves);
+            } else {
+                moment.hidden.push((self.hierarchy().bounds(test.tag.node), test.level));
+            }
+        }
+        Ok(moment)
+    }
+}

@@ -1,0 +1,9 @@
+//! The passes: each a struct with its pipeline, and an `Io` that lists what it reads and writes.
+
+mod opaque;
+mod overlay;
+mod proxy;
+
+pub use opaque::{OpaqueIo, OpaquePass};
+pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};
+pub use proxy::{ProxyBox, ProxyIo, ProxyPass};

@@ -1,0 +1,86 @@
+//! The opaque pass: what the colour of an object is, whoever decided to draw it.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    StorageLayout, VertexLayout, vk,
+};
+
+use crate::error::Error;
+use crate::scene::{Light, Vertex};
+use crate::shaders::ShaderSet;
+
+/// Draws opaque objects, nearer ones win.
+pub struct OpaquePass {
+    pipeline: GraphicsPipeline,
+}
+
+/// Reads vertices, indices and instances; writes the colour and depth that are being rendered to.
+#[derive(Clone, Copy)]
+pub struct OpaqueIo {
+    /// All meshes.
+    pub vertices: BufferSlice,
+    /// Their indices.
+    pub indices: BufferSlice,
+    /// One instance per leaf.
+    pub instances: BufferSlice,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    view_proj: [f32; 16],
+    towards_sun: [f32; 4],
+    sun: [f32; 4],
+    ambient_above: [f32; 4],
+    ambient_below: [f32; 4],
+}
+
+impl OpaquePass {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let pipeline = GraphicsPipeline::new(
+            device,
+            &GraphicsPipelineInfo {
+                name: "opaque",
+                vertex: shaders.find("opaque.vert")?,
+                fragment: Some(shaders.find("opaque.frag")?),
+                vertices: VertexLayout {
+                    stride_bytes: size_of::<Vertex>() as u32,
+                    attributes: &[
+                        (vk::Format::R32G32B32_SFLOAT, 0),
+                        (vk::Format::R8G8B8A8_SNORM, 12),
+                        (vk::Format::R8G8B8A8_UNORM, 16),
+                    ],
+                },
+                storage: StorageLayout { buffers: 1, push_bytes: size_of::<Constants>() as u32 },
+                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                cull: vk::CullModeFlags::BACK,
+                depth: DepthMode::TestAndWrite,
+                blend: Blend::Opaque,
+            },
+        )?;
+        Ok(Self { pipeline })
+    }
+
+    /// Binds everything; the caller then records draws, each a leaf or a range of leaves.
+    pub fn bind(&self, commands: &Commands, io: &OpaqueIo, view: &View, light: &Light) {
+        let padded = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+        commands.bind(&self.pipeline, &[io.instances]);
+        commands.bind_geometry(io.vertices, Some(io.indices));
+        commands.push_constants(
+            &self.pipeline,
+            &Constants {
+                view_proj: view.view_proj.to_cols_array(),
+                towards_sun: padded(light.towards_sun.normalize_or_zero().to_array()),
+                sun: padded(light.sun),
+                ambient_above: padded(light.ambient_above),
+                ambient_below: padded(light.ambient_below),
+            },
+        );
+    }
+}

@@ -1,0 +1,96 @@
+//! The overlay pass: coloured triangles and lines in the world, for views that explain.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    StorageLayout, VertexLayout, vk,
+};
+
+use crate::error::Error;
+use crate::shaders::ShaderSet;
+
+/// Draws translucent triangles and lines over a finished picture, hidden by its depth.
+pub struct OverlayPass {
+    triangles: GraphicsPipeline,
+    lines: GraphicsPipeline,
+}
+
+/// Reads vertices; blends into the colour that is being rendered to.
+#[derive(Clone, Copy)]
+pub struct OverlayIo {
+    /// [`OverlayVertex`]es, three a triangle, and how many.
+    pub triangles: (BufferSlice, u32),
+    /// [`OverlayVertex`]es, two a line, and how many.
+    pub lines: (BufferSlice, u32),
+}
+
+/// A coloured point in the world.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct OverlayVertex {
+    /// Position (metres).
+    pub position: [f32; 3],
+    /// Linear red, green, blue and opacity as unorm8x4, red in the lowest byte.
+    pub colour: u32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    view_proj: [f32; 16],
+}
+
+impl OverlayPass {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let pipeline = |name, topology| {
+            GraphicsPipeline::new(
+                device,
+                &GraphicsPipelineInfo {
+                    name,
+                    vertex: shaders.find("overlay.vert")?,
+                    fragment: Some(shaders.find("overlay.frag")?),
+                    vertices: VertexLayout {
+                        stride_bytes: size_of::<OverlayVertex>() as u32,
+                        attributes: &[
+                            (vk::Format::R32G32B32_SFLOAT, 0),
+                            (vk::Format::R8G8B8A8_UNORM, 12),
+                        ],
+                    },
+                    storage: StorageLayout {
+                        buffers: 0,
+                        push_bytes: size_of::<Constants>() as u32,
+                    },
+                    topology,
+                    cull: vk::CullModeFlags::NONE,
+                    depth: DepthMode::TestOnly,
+                    blend: Blend::Alpha,
+                },
+            )
+            .map_err(Error::from)
+        };
+        Ok(Self {
+            triangles: pipeline("overlay triangles", vk::PrimitiveTopology::TRIANGLE_LIST)?,
+            lines: pipeline("overlay lines", vk::PrimitiveTopology::LINE_LIST)?,
+        })
+    }
+
+    /// Draws the triangles in their order, then the lines.
+    pub fn record(&self, commands: &Commands, io: &OverlayIo, view: &View) {
+        let constants = Constants { view_proj: view.view_proj.to_cols_array() };
+        for (pipeline, (vertices, count)) in
+            [(&self.triangles, io.triangles), (&self.lines, io.lines)]
+        {
+            if count > 0 {
+                commands.bind(pipeline, &[]);
+                commands.push_constants(pipeline, &constants);
+                commands.bind_geometry(vertices, None);
+                commands.draw(count, 0);
+            }
+        }
+    }
+}

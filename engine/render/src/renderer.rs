@@ -1,0 +1,242 @@
+//! The renderer: one frame from top to bottom, from the answers of the past to the submit.
+
+use std::time::{Duration, Instant};
+
+use cull::{Aabb, Camera, Hierarchy, Policy, Strategy, View};
+use gpu::{Device, FrameRing, PassTime, Predicates, Predication, Readback, Target, Tick, Timeline};
+
+use crate::error::Error;
+use crate::frame_passes::{FrameIo, FramePasses};
+use crate::geometry::Geometry;
+use crate::passes::{OpaquePass, OverlayPass, ProxyPass};
+use crate::scene::Scene;
+use crate::shaders::ShaderSet;
+use crate::view_history::ViewHistory;
+
+/// How to make a [`Renderer`].
+#[derive(Debug, Clone)]
+pub struct RendererOptions {
+    /// Size of the picture in pixels.
+    pub size: [u32; 2],
+    /// Frames that may be on their way to the GPU at once, 1 to 4.
+    pub frames_in_flight: usize,
+    /// How hidden draws are skipped; `None` takes the device's best.
+    pub predication: Option<Predication>,
+    /// The shaders; `None` takes the embedded ones.
+    pub shaders: Option<ShaderSet>,
+    /// How visibility is decided.
+    pub policy: Policy,
+    /// The most occlusion queries a frame may use. What cannot be asked is drawn.
+    pub query_budget: usize,
+}
+
+impl Default for RendererOptions {
+    fn default() -> Self {
+        Self {
+            size: [1280, 720],
+            frames_in_flight: 2,
+            predication: None,
+            shaders: None,
+            policy: Policy::default(),
+            query_budget: 8192,
+        }
+    }
+}
+
+/// What is wanted of one frame.
+#[derive(Clone, Copy)]
+pub struct FrameRequest<'a> {
+    /// Who decides what to draw.
+    pub strategy: Strategy,
+    /// The eye.
+    pub camera: Camera,
+    /// Where to copy the picture, if it is wanted. Read it when the frame is over.
+    pub picture: Option<&'a Readback>,
+    /// The frame starts on the GPU once this tick of a host's timeline is reached.
+    pub after: Option<(&'a Timeline, Tick)>,
+}
+
+/// What is known of a frame when it is submitted.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrameReport {
+    /// Its tick.
+    pub tick: Tick,
+    /// Time the CPU spent in the engine, without the wait for the slot.
+    pub cpu: Duration,
+    /// Occlusion queries.
+    pub queries: u32,
+    /// Ranges of draws under a predicate.
+    pub predicated_draws: u32,
+    /// Age in frames of the answers that came home for this frame; `None` if none did.
+    pub oldest_answer_frames: Option<u64>,
+    /// The same of the youngest.
+    pub youngest_answer_frames: Option<u64>,
+    /// What the culler counted.
+    pub plan: cull::PlanStats,
+}
+
+/// A scene on a device, and everything to draw it with.
+pub struct Renderer {
+    pub(crate) device: Device,
+    pub(crate) frames: FrameRing,
+    pub(crate) hierarchy: Hierarchy,
+    pub(crate) passes: FramePasses,
+    pub(crate) shaders: ShaderSet,
+    pub(crate) birds_eye: Option<OverlayPass>,
+    pass_times: Vec<PassTime>,
+    policy: Policy,
+    query_budget: usize,
+}
+
+impl Renderer {
+    /// Builds the hierarchy over `scene` and uploads everything.
+    ///
+    /// # Errors
+    /// A scene or size beyond the device's limits, no memory, a shader that does not compile, a
+    /// failed call.
+    pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
+        let hierarchy = Hierarchy::build(&object_bounds(scene)?)?;
+        Self::with_hierarchy(device, scene, hierarchy, options)
+    }
+
+    /// Like [`Renderer::new`], with a hierarchy that is there already. Its objects are the scene's.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn with_hierarchy(
+        device: &Device,
+        scene: &Scene,
+        hierarchy: Hierarchy,
+        options: &RendererOptions,
+    ) -> Result<Self, Error> {
+        let shaders = match &options.shaders {
+            Some(shaders) => shaders.clone(),
+            None => ShaderSet::embedded()?,
+        };
+        // First what fails on bad input, then what takes long.
+        let target = Target::new(device, options.size, "target")?;
+        let opaque = OpaquePass::new(device, &shaders)?;
+        let proxies = ProxyPass::new(device, &shaders)?;
+        let geometry = Geometry::upload(device, scene, &hierarchy)?;
+        let slots = options.frames_in_flight.max(1);
+        let predicates = Predicates::new(device, options.predication, &geometry.draws(), slots)?;
+        let light = scene.light;
+        Ok(Self {
+            device: device.clone(),
+            frames: FrameRing::new(device, slots)?,
+            hierarchy,
+            passes: FramePasses { target, geometry, predicates, opaque, proxies, light },
+            shaders,
+            birds_eye: None,
+            pass_times: Vec::new(),
+            policy: options.policy,
+            query_budget: options.query_budget,
+        })
+    }
+
+    /// A view of the scene that knows nothing yet.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new_view(&self) -> Result<ViewHistory, Error> {
+        ViewHistory::new(&self.device, self.frames.frames_in_flight(), self.policy)
+    }
+
+    /// The device it draws on.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Size of the picture in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.passes.target.size()
+    }
+
+    /// The hierarchy over the scene's objects.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
+    /// How hidden draws are skipped.
+    pub fn predication(&self) -> Predication {
+        self.passes.predicates.predication()
+    }
+
+    /// Measures the GPU time of every pass from now on; [`Renderer::pass_times`] has them.
+    ///
+    /// # Errors
+    /// A device without timestamps.
+    pub fn time_passes(&mut self) -> Result<(), Error> {
+        Ok(self.frames.time_passes()?)
+    }
+
+    /// The GPU time of each pass of the newest frame that is known to be over.
+    pub fn pass_times(&self) -> &[PassTime] {
+        &self.pass_times
+    }
+
+    /// The view of `camera` on this renderer's picture.
+    pub fn view_of(&self, camera: &Camera) -> View {
+        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
+        View::new(camera, self.passes.target.size(), bits)
+    }
+
+    /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
+    /// and for nothing else.
+    ///
+    /// # Errors
+    /// No memory, a lost device, a frame that takes too long.
+    pub fn render(
+        &mut self,
+        history: &mut ViewHistory,
+        request: &FrameRequest<'_>,
+    ) -> Result<FrameReport, Error> {
+        let view = self.view_of(&request.camera);
+        let mut frame = self.frames.begin()?;
+        let began = Instant::now();
+        self.pass_times.clear();
+        self.pass_times.extend_from_slice(frame.pass_times());
+
+        history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
+        history.decide(&self.hierarchy, request.strategy, &view, self.query_budget);
+        let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
+        self.passes.record(frame.commands(), history, &view, &io, request.picture);
+
+        let tick = frame.submit(request.after)?;
+        history.submitted(tick, &self.passes.geometry);
+        Ok(report(history, tick, began.elapsed()))
+    }
+
+    /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts
+    /// as a blocking wait.
+    ///
+    /// # Errors
+    /// A lost device, or a frame that takes too long.
+    pub fn drain(&mut self, history: &mut ViewHistory) -> Result<(), Error> {
+        self.device.drain()?;
+        history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
+        Ok(())
+    }
+}
+
+/// The box of each object of `scene` in the world, in their order: what a hierarchy is built over.
+///
+/// # Errors
+/// The first mesh or object that cannot be drawn.
+pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
+    scene.validate()?;
+    Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
+}
+
+fn report(history: &ViewHistory, tick: Tick, cpu: Duration) -> FrameReport {
+    let predicated = history.plan().tests.iter().filter(|test| test.leaves.count > 0);
+    FrameReport {
+        tick,
+        cpu,
+        queries: history.plan().query_count() as u32,
+        predicated_draws: predicated.count() as u32,
+        oldest_answer_frames: history.answer_ages().max(),
+        youngest_answer_frames: history.answer_ages().min(),
+        plan: history.plan().stats,
+    }
+}

@@ -1,0 +1,73 @@
+//! The shaders: SPIR-V embedded beside its GLSL, or compiled from a folder while developing.
+
+use std::path::Path;
+
+use gpu::Spirv;
+
+use crate::error::Error;
+
+/// One shader as it is built into the engine.
+#[derive(Debug, Clone, Copy)]
+pub struct Shader {
+    /// The GLSL file's name.
+    pub name: &'static str,
+    /// The SPIR-V committed beside it.
+    pub spirv: &'static [u8],
+}
+
+macro_rules! shader {
+    ($name:literal) => {
+        Shader { name: $name, spirv: include_bytes!(concat!("../../../shaders/", $name, ".spv")) }
+    };
+}
+
+/// Every shader of the passes.
+pub const SHADERS: [Shader; 5] = [
+    shader!("opaque.vert"),
+    shader!("opaque.frag"),
+    shader!("proxy.vert"),
+    shader!("overlay.vert"),
+    shader!("overlay.frag"),
+];
+
+/// The shaders a renderer is built from.
+#[derive(Debug, Clone)]
+pub struct ShaderSet {
+    loaded: Vec<Spirv>,
+}
+
+impl ShaderSet {
+    /// The embedded ones.
+    ///
+    /// # Errors
+    /// None, unless the build itself is broken.
+    pub fn embedded() -> Result<Self, Error> {
+        let load = |shader: &Shader| Spirv::from_bytes(shader.name, shader.spirv);
+        Ok(Self { loaded: SHADERS.iter().map(load).collect::<Result<_, _>>()? })
+    }
+
+    /// All of them compiled from the GLSL in `folder`.
+    ///
+    /// # Errors
+    /// The first shader that does not compile, with file and line; [`Error::NoShaderCompiler`] in
+    /// a build without the feature `shader-compiler`.
+    #[cfg(feature = "shader-compiler")]
+    pub fn compiled_from(folder: &Path) -> Result<Self, Error> {
+        let compile = |shader: &Shader| gpu::compile(&folder.join(shader.name));
+        Ok(Self { loaded: SHADERS.iter().map(compile).collect::<Result<_, _>>()? })
+    }
+
+    /// All of them compiled from the GLSL in `folder`.
+    ///
+    /// # Errors
+    /// Always [`Error::NoShaderCompiler`]: this build lacks the feature `shader-compiler`.
+    #[cfg(not(feature = "shader-compiler"))]
+    pub fn compiled_from(folder: &Path) -> Result<Self, Error> {
+        Err(Error::NoShaderCompiler(folder.display().to_string()))
+    }
+
+    pub(crate) fn find(&self, name: &str) -> Result<&Spirv, Error> {
+        let found = self.loaded.iter().find(|spirv| spirv.name == name);
+        Ok(found.ok_or_else(|| gpu::Error::NotSpirv { name: name.to_owned() })?)
+    }
+}

@@ -1,0 +1,71 @@
+//! The pictures a walk leaves: some frames, and one moment seen from above.
+
+use std::path::Path;
+
+use cull::Strategy;
+use gpu::Readback;
+use render::scene::CameraPath;
+use render::{FrameRequest, Renderer, ViewHistory};
+
+use crate::Options;
+use crate::picture::write_png;
+use crate::run::RunError;
+
+/// Frames walked before a picture, so that it shows a history at work and not a first frame.
+const WARM_UP_FRAMES: u32 = 8;
+/// The same before the moment seen from above: until the frontier has come to rest.
+const SETTLING_FRAMES: u32 = 60;
+
+/// Draws and writes what the options ask for into `folder`. Untimed, after the walk, by the last
+/// strategy asked for.
+///
+/// # Errors
+/// When the device fails or a file cannot be written.
+pub fn write(
+    renderer: &mut Renderer,
+    path: &CameraPath,
+    options: &Options,
+    folder: &Path,
+) -> Result<(), RunError> {
+    let Some(&strategy) = options.strategies.last() else { return Ok(()) };
+    let picture = Readback::new(renderer.device(), renderer.size())?;
+    let save = |name: String| {
+        write_png(&folder.join(name), options.size, picture.rgba8()).map_err(RunError::machine)
+    };
+    for frame in options.picture_frames() {
+        walk_to(renderer, path, strategy, frame, WARM_UP_FRAMES, &picture)?;
+        save(format!("frame_{frame:05}.png"))?;
+    }
+    if let Some(frame) = options.birds_eye {
+        let mut history = walk_to(renderer, path, strategy, frame, SETTLING_FRAMES, &picture)?;
+        save(format!("birds_eye_{frame:05}_seen.png"))?;
+        let view = renderer.view_of(&path.camera(frame));
+        let moment = renderer.moment(&mut history, view)?;
+        renderer.birds_eye(&moment, &picture)?;
+        save(format!("birds_eye_{frame:05}.png"))?;
+    }
+    Ok(())
+}
+
+/// Walks with a fresh history to `frame`, whose picture is over when this returns.
+fn walk_to(
+    renderer: &mut Renderer,
+    path: &CameraPath,
+    strategy: Strategy,
+    frame: u32,
+    warm_up: u32,
+    picture: &Readback,
+) -> Result<ViewHistory, RunError> {
+    let mut history = renderer.new_view()?;
+    for walked in frame.saturating_sub(warm_up)..=frame {
+        let request = FrameRequest {
+            strategy,
+            camera: path.camera(walked),
+            picture: (walked == frame).then_some(picture),
+            after: None,
+        };
+        renderer.render(&mut history, &request)?;
+    }
+    renderer.device().drain().map_err(RunError::from)?;
+    Ok(history)
+}

@@ -1,0 +1,224 @@
+//! The walk: every strategy takes its turns over the frames, is timed, and is compared with plain
+//! frustum culling where that is asked for.
+
+use std::collections::BTreeMap;
+use std::collections::VecDeque;
+
+use cull::{FrameId, Strategy};
+use gpu::{Device, Readback};
+use render::scene::CameraPath;
+use render::{FrameRequest, Renderer, ViewHistory};
+
+use crate::Options;
+use crate::choices::Verify;
+use crate::measurement::{FrameMeasurement, RunMeasurement};
+use crate::progress::Progress;
+use crate::report::RunReport;
+use crate::run::RunError;
+use crate::schedule::{Schedule, Step};
+use crate::stopwatch::Stopwatch;
+
+/// A walk over a path: the strategies with a history each.
+pub struct Walk<'a> {
+    renderer: &'a mut Renderer,
+    device: Device,
+    path: &'a CameraPath,
+    verify: Verify,
+    schedule: Schedule,
+    runs: Vec<Run>,
+    reference: ViewHistory,
+    references: BTreeMap<u32, Vec<u8>>,
+    pictures: Vec<Readback>,
+}
+
+/// One strategy on its way.
+struct Run {
+    strategy: Strategy,
+    history: ViewHistory,
+    measurement: RunMeasurement,
+}
+
+/// A frame of the turn: known in part when it was submitted, the rest when its answers came home.
+struct Walked {
+    frame: FrameId,
+    timed: bool,
+    measurement: FrameMeasurement,
+}
+
+impl<'a> Walk<'a> {
+    /// Prepares a walk; every strategy starts knowing nothing.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn new(
+        renderer: &'a mut Renderer,
+        path: &'a CameraPath,
+        options: &Options,
+    ) -> Result<Self, RunError> {
+        let run = |&strategy| -> Result<Run, RunError> {
+            let history = renderer.new_view()?;
+            Ok(Run { strategy, history, measurement: RunMeasurement::new(strategy) })
+        };
+        Ok(Self {
+            runs: options.strategies.iter().map(run).collect::<Result<_, _>>()?,
+            reference: renderer.new_view()?,
+            device: renderer.device().clone(),
+            renderer,
+            path,
+            verify: options.verify,
+            schedule: Schedule::new(options.frames, options.strategies.len()),
+            references: BTreeMap::new(),
+            pictures: Vec::new(),
+        })
+    }
+
+    /// Walks all of it.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn run(mut self, progress: &dyn Progress) -> Result<Vec<RunReport>, RunError> {
+        progress.begin_frames(self.schedule.len());
+        let mut steps: VecDeque<Step> = self.schedule.steps().collect();
+        while let Some(turn) = next_turn(&mut steps) {
+            self.walk_turn(&turn, progress)?;
+        }
+        Ok(self.runs.iter().map(|run| run.measurement.report()).collect())
+    }
+
+    /// One strategy walks some consecutive frames; the pictures are compared when it is through, so
+    /// that comparing costs nobody time.
+    fn walk_turn(&mut self, turn: &[Step], progress: &dyn Progress) -> Result<(), RunError> {
+        let verify = self.verify;
+        let compared = |step: &&Step| step.timed && verify.includes(step.frame);
+        let frames: Vec<u32> = turn.iter().filter(compared).map(|step| step.frame).collect();
+        self.draw_references(&frames)?;
+        while self.pictures.len() < frames.len() {
+            self.pictures.push(Readback::new(&self.device, self.renderer.size())?);
+        }
+        let Some(run) = turn.first().and_then(|step| self.runs.get_mut(step.strategy)) else {
+            return Ok(());
+        };
+        let mut walked = Vec::with_capacity(turn.len());
+        let mut clock = Stopwatch::start();
+        for step in turn {
+            let place = frames.iter().position(|frame| step.timed && *frame == step.frame);
+            let request = FrameRequest {
+                strategy: run.strategy,
+                camera: self.path.camera(step.frame),
+                picture: place.and_then(|place| self.pictures.get(place)),
+                after: None,
+            };
+            let waits = self.device.wait_counts().other;
+            let report = self.renderer.render(&mut run.history, &request)?;
+            let measurement = FrameMeasurement {
+                // From submit to submit: in a full pipeline, the time a frame takes.
+                frame_ms: clock.lap_ms(),
+                cpu_ms: report.cpu.as_secs_f64() * 1e3,
+                queries: report.queries.into(),
+                predicated_draws: report.predicated_draws.into(),
+                result_age_frames: report.oldest_answer_frames,
+                blocking_waits: self.device.wait_counts().other - waits,
+                ..FrameMeasurement::default()
+            };
+            let frame = run.history.plan().frame;
+            walked.push(Walked { frame, timed: step.timed, measurement });
+            progress.frame_done(run.strategy.name());
+        }
+        self.renderer.drain(&mut run.history)?;
+        book(run, walked);
+        for (picture, frame) in self.pictures.iter().zip(&frames) {
+            let reference = self.references.get(frame).map_or(&[][..], Vec::as_slice);
+            run.measurement.verified(pixels_that_differ(reference, picture.rgba8()));
+        }
+        Ok(())
+    }
+
+    /// Draws the reference pictures of `frames` with plain frustum culling, unless they are there
+    /// from another strategy's turn in the same round.
+    fn draw_references(&mut self, frames: &[u32]) -> Result<(), RunError> {
+        if frames.iter().all(|frame| self.references.contains_key(frame)) {
+            return Ok(());
+        }
+        self.references.clear();
+        let picture = Readback::new(&self.device, self.renderer.size())?;
+        for &frame in frames {
+            let request = FrameRequest {
+                strategy: Strategy::Frustum,
+                camera: self.path.camera(frame),
+                picture: Some(&picture),
+                after: None,
+            };
+            self.renderer.render(&mut self.reference, &request)?;
+            self.renderer.drain(&mut self.reference)?;
+            self.references.insert(frame, picture.rgba8().to_vec());
+        }
+        Ok(())
+    }
+}
+
+/// Adds what the answers told to the frames of a turn, and the frames to the run.
+fn book(run: &mut Run, mut walked: Vec<Walked>) {
+    for outcome in run.history.take_outcomes() {
+        if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
+            walked.measurement.draws = outcome.draws;
+            walked.measurement.triangles = outcome.triangles;
+        }
+    }
+    for Walked { timed, measurement, .. } in walked {
+        if timed {
+            run.measurement.push(measurement);
+        } else {
+            run.measurement.waited_untimed(measurement.blocking_waits);
+        }
+    }
+}
+
+/// Takes the steps up to the next change of turns: a turn's warm-up follows another's timed frames.
+fn next_turn(steps: &mut VecDeque<Step>) -> Option<Vec<Step>> {
+    let mut turn = vec![steps.pop_front()?];
+    while let (Some(last), Some(next)) = (turn.last(), steps.front()) {
+        if last.strategy != next.strategy || (last.timed && !next.timed) {
+            break;
+        }
+        turn.extend(steps.pop_front());
+    }
+    Some(turn)
+}
+
+/// How many pixels of two pictures of the same size are not the same bits; all, if the sizes differ.
+fn pixels_that_differ(reference: &[u8], picture: &[u8]) -> u64 {
+    let (expected, found) = (reference.chunks_exact(4), picture.chunks_exact(4));
+    if reference.len() != picture.len() || picture.is_empty() {
+        return expected.len().max(found.len()).max(1) as u64;
+    }
+    expected.zip(found).filter(|(a, b)| a != b).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_cut_where_the_schedule_cuts_them() {
+        for strategies in 1..=3 {
+            let schedule = Schedule::with_rounds(30, strategies, 10, 2);
+            let mut steps: VecDeque<Step> = schedule.steps().collect();
+            let mut turns = 0;
+            while let Some(turn) = next_turn(&mut steps) {
+                assert_eq!(turn.len(), 12);
+                assert!(turn.iter().all(|step| step.strategy == turn[0].strategy));
+                turns += 1;
+            }
+            assert_eq!(turns, 3 * strategies);
+        }
+    }
+
+    #[test]
+    fn pixels_are_counted_once_each() {
+        let picture = [1, 2, 3, 255, 4, 5, 6, 255];
+        assert_eq!(pixels_that_differ(&picture, &picture), 0);
+        assert_eq!(pixels_that_differ(&picture, &[1, 2, 3, 255, 9, 9, 9, 255]), 1);
+        assert_eq!(pixels_that_differ(&[], &[]), 1, "nothing compared is no proof");
+        assert_eq!(pixels_that_differ(&picture, &picture[..4]), 2);
+    }
+}
