@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod shapes;
+pub mod walk;
 
 use std::time::Duration;
 

@@ -12,7 +12,7 @@
 //! let device = gpu::Device::new(&instance, &adapter, &gpu::DeviceOptions::default())?;
 //!
 //! let scene = render::scene::city(10_000, 1)?;
-//! let path = render::scene::CameraPath::new(render::scene::PathKind::Street, &scene);
+//! let path = render::scene::CameraPath::new(render::scene::PathKind::Street, &scene)?;
 //! let mut renderer = render::Renderer::new(&device, &scene, &render::RendererOptions::default())?;
 //! let mut view = renderer.new_view()?;
 //! let picture = gpu::Readback::new(&device, renderer.size())?;

@@ -23,7 +23,7 @@ use glam::{Vec2, Vec3, vec2, vec3};
 
 use self::buildings::Footprint;
 use self::ground::{KERB_M, Middle, PAVEMENT_M};
-use self::layout::{Across, Axis, Court, DIVISIONS, Plan, block_centre, boundary_m};
+use self::layout::{Axis, Court, DIVISIONS, Plan, block_centre, boundary_m};
 use self::palette::{Materials, TintKind, prop_tint, stone_tint, wall_tint};
 use self::props::Site;
 use super::mesh::{Mesh, MeshId};
@@ -191,7 +191,6 @@ impl City {
             let kind = Footprint::ALL.iter().position(|kind| *kind == lot.footprint).unwrap_or(0);
             let Some(mesh) = choose(&self.kit.buildings[kind], &mut random) else { continue };
             let side = lot.facing();
-            debug_assert!(lot.across == Across::No || side % 2 == 1);
             let place = centre + lot.centre();
             let tint = wall_tint(family, &mut random);
             let position = vec3(place.x, PAVEMENT_M + HOVER_M, place.y);

@@ -3,7 +3,7 @@
 
 use glam::{Vec3, vec3};
 
-use super::builder::MeshBuilder;
+use super::builder::{MeshBuilder, Paint};
 use super::city::ground::Plates;
 use super::city::palette::{Materials, TintKind, prop_tint};
 use super::city::{pavilions::pavilions, props::props};
@@ -110,8 +110,8 @@ fn tile(
 /// A tile of lawn with a path around each cell.
 fn ground() -> Mesh {
     let mut plates = Plates::default();
-    let lawn = [0x77_8F56, 0x70_884F].map(super::builder::Paint::srgb);
-    let gravel = super::builder::Paint::srgb(0xB5_A98E);
+    let lawn = [0x77_8F56, 0x70_884F].map(Paint::srgb);
+    let gravel = Paint::srgb(0xB5_A98E);
     let path = 1.0;
     for column in 0..TILE_CELLS {
         for row in 0..TILE_CELLS {

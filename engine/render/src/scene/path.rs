@@ -19,7 +19,7 @@ pub const EYE_HEIGHT_M: f32 = 1.7;
 /// The vertical field of view, in radians.
 pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;
 
-/// The distance of the near plane, in metres: less than a walker's distance from anything.
+/// The distance of the near plane, in metres.
 pub const NEAR_M: f32 = 0.2;
 
 /// A walker's way in one frame, in metres: 3 m/s at 30 frames a second.

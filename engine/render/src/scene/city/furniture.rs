@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 
-use super::super::builder::{Faces, MeshBuilder, Paint};
+use super::super::builder::{Faces, Frame, MeshBuilder, Paint, panel};
 use super::super::mesh::Mesh;
 use super::palette::Materials;
 
@@ -102,8 +102,8 @@ pub(super) fn bin(materials: &Materials) -> Mesh {
     builder.turned(&at(0.0, 0.0, 0.0), &[(0.3, 0.0), (0.3, 0.08), (0.2, 0.1)], 16, coat);
     for slat in 0..12u8 {
         let turn = std::f32::consts::TAU * f32::from(slat) / 12.0;
-        let frame = super::super::builder::Frame::facing(turn, 0.24);
-        let area = super::super::builder::panel(-0.05, 0.1, 0.05, 0.8);
+        let frame = Frame::facing(turn, 0.24);
+        let area = panel(-0.05, 0.1, 0.05, 0.8);
         builder.ledge(&frame, area, 0.08, coat);
     }
     builder.finish("litter bin")
@@ -162,8 +162,7 @@ pub(super) fn post_box(materials: &Materials) -> Mesh {
         18,
         red,
     );
-    let slot = super::super::builder::Frame::facing(0.0, 0.2);
-    let panel = super::super::builder::panel;
+    let slot = Frame::facing(0.0, 0.2);
     builder.ledge(&slot, panel(-0.14, 1.18, 0.14, 1.26), 0.13, materials.iron);
     builder.ledge(&slot, panel(-0.1, 0.75, 0.1, 1.0), 0.12, Paint::srgb(0xE8_E4DA));
     builder.finish("post box")

@@ -104,12 +104,12 @@ pub(super) struct Lot {
     z: i8,
     pub(super) footprint: Footprint,
     /// Whether the footprint's x runs along the block's z.
-    pub(super) across: Across,
+    across: Across,
 }
 
 /// How a footprint lies in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Across {
+enum Across {
     /// Its x along the block's x.
     No,
     /// Its x along the block's z.
@@ -292,6 +292,15 @@ mod tests {
                     assert_eq!(count, u8::from(!free), "division {number} at {column}, {row}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn fronts_face_a_street_along_their_longer_side() {
+        for lot in DIVISIONS.iter().flat_map(|division| division.lots) {
+            let [width, depth] = lot.size();
+            let faces_along_z = lot.facing().is_multiple_of(2);
+            assert!(width == depth || faces_along_z == (width > depth), "{lot:?}");
         }
     }
 

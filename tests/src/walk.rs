@@ -1,0 +1,123 @@
+//! Walks through scenes with two strategies and compares every picture bit for bit.
+
+use cull::{Camera, Strategy};
+use gpu::{Device, Readback};
+use render::scene::{self, CameraPath, PathKind, Scene};
+use render::{FrameOutcome, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory};
+
+/// A scene by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SceneKind {
+    /// The procedural city.
+    City,
+    /// The procedural field.
+    Field,
+}
+
+impl SceneKind {
+    /// Both.
+    pub const ALL: [SceneKind; 2] = [SceneKind::City, SceneKind::Field];
+
+    /// Builds it.
+    pub fn build(self, objects: u32) -> Scene {
+        let scene = match self {
+            SceneKind::City => scene::city(objects, 7),
+            SceneKind::Field => scene::field(objects, 7),
+        };
+        scene.expect("a scene")
+    }
+}
+
+/// What a walk found.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Found {
+    /// Frames compared.
+    pub frames: u32,
+    /// Pixels that differed, over all frames.
+    pub pixels_wrong: usize,
+    /// Waits other than for slots, in the frame loops.
+    pub blocking_waits: u64,
+    /// The oldest answer that came home, in frames.
+    pub oldest_answer_frames: u64,
+    /// Objects drawn by plain frustum culling and by the strategy, over all frames.
+    pub draws: [u64; 2],
+}
+
+/// Walks `frames` frames of `path` with `strategy` in one go, as a user's loop would, and compares
+/// each picture with plain frustum culling.
+pub fn walk(
+    device: &Device,
+    scene: &Scene,
+    path: PathKind,
+    frames: u32,
+    options: &RendererOptions,
+) -> Found {
+    let path = CameraPath::new(path, scene).expect("a path");
+    let cameras: Vec<Camera> = (0..frames).map(|frame| path.camera(frame)).collect();
+    walk_cameras(device, scene, &cameras, options)
+}
+
+/// The same over any cameras.
+pub fn walk_cameras(
+    device: &Device,
+    scene: &Scene,
+    cameras: &[Camera],
+    options: &RendererOptions,
+) -> Found {
+    let mut renderer = Renderer::new(device, scene, options).expect("a renderer");
+    let mut found = Found { frames: cameras.len() as u32, ..Found::default() };
+    let mut pictures = Vec::new();
+    for (which, strategy) in [Strategy::Frustum, Strategy::Antumbra].into_iter().enumerate() {
+        let mut view = renderer.new_view().expect("a view");
+        let loops = frame_loop(&mut renderer, &mut view, strategy, cameras);
+        found.blocking_waits += loops.blocking_waits;
+        found.draws[which] = loops.outcomes.iter().map(|outcome| outcome.draws).sum();
+        assert_eq!(loops.outcomes.len(), cameras.len(), "every frame has an outcome");
+        let ages = loops.reports.iter().filter_map(|report| report.oldest_answer_frames);
+        found.oldest_answer_frames = ages.max().unwrap_or(0);
+        pictures.push(loops.pictures);
+    }
+    for (reference, picture) in pictures[0].iter().zip(&pictures[1]) {
+        found.pixels_wrong += pixels_that_differ(reference.rgba8(), picture.rgba8());
+    }
+    found
+}
+
+/// What a frame loop leaves.
+pub struct Loop {
+    /// A picture of every frame.
+    pub pictures: Vec<Readback>,
+    /// What was known of every frame when it was submitted.
+    pub reports: Vec<FrameReport>,
+    /// What became of every frame.
+    pub outcomes: Vec<FrameOutcome>,
+    /// Waits other than for slots.
+    pub blocking_waits: u64,
+}
+
+/// Renders `cameras` one after the other without looking back, then drains.
+pub fn frame_loop(
+    renderer: &mut Renderer,
+    view: &mut ViewHistory,
+    strategy: Strategy,
+    cameras: &[Camera],
+) -> Loop {
+    let new_picture = || Readback::new(renderer.device(), renderer.size()).expect("memory");
+    let pictures: Vec<Readback> = cameras.iter().map(|_| new_picture()).collect();
+    let waits = renderer.device().wait_counts().other;
+    let mut reports = Vec::new();
+    for (camera, picture) in cameras.iter().zip(&pictures) {
+        let request =
+            FrameRequest { strategy, camera: *camera, picture: Some(picture), after: None };
+        reports.push(renderer.render(view, &request).expect("a frame"));
+    }
+    let blocking_waits = renderer.device().wait_counts().other - waits;
+    renderer.drain(view).expect("the end");
+    Loop { pictures, reports, outcomes: view.take_outcomes().collect(), blocking_waits }
+}
+
+/// Pixels whose bits differ.
+pub fn pixels_that_differ(a: &[u8], b: &[u8]) -> usize {
+    assert!(!a.is_empty() && a.len() == b.len(), "nothing to compare");
+    a.chunks_exact(4).zip(b.chunks_exact(4)).filter(|(a, b)| a != b).count()
+}
