@@ -78,6 +78,11 @@ pub struct Arguments {
     )]
     pub predicates: String,
 
+    /// Measure the GPU time of every pass too. It costs time, most of all on a software driver:
+    /// leave it off for ratios
+    #[arg(long, help_heading = "Compare")]
+    pub time_passes: bool,
+
     /// The device that draws, by its place in --list-devices or a part of its name [default: best]
     #[arg(long, value_name = "INDEX|NAME", help_heading = "Device")]
     pub device: Option<String>,
@@ -132,6 +137,7 @@ impl Arguments {
                 1,
                 MAX_FRAMES_IN_FLIGHT,
             )?,
+            time_passes: self.time_passes,
             device: parse_device(self.device.as_deref())?,
             validation: named("--validation", &self.validation)?,
             predicates: named("--predicates", &self.predicates)?,

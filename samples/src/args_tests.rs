@@ -62,6 +62,7 @@ fn every_option_arrives() {
     assert_eq!(
         options,
         Options {
+            time_passes: false,
             scene: Scene::Field,
             objects: 4_000_000,
             seed: u64::MAX,

@@ -1,5 +1,7 @@
 //! Collects what is measured of each frame of one strategy, and sums it up for the report.
 
+use std::collections::BTreeMap;
+
 use crate::report::{AgeReport, RunReport};
 use crate::statistics::{Summary, median_count};
 use crate::strategy::Strategy;
@@ -19,6 +21,8 @@ pub struct FrameMeasurement {
     pub queries: u64,
     /// Draws that a predicate decided.
     pub predicated_draws: u64,
+    /// Nodes of the hierarchy that the culler looked at.
+    pub nodes_visited: u64,
     /// Age in frames of the oldest result that came home in it; none if none did.
     pub result_age_frames: Option<u64>,
     /// Waits of the frame loop other than for the frame's own slot.
@@ -33,6 +37,7 @@ pub struct RunMeasurement {
     untimed_blocking_waits: u64,
     frames_verified: u64,
     pixels_wrong: u64,
+    passes: BTreeMap<&'static str, Vec<f64>>,
 }
 
 impl RunMeasurement {
@@ -44,6 +49,7 @@ impl RunMeasurement {
             untimed_blocking_waits: 0,
             frames_verified: 0,
             pixels_wrong: 0,
+            passes: BTreeMap::new(),
         }
     }
 
@@ -63,6 +69,17 @@ impl RunMeasurement {
         self.pixels_wrong += pixels_wrong;
     }
 
+    /// Adds the GPU times of one frame's passes; passes of one label are added up.
+    pub fn timed_passes(&mut self, passes: impl IntoIterator<Item = (&'static str, f64)>) {
+        let mut frame = BTreeMap::new();
+        for (label, gpu_ms) in passes {
+            *frame.entry(label).or_insert(0.0) += gpu_ms;
+        }
+        for (label, gpu_ms) in frame {
+            self.passes.entry(label).or_default().push(gpu_ms);
+        }
+    }
+
     /// Sums up.
     pub fn report(&self) -> RunReport {
         let times = |of: fn(&FrameMeasurement) -> f64| Summary::of(self.frames.iter().map(of));
@@ -77,10 +94,16 @@ impl RunMeasurement {
             triangles: count(|frame| frame.triangles),
             queries: count(|frame| frame.queries),
             predicated_draws: count(|frame| frame.predicated_draws),
+            nodes_visited: count(|frame| frame.nodes_visited),
             result_age_frames: AgeReport { median: median_count(ages()), max: ages().max() },
             blocking_waits: timed_waits + self.untimed_blocking_waits,
             frames_timed: u64::try_from(self.frames.len()).unwrap_or(u64::MAX),
             frames_verified: self.frames_verified,
+            passes_ms: self
+                .passes
+                .iter()
+                .map(|(label, times)| ((*label).to_owned(), Summary::of(times.iter().copied())))
+                .collect(),
             pixels_wrong: (self.frames_verified > 0).then_some(self.pixels_wrong),
         }
     }
@@ -104,11 +127,16 @@ mod tests {
         run.waited_untimed(2);
         run.verified(0);
         run.verified(4);
+        for visible in [2.0, 4.0, 3.0] {
+            run.timed_passes([("visible", visible), ("revealed", 1.0), ("revealed", 0.5)]);
+        }
         let report = run.report();
         assert_eq!(report.draws, Some(7));
         assert_eq!(report.result_age_frames, AgeReport { median: Some(1), max: Some(3) });
         assert_eq!(report.blocking_waits, 3);
         assert_eq!((report.frames_timed, report.frames_verified), (3, 2));
         assert_eq!(report.pixels_wrong, Some(4));
+        assert_eq!(report.passes_ms["visible"].median, Some(3.0));
+        assert_eq!(report.passes_ms["revealed"].median, Some(1.5));
     }
 }

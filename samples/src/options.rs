@@ -58,6 +58,8 @@ pub struct Options {
     pub verify: Verify,
     /// How many frames the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
     pub frames_in_flight: u32,
+    /// Whether the GPU time of every pass is measured.
+    pub time_passes: bool,
     /// Which device draws.
     pub device: DeviceChoice,
     /// What the validation layer looks at.

@@ -112,6 +112,10 @@ pub struct RunReport {
     pub queries: Option<u64>,
     /// Draws that a predicate decided.
     pub predicated_draws: Option<u64>,
+    /// Nodes of the hierarchy that the culler looked at.
+    pub nodes_visited: Option<u64>,
+    /// GPU time of each pass by its label, where `--time-passes` asked for it.
+    pub passes_ms: BTreeMap<String, Summary>,
     /// How old the results were that came home.
     pub result_age_frames: AgeReport,
     /// Waits of the frame loop, in all frames together, other than for a frame's own slot.

@@ -15,6 +15,7 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
             triangles: 3000,
             queries: 2,
             predicated_draws: 1,
+            nodes_visited: 9,
             result_age_frames: Some(2),
             blocking_waits: 0,
         });
@@ -54,7 +55,8 @@ fn the_keys_are_the_contract() {
             "strategy": strategy,
             "frame_ms": {"median": (low + high) / 2.0, "p95": high, "max": high},
             "cpu_ms": {"median": (low + high) / 20.0, "p95": high / 10.0, "max": high / 10.0},
-            "draws": 3, "triangles": 3000, "queries": 2, "predicated_draws": 1,
+            "draws": 3, "triangles": 3000, "queries": 2, "predicated_draws": 1, "nodes_visited": 9,
+            "passes_ms": {},
             "result_age_frames": {"median": 2, "max": 2},
             "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1, "pixels_wrong": 0,
         })

@@ -170,6 +170,9 @@ fn walk_on(
     let mut renderer =
         Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?)?;
     let upload_ms = clock.lap_ms();
+    if options.time_passes {
+        renderer.time_passes()?;
+    }
 
     let runs = Walk::new(&mut renderer, &path, options)?.run(progress)?;
     if let Some(folder) = &options.output {

@@ -5,6 +5,7 @@ use std::fmt::{Display, Write};
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 
 use crate::report::{Report, RunReport};
+use crate::statistics::Summary;
 
 /// Shown where a number could not be had.
 const ABSENT: &str = "-";
@@ -33,7 +34,8 @@ pub fn render(report: &Report) -> String {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let lines = [head(report), table.trim_fmt(), ratio_lines(report), foot(report)];
+    let lines =
+        [head(report), table.trim_fmt(), ratio_lines(report), pass_lines(report), foot(report)];
     lines.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + "\n"
 }
 
@@ -82,6 +84,18 @@ fn ratio_lines(report: &Report) -> String {
         }
     }
     lines.join("\n")
+}
+
+/// A line for each run whose passes were timed.
+fn pass_lines(report: &Report) -> String {
+    let timed = report.runs.iter().filter(|run| !run.passes_ms.is_empty());
+    let line = |run: &RunReport| {
+        let pass =
+            |(label, time): (&String, &Summary)| format!("{label} {}", milliseconds(time.median));
+        let passes: Vec<String> = run.passes_ms.iter().map(pass).collect();
+        format!("{}, GPU ms a pass: {}", run.strategy, passes.join(", "))
+    };
+    timed.map(line).collect::<Vec<_>>().join("\n")
 }
 
 fn foot(report: &Report) -> String {

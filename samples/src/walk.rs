@@ -24,6 +24,7 @@ pub struct Walk<'a> {
     device: Device,
     path: &'a CameraPath,
     verify: Verify,
+    frames_in_flight: usize,
     schedule: Schedule,
     runs: Vec<Run>,
     reference: ViewHistory,
@@ -66,6 +67,7 @@ impl<'a> Walk<'a> {
             renderer,
             path,
             verify: options.verify,
+            frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
             schedule: Schedule::new(options.frames, options.strategies.len()),
             references: BTreeMap::new(),
             pictures: Vec::new(),
@@ -116,12 +118,18 @@ impl<'a> Walk<'a> {
                 cpu_ms: report.cpu.as_secs_f64() * 1e3,
                 queries: report.queries.into(),
                 predicated_draws: report.predicated_draws.into(),
+                nodes_visited: report.plan.nodes_visited.into(),
                 result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
                 ..FrameMeasurement::default()
             };
             let frame = run.history.plan().frame;
             walked.push(Walked { frame, timed: step.timed, measurement });
+            // A slot's times are those of its frame before: of this turn, once all were used.
+            if step.timed && walked.len() > self.frames_in_flight {
+                let passes = self.renderer.pass_times();
+                run.measurement.timed_passes(passes.iter().map(|pass| (pass.label, pass.gpu_ms)));
+            }
             progress.frame_done(run.strategy.name());
         }
         self.renderer.drain(&mut run.history)?;

@@ -48,11 +48,15 @@ pub fn open(driver: Driver) -> (Instance, Device) {
 
 /// An instance with synchronization validation.
 pub fn instance() -> Instance {
+    instance_with(gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// The same through an entry of the test's own.
+pub fn instance_with(entry: gpu::Entry) -> Instance {
     let options = InstanceOptions {
         application: "tests".to_owned(),
         validation: Validation::Synchronization,
     };
-    let entry = gpu::load_entry().unwrap_or_else(|error| panic!("{error}"));
     Instance::new(entry, &options).unwrap_or_else(|error| {
         panic!("{error}\nRun `ci/setup --tests` first: these tests need the validation layer.")
     })
