@@ -1,11 +1,15 @@
-//! The simplest things to draw: boxes through the engine's own proxy shader, as occluders and tests.
+//! The simplest things to draw: boxes, as occluders, as tests, and as whole scenes.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Camera, View};
-use glam::Vec3;
+use glam::{Affine3A, Quat, Vec3};
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Spirv,
     StorageLayout, VertexLayout, vk,
+};
+use render::scene::{
+    Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
+    pack_unorm,
 };
 use render::{ProxyPass, ShaderSet};
 
@@ -54,19 +58,79 @@ pub fn proxy_pass(device: &Device) -> ProxyPass {
     ProxyPass::new(device, &ShaderSet::embedded().expect("shaders")).expect("a pipeline")
 }
 
-/// A camera at the origin that looks along -z, on a square picture.
-pub fn square_view(device: &Device, side: u32) -> View {
-    let camera = Camera {
+/// A camera at the origin that looks along -z and sees a right angle.
+pub fn square_camera() -> Camera {
+    Camera {
         eye: Vec3::ZERO,
         forward: Vec3::NEG_Z,
         up: Vec3::Y,
         fov_y: std::f32::consts::FRAC_PI_2,
         near: 0.1,
-    };
-    View::new(&camera, [side, side], device.adapter().limits.sub_pixel_precision_bits)
+    }
+}
+
+/// The view of [`square_camera`] on a square picture.
+pub fn square_view(device: &Device, side: u32) -> View {
+    View::new(&square_camera(), [side, side], device.adapter().limits.sub_pixel_precision_bits)
 }
 
 /// A box around `centre`.
 pub fn box_at(centre: Vec3, half: Vec3) -> Aabb {
     Aabb { min: centre - half, max: centre + half }
+}
+
+/// A scene of solid boxes that fill their bounds exactly: the hardest case for proxies.
+pub fn box_scene(boxes: &[Aabb]) -> Scene {
+    let mesh = cube();
+    let objects = boxes.iter().enumerate().map(|(number, bounds)| Object {
+        mesh: MeshId(0),
+        transform: Affine3A::from_scale_rotation_translation(
+            bounds.max - bounds.min,
+            Quat::IDENTITY,
+            bounds.min,
+        ),
+        tint: pack_unorm([(number % 7) as f32 / 7.0, (number % 5) as f32 / 5.0, 0.6, 1.0]),
+    });
+    Scene {
+        name: "boxes".to_owned(),
+        seed: 0,
+        meshes: vec![mesh],
+        objects: objects.collect(),
+        light: Light::afternoon(),
+        streets: Streets::default(),
+        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
+    }
+}
+
+/// Quads along a side of a face: an odd number, so that no vertex of a face meets its middle.
+const QUADS: u32 = 7;
+
+/// The unit cube, counter-clockwise from outside. Its faces are cut into quads: every vertex along an
+/// edge is snapped to the sub-pixel grid by itself, which a proxy's long edge is not.
+fn cube() -> Mesh {
+    let mut vertices = Vec::new();
+    let mut indices = Vec::new();
+    for axis in 0..3 {
+        for side in [0.0, 1.0] {
+            let mut normal = Vec3::ZERO;
+            normal[axis] = side * 2.0 - 1.0;
+            let first = vertices.len() as u32;
+            for point in 0..(QUADS + 1) * (QUADS + 1) {
+                let mut position = Vec3::ZERO;
+                position[axis] = side;
+                position[(axis + 1) % 3] = (point % (QUADS + 1)) as f32 / QUADS as f32;
+                position[(axis + 2) % 3] = (point / (QUADS + 1)) as f32 / QUADS as f32;
+                let (normal, colour) = (pack_normal(normal), pack_unorm([1.0; 4]));
+                vertices.push(Vertex { position: position.to_array(), normal, colour });
+            }
+            let turn = if side > 0.5 { [0, 1, 3, 0, 3, 2] } else { [0, 3, 1, 0, 2, 3] };
+            for quad in 0..QUADS * QUADS {
+                let corner = first + quad % QUADS + quad / QUADS * (QUADS + 1);
+                let corners = [corner, corner + 1, corner + QUADS + 1, corner + QUADS + 2];
+                indices.extend(turn.map(|which| corners[which]));
+            }
+        }
+    }
+    let bounds = bounds_of_vertices(&vertices);
+    Mesh { name: "cube".to_owned(), vertices, indices, bounds }
 }

@@ -1,0 +1,103 @@
+//! What the committed SPIR-V says of its buffers and constants, against the structures in Rust.
+
+use std::mem::offset_of;
+
+use gpu::{DrawRange, IndirectDraw};
+use spirq::prelude::*;
+use spirq::ty::Type;
+use spirq::var::Variable;
+
+use crate::{OF_GPU, committed_spirv};
+
+/// Stride of each storage buffer's array and offsets of its elements' members, by binding.
+type Buffers = Vec<(u32, usize, Vec<usize>)>;
+
+/// What one stage reads: its storage buffers, and the bytes of its push constants.
+fn interface(name: &str) -> (Buffers, usize) {
+    let spirv = committed_spirv(name);
+    let entries = ReflectConfig::new().spv(spirv).ref_all_rscs(true).reflect().expect("SPIR-V");
+    let [entry] = &entries[..] else { panic!("{name} has {} entry points", entries.len()) };
+    assert_eq!(entry.name, "main");
+    let (mut buffers, mut push_bytes) = (Vec::new(), 0);
+    for variable in &entry.vars {
+        match variable {
+            Variable::Descriptor { desc_bind, ty, nbind, .. } => {
+                assert_eq!((desc_bind.set(), *nbind), (0, 1), "{name}");
+                let (stride, offsets) = array_in(name, ty);
+                buffers.push((desc_bind.bind(), stride, offsets));
+            }
+            Variable::PushConstant { ty, .. } => push_bytes = ty.nbyte().expect("a size"),
+            _ => {}
+        }
+    }
+    buffers.sort_unstable();
+    (buffers, push_bytes)
+}
+
+/// A storage buffer is one structure that holds one array without an end.
+fn array_in(name: &str, ty: &Type) -> (usize, Vec<usize>) {
+    let Type::Struct(block) = ty else { panic!("{name}: no block but {ty}") };
+    let [member] = &block.members[..] else { panic!("{name}: more than an array in {ty}") };
+    let Type::Array(array) = &member.ty else { panic!("{name}: no array in {ty}") };
+    assert_eq!((member.offset, array.nelement), (Some(0), None), "{name}");
+    let offsets = match array.element_ty.as_ref() {
+        Type::Struct(element) => {
+            element.members.iter().filter_map(|member| member.offset).collect()
+        }
+        _ => vec![0],
+    };
+    (array.stride.expect("a stride"), offsets)
+}
+
+const DRAW_RANGE_OFFSETS: [usize; 2] = [offset_of!(DrawRange, first), offset_of!(DrawRange, count)];
+
+const INDIRECT_DRAW_OFFSETS: [usize; 5] = [
+    offset_of!(IndirectDraw, index_count),
+    offset_of!(IndirectDraw, instance_count),
+    offset_of!(IndirectDraw, first_index),
+    offset_of!(IndirectDraw, vertex_offset),
+    offset_of!(IndirectDraw, first_instance),
+];
+
+#[test]
+fn instances_are_three_rows_and_a_tint() {
+    // The rows are an array of three, so the tint is the second member.
+    assert_eq!(interface("opaque.vert"), (vec![(0, 64, vec![0, 48])], 128));
+    assert_eq!(interface("opaque.frag"), (vec![], 128));
+}
+
+#[test]
+fn proxies_are_two_corners() {
+    assert_eq!(size_of::<render::ProxyBox>(), 32);
+    assert_eq!(interface("proxy.vert"), (vec![(0, 32, vec![0, 16])], 80));
+}
+
+#[test]
+fn the_overlay_has_a_matrix_and_no_buffers() {
+    assert_eq!(interface("overlay.vert"), (vec![], 64));
+    assert_eq!(interface("overlay.frag"), (vec![], 0));
+    assert_eq!(offset_of!(render::OverlayVertex, colour), 12);
+}
+
+#[test]
+fn predicates_read_words_and_ranges() {
+    let words = (0, 4, vec![0]);
+    let ranges = (1, size_of::<DrawRange>(), DRAW_RANGE_OFFSETS.to_vec());
+    let draws = (2, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
+    let counts = (2, 4, vec![0]);
+    let [of_counts, of_instances] = OF_GPU.map(interface);
+    assert_eq!(of_counts, (vec![words.clone(), ranges.clone(), counts], 8));
+    assert_eq!(of_instances, (vec![words, ranges, draws], 8));
+    // What vkCmdDrawIndexedIndirect reads.
+    assert_eq!(size_of::<IndirectDraw>(), size_of::<gpu::vk::DrawIndexedIndirectCommand>());
+    assert_eq!(INDIRECT_DRAW_OFFSETS, [0, 4, 8, 12, 16]);
+}
+
+#[test]
+fn push_constants_fit_every_device() {
+    // Vulkan promises 128 bytes (specification, "Required Limits").
+    let folder = crate::folder();
+    for name in crate::sources::stages(&folder).unwrap() {
+        assert!(interface(&name).1 <= 128, "{name}");
+    }
+}
