@@ -38,6 +38,8 @@ pub struct Culler {
     /// Where the view looked in the last planned frame.
     forward: Option<Vec3>,
     turned: Stamp,
+    /// How much coarser than wished the tests of the last frame were.
+    coarseness: u32,
 }
 
 impl Culler {
@@ -53,6 +55,7 @@ impl Culler {
             epoch: 0,
             forward: None,
             turned: Stamp::NEVER,
+            coarseness: 0,
         }
     }
 
@@ -81,6 +84,7 @@ impl Culler {
         self.epoch = self.frame.0;
         self.turned = Stamp::NEVER;
         self.forward = None;
+        self.coarseness = 0;
     }
 
     /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that
@@ -132,9 +136,11 @@ impl Culler {
             now,
             is_turning: self.turned != Stamp::NEVER
                 && now.since(self.turned) < self.policy.turning_frames,
-            coarseness: 0,
+            // What was needed last time is where to begin: each attempt is a walk.
+            coarseness: self.coarseness.saturating_sub(1),
         };
         let is_cut = self.scratch.choose(&mut walk, query_budget, &mut plan.stats);
+        self.coarseness = walk.coarseness;
         let generation = hierarchy.generation();
         let frame = self.frame;
         let tag =
@@ -151,6 +157,8 @@ impl Culler {
             if test.kind == QueryKind::Probe {
                 leaves.count = 0;
                 self.history.asked_probe(test.node, now, &self.policy);
+            } else {
+                self.history.closed(test.node);
             }
             plan.tests.push(ProxyTest {
                 tag: tag(test.node, test.kind),

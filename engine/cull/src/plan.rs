@@ -128,6 +128,6 @@ pub struct PlanStats {
     pub occluders: u32,
     /// Leaves drawn because there were too few queries to test them.
     pub over_budget: u32,
-    /// How often the allowed size of tested nodes was raised to make do with the queries.
+    /// How often the allowed size of tested nodes was raised to make do with fewer tests.
     pub coarsened: u32,
 }

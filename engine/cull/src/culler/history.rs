@@ -54,6 +54,24 @@ impl History {
         }
     }
 
+    /// An open node is tested as one from now on: it counts as hidden for as long as its parts, until
+    /// the answer comes.
+    pub(super) fn closed(&mut self, node: u32) {
+        let Some(links) = self.topology.nodes.get(node as usize) else {
+            return;
+        };
+        if links.is_leaf() || self.record(node).state != NodeState::Visible {
+            return;
+        }
+        let parts = links.children(node).map(|child| self.record(child).since);
+        let since = parts.into_iter().max().unwrap_or(Stamp::NEVER);
+        if let Some(record) = self.record_mut(node) {
+            record.state = NodeState::Hidden;
+            record.since = since;
+            record.streak = 0;
+        }
+    }
+
     /// Follows the hierarchy to its present generation. Objects keep what was known of them; a new
     /// inner node is hidden if all below it is, and visible if something is.
     pub(super) fn adopt(&mut self, hierarchy: &Hierarchy) {

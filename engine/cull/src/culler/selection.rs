@@ -1,7 +1,7 @@
 //! From what a walk would like to do to what the queries allow.
 //!
-//! Tests decide about draws and come first. If there are more of them than queries, larger nodes
-//! are allowed and the walk is repeated; if that is not enough, the tests with the most leaves
+//! Tests decide about draws and come first. If there are more of them than wished, larger nodes
+//! are allowed and the walk is repeated; if there are still more than queries, the tests with the most leaves
 //! stay and the leaves of the others are drawn. What is left of the queries is shared by probes,
 //! which save tests later on, and own-draw tests, which can as well be draws.
 
@@ -72,7 +72,8 @@ impl Scratch {
         loop {
             walk.run(self, stats);
             let is_last = budget == 0 || walk.coarseness >= walk.policy.coarsen_attempts;
-            if is_last || self.frontier().count() <= budget {
+            let wished = budget.min(walk.policy.tests_wished as usize);
+            if is_last || self.frontier().count() <= wished {
                 break;
             }
             walk.coarseness += 1;

@@ -153,7 +153,12 @@ impl Walk<'_> {
                 stats.visible += 1;
                 if record.due <= self.now { Verdict::Retest } else { Verdict::Draw }
             }
-            NodeState::Visible if is_fresh => Verdict::Open(Some(proxy)),
+            NodeState::Visible if is_fresh => {
+                let hidden = self.parts_hidden_since(turn).filter(|_| self.coarseness > 0);
+                let is_closed =
+                    hidden.is_some_and(|since| self.may_share(turn, self.now.since(since)));
+                if is_closed { Verdict::Test(proxy) } else { Verdict::Open(Some(proxy)) }
+            }
             NodeState::Hidden if is_leaf || self.may_share(turn, record.hidden_frames()) => {
                 Verdict::Test(proxy)
             }
@@ -168,24 +173,15 @@ impl Walk<'_> {
         let Some(children) = self.hierarchy.children(NodeId(turn.node)) else {
             return;
         };
-        let mut hidden_since = None;
-        let mut is_quiet = true;
         for child in children {
-            if !self.push(child.0, turn.mask, scratch) {
-                continue;
-            }
-            let record = self.record(child.0);
-            is_quiet &= record.state == NodeState::Hidden
-                && record.is_fresh(self.now, self.policy.stale_frames);
-            hidden_since = hidden_since.max(Some(record.since));
+            self.push(child.0, turn.mask, scratch);
         }
-        let (Some(proxy), Some(since)) = (proxy, hidden_since) else {
+        let is_due = turn.record.state != NodeState::Hidden && turn.record.due <= self.now;
+        let (Some(proxy), true) = (proxy, is_due) else {
             return;
         };
-        let is_probe = is_quiet
-            && turn.record.state != NodeState::Hidden
-            && turn.record.due <= self.now
-            && self.may_share(turn, self.now.since(since));
+        let hidden = self.parts_hidden_since(turn);
+        let is_probe = hidden.is_some_and(|since| self.may_share(turn, self.now.since(since)));
         if is_probe {
             scratch.tests.push(Candidate {
                 node: turn.node,
@@ -197,16 +193,36 @@ impl Walk<'_> {
         }
     }
 
+    /// Since when every part of a node that is in the frustum is hidden; `None` if one is not, or
+    /// none is there.
+    fn parts_hidden_since(&self, turn: &Turn) -> Option<Stamp> {
+        let mut since = None;
+        for child in self.hierarchy.children(NodeId(turn.node))? {
+            let record = self.record(child.0);
+            let is_hidden = record.state == NodeState::Hidden
+                && record.is_fresh(self.now, self.policy.stale_frames);
+            if is_hidden {
+                since = since.max(Some(record.since));
+            } else if self.is_in_frustum(child, turn.mask) {
+                return None;
+            }
+        }
+        since
+    }
+
+    fn is_in_frustum(&self, node: NodeId, mask: PlaneMask) -> bool {
+        let bounds = self.hierarchy.bounds(node);
+        self.view.frustum.classify(&bounds, mask).0 != Containment::Outside
+    }
+
     /// Queues a node unless it is outside of the frustum.
-    fn push(&self, node: u32, mask: PlaneMask, scratch: &mut Scratch) -> bool {
+    fn push(&self, node: u32, mask: PlaneMask, scratch: &mut Scratch) {
         let bounds = self.hierarchy.bounds(NodeId(node));
         let (containment, mask) = self.view.frustum.classify(&bounds, mask);
-        if containment == Containment::Outside {
-            return false;
+        if containment != Containment::Outside {
+            let nearness = Nearness::of(&bounds, self.view.eye);
+            scratch.queue.push(Reverse((nearness, node, Mask(mask))));
         }
-        let nearness = Nearness::of(&bounds, self.view.eye);
-        scratch.queue.push(Reverse((nearness, node, Mask(mask))));
-        true
     }
 
     /// Whether a node that has been hidden for so long may be tested as one.

@@ -63,7 +63,16 @@ impl World {
                 let mishaps = if is_rough { rough } else { calm };
                 runs.push(Run {
                     strategy,
-                    culler: Culler::new(Policy { seed, ..Policy::default() }),
+                    // Few tests wished: what is done under pressure must be exact as well.
+                    culler: Culler::new(Policy {
+                        seed,
+                        tests_wished: match seed % 8 {
+                            0 => 4,
+                            1 => 40,
+                            _ => Policy::default().tests_wished,
+                        },
+                        ..Policy::default()
+                    }),
                     device: Device::new(SIZE, self.sub_pixel_bits, mishaps, seed ^ latency),
                     plan: FramePlan::default(),
                 });
@@ -163,7 +172,7 @@ fn nothing_visible_is_ever_missing() {
     assert_eq!(checked.runs, SCENES * combinations);
     assert_eq!(checked.frames, checked.runs * FRAMES);
     let [frustum, ours] = checked.drawn;
-    assert!(ours * 10 < frustum * 9, "nothing was culled: {ours} of {frustum}");
+    assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }
 
 /// The test above must be able to fail: drawing every second object only is noticed.

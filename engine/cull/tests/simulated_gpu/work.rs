@@ -1,6 +1,6 @@
 //! The work of a frame is that of the visible and the frontier, however much is hidden.
 
-use antumbra_cull::{Aabb, Camera, PlanStats};
+use antumbra_cull::{Aabb, Camera, PlanStats, Policy};
 use glam::Vec3;
 
 use crate::random::Random;
@@ -58,6 +58,21 @@ fn a_hundred_times_more_hidden_objects_cost_no_more_than_a_logarithm() {
         assert!(queries <= few_queries + levels as usize, "{few_queries} {queries}");
         assert_eq!(drawn, few_drawn, "what is drawn is what is visible");
     }
+}
+
+/// After a cut, nobody waits hundreds of frames for a huge scene to come to rest.
+#[test]
+fn a_huge_unknown_scene_settles_in_tens_of_frames() {
+    let mut walk = Walk::new(behind_a_wall(60_000), 2);
+    let mut frontier = Vec::new();
+    for frame in 0..40 {
+        walk.step(&CAMERA);
+        assert!(walk.is_exact(&CAMERA), "frame {frame}");
+        frontier.push(walk.plan.stats.frontier);
+    }
+    let wished = Policy::default().tests_wished;
+    assert!(frontier.iter().skip(6).all(|tests| *tests <= wished), "{frontier:?}");
+    assert!(frontier[39] * 3 < wished, "{frontier:?}");
 }
 
 /// Along a street, with a turn now and then: what is drawn stays near what is seen.
