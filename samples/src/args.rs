@@ -44,7 +44,7 @@ pub struct Arguments {
     /// anything)
     #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Walk")]
     pub scene: String,
-    /// About how many objects the scene has, 1 to 4000000
+    /// About how many objects the scene has, 1 to 2000000
     #[arg(long, value_name = "N", default_value = "10000", help_heading = "Walk")]
     pub objects: String,
     /// Seed of the scene: the same one builds the same scene

@@ -41,7 +41,7 @@ fn without_arguments_it_is_a_street_walk_of_all_strategies() {
 fn every_option_arrives() {
     let options = parse(&[
         "--scene=field",
-        "--objects=4000000",
+        "--objects=2000000",
         "--seed=18446744073709551615",
         "--path=cut",
         "--frames=7",
@@ -64,7 +64,7 @@ fn every_option_arrives() {
         Options {
             time_passes: false,
             scene: Scene::Field,
-            objects: 4_000_000,
+            objects: 2_000_000,
             seed: u64::MAX,
             path: CameraPath::Cut,
             frames: 7,

@@ -21,6 +21,7 @@ pub mod statistics;
 pub mod stopwatch;
 pub mod strategy;
 pub mod table;
+pub mod verdict;
 pub mod walk;
 
 pub use options::Options;

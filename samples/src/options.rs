@@ -9,7 +9,7 @@ use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation, Ve
 use crate::strategy::Strategy;
 
 /// The most objects a scene may have.
-pub const MAX_OBJECTS: u32 = 4_000_000;
+pub const MAX_OBJECTS: u32 = render::scene::MAX_OBJECTS;
 /// The most frames a walk may have.
 pub const MAX_FRAMES: u32 = 1_000_000;
 /// The most frames that may be in flight.

@@ -2,42 +2,13 @@
 
 #![allow(clippy::expect_used, reason = "a test fails by panicking")]
 
+mod program;
+
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output};
 
-/// A folder of the test's own, gone when dropped.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new(name: &str) -> Self {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-        let _absent = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).expect("the target folder is writable");
-        Self(folder)
-    }
-
-    fn assert_empty(&self) {
-        let left: Vec<_> = fs::read_dir(&self.0).expect("it exists").collect();
-        assert!(left.is_empty(), "left behind: {left:?}");
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _gone = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn walkthrough(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_walkthrough"));
-    command.current_dir(folder).args(arguments);
-    command
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
+use program::{Scratch, stderr, walkthrough};
 
 /// The message of a refusal, which must be one line, with nothing on standard output.
 fn refusal(output: &Output, exit_code: i32) -> String {
@@ -50,6 +21,11 @@ fn refusal(output: &Output, exit_code: i32) -> String {
     message
 }
 
+fn assert_empty(scratch: &Scratch) {
+    let left = scratch.names(".");
+    assert!(left.is_empty(), "left behind: {left:?}");
+}
+
 #[test]
 fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
     let scratch = Scratch::new("mistakes");
@@ -60,11 +36,15 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         (["--path", "Camera"], "there is street, fly and cut"),
         (["--strategy", "frustum,frustum"], "'frustum' twice"),
         (["--strategy", "best"], "unknown strategy 'best': there is frustum"),
-        (["--objects", "0"], "from 1 to 4000000, not '0'"),
-        (["--objects", "-3"], "from 1 to 4000000, not '-3'"),
+        (["--objects", "0"], "from 1 to 2000000, not '0'"),
+        (["--objects", "2000001"], "from 1 to 2000000, not '2000001'"),
+        (["--objects", "99999999999999999999"], "from 1 to 2000000"),
+        (["--objects", "-3"], "from 1 to 2000000, not '-3'"),
         (["--frames", "0"], "from 1 to 1000000, not '0'"),
         (["--frames-in-flight", "5"], "from 1 to 4, not '5'"),
         (["--size", "0x0"], "such as 1280x720, not '0x0'"),
+        (["--size", "1280x0"], "such as 1280x720, not '1280x0'"),
+        (["--size", "1280"], "such as 1280x720, not '1280'"),
         (["--verify", "0"], "not '0'"),
         (["--validation", "maybe"], "off, on and sync"),
         (["--predicates", "maybe"], "auto, conditional, count and instances"),
@@ -75,7 +55,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         let message = refusal(&output.expect("it starts"), 2);
         assert!(message.contains(mistake[0]), "names the option: {message}");
         assert!(message.contains(sentence), "{message}");
-        scratch.assert_empty();
+        assert_empty(&scratch);
     }
 }
 
@@ -90,7 +70,7 @@ fn arguments_that_do_not_exist_end_with_2() {
     }
     let output = walkthrough(&scratch.0, &["--objets", "5"]).output().expect("it starts");
     assert!(stderr(&output).contains("'--objects'"), "{}", stderr(&output));
-    scratch.assert_empty();
+    assert_empty(&scratch);
 }
 
 #[test]
@@ -110,10 +90,75 @@ fn places_that_cannot_be_written_end_with_2_before_any_work() {
         let output = walkthrough(&scratch.0, &arguments).output().expect("it starts");
         let message = refusal(&output, 2);
         assert!(message.contains(arguments[0]), "names the option: {message}");
-        scratch.assert_empty();
+        assert_empty(&scratch);
     }
     assert_eq!(fs::read_to_string(&file).expect("still there"), "kept");
     fs::remove_file(&file).expect("ours");
+}
+
+/// A small walk that would leave pictures and a report, with `more` arguments.
+fn small_walk(scratch: &Scratch, more: &[&str]) -> Command {
+    let mut words = vec!["--quiet", "--out", "made/pictures", "--report", "made/report.json"];
+    for [option, value] in [["--objects", "50"], ["--frames", "2"], ["--size", "32x32"]] {
+        if !more.contains(&option) {
+            words.extend([option, value]);
+        }
+    }
+    words.extend(more);
+    walkthrough(&scratch.0, &words)
+}
+
+#[test]
+fn an_unknown_device_ends_with_2_and_lists_the_devices() {
+    let scratch = Scratch::new("unknown-device");
+    for wanted in ["voodoo", "99", "-1"] {
+        let output = small_walk(&scratch, &["--device", wanted]).output().expect("it starts");
+        let message = refusal(&output, 2);
+        assert!(message.contains(&format!("no device '{wanted}'")), "{message}");
+        assert!(message.contains("llvmpipe") && message.contains("0: "), "{message}");
+        assert_empty(&scratch);
+    }
+}
+
+#[test]
+fn sizes_beyond_the_device_end_with_2() {
+    let scratch = Scratch::new("too-large");
+    for (size, side) in [("1000000x32", "width"), ("32x4294967295", "height")] {
+        let output = small_walk(&scratch, &["--size", size]).output().expect("it starts");
+        let message = refusal(&output, 2);
+        assert!(message.contains(&format!("the {side} of the image")), "{message}");
+        assert!(message.contains("takes at most"), "{message}");
+        assert_empty(&scratch);
+    }
+}
+
+#[test]
+fn what_the_device_cannot_do_ends_with_2_and_says_what_it_lacks() {
+    let scratch = Scratch::new("cannot");
+    for (predicates, lacks) in
+        [("conditional", "VK_EXT_conditional_rendering"), ("count", "drawIndirectCount")]
+    {
+        let asked = ["--device", "swiftshader", "--predicates", predicates];
+        let output = small_walk(&scratch, &asked).output().expect("it starts");
+        let message = refusal(&output, 2);
+        assert!(message.contains("SwiftShader"), "needs `. ci/env`: {message}");
+        assert!(message.contains(lacks), "{message}");
+        assert_empty(&scratch);
+    }
+}
+
+#[test]
+fn without_the_validation_layer_it_ends_with_1_and_says_what_to_do() {
+    let scratch = Scratch::new("no-layer");
+    for validation in ["on", "sync"] {
+        let mut command = small_walk(&scratch, &["--validation", validation]);
+        // Says where the loader looks for such layers, and that is nowhere.
+        command.env("VK_LAYER_PATH", "/nonexistent").env_remove("VK_ADD_LAYER_PATH");
+        let message = refusal(&command.output().expect("it starts"), 1);
+        assert!(message.contains("VK_LAYER_KHRONOS_validation is not installed"), "{message}");
+        assert!(message.contains("apt install vulkan-validationlayers"), "{message}");
+        assert_empty(&scratch);
+    }
 }
 
 /// Runs walks and `--list-devices` on a machine made poorer; each must end with 1 and one error.
@@ -130,7 +175,7 @@ fn assert_machine_is_blamed(name: &str, poorer: impl Fn(&mut Command)) {
         let errors = message.lines().filter(|line| line.starts_with("error: ")).count();
         assert_eq!(errors, 1, "{message}");
         assert!(!message.contains("panicked"), "{message}");
-        scratch.assert_empty();
+        assert_empty(&scratch);
     }
 }
 
@@ -176,6 +221,7 @@ fn help_explains_every_option_of_the_contract() {
         "--out",
         "--report",
         "Examples:",
+        &format!("1 to {}", samples::options::MAX_OBJECTS),
     ] {
         assert!(help.contains(option), "{option} is missing in\n{help}");
     }
@@ -193,6 +239,27 @@ fn shaders_need_a_build_with_the_compiler() {
 #[cfg(feature = "shader-compiler")]
 fn a_folder_of_shaders_that_is_none_ends_with_2() {
     let scratch = Scratch::new("no-shaders");
-    let output = walkthrough(&scratch.0, &["--shaders", "nowhere"]).output().expect("it starts");
+    let output = small_walk(&scratch, &["--shaders", "nowhere"]).output().expect("it starts");
     assert!(refusal(&output, 2).contains("there is no folder 'nowhere'"));
+    assert_empty(&scratch);
+}
+
+#[test]
+#[cfg(feature = "shader-compiler")]
+fn a_shader_that_does_not_compile_ends_with_2_and_its_line() {
+    let (scratch, shaders) = (Scratch::new("broken-shader"), Scratch::new("broken-shader-glsl"));
+    program::edited_shaders(&shaders, "opaque.frag", "normalize(", "normalise(");
+    let text = fs::read_to_string(shaders.0.join("opaque.frag")).expect("the shader");
+    let line = 1 + text.lines().position(|line| line.contains("normalise(")).expect("a line");
+
+    let folder = shaders.0.to_string_lossy();
+    let output = small_walk(&scratch, &["--shaders", &folder]).output().expect("it starts");
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    // One error, and under it what the compiler said.
+    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+    assert_eq!(message.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{message}");
+    assert!(message.contains(&format!("opaque.frag:{line}: ")), "{message}");
+    assert!(message.contains("normalise"), "{message}");
+    assert_empty(&scratch);
 }

@@ -8,6 +8,7 @@
 pub mod shapes;
 pub mod walk;
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use gpu::{Device, DeviceOptions, Instance, InstanceOptions, Message, Validation};
@@ -46,6 +47,20 @@ pub fn open(driver: Driver) -> (Instance, Device) {
     (instance, device.expect("a device"))
 }
 
+/// Waits until no other test of this process has an instance, and keeps them waiting until the
+/// calling thread, and with it the test, is over.
+///
+/// Devices that share nothing harm each other all the same: the validation layer of Debian 12 looks
+/// devices up in a table that other threads change, the loader does so in a list (Vulkan-Loader,
+/// issue 2018).
+pub fn take_turn() {
+    static TURN: Mutex<()> = Mutex::new(());
+    thread_local! {
+        static MINE: MutexGuard<'static, ()> = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    }
+    MINE.with(|_| ());
+}
+
 /// An instance with synchronization validation.
 pub fn instance() -> Instance {
     instance_with(gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
@@ -53,6 +68,7 @@ pub fn instance() -> Instance {
 
 /// The same through an entry of the test's own.
 pub fn instance_with(entry: gpu::Entry) -> Instance {
+    take_turn();
     let options = InstanceOptions {
         application: "tests".to_owned(),
         validation: Validation::Synchronization,
@@ -66,8 +82,11 @@ pub fn instance_with(entry: gpu::Entry) -> Instance {
 pub fn messages_of(driver: Driver, test: impl FnOnce(&Device)) -> Vec<Message> {
     let (instance, device) = open(driver);
     test(&device);
+    let log = instance.validation_log().clone();
+    // What was leaked is told when the device and the instance go.
     drop(device);
-    instance.validation_log().drain()
+    drop(instance);
+    log.drain()
 }
 
 /// Runs `test` on `driver`; any validation message fails it.

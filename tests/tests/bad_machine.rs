@@ -1,4 +1,10 @@
 //! Machines that lack something or fail: each ends with a sentence, no panic, no leak and no hang.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 #[path = "bad_machine/machine.rs"]
 mod machine;
@@ -11,10 +17,11 @@ use gpu::{Adapter, Device, DeviceOptions, Error, Instance, Predication, Readback
 use machine::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_START, Fault, Machine, calls};
 use render::scene::{CameraPath, PathKind, Scene, city};
 use render::{FrameRequest, Renderer, RendererOptions};
-use tests::{Driver, instance_with};
+use tests::{Driver, instance_with, take_turn};
 
 /// The error of opening an instance without validation on `machine` and picking a device there.
 fn refusal(machine: Machine, wanted: Option<&str>) -> Error {
+    take_turn();
     let options = gpu::InstanceOptions::default();
     let instance = Instance::new(machine.entry(), &options);
     let picked = instance.and_then(|instance| instance.pick_adapter(wanted));

@@ -1,5 +1,11 @@
 //! The frame loop never waits for the GPU but for its own slot, and tells what it does.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 use cull::Strategy;
 use gpu::{Device, Readback, Tick, Timeline};

@@ -1,5 +1,11 @@
 //! The shaders: the committed SPIR-V is what the GLSL says, and both sides agree on every layout.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 #[path = "shaders/layouts.rs"]
 mod layouts;

@@ -1,6 +1,12 @@
 //! Boxes that show by less than a pixel beside what hides them: no rounding of a proxy, no snapping
 //! of vertices may lose them. If an object owns a sample, its proxy must have one too.
 #![forbid(unsafe_code)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 use cull::{Aabb, Camera, View};
 use glam::Vec3;

@@ -156,6 +156,17 @@ impl LayoutChange {
             new_layout: to.layout(),
         }
     }
+
+    /// Forgets what the image holds, whichever of `from` it was last used for.
+    pub(crate) fn forgetting(
+        image: vk::Image,
+        aspect: vk::ImageAspectFlags,
+        from: &[Access],
+        to: Access,
+    ) -> Self {
+        let barrier = MemoryBarrier::between(from, &[to]);
+        Self { barrier, ..Self::new(image, aspect, Access::Nothing, to) }
+    }
 }
 
 #[cfg(test)]

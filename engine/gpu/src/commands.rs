@@ -18,10 +18,15 @@ use crate::timing::PassTimer;
 pub struct Commands {
     device: Device,
     raw: vk::CommandBuffer,
+    recording: Recording,
     descriptors: vk::DescriptorPool,
     timer: Option<Rc<PassTimer>>,
     failed: Cell<Option<vk::Result>>,
 }
+
+/// Tells one recording from all others of its device, of reused command buffers too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Recording(pub(crate) u64);
 
 /// What a render pass draws to.
 #[derive(Debug, Clone, Copy)]
@@ -35,9 +40,7 @@ pub struct RenderTarget {
 
 impl Commands {
     pub(crate) fn new(device: &Device, raw: vk::CommandBuffer) -> Self {
-        let device = device.clone();
-        let descriptors = vk::DescriptorPool::null();
-        Self { device, raw, descriptors, timer: None, failed: Cell::new(None) }
+        Self::for_frame(device, raw, vk::DescriptorPool::null(), None)
     }
 
     pub(crate) fn for_frame(
@@ -46,11 +49,16 @@ impl Commands {
         descriptors: vk::DescriptorPool,
         timer: Option<Rc<PassTimer>>,
     ) -> Self {
-        Self { device: device.clone(), raw, descriptors, timer, failed: Cell::new(None) }
+        let (device, recording) = (device.clone(), device.next_recording());
+        Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
     }
 
     pub(crate) fn raw(&self) -> vk::CommandBuffer {
         self.raw
+    }
+
+    pub(crate) fn recording(&self) -> Recording {
+        self.recording
     }
 
     pub(crate) fn device(&self) -> &Device {
@@ -63,6 +71,12 @@ impl Commands {
             None => Ok(()),
             Some(code) => Err(code).called("vkAllocateDescriptorSets"),
         }
+    }
+
+    /// Whether nothing has failed. What could not be bound must not be drawn with; the recording goes
+    /// nowhere then, [`Commands::check`] sees to that.
+    fn is_sound(&self) -> bool {
+        self.failed.get().is_none()
     }
 
     /// A pass: one label for the debugger and the log, and one timestamp pair when timing is on.
@@ -271,8 +285,10 @@ impl Commands {
 
     /// Draws `vertices` vertices of one instance.
     pub fn draw(&self, vertices: u32, instance: u32) {
-        // SAFETY: a pipeline is bound; what it reads is bounded by the shader's own buffers.
-        unsafe { self.device.raw().cmd_draw(self.raw, vertices, 1, 0, instance) };
+        if self.is_sound() {
+            // SAFETY: a pipeline is bound; what it reads is bounded by the shader's own buffers.
+            unsafe { self.device.raw().cmd_draw(self.raw, vertices, 1, 0, instance) };
+        }
     }
 
     /// Draws the indexed indirect commands in `draws`, which holds nothing else.
@@ -281,7 +297,7 @@ impl Commands {
         let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count.max(1));
         let mut left = draws.size_bytes / u64::from(stride);
         let mut offset = draws.offset_bytes;
-        while left > 0 {
+        while left > 0 && self.is_sound() {
             let count = left.min(limit);
             // SAFETY: multiDrawIndirect is required; the slice lies in its buffer.
             unsafe {
@@ -302,6 +318,9 @@ impl Commands {
     pub(crate) fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
+        if !self.is_sound() {
+            return;
+        }
         // SAFETY: drawIndirectCount was checked when this way was chosen; both slices lie in
         // their buffers.
         unsafe {
@@ -319,8 +338,10 @@ impl Commands {
 
     /// Runs a compute shader over `groups` workgroups.
     pub fn dispatch(&self, groups: [u32; 3]) {
-        // SAFETY: a compute pipeline is bound.
-        unsafe { self.device.raw().cmd_dispatch(self.raw, groups[0], groups[1], groups[2]) };
+        if self.is_sound() {
+            // SAFETY: a compute pipeline is bound.
+            unsafe { self.device.raw().cmd_dispatch(self.raw, groups[0], groups[1], groups[2]) };
+        }
     }
 
     /// Copies as much as fits.

@@ -10,6 +10,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::adapter::Adapter;
 use crate::capabilities::{Capabilities, Optional};
+use crate::commands::Recording;
 use crate::deletion::{DeletionQueue, Garbage};
 use crate::error::{Called, Error};
 use crate::instance::{Instance, InstanceShared};
@@ -69,6 +70,7 @@ struct DeviceShared {
     deletion: Mutex<DeletionQueue<Garbage>>,
     timeline: vk::Semaphore,
     submitted: AtomicU64,
+    recordings: AtomicU64,
     wait_bound: Duration,
     slot_waits: AtomicU64,
     other_waits: AtomicU64,
@@ -94,17 +96,9 @@ impl Device {
             });
         };
         let raw = create_raw(shared, adapter, queue_family)?;
-        let timeline = create_semaphore(&raw)?;
-        let allocator = Allocator::new(&AllocatorCreateDesc {
-            instance: shared.raw.clone(),
-            device: raw.clone(),
-            physical_device: adapter.physical,
-            debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
-            buffer_device_address: false,
-            allocation_sizes: gpu_allocator::AllocationSizes::default(),
-        })
-        .map_err(Error::Allocator)?;
-        let pipeline_cache = PipelineCache::open(&raw, options.pipeline_cache.clone())?;
+        let (timeline, allocator, pipeline_cache) = equip(shared, adapter, &raw, options)
+            // SAFETY: nothing made from the device is left.
+            .inspect_err(|_| unsafe { raw.destroy_device(None) })?;
         // SAFETY: the family and index were asked for when the device was created.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
         let has = |optional| adapter.capabilities.has(optional);
@@ -123,6 +117,7 @@ impl Device {
                 deletion: Mutex::new(DeletionQueue::new()),
                 timeline,
                 submitted: AtomicU64::new(0),
+                recordings: AtomicU64::new(0),
                 wait_bound: options.wait_bound,
                 slot_waits: AtomicU64::new(0),
                 other_waits: AtomicU64::new(0),
@@ -203,7 +198,7 @@ impl Device {
         counter.fetch_add(1, Ordering::Relaxed);
         let bound = self.shared.wait_bound;
         match wait_bounded(self.raw(), self.shared.timeline, tick, bound) {
-            Err(vk::Result::TIMEOUT) => Err(Error::Timeout { what, seconds: bound.as_secs() }),
+            Err(vk::Result::TIMEOUT) => Err(Error::Timeout { what, seconds: bound.as_secs_f64() }),
             other => other.called("vkWaitSemaphores"),
         }
     }
@@ -262,6 +257,11 @@ impl Device {
         &self.shared.raw
     }
 
+    /// Each call another one.
+    pub(crate) fn next_recording(&self) -> Recording {
+        Recording(self.shared.recordings.fetch_add(1, Ordering::Relaxed))
+    }
+
     pub(crate) fn queue_family(&self) -> u32 {
         self.shared.queue_family
     }
@@ -294,6 +294,13 @@ impl Device {
 }
 
 impl DeviceShared {
+    /// Keeps everything for ever: destroying what the GPU still uses would be worse. The allocator
+    /// would free its memory as it goes, the instance would go before its device.
+    fn abandon(&self) {
+        std::mem::forget(lock(&self.allocator).take());
+        std::mem::forget(Arc::clone(&self.instance));
+    }
+
     fn destroy(&self, garbage: Garbage) {
         let free = |allocation| {
             if let Some(allocator) = lock(&self.allocator).as_mut()
@@ -329,12 +336,17 @@ impl DeviceShared {
 
 impl Drop for DeviceShared {
     fn drop(&mut self) {
-        // vkDeviceWaitIdle knows no bound, so the timeline is waited for first. Work that never
-        // ends keeps its objects: destroying what the GPU still uses would be worse.
+        // vkDeviceWaitIdle knows no bound, so the timeline is waited for first.
         let newest = Tick(self.submitted.load(Ordering::Acquire));
-        if let Err(code) = wait_bounded(&self.raw, self.timeline, newest, self.wait_bound) {
-            tracing::error!("the GPU did not finish ({code:?}); the device is left as it is");
-            return;
+        match wait_bounded(&self.raw, self.timeline, newest, self.wait_bound) {
+            Ok(()) => {}
+            // All work of a lost device is over (Vulkan specification, "Lost Device").
+            Err(vk::Result::ERROR_DEVICE_LOST) => tracing::error!("the device was lost"),
+            Err(code) => {
+                tracing::error!("the GPU did not finish ({code:?}); the device is left as it is");
+                self.abandon();
+                return;
+            }
         }
         // SAFETY: nobody else holds the device.
         if let Err(code) = unsafe { self.raw.device_wait_idle() } {
@@ -387,6 +399,34 @@ fn wait_bounded(
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // A poisoned lock means that a thread panicked; the values behind our locks stay whole.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What a device cannot be without. Failing, it leaves nothing behind.
+fn equip(
+    instance: &InstanceShared,
+    adapter: &Adapter,
+    raw: &ash::Device,
+    options: &DeviceOptions,
+) -> Result<(vk::Semaphore, Allocator, PipelineCache), Error> {
+    // Owns nothing of the device until memory is asked for.
+    let allocator = Allocator::new(&AllocatorCreateDesc {
+        instance: instance.raw.clone(),
+        device: raw.clone(),
+        physical_device: adapter.physical,
+        debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
+        buffer_device_address: false,
+        allocation_sizes: gpu_allocator::AllocationSizes::default(),
+    })
+    .map_err(Error::Allocator)?;
+    let timeline = create_semaphore(raw)?;
+    match PipelineCache::open(raw, options.pipeline_cache.clone()) {
+        Ok(pipeline_cache) => Ok((timeline, allocator, pipeline_cache)),
+        Err(error) => {
+            // SAFETY: just made, used by nobody.
+            unsafe { raw.destroy_semaphore(timeline, None) };
+            Err(error)
+        }
+    }
 }
 
 fn create_raw(

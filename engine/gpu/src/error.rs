@@ -103,7 +103,7 @@ pub enum Error {
         /// What was waited for.
         what: &'static str,
         /// How long.
-        seconds: u64,
+        seconds: f64,
     },
     /// A shader does not compile. The text starts with the file and line.
     #[error("the shader {name} does not compile:\n{log}")]

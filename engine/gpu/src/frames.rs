@@ -1,6 +1,7 @@
 //! The frame ring: N frames in flight, each with its slot; the only wait of a frame loop is here.
 
 use std::rc::Rc;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 
@@ -41,6 +42,7 @@ pub struct FrameRing {
 pub struct Frame<'ring> {
     ring: &'ring mut FrameRing,
     slot: SlotIndex,
+    waited: Duration,
 }
 
 /// Storage-buffer sets a frame may bind; a frame binds a few per pass.
@@ -97,12 +99,14 @@ impl FrameRing {
                 limit: 0,
             });
         };
+        let began = Instant::now();
         if slot.tick > Tick::ZERO {
             self.device.wait(slot.tick, WaitFor::Slot)?;
         }
+        let waited = began.elapsed();
         self.device.free_retired()?;
         slot.restart()?;
-        Ok(Frame { ring: self, slot: SlotIndex(index) })
+        Ok(Frame { ring: self, slot: SlotIndex(index), waited })
     }
 }
 
@@ -110,17 +114,10 @@ impl Slot {
     fn new(device: &Device, index: usize) -> Result<Self, Error> {
         let name = format!("frame {index}");
         let pool = create_command_pool(device, &name)?;
-        let sizes = [vk::DescriptorPoolSize {
-            ty: vk::DescriptorType::STORAGE_BUFFER,
-            descriptor_count: DESCRIPTORS,
-        }];
-        let info =
-            vk::DescriptorPoolCreateInfo::default().max_sets(DESCRIPTOR_SETS).pool_sizes(&sizes);
-        // SAFETY: a plain descriptor pool.
-        let descriptors = unsafe { device.raw().create_descriptor_pool(&info, None) }
-            .called("vkCreateDescriptorPool")?;
-        device.name(descriptors, &name);
-        let buffer = allocate_commands(device, pool, &name)?;
+        let buffer = allocate_commands(device, pool, &name);
+        let made = buffer.and_then(|buffer| Ok((buffer, create_descriptor_pool(device, &name)?)));
+        let (buffer, descriptors) =
+            made.inspect_err(|_| device.retire(Garbage::CommandPool(pool)))?;
         Ok(Self {
             device: device.clone(),
             pool,
@@ -160,6 +157,19 @@ impl Slot {
     }
 }
 
+fn create_descriptor_pool(device: &Device, name: &str) -> Result<vk::DescriptorPool, Error> {
+    let sizes = [vk::DescriptorPoolSize {
+        ty: vk::DescriptorType::STORAGE_BUFFER,
+        descriptor_count: DESCRIPTORS,
+    }];
+    let info = vk::DescriptorPoolCreateInfo::default().max_sets(DESCRIPTOR_SETS).pool_sizes(&sizes);
+    // SAFETY: a plain descriptor pool.
+    let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }
+        .called("vkCreateDescriptorPool")?;
+    device.name(pool, name);
+    Ok(pool)
+}
+
 impl Drop for Slot {
     fn drop(&mut self) {
         self.device.retire(Garbage::DescriptorPool(self.descriptors));
@@ -171,6 +181,11 @@ impl Frame<'_> {
     /// The slot of this frame. What belongs to the slot is free to use again.
     pub fn slot(&self) -> SlotIndex {
         self.slot
+    }
+
+    /// How long [`FrameRing::begin`] waited for the frame that used this slot before.
+    pub fn waited(&self) -> Duration {
+        self.waited
     }
 
     /// What this frame records into.

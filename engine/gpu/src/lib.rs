@@ -11,8 +11,8 @@
 //! - [`Access`]: named accesses, from which every barrier of the engine is computed.
 //!
 //! ```no_run
-//! # fn main() -> Result<(), gpu::Error> {
 //! # use antumbra_gpu as gpu;
+//! # fn main() -> Result<(), gpu::Error> {
 //! # #[cfg(feature = "loaded")] {
 //! let instance = gpu::Instance::new(gpu::load_entry()?, &gpu::InstanceOptions::default())?;
 //! let adapter = instance.pick_adapter(None)?;
@@ -27,7 +27,7 @@
 //!     queries.scope(commands, gpu::QueryIndex(0), |_| {});
 //!     queries.resolve(commands, 0..1);
 //!     queries.read_back(commands);
-//!     let tick = frames.submit(frame, None)?;
+//!     let tick = frame.submit(None)?;
 //!     queries.submitted(tick);
 //! }
 //! # } Ok(()) }

@@ -5,7 +5,7 @@ use gpu_allocator::MemoryLocation;
 
 use crate::access::{Access, LayoutChange};
 use crate::buffer::{Buffer, Place, allocate, free};
-use crate::commands::{Commands, RenderTarget};
+use crate::commands::{Commands, Recording, RenderTarget};
 use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
@@ -27,7 +27,9 @@ pub struct Target {
     colour: Image,
     depth: Image,
     size: [u32; 2],
-    // What the images were last used for, by the frames in the order of their submits.
+    // The recording that uses the images, and what it last used them for. What it recorded may
+    // never be submitted, so the next one must not build on it.
+    recording: Option<Recording>,
     colour_access: Access,
     depth_access: Access,
 }
@@ -73,6 +75,7 @@ impl Target {
             colour: image("colour", COLOUR_FORMAT, colour_usage, colour)?,
             depth: image("depth", DEPTH_FORMAT, depth_usage, depth)?,
             size,
+            recording: None,
             colour_access: Access::Nothing,
             depth_access: Access::Nothing,
         })
@@ -84,13 +87,24 @@ impl Target {
     }
 
     /// Makes both images ready to be drawn to, after whatever they were used for before. Between
-    /// two renderings too: dynamic rendering orders nothing by itself.
+    /// two renderings too: dynamic rendering orders nothing by itself. What they hold lasts for one
+    /// frame: the first rendering of each must clear.
     pub fn prepare(&mut self, commands: &Commands) {
-        let colour =
-            self.colour.change(vk::ImageAspectFlags::COLOR, self.colour_access, Access::Colour);
-        let depth =
-            self.depth.change(vk::ImageAspectFlags::DEPTH, self.depth_access, Access::Depth);
-        commands.change_layouts([colour, depth]);
+        let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
+        let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
+        let changes = if is_first {
+            let uses = [Access::Colour, Access::CopyRead];
+            [
+                LayoutChange::forgetting(self.colour.raw, colour, &uses, Access::Colour),
+                LayoutChange::forgetting(self.depth.raw, depth, &[Access::Depth], Access::Depth),
+            ]
+        } else {
+            [
+                self.colour.change(colour, self.colour_access, Access::Colour),
+                self.depth.change(depth, self.depth_access, Access::Depth),
+            ]
+        };
+        commands.change_layouts(changes);
         self.colour_access = Access::Colour;
         self.depth_access = Access::Depth;
     }

@@ -35,6 +35,9 @@ const PASSES: u32 = 32;
 
 impl PassTimer {
     pub(crate) fn new(device: &Device, name: &str) -> Result<Self, Error> {
+        let size_bytes = u64::from(2 * PASSES) * 8;
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        let results = Buffer::new(device, name, size_bytes, usage, Place::ReadBack)?;
         let info = vk::QueryPoolCreateInfo::default()
             .query_type(vk::QueryType::TIMESTAMP)
             .query_count(2 * PASSES);
@@ -42,9 +45,6 @@ impl PassTimer {
         let pool =
             unsafe { device.raw().create_query_pool(&info, None) }.called("vkCreateQueryPool")?;
         device.name(pool, name);
-        let size_bytes = u64::from(2 * PASSES) * 8;
-        let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let results = Buffer::new(device, name, size_bytes, usage, Place::ReadBack)?;
         let adapter = device.adapter();
         Ok(Self {
             device: device.clone(),

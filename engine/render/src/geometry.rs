@@ -15,6 +15,8 @@ struct Instance {
     tint: [f32; 4],
 }
 
+const _: () = assert!(size_of::<Instance>() == 64);
+
 /// Meshes, instances and what the CPU must know to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,

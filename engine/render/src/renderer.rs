@@ -192,8 +192,9 @@ impl Renderer {
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let view = self.view_of(&request.camera);
-        let mut frame = self.frames.begin()?;
         let began = Instant::now();
+        let mut frame = self.frames.begin()?;
+        let waited = frame.waited();
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
 
@@ -204,7 +205,7 @@ impl Renderer {
 
         let tick = frame.submit(request.after)?;
         history.submitted(tick, &self.passes.geometry);
-        Ok(report(history, tick, began.elapsed()))
+        Ok(report(history, tick, began.elapsed().saturating_sub(waited)))
     }
 
     /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts

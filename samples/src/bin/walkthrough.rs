@@ -8,7 +8,7 @@ use clap::Parser;
 use samples::args::Arguments;
 use samples::outputs::Outputs;
 use samples::run::RunError;
-use samples::{progress, run, table};
+use samples::{progress, run, table, verdict};
 use tracing_subscriber::EnvFilter;
 
 fn main() -> ExitCode {
@@ -16,10 +16,16 @@ fn main() -> ExitCode {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn"));
     tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
     match walk(&arguments) {
-        Ok(text) => {
+        Ok(told) => {
             // Whoever closed the pipe early has seen what they wanted.
-            let _closed = std::io::stdout().write_all(text.as_bytes());
-            ExitCode::SUCCESS
+            let _closed = std::io::stdout().write_all(told.text.as_bytes());
+            match told.complaint {
+                None => ExitCode::SUCCESS,
+                Some(complaint) => {
+                    eprintln!("error: {complaint}");
+                    ExitCode::FAILURE
+                }
+            }
         }
         Err(error) => {
             eprintln!("error: {error}");
@@ -28,11 +34,20 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what the arguments say; the text is for standard output.
-fn walk(arguments: &Arguments) -> Result<String, RunError> {
+/// What there is to tell in the end.
+struct Told {
+    /// For standard output.
+    text: String,
+    /// What the walk found that must not be.
+    complaint: Option<String>,
+}
+
+/// Does what the arguments say.
+fn walk(arguments: &Arguments) -> Result<Told, RunError> {
     let options = arguments.options()?;
     if arguments.list_devices {
-        return Ok(run::list_devices()?.iter().map(|line| format!("{line}\n")).collect());
+        let text = run::list_devices()?.iter().map(|line| format!("{line}\n")).collect();
+        return Ok(Told { text, complaint: None });
     }
     let outputs = Outputs::prepare(&options)?;
     let progress = progress::for_terminal(arguments.quiet);
@@ -43,5 +58,5 @@ fn walk(arguments: &Arguments) -> Result<String, RunError> {
         report.write(path).map_err(RunError::machine)?;
     }
     drop(outputs);
-    Ok(table::render(&report))
+    Ok(Told { text: table::render(&report), complaint: verdict::complaint(&report) })
 }

@@ -37,6 +37,8 @@ struct Constants {
     ambient_below: [f32; 4],
 }
 
+const _: () = assert!(size_of::<Constants>() == 128);
+
 impl OpaquePass {
     /// Compiles the pass.
     ///

@@ -41,6 +41,8 @@ struct Constants {
     view_proj: [f32; 16],
 }
 
+const _: () = assert!(size_of::<Constants>() == 64);
+
 impl OverlayPass {
     /// Compiles the pass.
     ///

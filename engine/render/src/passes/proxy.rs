@@ -44,6 +44,8 @@ struct Constants {
     eye: [f32; 4],
 }
 
+const _: () = assert!(size_of::<Constants>() == 80);
+
 /// Three faces of two triangles.
 const VERTICES: u32 = 18;
 

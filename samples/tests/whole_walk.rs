@@ -1,0 +1,187 @@
+//! Runs `walkthrough` from end to end on the software drivers: exact, silent, complete.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod program;
+
+use std::fs;
+use std::path::Path;
+
+use program::{Scratch, stderr, walkthrough};
+use serde_json::Value;
+
+const FRAMES: u64 = 12;
+const SIZE: [u32; 2] = [96, 64];
+
+/// Walks through a small city on `device`, every frame compared, and returns the report.
+fn walk(scratch: &Scratch, device: &str) -> Value {
+    let output = walkthrough(
+        &scratch.0,
+        &[
+            "--scene=city",
+            "--objects=1000",
+            "--seed=5",
+            "--path=street",
+            "--frames=12",
+            "--size=96x64",
+            "--strategy=all",
+            "--verify=every",
+            "--validation=sync",
+            "--frames-in-flight=3",
+            "--out=pictures",
+            "--pictures=3",
+            "--report=report.json",
+            "--device",
+            device,
+        ],
+    )
+    .output()
+    .expect("it starts");
+    let messages = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "needs `ci/setup --tests`, `. ci/env`: {messages}");
+    assert!(!messages.contains("error") && !messages.contains("WARN"), "{messages}");
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    for name in ["frustum", "antumbra"] {
+        assert!(table.contains(name), "{table}");
+    }
+    assert_eq!(scratch.names("."), ["pictures", "report.json"]);
+    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
+    serde_json::from_str(&report).expect("JSON")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// Every key of the contract, with a value that can be.
+fn assert_report(report: &Value, device: &str) {
+    let name = report["device"]["name"].as_str().expect("a name");
+    assert!(name.to_lowercase().contains(device), "{name}");
+    assert!(!report["device"]["driver"].as_str().expect("a driver").is_empty());
+    assert!(report["device"]["api"].as_str().expect("a version").starts_with("1.3."));
+    assert_eq!(report["device"]["conditional_rendering"], device == "llvmpipe");
+    assert_eq!(report["scene"]["name"], "city");
+    assert_eq!(report["scene"]["seed"], 5);
+    assert!((900.0..1100.0).contains(&number(&report["scene"]["objects"])));
+    let triangles = number(&report["scene"]["triangles"]);
+    assert!(triangles > 10_000.0);
+    assert_eq!(report["path"], "street");
+    assert_eq!(report["frames"], FRAMES);
+    assert_eq!(report["size"], serde_json::json!(SIZE));
+    assert_eq!(report["frames_in_flight"], 3);
+    assert_eq!(report["validation_messages"], 0);
+    assert!(number(&report["memory"]["peak_resident_mib"]) > 1.0);
+    assert!(number(&report["build_ms"]["hierarchy"]) > 0.0);
+
+    let runs = report["runs"].as_array().expect("runs");
+    let names: Vec<_> = runs.iter().filter_map(|run| run["strategy"].as_str()).collect();
+    assert_eq!(names, cull::Strategy::ALL.map(cull::Strategy::name));
+    for run in runs {
+        assert_run(run, triangles);
+    }
+    let (frustum, antumbra) = (&runs[0], &runs[1]);
+    assert_eq!((&frustum["queries"], &frustum["predicated_draws"]), (&0.into(), &0.into()));
+    assert!(number(&antumbra["queries"]) > 0.0, "nobody asked anything");
+    assert!(number(&antumbra["draws"]) < number(&frustum["draws"]), "nothing was hidden");
+    let age = &antumbra["result_age_frames"];
+    assert!(number(&age["median"]) >= 1.0 && number(&age["max"]) <= 3.0, "{age}");
+
+    let ratio = number(&report["ratios"]["frustum/antumbra"]);
+    let medians = [frustum, antumbra].map(|run| number(&run["frame_ms"]["median"]));
+    assert!((ratio - medians[0] / medians[1]).abs() < 0.01 * ratio + 0.001, "{ratio}");
+    assert_eq!(report["ratios"].as_object().expect("pairs").len(), 2);
+}
+
+fn assert_run(run: &Value, scene_triangles: f64) {
+    for times in [&run["frame_ms"], &run["cpu_ms"]] {
+        let [median, p95, max] = ["median", "p95", "max"].map(|key| number(&times[key]));
+        assert!(0.0 < median && median <= p95 && p95 <= max && max < 600_000.0, "{times}");
+    }
+    assert!(number(&run["draws"]) >= 1.0);
+    assert!((1.0..=scene_triangles).contains(&number(&run["triangles"])));
+    assert_eq!(run["blocking_waits"], 0);
+    assert_eq!(run["frames_timed"], FRAMES);
+    assert_eq!(run["frames_verified"], FRAMES);
+    assert_eq!(run["pixels_wrong"], 0);
+    assert!(run["predicated_draws"].is_u64() && run["result_age_frames"].is_object());
+}
+
+/// The pictures that a person looks at: whole PNG files of the right size that show something.
+fn assert_pictures(scratch: &Scratch) {
+    let names = scratch.names("pictures");
+    let expected = [
+        "birds_eye_00006.png",
+        "birds_eye_00006_seen.png",
+        "frame_00000.png",
+        "frame_00004.png",
+        "frame_00008.png",
+    ];
+    assert_eq!(names, expected);
+    for name in names {
+        let pixels = decode(&scratch.0.join("pictures").join(&name));
+        let mut colours: Vec<&[u8]> = pixels.chunks_exact(3).collect();
+        colours.sort_unstable();
+        colours.dedup();
+        assert!(colours.len() > 20, "{name} shows {} colours", colours.len());
+    }
+}
+
+/// The colours of a picture, three bytes a pixel.
+fn decode(file: &Path) -> Vec<u8> {
+    let bytes = fs::read(file).expect("a picture");
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().expect("a PNG");
+    let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+    let info = reader.next_frame(&mut pixels).expect("a whole PNG");
+    assert_eq!([info.width, info.height], SIZE, "{}", file.display());
+    let samples = info.color_type.samples();
+    pixels.chunks_exact(samples).flat_map(|pixel| pixel[..3].to_vec()).collect()
+}
+
+#[test]
+fn a_walk_on_lavapipe_is_exact_and_complete() {
+    let scratch = Scratch::new("walk-lavapipe");
+    assert_report(&walk(&scratch, "llvmpipe"), "llvmpipe");
+    assert_pictures(&scratch);
+}
+
+#[test]
+fn a_walk_on_swiftshader_is_exact_and_complete() {
+    let scratch = Scratch::new("walk-swiftshader");
+    assert_report(&walk(&scratch, "swiftshader"), "swiftshader");
+    assert_pictures(&scratch);
+}
+
+#[test]
+fn a_cache_that_cannot_be_written_is_no_reason_to_stop() {
+    let scratch = Scratch::new("no-cache");
+    let small = ["--quiet", "--objects=50", "--frames=2", "--size=32x32", "--device=llvmpipe"];
+    let mut command = walkthrough(&scratch.0, &small);
+    let output = command.env("XDG_CACHE_HOME", "/proc/nowhere").output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("pipeline cache"), "{}", stderr(&output));
+}
+
+#[test]
+#[cfg(feature = "shader-compiler")]
+fn wrong_pixels_end_with_1_after_the_table_and_the_report() {
+    let (scratch, shaders) = (Scratch::new("wrong-pixels"), Scratch::new("wrong-pixels-glsl"));
+    // Proxies that never show: what they stand for stays hidden for ever.
+    let (test, never) = ("shows_low || shows_high ?", "eye.w < 0.0 ?");
+    program::edited_shaders(&shaders, "proxy.vert", test, never);
+    let folder = shaders.0.to_string_lossy();
+    let small = ["--quiet", "--objects=1000", "--frames=12", "--size=96x64", "--device=llvmpipe"];
+    let asked = ["--verify=every", "--report=report.json", "--shaders", &folder];
+    let output = walkthrough(&scratch.0, &[&small[..], &asked].concat()).output();
+    let output = output.expect("it starts");
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(message.starts_with("error: ") && message.contains("antumbra has "), "{message}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("WRONG"));
+    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
+    let report: Value = serde_json::from_str(&report).expect("JSON");
+    assert!(number(&report["runs"][1]["pixels_wrong"]) > 0.0);
+    assert_eq!(report["runs"][0]["pixels_wrong"], 0);
+}
