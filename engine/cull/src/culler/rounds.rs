@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn slabs_double_after_a_cut_only() {
         assert_eq!(rounds(150, true), [0..10, 10..30, 30..70, 70..150]);
-        assert_eq!(rounds(150, false), [0..75, 75..150]);
+        assert_eq!(rounds(150, false), [0..50, 50..100, 100..150]);
         assert_eq!(rounds(5, true).len(), 1);
     }
 }
