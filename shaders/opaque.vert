@@ -13,6 +13,9 @@ layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 layout(location = 0) out vec3 world_normal;
 layout(location = 1) out vec3 albedo;
 
+// The seen pass finds these positions again, to the bit.
+invariant gl_Position;
+
 void main() {
     Instance instance = instances[gl_InstanceIndex];
     gl_Position = view_proj * vec4(to_world(instance, position), 1.0);

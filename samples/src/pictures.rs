@@ -27,7 +27,9 @@ pub fn write(
     options: &Options,
     folder: &Path,
 ) -> Result<(), RunError> {
-    let Some(&strategy) = options.strategies.last() else { return Ok(()) };
+    // The ideal knows what is visible of the walk's own frames only, and draws the same picture.
+    let mut products = options.strategies.iter().filter(|strategy| **strategy != Strategy::Ideal);
+    let strategy = products.next_back().copied().unwrap_or(Strategy::Antumbra);
     let picture = Readback::new(renderer.device(), renderer.size())?;
     let save = |name: String| {
         write_png(&folder.join(name), options.size, picture.rgba8()).map_err(RunError::machine)
@@ -59,10 +61,8 @@ fn walk_to(
     let mut history = renderer.new_view()?;
     for walked in frame.saturating_sub(warm_up)..=frame {
         let request = FrameRequest {
-            strategy,
-            camera: path.camera(walked),
             picture: (walked == frame).then_some(picture),
-            after: None,
+            ..FrameRequest::new(strategy, path.camera(walked))
         };
         renderer.render(&mut history, &request)?;
     }

@@ -64,7 +64,7 @@ impl From<render::Error> for RunError {
         match error {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_) | render::Error::Scene(_) => Self::user(error),
-            render::Error::Hierarchy(_) => Self::machine(error),
+            render::Error::Hierarchy(_) | render::Error::NoVisibleSet => Self::machine(error),
         }
     }
 }

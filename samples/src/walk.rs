@@ -1,13 +1,12 @@
 //! The walk: every strategy takes its turns over the frames, is timed, and is compared with plain
 //! frustum culling where that is asked for.
 
-use std::collections::BTreeMap;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use cull::{FrameId, Strategy};
 use gpu::{Device, Readback};
 use render::scene::CameraPath;
-use render::{FrameRequest, Renderer, ViewHistory};
+use render::{FrameRequest, Renderer, ViewHistory, VisibleSet};
 
 use crate::Options;
 use crate::choices::Verify;
@@ -30,6 +29,8 @@ pub struct Walk<'a> {
     reference: ViewHistory,
     references: BTreeMap<u32, Vec<u8>>,
     pictures: Vec<Readback>,
+    // What owns a pixel in each frame, for `ideal`.
+    visible_sets: BTreeMap<u32, VisibleSet>,
 }
 
 /// One strategy on its way.
@@ -71,7 +72,23 @@ impl<'a> Walk<'a> {
             schedule: Schedule::new(options.frames, options.strategies.len()),
             references: BTreeMap::new(),
             pictures: Vec::new(),
+            visible_sets: BTreeMap::new(),
         })
+    }
+
+    /// Finds what is visible in every frame if `ideal` is among the strategies. Not timed.
+    fn find_visible_sets(&mut self, progress: &dyn Progress) -> Result<(), RunError> {
+        if self.runs.iter().all(|run| run.strategy != Strategy::Ideal) {
+            return Ok(());
+        }
+        progress.stage("finding out what is visible in each frame");
+        let mut history = self.renderer.new_view()?;
+        let frames: BTreeSet<u32> = self.schedule.steps().map(|step| step.frame).collect();
+        for frame in frames {
+            let set = self.renderer.visible_set(&mut history, &self.path.camera(frame))?;
+            self.visible_sets.insert(frame, set);
+        }
+        Ok(())
     }
 
     /// Walks all of it.
@@ -79,6 +96,7 @@ impl<'a> Walk<'a> {
     /// # Errors
     /// When the device fails.
     pub fn run(mut self, progress: &dyn Progress) -> Result<Vec<RunReport>, RunError> {
+        self.find_visible_sets(progress)?;
         progress.begin_frames(self.schedule.len());
         let mut steps: VecDeque<Step> = self.schedule.steps().collect();
         while let Some(turn) = next_turn(&mut steps) {
@@ -105,10 +123,9 @@ impl<'a> Walk<'a> {
         for step in turn {
             let place = frames.iter().position(|frame| step.timed && *frame == step.frame);
             let request = FrameRequest {
-                strategy: run.strategy,
-                camera: self.path.camera(step.frame),
+                visible: self.visible_sets.get(&step.frame),
                 picture: place.and_then(|place| self.pictures.get(place)),
-                after: None,
+                ..FrameRequest::new(run.strategy, self.path.camera(step.frame))
             };
             let waits = self.device.wait_counts().other;
             let report = self.renderer.render(&mut run.history, &request)?;
@@ -151,10 +168,8 @@ impl<'a> Walk<'a> {
         let picture = Readback::new(&self.device, self.renderer.size())?;
         for &frame in frames {
             let request = FrameRequest {
-                strategy: Strategy::Frustum,
-                camera: self.path.camera(frame),
                 picture: Some(&picture),
-                after: None,
+                ..FrameRequest::new(Strategy::Frustum, self.path.camera(frame))
             };
             self.renderer.render(&mut self.reference, &request)?;
             self.renderer.drain(&mut self.reference)?;

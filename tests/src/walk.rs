@@ -108,7 +108,7 @@ pub fn frame_loop(
     let mut reports = Vec::new();
     for (camera, picture) in cameras.iter().zip(&pictures) {
         let request =
-            FrameRequest { strategy, camera: *camera, picture: Some(picture), after: None };
+            FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, *camera) };
         reports.push(renderer.render(view, &request).expect("a frame"));
     }
     let blocking_waits = renderer.device().wait_counts().other - waits;

@@ -121,10 +121,8 @@ impl Stage {
         let mut history = renderer.new_view()?;
         let picture = Readback::new(&device, renderer.size())?;
         let request = |strategy, frame| FrameRequest {
-            strategy,
-            camera: self.path.camera(frame),
             picture: Some(&picture),
-            after: None,
+            ..FrameRequest::new(strategy, self.path.camera(frame))
         };
         let (mut failed, mut queries) = (Ok(()), 0);
         for frame in 0..FRAMES {

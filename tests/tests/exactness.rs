@@ -152,7 +152,7 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
             let mut draw = |view, strategy, picture| {
                 let camera = path.camera(frame * 5);
                 let request =
-                    FrameRequest { strategy, camera, picture: Some(picture), after: None };
+                    FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) };
                 renderer.render(view, &request).unwrap();
             };
             draw(&mut plain, Strategy::Frustum, &expected);

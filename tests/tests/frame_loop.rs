@@ -30,8 +30,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         // Until queries are in every slot, so that an answer that is missing would be waited for.
         for frame in 0..20 {
             let camera = path.camera(frame);
-            let request =
-                FrameRequest { strategy: Strategy::Antumbra, camera, picture: None, after: None };
+            let request = FrameRequest::new(Strategy::Antumbra, camera);
             renderer.render(&mut view, &request).unwrap();
         }
         device.drain().unwrap();
@@ -42,10 +41,9 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
             let report = renderer.render(
                 &mut view,
                 &FrameRequest {
-                    strategy: Strategy::Antumbra,
-                    camera: path.camera(20 + number),
                     picture: (number + 1 == FRAMES_IN_FLIGHT).then_some(&picture),
                     after: Some((&gate, Tick(1))),
+                    ..FrameRequest::new(Strategy::Antumbra, path.camera(20 + number))
                 },
             );
             assert!(report.unwrap().queries > 0, "there is something to wait for");

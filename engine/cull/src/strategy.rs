@@ -13,6 +13,9 @@ pub enum Strategy {
     Frustum,
     /// Coherent hierarchical culling whose answers come late, made exact by predicates.
     Antumbra,
+    /// Exactly the objects that own a pixel, found beforehand: the yardstick that nobody can beat
+    /// (the optimum of the papers on coherent hierarchical culling). Not a product.
+    Ideal,
 }
 
 /// A name that is no strategy's.
@@ -27,7 +30,7 @@ pub struct UnknownStrategy {
 
 impl Strategy {
     /// Every strategy, the baseline first.
-    pub const ALL: [Self; 2] = [Self::Frustum, Self::Antumbra];
+    pub const ALL: [Self; 3] = [Self::Frustum, Self::Antumbra, Self::Ideal];
 
     /// The name on command lines and in reports.
     #[must_use]
@@ -35,6 +38,7 @@ impl Strategy {
         match self {
             Self::Frustum => "frustum",
             Self::Antumbra => "antumbra",
+            Self::Ideal => "ideal",
         }
     }
 
@@ -42,7 +46,7 @@ impl Strategy {
     #[must_use]
     pub const fn is_exact(self) -> bool {
         match self {
-            Self::Frustum | Self::Antumbra => true,
+            Self::Frustum | Self::Antumbra | Self::Ideal => true,
         }
     }
 }
@@ -74,6 +78,6 @@ mod tests {
             assert_eq!(strategy.to_string(), strategy.name());
         }
         let refused = "Frustrum".parse::<Strategy>().unwrap_err().to_string();
-        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, antumbra"));
+        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, antumbra, ideal"));
     }
 }

@@ -19,6 +19,8 @@ pub enum Access {
     ComputeRead,
     /// Storage buffer written by a compute shader.
     ComputeWrite,
+    /// Storage buffer written by a fragment shader.
+    FragmentWrite,
     /// Colour attachment: blended, cleared, loaded, stored.
     Colour,
     /// Depth attachment: tested and written, cleared, loaded, stored.
@@ -29,7 +31,7 @@ pub enum Access {
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 10] = [
+    pub const ALL: [Access; 11] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
@@ -37,6 +39,7 @@ impl Access {
         Access::PredicateRead,
         Access::ComputeRead,
         Access::ComputeWrite,
+        Access::FragmentWrite,
         Access::Colour,
         Access::Depth,
         Access::HostRead,
@@ -65,6 +68,9 @@ impl Access {
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, none, L::GENERAL),
             Access::ComputeWrite => {
                 (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, A::SHADER_STORAGE_WRITE, L::GENERAL)
+            }
+            Access::FragmentWrite => {
+                (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, A::SHADER_STORAGE_WRITE, L::GENERAL)
             }
             Access::Colour => (
                 S::COLOR_ATTACHMENT_OUTPUT,

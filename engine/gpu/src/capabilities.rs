@@ -64,15 +64,18 @@ pub enum Optional {
     PreciseQueries,
     /// Timestamps on the graphics queue.
     Timestamps,
+    /// Fragment shaders that write to storage buffers.
+    FragmentStores,
 }
 
 impl Optional {
     /// All of them.
-    pub const ALL: [Optional; 4] = [
+    pub const ALL: [Optional; 5] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
         Optional::Timestamps,
+        Optional::FragmentStores,
     ];
 
     /// What the user reads.
@@ -82,6 +85,7 @@ impl Optional {
             Optional::DrawIndirectCount => "drawIndirectCount",
             Optional::PreciseQueries => "occlusionQueryPrecise",
             Optional::Timestamps => "timestamps",
+            Optional::FragmentStores => "fragmentStoresAndAtomics",
         }
     }
 }
@@ -158,6 +162,7 @@ impl Capabilities {
             (yes(features_12.draw_indirect_count), Optional::DrawIndirectCount),
             (yes(core.occlusion_query_precise), Optional::PreciseQueries),
             (timestamps, Optional::Timestamps),
+            (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
         ];
         let optional = optional.into_iter().filter(|(there, _)| *there).map(|(_, what)| what);
         Self { missing, optional: optional.collect() }

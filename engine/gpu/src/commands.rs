@@ -1,6 +1,7 @@
 //! Recording: the few commands the engine uses, each in one place, each with its range checked.
 
 use std::cell::Cell;
+use std::ops::Range;
 use std::rc::Rc;
 
 use ash::vk;
@@ -291,6 +292,15 @@ impl Commands {
         }
     }
 
+    /// Draws `vertices` vertices of each of the `instances`.
+    pub fn draw_instances(&self, vertices: u32, instances: Range<u32>) {
+        let count = instances.end.saturating_sub(instances.start);
+        if count > 0 && self.is_sound() {
+            // SAFETY: as for a single instance.
+            unsafe { self.device.raw().cmd_draw(self.raw, vertices, count, 0, instances.start) };
+        }
+    }
+
     /// Draws the indexed indirect commands in `draws`, which holds nothing else.
     pub fn draw_indirect(&self, draws: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
@@ -341,6 +351,24 @@ impl Commands {
         if self.is_sound() {
             // SAFETY: a compute pipeline is bound.
             unsafe { self.device.raw().cmd_dispatch(self.raw, groups[0], groups[1], groups[2]) };
+        }
+    }
+
+    /// Sets every 32-bit word of `slice` to `word`: an [`Access::CopyWrite`].
+    pub fn fill(&self, slice: BufferSlice, word: u32) {
+        let size = slice.size_bytes & !3;
+        if size > 0 {
+            // SAFETY: the slice lies in its buffer, which is a destination of transfers; slices
+            // begin at multiples of 4.
+            unsafe {
+                self.device.raw().cmd_fill_buffer(
+                    self.raw,
+                    slice.raw,
+                    slice.offset_bytes,
+                    size,
+                    word,
+                );
+            }
         }
     }
 

@@ -446,7 +446,8 @@ fn create_raw(
     let core = vk::PhysicalDeviceFeatures::default()
         .multi_draw_indirect(true)
         .draw_indirect_first_instance(true)
-        .occlusion_query_precise(has(Optional::PreciseQueries));
+        .occlusion_query_precise(has(Optional::PreciseQueries))
+        .fragment_stores_and_atomics(has(Optional::FragmentStores));
     let mut features = vk::PhysicalDeviceFeatures2::default()
         .features(core)
         .push_next(&mut features_12)

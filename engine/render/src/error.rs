@@ -12,6 +12,11 @@ pub enum Error {
     /// The scene is not whole.
     #[error(transparent)]
     Scene(#[from] crate::scene::SceneError),
+    /// The strategy `ideal` without the set of what is visible.
+    #[error(
+        "the strategy `ideal` draws what is known to be visible: find it with `Renderer::visible_set` first"
+    )]
+    NoVisibleSet,
     /// Shaders were asked for that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"

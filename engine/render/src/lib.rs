@@ -18,10 +18,8 @@
 //! let picture = gpu::Readback::new(&device, renderer.size())?;
 //! for frame in 0..100 {
 //!     let request = render::FrameRequest {
-//!         strategy: cull::Strategy::Antumbra,
-//!         camera: path.camera(frame),
 //!         picture: (frame == 99).then_some(&picture),
-//!         after: None,
+//!         ..render::FrameRequest::new(cull::Strategy::Antumbra, path.camera(frame))
 //!     };
 //!     renderer.render(&mut view, &request)?;
 //! }
@@ -41,12 +39,15 @@ mod renderer;
 pub mod scene;
 mod shaders;
 mod view_history;
+mod visible_set;
 
 pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
     OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass,
+    SeenIo, SeenPass,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use view_history::{FrameOutcome, ViewHistory};
+pub use visible_set::VisibleSet;

@@ -12,6 +12,7 @@ use crate::passes::{OpaquePass, OverlayPass, ProxyPass};
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
 use crate::view_history::ViewHistory;
+use crate::visible_set::{SeenLeaves, VisibleSet};
 
 /// How to make a [`Renderer`].
 #[derive(Debug, Clone)]
@@ -50,10 +51,19 @@ pub struct FrameRequest<'a> {
     pub strategy: Strategy,
     /// The eye.
     pub camera: Camera,
+    /// What owns a pixel, for [`Strategy::Ideal`], which knows nothing else.
+    pub visible: Option<&'a VisibleSet>,
     /// Where to copy the picture, if it is wanted. Read it when the frame is over.
     pub picture: Option<&'a Readback>,
     /// The frame starts on the GPU once this tick of a host's timeline is reached.
     pub after: Option<(&'a Timeline, Tick)>,
+}
+
+impl FrameRequest<'_> {
+    /// A frame and nothing else.
+    pub fn new(strategy: Strategy, camera: Camera) -> Self {
+        Self { strategy, camera, visible: None, picture: None, after: None }
+    }
 }
 
 /// What is known of a frame when it is submitted.
@@ -83,6 +93,7 @@ pub struct Renderer {
     pub(crate) passes: FramePasses,
     pub(crate) shaders: ShaderSet,
     pub(crate) birds_eye: Option<OverlayPass>,
+    pub(crate) seen_leaves: Option<SeenLeaves>,
     pass_times: Vec<PassTime>,
     policy: Policy,
     query_budget: usize,
@@ -128,6 +139,7 @@ impl Renderer {
             passes: FramePasses { target, geometry, predicates, opaque, proxies, light },
             shaders,
             birds_eye: None,
+            seen_leaves: None,
             pass_times: Vec::new(),
             policy: options.policy,
             query_budget: options.query_budget,
@@ -185,7 +197,7 @@ impl Renderer {
     /// and for nothing else.
     ///
     /// # Errors
-    /// No memory, a lost device, a frame that takes too long.
+    /// No memory, a lost device, a frame that takes too long; [`Error::NoVisibleSet`].
     pub fn render(
         &mut self,
         history: &mut ViewHistory,
@@ -199,7 +211,11 @@ impl Renderer {
         self.pass_times.extend_from_slice(frame.pass_times());
 
         history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
-        history.decide(&self.hierarchy, request.strategy, &view, self.query_budget);
+        match (request.strategy, request.visible) {
+            (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
+            (Strategy::Ideal, Some(visible)) => history.decide_known(&self.hierarchy, visible),
+            (strategy, _) => history.decide(&self.hierarchy, strategy, &view, self.query_budget),
+        }
         let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
         self.passes.record(frame.commands(), history, &view, &io, request.picture);
 

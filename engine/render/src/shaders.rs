@@ -22,12 +22,14 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 5] = [
+pub const SHADERS: [Shader; 7] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
+    shader!("seen.vert"),
+    shader!("seen.frag"),
 ];
 
 /// The shaders a renderer is built from.

@@ -9,6 +9,7 @@ use gpu::{Device, DrawRange, QueryRing, Tick};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
+use crate::visible_set::VisibleSet;
 
 /// What a frame turned out to be, known once its answers are home.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,6 +113,12 @@ impl ViewHistory {
         let own = self.plan.queried_draws.iter().map(|(_, tag)| *tag);
         self.tags.clear();
         self.tags.extend(own.chain(self.plan.tests.iter().map(|test| test.tag)));
+    }
+
+    /// Plans a frame of which it is known what is visible.
+    pub(crate) fn decide_known(&mut self, hierarchy: &Hierarchy, visible: &VisibleSet) {
+        self.culler.plan_known(hierarchy, visible.leaves(), &mut self.plan);
+        self.tags.clear();
     }
 
     /// What each query decides about, in the order of the queries.

@@ -127,7 +127,7 @@ fn picture(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let picture = Readback::new(device, renderer.size()).unwrap();
     let strategy = cull::Strategy::Antumbra;
     let request =
-        FrameRequest { strategy, camera: path.camera(3), picture: Some(&picture), after: None };
+        FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, path.camera(3)) };
     renderer.render(&mut history, &request).unwrap();
     renderer.drain(&mut history).unwrap();
     picture.rgba8().to_vec()

@@ -1,0 +1,77 @@
+//! The seen pass: which objects own a pixel of a finished picture.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Optional, StorageLayout, VertexLayout, vk,
+};
+
+use crate::error::Error;
+use crate::passes::OpaqueIo;
+use crate::scene::Vertex;
+use crate::shaders::ShaderSet;
+
+/// Draws objects a second time against the depth that they left. A fragment that passes is one that
+/// is seen; it notes its leaf. The positions are invariant, so equal objects have equal depths.
+pub struct SeenPass {
+    pipeline: GraphicsPipeline,
+}
+
+/// Reads what the opaque pass reads, and the finished depth; writes one word per leaf.
+#[derive(Clone, Copy)]
+pub struct SeenIo {
+    /// What is drawn.
+    pub opaque: OpaqueIo,
+    /// One word per leaf of the scene: 1 for each that is seen, the others stay as they are.
+    pub seen: BufferSlice,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    view_proj: [f32; 16],
+}
+
+impl SeenPass {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A device whose fragment shaders cannot write to buffers; a failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        if !device.capabilities().has(Optional::FragmentStores) {
+            return Err(gpu::Error::Unsupported {
+                device: device.adapter().name.clone(),
+                missing: Optional::FragmentStores.name(),
+                wanted: "finding out which objects are seen",
+            }
+            .into());
+        }
+        let pipeline = GraphicsPipeline::new(
+            device,
+            &GraphicsPipelineInfo {
+                name: "seen",
+                vertex: shaders.find("seen.vert")?,
+                fragment: Some(shaders.find("seen.frag")?),
+                vertices: VertexLayout {
+                    stride_bytes: size_of::<Vertex>() as u32,
+                    attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
+                },
+                storage: StorageLayout { buffers: 2, push_bytes: size_of::<Constants>() as u32 },
+                topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                cull: vk::CullModeFlags::BACK,
+                depth: DepthMode::TestOnly,
+                blend: Blend::NoColour,
+            },
+        )?;
+        Ok(Self { pipeline })
+    }
+
+    /// Binds everything; the caller then records the same draws as before.
+    pub fn bind(&self, commands: &Commands, io: &SeenIo, view: &View) {
+        commands.bind(&self.pipeline, &[io.opaque.instances, io.seen]);
+        commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
+        let view_proj = view.view_proj.to_cols_array();
+        commands.push_constants(&self.pipeline, &Constants { view_proj });
+    }
+}

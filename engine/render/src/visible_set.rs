@@ -1,0 +1,126 @@
+//! The exact set of objects that own a pixel: what the strategy `ideal` draws.
+//!
+//! Found beforehand and not in time: the frame is drawn by the exact strategy, what it drew is drawn
+//! once more against the finished depth, and the CPU waits for the answer.
+
+use cull::{Camera, LeafIndex, Strategy};
+use glam::Vec3;
+use gpu::{Access, Buffer, Device, MemoryBarrier, Place, vk};
+
+use crate::error::Error;
+use crate::passes::{SeenIo, SeenPass};
+use crate::renderer::{FrameRequest, Renderer};
+use crate::shaders::ShaderSet;
+use crate::view_history::ViewHistory;
+
+/// The leaves that own at least one pixel of a frame, nearest first.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct VisibleSet {
+    leaves: Vec<LeafIndex>,
+}
+
+impl VisibleSet {
+    /// The leaves, nearest first.
+    pub fn leaves(&self) -> &[LeafIndex] {
+        &self.leaves
+    }
+}
+
+/// What finding the set needs on the GPU.
+pub(crate) struct SeenLeaves {
+    pass: SeenPass,
+    words: Buffer,
+    readback: Buffer,
+}
+
+impl SeenLeaves {
+    fn new(device: &Device, shaders: &ShaderSet, leaves: usize) -> Result<Self, Error> {
+        let size_bytes = leaves as u64 * 4;
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_DST
+            | vk::BufferUsageFlags::TRANSFER_SRC;
+        let home = vk::BufferUsageFlags::TRANSFER_DST;
+        Ok(Self {
+            pass: SeenPass::new(device, shaders)?,
+            words: Buffer::new(device, "seen leaves", size_bytes, usage, Place::Device)?,
+            readback: Buffer::new(device, "seen leaves home", size_bytes, home, Place::ReadBack)?,
+        })
+    }
+}
+
+impl Renderer {
+    /// Finds the objects that own a pixel seen from `camera`. Waits for the GPU, twice: a yardstick
+    /// for measurements, not for a frame loop. `history` is a view kept for this, so that it learns
+    /// along the path.
+    ///
+    /// # Errors
+    /// A device whose fragment shaders cannot write to buffers; no memory; a failed call.
+    pub fn visible_set(
+        &mut self,
+        history: &mut ViewHistory,
+        camera: &Camera,
+    ) -> Result<VisibleSet, Error> {
+        if self.seen_leaves.is_none() {
+            let leaves = self.hierarchy.leaf_objects().len();
+            self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
+        }
+        self.render(history, &FrameRequest::new(Strategy::Antumbra, *camera))?;
+        let view = self.view_of(camera);
+        let moment = self.moment(history, view)?;
+        let drawn = moment.drawn.iter();
+        let drawn: Vec<LeafIndex> = drawn
+            .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex))
+            .collect();
+        self.draw_seen(&moment.view, &drawn)?;
+        let Some(seen) = &self.seen_leaves else { return Ok(VisibleSet::default()) };
+        let words = seen.readback.read::<u32>(0..self.hierarchy.leaf_objects().len());
+        let is_seen = |leaf: &LeafIndex| words.get(leaf.0 as usize).is_some_and(|word| *word != 0);
+        let mut leaves: Vec<LeafIndex> = drawn.into_iter().filter(is_seen).collect();
+        let eye = camera.eye;
+        leaves.sort_by(|a, b| {
+            let (near, far) = (self.distance_squared(*a, eye), self.distance_squared(*b, eye));
+            near.total_cmp(&far).then(a.cmp(b))
+        });
+        Ok(VisibleSet { leaves })
+    }
+
+    /// From `eye` to the box of a leaf.
+    fn distance_squared(&self, leaf: LeafIndex, eye: Vec3) -> f32 {
+        let object = self.hierarchy.leaf_objects().get(leaf.0 as usize);
+        let node = object.and_then(|object| self.hierarchy.node_of(*object));
+        node.map_or(0.0, |node| self.hierarchy.bounds(node).distance_squared(eye))
+    }
+
+    fn draw_seen(&mut self, view: &cull::View, leaves: &[LeafIndex]) -> Result<(), Error> {
+        let Some(seen) = &self.seen_leaves else { return Ok(()) };
+        let passes = &mut self.passes;
+        let mut frame = self.frames.begin()?;
+        let geometry = &passes.geometry;
+        let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| geometry.draw(*leaf)))?;
+        let commands = frame.commands();
+        let words = seen.words.whole();
+        commands.pass("seen", |commands| {
+            let between = MemoryBarrier::between;
+            commands.fill(words, 0);
+            commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
+            passes.target.prepare(commands);
+            let from = passes.target.render_target(Some([0.0; 4]));
+            commands.rendering(from, |commands| {
+                passes.opaque.bind(commands, &passes.opaque_io(), view, &passes.light);
+                if !leaves.is_empty() {
+                    commands.draw_indirect(draws);
+                }
+                let io = SeenIo { opaque: passes.opaque_io(), seen: words };
+                seen.pass.bind(commands, &io, view);
+                if !leaves.is_empty() {
+                    commands.draw_indirect(draws);
+                }
+            });
+            commands.barrier(between(&[Access::FragmentWrite], &[Access::CopyRead]));
+            commands.copy_buffer(words, seen.readback.whole());
+            commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
+        });
+        frame.submit(None)?;
+        Ok(self.device.drain()?)
+    }
+}

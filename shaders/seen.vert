@@ -1,0 +1,21 @@
+// The seen pass: the opaque pass's positions to the bit, and which leaf a vertex belongs to.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "instance.glsl"
+
+layout(location = 0) in vec3 position;
+
+layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
+
+layout(push_constant) uniform Constants {
+    mat4 view_proj;
+};
+
+layout(location = 0) flat out uint leaf;
+
+invariant gl_Position;
+
+void main() {
+    gl_Position = view_proj * vec4(to_world(instances[gl_InstanceIndex], position), 1.0);
+    leaf = gl_InstanceIndex;
+}
