@@ -1,15 +1,12 @@
-// Turns the word of each query into a draw count: 0 if nothing showed, else the whole range.
+// Turns the word of each test into a draw count: 0 if nothing showed, else the whole range.
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#include "predicate.glsl"
 
 layout(local_size_x = 64) in;
 
-struct DrawRange {
-    uint first;
-    uint count;
-};
-
 layout(std430, binding = 0) readonly buffer Words { uint words[]; };
-layout(std430, binding = 1) readonly buffer Ranges { DrawRange ranges[]; };
+layout(std430, binding = 1) readonly buffer AllDecided { Decided decided[]; };
 layout(std430, binding = 2) writeonly buffer Counts { uint counts[]; };
 
 layout(push_constant) uniform Constants {
@@ -22,5 +19,5 @@ void main() {
         return;
     }
     uint word = first_word + gl_GlobalInvocationID.x;
-    counts[word] = words[word] != 0 ? ranges[word].count : 0;
+    counts[word] = words[word] != 0 ? decided[word].count : 0;
 }

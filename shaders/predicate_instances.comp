@@ -1,13 +1,10 @@
-// Writes the answer of each query into the instance counts of the draws it decides about.
+// Writes the answer of each test into the instance counts of the draws it decides about.
 // One workgroup per word: the threads share the range.
 #version 460
+#extension GL_GOOGLE_include_directive : require
+#include "predicate.glsl"
 
 layout(local_size_x = 64) in;
-
-struct DrawRange {
-    uint first;
-    uint count;
-};
 
 struct IndirectDraw {
     uint index_count;
@@ -18,8 +15,9 @@ struct IndirectDraw {
 };
 
 layout(std430, binding = 0) readonly buffer Words { uint words[]; };
-layout(std430, binding = 1) readonly buffer Ranges { DrawRange ranges[]; };
+layout(std430, binding = 1) readonly buffer AllDecided { Decided decided[]; };
 layout(std430, binding = 2) buffer Draws { IndirectDraw draws[]; };
+layout(std430, binding = 3) buffer BoxDraws { BoxDraw box_draws[]; };
 
 layout(push_constant) uniform Constants {
     uint first_word;
@@ -29,7 +27,13 @@ layout(push_constant) uniform Constants {
 void main() {
     uint word = first_word + gl_WorkGroupID.x;
     uint shown = words[word] != 0 ? 1 : 0;
-    DrawRange range = ranges[word];
+    Decided range = decided[word];
+    if (range.parts != 0) {
+        if (gl_LocalInvocationID.x == 0) {
+            box_draws[word].instance_count = shown * range.count;
+        }
+        return;
+    }
     for (uint draw = gl_LocalInvocationID.x; draw < range.count; draw += gl_WorkGroupSize.x) {
         draws[range.first + draw].instance_count = shown;
     }

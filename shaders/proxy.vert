@@ -1,11 +1,8 @@
-// The proxy pass: the front faces of an enlarged box, made from nothing but its corners.
-// There is no fragment shader: only the depth test and the occlusion query look at it.
+// The proxy pass: the front faces of enlarged boxes. Without a fragment shader only the depth test
+// and the occlusion query look at them; with proxy.frag each sets a flag.
 #version 460
-
-struct Box {
-    vec4 low;
-    vec4 high;
-};
+#extension GL_GOOGLE_include_directive : require
+#include "box.glsl"
 
 layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
 
@@ -14,23 +11,10 @@ layout(push_constant) uniform Constants {
     vec4 eye;
 };
 
-// Two triangles over the unit square.
-const vec2 corners[6] = vec2[](vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0), vec2(1, 1), vec2(0, 1));
+layout(location = 0) flat out uint test;
 
 void main() {
     Box box = boxes[gl_InstanceIndex];
-    int axis = gl_VertexIndex / 6;
-    vec2 corner = corners[gl_VertexIndex % 6];
-    // From outside, an axis shows its low face, its high face, or none.
-    bool shows_low = eye[axis] < box.low[axis];
-    bool shows_high = eye[axis] > box.high[axis];
-    vec3 mixed;
-    mixed[axis] = shows_high ? 1.0 : 0.0;
-    mixed[(axis + 1) % 3] = corner.x;
-    mixed[(axis + 2) % 3] = corner.y;
-    vec3 world = vec3(mixed.x > 0.5 ? box.high.x : box.low.x,
-                      mixed.y > 0.5 ? box.high.y : box.low.y,
-                      mixed.z > 0.5 ? box.high.z : box.low.z);
-    // A face that does not show shrinks to a point outside of the view.
-    gl_Position = shows_low || shows_high ? view_proj * vec4(world, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
+    test = gl_InstanceIndex;
+    gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye.xyz, view_proj, gl_VertexIndex);
 }

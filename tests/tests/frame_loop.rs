@@ -46,7 +46,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
                     ..FrameRequest::new(Strategy::Antumbra, path.camera(20 + number))
                 },
             );
-            assert!(report.unwrap().queries > 0, "there is something to wait for");
+            assert!(report.unwrap().tests > 0, "there is something to wait for");
         }
         // N frames are recorded and submitted, the GPU has begun none of them.
         assert_eq!(device.completed().unwrap(), over);
@@ -78,7 +78,7 @@ fn what_a_frame_reports_is_what_it_did() {
             assert!(outcome.triangles > outcome.draws, "more than a triangle an object");
             let decided = report.plan.frontier;
             assert_eq!(report.predicated_draws, decided);
-            assert!(report.queries >= decided);
+            assert!(report.tests >= decided);
         }
         // At rest, what is revealed becomes visible and the rest stays hidden.
         let still = vec![cameras[0]; 60];

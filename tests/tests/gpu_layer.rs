@@ -81,7 +81,7 @@ fn ask(
         target.prepare(commands);
         commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
             wall_pass.draw(commands, boxes, &view, 0);
-            proxies.bind(commands, &ProxyIo { boxes }, &view);
+            proxies.bind(commands, &ProxyIo { boxes, flags: None }, &view);
             for (query, (_, visible)) in tags.iter().enumerate() {
                 queries.scope(commands, QueryIndex(query as u32), |commands| {
                     proxies.draw(commands, if *visible { 1 } else { 2 });

@@ -116,7 +116,7 @@ fn lost(device: &Device, seeds: u64, proxy_of: impl Fn(&View, &Aabb) -> Aabb) ->
         let copies = Copies::new(uploads, [vertices.whole(), indices.whole()], mesh, &objects);
         let draws = copies.draw(uploads, boxes.len() as u32);
         let enlarged = behind.iter().map(|bounds| ProxyBox::from(proxy_of(&view, bounds)));
-        let io = ProxyIo { boxes: uploads.push_iter(enlarged).unwrap() };
+        let io = ProxyIo { boxes: uploads.push_iter(enlarged).unwrap(), flags: None };
         let (commands, draw_bytes) = (frame.commands(), size_of::<IndirectDraw>() as u64);
         target.prepare(commands);
         commands.rendering(target.render_target(Some([0.0; 4])), |commands| {

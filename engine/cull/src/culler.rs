@@ -11,7 +11,7 @@ use glam::Vec3;
 
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, LeafIndex, NodeId};
-use crate::plan::{Answer, FramePlan, ProxyTest, QueryKind, QueryTag};
+use crate::plan::{Abilities, Answer, FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
 use crate::policy::Policy;
 use crate::rng::SplitMix64;
 use crate::strategy::Strategy;
@@ -29,8 +29,10 @@ use traversal::{Knowledge, Walk};
 #[derive(Debug)]
 pub struct Culler {
     policy: Policy,
+    abilities: Abilities,
     history: History,
     scratch: Scratch,
+    grouped: Vec<ProxyTest>,
     rng: SplitMix64,
     frame: FrameId,
     /// The frame that the history's stamps count from.
@@ -43,13 +45,21 @@ pub struct Culler {
 }
 
 impl Culler {
-    /// A culler that knows nothing yet.
+    /// A culler that knows nothing yet and has nothing but queries.
     #[must_use]
     pub fn new(policy: Policy) -> Self {
+        Self::with_abilities(policy, Abilities::default())
+    }
+
+    /// A culler that knows nothing yet, for a device that can do more than queries.
+    #[must_use]
+    pub fn with_abilities(policy: Policy, abilities: Abilities) -> Self {
         Self {
             policy,
+            abilities,
             history: History::default(),
             scratch: Scratch::default(),
+            grouped: Vec::new(),
             rng: SplitMix64::new(policy.seed),
             frame: FrameId(0),
             epoch: 0,
@@ -131,7 +141,9 @@ impl Culler {
             policy: &self.policy,
             knowledge: match strategy {
                 Strategy::Frustum | Strategy::Ideal => Knowledge::Ignored,
-                Strategy::Antumbra => Knowledge::Used(&self.history),
+                Strategy::Antumbra | Strategy::AntumbraQueries | Strategy::AntumbraFlags => {
+                    Knowledge::Used(&self.history)
+                }
             },
             now,
             is_turning: self.turned != Stamp::NEVER
@@ -154,23 +166,31 @@ impl Culler {
         for test in &self.scratch.tests {
             let node = NodeId(test.node);
             let mut leaves = hierarchy.leaves(node);
-            if test.kind == QueryKind::Probe {
+            let mut kind = test.kind;
+            if kind == QueryKind::Probe {
                 leaves.count = 0;
                 self.history.asked_probe(test.node, now, &self.policy);
             } else {
                 self.history.closed(test.node);
+                if self.abilities.parts && leaves.count >= self.policy.parts_leaves {
+                    kind = QueryKind::Parts;
+                }
             }
             plan.tests.push(ProxyTest {
-                tag: tag(test.node, test.kind),
+                tag: tag(test.node, kind),
                 bounds: test.proxy,
                 leaves,
                 level: hierarchy.level(node),
+                tester: self.tester(strategy),
             });
         }
         for node in &self.scratch.visited {
             self.history.visit(*node, now);
         }
         rounds::split(plan.tests.len(), is_cut, &self.policy, &mut plan.rounds);
+        for round in &plan.rounds {
+            rounds::group_by_tester(&mut plan.tests[round.clone()], &mut self.grouped);
+        }
     }
 
     /// Plans the next frame from the outcome: draws `leaves` in their order and asks nothing
@@ -186,6 +206,15 @@ impl Culler {
         plan.clear(self.frame);
         plan.draws.extend_from_slice(leaves);
         plan.stats.visible = leaves.len() as u32;
+    }
+
+    /// Who answers for a proxy.
+    fn tester(&self, strategy: Strategy) -> Tester {
+        match strategy {
+            Strategy::AntumbraQueries => Tester::Query,
+            _ if self.abilities.flags => Tester::Flag,
+            _ => Tester::Query,
+        }
     }
 
     /// Begins the next frame.

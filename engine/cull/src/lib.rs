@@ -87,7 +87,7 @@ pub use frustum::{Containment, Frustum, PlaneMask};
 pub use hierarchy::{Hierarchy, HierarchyError, MAX_COORDINATE, MAX_OBJECTS};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use margin::Margin;
-pub use plan::{Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag};
+pub use plan::{Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester};
 pub use policy::Policy;
 pub use strategy::{Strategy, UnknownStrategy};
 pub use view::View;

@@ -62,6 +62,12 @@ impl Margin {
         self.pixels
     }
 
+    /// How far a proxy reaches beyond a box at view depth 1 (metres), rounding apart.
+    #[must_use]
+    pub fn metres_at_depth_1(&self) -> f32 {
+        self.pixels * self.footprint
+    }
+
     /// The box to test in place of `bounds`, or `None` if it must count as visible, because the
     /// eye is inside or some of the proxy is nearer than the near plane.
     #[must_use]

@@ -13,8 +13,38 @@ pub enum QueryKind {
     /// A node's proxy that nothing hangs on: its parts are tested or drawn on their own, and the
     /// answer says whether they could share one query from now on. Its range of leaves is empty.
     Probe,
+    /// A node's proxy; if it shows, the proxies of its leaves decide which of them are drawn.
+    Parts,
+    /// The proxy of a leaf under a node of [`QueryKind::Parts`] that showed. Only leaves that show
+    /// have such an answer, and it comes after the node's.
+    Part,
     /// The draw of a leaf that is taken as visible.
     OwnDraw,
+}
+
+/// Who answers for a proxy. All give the same answer but for rounding; they differ in what they cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Tester {
+    /// The fragments of the proxy set a flag.
+    Flag,
+    /// An occlusion query.
+    #[default]
+    Query,
+}
+
+impl Tester {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Flag, Self::Query];
+}
+
+/// What the device and the renderer offer to plans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Abilities {
+    /// There are flags ([`Tester::Flag`]).
+    pub flags: bool,
+    /// Leaves of a node that shows can be tested one by one in the same frame
+    /// ([`QueryKind::Parts`]).
+    pub parts: bool,
 }
 
 /// Goes with a query to the GPU and comes back with its result.
@@ -50,13 +80,17 @@ pub struct ProxyTest {
     pub leaves: LeafRange,
     /// How deep the node lies, for views that explain what happens.
     pub level: u32,
+    /// Who answers.
+    pub tester: Tester,
 }
 
 /// What a frame draws and asks.
 ///
 /// To be executed in this order: `draws`; `queried_draws`, each under its query; then for every
 /// range of `rounds`: test the proxies of the range against the depth so far, front faces only,
-/// without writing; draw the leaves of those that show.
+/// without writing; draw the leaves of those that show. Where such a test is of
+/// [`QueryKind::Parts`], test the [proxy](crate::Margin::proxy) of each leaf in the same way first,
+/// and draw those that show.
 ///
 /// Every leaf whose box meets the frustum is in exactly one place: in `draws`, in `queried_draws`
 /// or in the range of one test.
@@ -93,7 +127,8 @@ impl FramePlan {
     /// Queries that the plan asks for.
     #[must_use]
     pub fn query_count(&self) -> usize {
-        self.tests.len() + self.queried_draws.len()
+        let tests = self.tests.iter().filter(|test| test.tester == Tester::Query);
+        tests.count() + self.queried_draws.len()
     }
 
     pub(crate) fn clear(&mut self, frame: FrameId) {

@@ -69,6 +69,9 @@ pub struct Policy {
     pub rounds_cut: u32,
     /// A slab is not worth a break in the passes with fewer tests.
     pub round_tests_min: u32,
+    /// A node of so many leaves has them tested one by one in the frame in which it shows, where the
+    /// device can.
+    pub parts_leaves: u32,
     /// More tests than this are too many even where there are queries for them: the allowed sizes
     /// are raised, and open nodes whose parts are all hidden are tested as one without a probe.
     /// After a cut in a huge scene this brings the frontier down in tens of frames, not hundreds.
@@ -110,6 +113,7 @@ impl Default for Policy {
             rounds_calm: 3,
             rounds_cut: 4,
             round_tests_min: 8,
+            parts_leaves: 2,
             tests_wished: 1024,
             coarsen_attempts: 4,
             seed: 0x6e6f_7374_616c_6c73,

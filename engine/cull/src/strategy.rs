@@ -13,6 +13,10 @@ pub enum Strategy {
     Frustum,
     /// Coherent hierarchical culling whose answers come late, made exact by predicates.
     Antumbra,
+    /// The same with occlusion queries for all tests.
+    AntumbraQueries,
+    /// The same with flags set by fragments for all tests.
+    AntumbraFlags,
     /// Exactly the objects that own a pixel, found beforehand: the yardstick that nobody can beat
     /// (the optimum of the papers on coherent hierarchical culling). Not a product.
     Ideal,
@@ -30,7 +34,8 @@ pub struct UnknownStrategy {
 
 impl Strategy {
     /// Every strategy, the baseline first.
-    pub const ALL: [Self; 3] = [Self::Frustum, Self::Antumbra, Self::Ideal];
+    pub const ALL: [Self; 5] =
+        [Self::Frustum, Self::Antumbra, Self::AntumbraQueries, Self::AntumbraFlags, Self::Ideal];
 
     /// The name on command lines and in reports.
     #[must_use]
@@ -38,6 +43,8 @@ impl Strategy {
         match self {
             Self::Frustum => "frustum",
             Self::Antumbra => "antumbra",
+            Self::AntumbraQueries => "antumbra_queries",
+            Self::AntumbraFlags => "antumbra_flags",
             Self::Ideal => "ideal",
         }
     }
@@ -46,7 +53,11 @@ impl Strategy {
     #[must_use]
     pub const fn is_exact(self) -> bool {
         match self {
-            Self::Frustum | Self::Antumbra | Self::Ideal => true,
+            Self::Frustum
+            | Self::Antumbra
+            | Self::AntumbraQueries
+            | Self::AntumbraFlags
+            | Self::Ideal => true,
         }
     }
 }
@@ -78,6 +89,6 @@ mod tests {
             assert_eq!(strategy.to_string(), strategy.name());
         }
         let refused = "Frustrum".parse::<Strategy>().unwrap_err().to_string();
-        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, antumbra, ideal"));
+        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, antumbra"));
     }
 }

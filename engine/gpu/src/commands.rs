@@ -324,6 +324,36 @@ impl Commands {
         }
     }
 
+    /// Draws the one indirect command in `draw` (`VkDrawIndirectCommand`), without indices.
+    pub(crate) fn draw_unindexed_indirect(&self, draw: BufferSlice) {
+        if self.is_sound() {
+            // SAFETY: the slice holds one command and lies in its buffer.
+            unsafe {
+                self.device.raw().cmd_draw_indirect(self.raw, draw.raw, draw.offset_bytes, 1, 16);
+            }
+        }
+    }
+
+    /// Draws the one command in `draw` (`VkDrawIndirectCommand`) unless the word in `count` is 0.
+    pub(crate) fn draw_unindexed_indirect_count(&self, draw: BufferSlice, count: BufferSlice) {
+        if !self.is_sound() {
+            return;
+        }
+        // SAFETY: drawIndirectCount was checked when this way was chosen; the slices hold one
+        // command and one word.
+        unsafe {
+            self.device.raw().cmd_draw_indirect_count(
+                self.raw,
+                draw.raw,
+                draw.offset_bytes,
+                count.raw,
+                count.offset_bytes,
+                1,
+                16,
+            );
+        }
+    }
+
     /// Draws as many of the commands in `draws` as the word in `count` says.
     pub(crate) fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;

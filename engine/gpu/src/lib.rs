@@ -41,8 +41,10 @@ mod commands;
 mod deletion;
 mod device;
 mod error;
+mod flag_ring;
 mod frames;
 mod instance;
+mod part_draws;
 mod pipeline;
 mod pipeline_cache;
 mod predicates;
@@ -63,15 +65,19 @@ pub use capabilities::{Capabilities, Optional, Required};
 pub use commands::{Commands, RenderTarget};
 pub use device::{Device, DeviceOptions, WaitCounts};
 pub use error::Error;
+pub use flag_ring::FlagRing;
 pub use frames::{Frame, FrameRing, SlotIndex};
 #[cfg(feature = "loaded")]
 pub use instance::load_entry;
 pub use instance::{Instance, InstanceOptions, Validation};
+pub use part_draws::{LISTED_DRAWS, PartDraws, Parts, SwitchedOn};
 pub use pipeline::{
     Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout,
     VertexLayout,
 };
-pub use predicates::{DrawRange, IndirectDraw, Predicates, Predication};
+pub use predicates::{
+    BOX_VERTICES, DrawRange, IndirectDraw, Predicated, Predicates, Predication, Reveal, WordSource,
+};
 pub use query_ring::{QueryIndex, QueryRing};
 pub use shader::Spirv;
 #[cfg(feature = "shader-compiler")]

@@ -1,11 +1,15 @@
 //! The GPU's half of a frame: what is visible, then round by round what turns out to be.
 
 use cull::View;
-use gpu::{BufferSlice, Commands, Frame, IndirectDraw, Predicates, QueryIndex, Readback, Target};
+use gpu::{
+    Access, BufferSlice, Commands, Frame, IndirectDraw, MemoryBarrier, Parts, Predicates,
+    QueryIndex, Readback, Reveal, Target, WordSource,
+};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
-use crate::passes::{OpaqueIo, OpaquePass, ProxyBox, ProxyIo, ProxyPass};
+use crate::passes::{LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, ProxyBox, ProxyIo, ProxyPass};
+use crate::questions::{RoundQuestions, draw_range};
 use crate::scene::Light;
 use crate::view_history::ViewHistory;
 
@@ -16,6 +20,8 @@ pub(crate) struct FramePasses {
     pub(crate) predicates: Predicates,
     pub(crate) opaque: OpaquePass,
     pub(crate) proxies: ProxyPass,
+    // Where fragment shaders can write to buffers.
+    pub(crate) leaf_boxes: Option<LeafBoxPass>,
     pub(crate) light: Light,
 }
 
@@ -23,37 +29,57 @@ pub(crate) struct FramePasses {
 pub(crate) struct FrameIo {
     visible: BufferSlice,
     queried: BufferSlice,
-    boxes: BufferSlice,
+    proxies: ProxyIo,
+    parts: Option<Parts>,
 }
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl FrameIo {
-    /// Writes the newest plan of `history` into the memory of `frame`.
+    /// Writes the newest plan of `history` into the memory of `frame`, and starts its questions.
     pub(crate) fn write(
         frame: &mut Frame<'_>,
         history: &mut ViewHistory,
         passes: &mut FramePasses,
     ) -> Result<Self, Error> {
-        history.queries.begin(frame, &history.tags)?;
-        let words = history.queries.results();
-        passes.predicates.begin(frame, words, history.draw_ranges())?;
-        let draw = |leaf: &cull::LeafIndex| passes.geometry.draw(*leaf);
+        let geometry = &passes.geometry;
+        let draw = |leaf: &cull::LeafIndex| geometry.draw(*leaf);
+        history.queries.begin(frame, &history.questions.query_tags)?;
+        history.flags.begin(frame, history.questions.flag_tags.iter().copied())?;
+        let has_parts = |test: &&cull::ProxyTest| test.tag.kind == cull::QueryKind::Parts;
+        let tested = history.plan.tests.iter().filter(has_parts).map(draw_range);
+        let (frame_id, generation) = (history.plan.frame, history.generation);
+        history.parts.begin(frame, (frame_id, generation), tested, |number| {
+            draw(&cull::LeafIndex(number))
+        })?;
+        let words = [
+            (WordSource::Queries, history.queries.results()),
+            (WordSource::Fragments, history.flags.words()),
+        ];
+        for (source, words) in words {
+            let decided = history.questions.decided(source).iter().copied();
+            passes.predicates.begin(frame, source, words, decided)?;
+        }
         let (plan, uploads) = (history.plan(), frame.uploads());
         let queried = plan.queried_draws.iter();
         Ok(Self {
             visible: uploads.push_iter(plan.draws.iter().map(draw))?,
             queried: uploads.push_iter(queried.map(|(leaf, _)| draw(leaf)))?,
-            boxes: uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?,
+            proxies: ProxyIo {
+                boxes: uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?,
+                flags: history.flags.words(),
+            },
+            parts: history.parts.parts(),
         })
     }
 }
 
 impl FramePasses {
-    /// Records the frame. Queries are numbered: first those on visible draws, then the tests.
+    /// Records the frame.
     ///
-    /// The proxies of a round are drawn in the same rendering as what precedes them, so that a
-    /// round costs one break and not two.
+    /// Each rendering draws what the tests before it revealed and the proxies that are tested next,
+    /// so that a round costs one break and not two. Leaves below a node that showed in round `n`
+    /// are tested while round `n + 1` is, and drawn with what that reveals.
     pub(crate) fn record(
         &mut self,
         commands: &Commands,
@@ -62,45 +88,42 @@ impl FramePasses {
         io: &FrameIo,
         picture: Option<&Readback>,
     ) {
-        let plan = history.plan();
-        let own = plan.queried_draws.len() as u32;
-        let no_tests = 0..0;
-        let first_round = plan.rounds.first().unwrap_or(&no_tests);
-
+        let rounds = &history.questions.rounds;
+        if io.proxies.flags.is_some() || io.parts.is_some() {
+            let reset = [Access::FragmentWrite, Access::IndirectRead];
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+        }
         self.target.prepare(commands);
         commands.pass("visible", |commands| {
             let [red, green, blue] = self.light.sky;
-            commands.rendering(
-                self.target.render_target(Some([red, green, blue, 1.0])),
-                |commands| {
-                    self.draw_visible(commands, history, view, io);
-                    self.draw_proxies(commands, history, view, io, first_round.clone());
-                },
-            );
+            let from = self.target.render_target(Some([red, green, blue, 1.0]));
+            commands.rendering(from, |commands| {
+                self.draw_visible(commands, history, view, io);
+                self.draw_proxies(commands, history, view, io, rounds.first());
+            });
         });
-        let mut asked = 0;
-        for (number, round) in plan.rounds.iter().enumerate() {
-            let answered = asked..own + round.end as u32;
-            asked = answered.end;
+        let refined = rounds.last().is_some_and(|round| round.has_parts);
+        for step in 0..rounds.len() + usize::from(refined) {
+            let before = step.checked_sub(1).and_then(|round| rounds.get(round));
+            let before = before.filter(|round| round.has_parts);
+            let (known, next) = (rounds.get(step), rounds.get(step + 1));
             commands.pass("answers", |commands| {
-                history.queries.resolve(commands, answered.clone());
-                self.predicates.resolve(commands, answered.clone());
+                self.resolve(commands, history, known, before);
             });
             self.target.prepare(commands);
             commands.pass("revealed", |commands| {
                 commands.rendering(self.target.render_target(None), |commands| {
-                    self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
-                    for test in round.clone().filter(|test| plan.tests[*test].leaves.count > 0) {
-                        self.predicates.draw(commands, own + test as u32);
-                    }
-                    let next = plan.rounds.get(number + 1).unwrap_or(&no_tests);
-                    self.draw_proxies(commands, history, view, io, next.clone());
+                    self.draw_revealed(commands, history, view, io, known, before);
+                    self.test_leaves(commands, history, view, io, known);
+                    self.draw_proxies(commands, history, view, io, next);
                 });
             });
         }
         commands.pass("read back", |commands| {
-            history.queries.resolve(commands, asked..own);
+            history.queries.resolve(commands, 0..history.questions.own_draws);
             history.queries.read_back(commands);
+            history.flags.read_back(commands);
+            history.parts.read_back(commands);
             if let Some(picture) = picture {
                 self.target.copy_to(commands, picture);
             }
@@ -123,25 +146,93 @@ impl FramePasses {
         }
     }
 
-    /// Tests the proxies of one round against the depth so far, each under its query.
+    /// Tests the proxies of one round against the depth so far.
     fn draw_proxies(
         &self,
         commands: &Commands,
         history: &ViewHistory,
         view: &View,
         io: &FrameIo,
-        round: std::ops::Range<usize>,
+        round: Option<&RoundQuestions>,
     ) {
-        if round.is_empty() {
-            return;
-        }
-        let own = history.plan().queried_draws.len() as u32;
+        let Some(round) = round else { return };
         commands.label("proxies", |commands| {
-            self.proxies.bind(commands, &ProxyIo { boxes: io.boxes }, view);
-            for test in round.start as u32..round.end as u32 {
-                history.queries.scope(commands, QueryIndex(own + test), |commands| {
+            if !round.flags.is_empty() {
+                self.proxies.bind_flags(commands, &io.proxies, view);
+                self.proxies.draw_all(commands, round.flags.clone());
+            }
+            if !round.queries.is_empty() {
+                self.proxies.bind(commands, &io.proxies, view);
+            }
+            for (query, test) in round.queries.clone().zip(round.queried_tests.clone()) {
+                history.queries.scope(commands, QueryIndex(query), |commands| {
                     self.proxies.draw(commands, test);
                 });
+            }
+        });
+    }
+
+    /// Makes the answers to the `known` round decide, and the tests of leaves under the round
+    /// `before` it.
+    fn resolve(
+        &self,
+        commands: &Commands,
+        history: &ViewHistory,
+        known: Option<&RoundQuestions>,
+        before: Option<&RoundQuestions>,
+    ) {
+        if before.is_some() {
+            let switched_on = MemoryBarrier::between(
+                &[Access::FragmentWrite],
+                &[Access::IndirectRead, Access::FragmentWrite],
+            );
+            commands.barrier(switched_on);
+        }
+        if let Some(known) = known {
+            history.queries.resolve(commands, known.queries.clone());
+            self.predicates.resolve(commands, &history.questions.written(known));
+        }
+    }
+
+    /// Draws the ranges that showed in the `known` round, and single leaves of the round `before`.
+    fn draw_revealed(
+        &self,
+        commands: &Commands,
+        history: &ViewHistory,
+        view: &View,
+        io: &FrameIo,
+        known: Option<&RoundQuestions>,
+        before: Option<&RoundQuestions>,
+    ) {
+        self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
+        if let Some(parts) = io.parts {
+            for word in history.questions.revealing(before, Reveal::Parts) {
+                self.predicates.draw_parts(commands, word.source, word.place, parts.draws);
+            }
+        }
+        for word in history.questions.revealing(known, Reveal::Whole) {
+            self.predicates.draw(commands, word.source, word.place);
+        }
+    }
+
+    /// Tests the leaves of the nodes that showed, one by one.
+    fn test_leaves(
+        &self,
+        commands: &Commands,
+        history: &ViewHistory,
+        view: &View,
+        io: &FrameIo,
+        known: Option<&RoundQuestions>,
+    ) {
+        let known = known.filter(|round| round.has_parts);
+        let (Some(pass), Some(parts), Some(_)) = (&self.leaf_boxes, io.parts, known) else {
+            return;
+        };
+        commands.label("leaf boxes", |commands| {
+            let boxes = self.geometry.leaf_boxes.whole();
+            pass.bind(commands, &LeafBoxIo { boxes, parts }, view);
+            for word in history.questions.revealing(known, Reveal::Parts) {
+                self.predicates.draw_boxes(commands, word.source, word.place);
             }
         });
     }

@@ -5,6 +5,7 @@ use cull::{Hierarchy, LeafIndex, LeafRange};
 use gpu::{Buffer, Device, IndirectDraw, vk};
 
 use crate::error::Error;
+use crate::passes::ProxyBox;
 use crate::scene::{Scene, Vertex, unpack_unorm};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
@@ -22,6 +23,8 @@ pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
+    /// One box per leaf.
+    pub(crate) leaf_boxes: Buffer,
     mesh_draws: Vec<IndirectDraw>,
     leaf_meshes: Vec<u32>,
     // Triangles of all leaves before each leaf: a range's triangles are one subtraction.
@@ -73,6 +76,7 @@ impl Geometry {
             vertices: device.upload("vertices", &vertices, vertex)?,
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
+            leaf_boxes: device.upload("leaf boxes", &leaf_boxes(hierarchy), storage)?,
             mesh_draws,
             leaf_meshes,
             triangles_before,
@@ -97,6 +101,12 @@ impl Geometry {
         let end = leaves.first.0 + leaves.count;
         before(end).saturating_sub(before(leaves.first.0))
     }
+}
+
+/// The box of each leaf, in their order.
+fn leaf_boxes(hierarchy: &Hierarchy) -> Vec<ProxyBox> {
+    let nodes = hierarchy.leaf_objects().iter().filter_map(|object| hierarchy.node_of(*object));
+    nodes.map(|node| ProxyBox::from(hierarchy.bounds(node))).collect()
 }
 
 /// All meshes in one vertex and one index buffer, so that any objects can share a draw call.

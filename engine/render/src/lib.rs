@@ -35,6 +35,7 @@ mod frame_passes;
 mod geometry;
 mod moment;
 mod passes;
+mod questions;
 mod renderer;
 pub mod scene;
 mod shaders;
@@ -44,8 +45,8 @@ mod visible_set;
 pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
-    OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass,
-    SeenIo, SeenPass,
+    LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox,
+    ProxyIo, ProxyPass, SeenIo, SeenPass,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use shaders::{SHADERS, Shader, ShaderSet};

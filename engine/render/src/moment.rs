@@ -1,6 +1,6 @@
 //! One moment of a view, frozen: what was drawn, and which parts of the frontier stayed hidden.
 
-use cull::{Aabb, FrameId, LeafRange, QueryKind, View};
+use cull::{Aabb, Answer, FrameId, LeafRange, QueryKind, View};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
@@ -36,20 +36,23 @@ impl Renderer {
             drawn: taken.chain(queried).collect(),
             hidden: Vec::new(),
         };
-        let mut showed: Vec<_> = history
-            .answers()
-            .iter()
-            .filter(|answer| answer.samples > 0 && answer.tag.frame == plan.frame)
-            .filter(|answer| answer.tag.kind == QueryKind::Proxy)
-            .map(|answer| answer.tag.node)
-            .collect();
-        showed.sort_unstable();
-        for test in plan.tests.iter().filter(|test| test.leaves.count > 0) {
-            if showed.binary_search(&test.tag.node).is_ok() {
-                moment.drawn.push(test.leaves);
-            } else {
-                moment.hidden.push((self.hierarchy().bounds(test.tag.node), test.level));
+        let mut showed = Vec::new();
+        let of_frame = |answer: &&Answer| answer.samples > 0 && answer.tag.frame == plan.frame;
+        for answer in history.newest_answers().iter().filter(of_frame) {
+            let node = answer.tag.node;
+            match answer.tag.kind {
+                QueryKind::Proxy | QueryKind::Part => {
+                    moment.drawn.push(self.hierarchy.leaves(node));
+                    showed.push(node);
+                }
+                QueryKind::Parts => showed.push(node),
+                QueryKind::Probe | QueryKind::OwnDraw => {}
             }
+        }
+        showed.sort_unstable();
+        let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
+        for test in tests.filter(|test| showed.binary_search(&test.tag.node).is_err()) {
+            moment.hidden.push((self.hierarchy.bounds(test.tag.node), test.level));
         }
         Ok(moment)
     }

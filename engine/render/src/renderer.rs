@@ -2,13 +2,16 @@
 
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, Camera, Hierarchy, Policy, Strategy, View};
-use gpu::{Device, FrameRing, PassTime, Predicates, Predication, Readback, Target, Tick, Timeline};
+use cull::{Aabb, Abilities, Camera, Culler, Hierarchy, Policy, Strategy, View};
+use gpu::{
+    Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
+    Timeline,
+};
 
 use crate::error::Error;
 use crate::frame_passes::{FrameIo, FramePasses};
 use crate::geometry::Geometry;
-use crate::passes::{OpaquePass, OverlayPass, ProxyPass};
+use crate::passes::{LeafBoxPass, OpaquePass, OverlayPass, ProxyPass};
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
 use crate::view_history::ViewHistory;
@@ -73,6 +76,8 @@ pub struct FrameReport {
     pub tick: Tick,
     /// Time the CPU spent in the engine, without the wait for the slot.
     pub cpu: Duration,
+    /// Proxies tested, by whatever means.
+    pub tests: u32,
     /// Occlusion queries.
     pub queries: u32,
     /// Ranges of draws under a predicate.
@@ -128,6 +133,8 @@ impl Renderer {
         let target = Target::new(device, options.size, "target")?;
         let opaque = OpaquePass::new(device, &shaders)?;
         let proxies = ProxyPass::new(device, &shaders)?;
+        let leaf_boxes = proxies.can_flag().then(|| LeafBoxPass::new(device, &shaders));
+        let leaf_boxes = leaf_boxes.transpose()?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let predicates = Predicates::new(device, options.predication, &geometry.draws(), slots)?;
@@ -136,7 +143,15 @@ impl Renderer {
             device: device.clone(),
             frames: FrameRing::new(device, slots)?,
             hierarchy,
-            passes: FramePasses { target, geometry, predicates, opaque, proxies, light },
+            passes: FramePasses {
+                target,
+                geometry,
+                predicates,
+                opaque,
+                proxies,
+                leaf_boxes,
+                light,
+            },
             shaders,
             birds_eye: None,
             seen_leaves: None,
@@ -151,7 +166,33 @@ impl Renderer {
     /// # Errors
     /// A failed call.
     pub fn new_view(&self) -> Result<ViewHistory, Error> {
-        ViewHistory::new(&self.device, self.frames.frames_in_flight(), self.policy)
+        let culler = Culler::with_abilities(self.policy, self.abilities());
+        ViewHistory::new(&self.device, self.frames.frames_in_flight(), culler, &self.hierarchy)
+    }
+
+    /// What plans may make use of on this device.
+    fn abilities(&self) -> Abilities {
+        Abilities { flags: self.passes.proxies.can_flag(), parts: self.passes.leaf_boxes.is_some() }
+    }
+
+    /// Whether the device has what `strategy` needs.
+    ///
+    /// # Errors
+    /// [`gpu::Error::Unsupported`], with the name of what is missing.
+    pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
+        let missing = match strategy {
+            Strategy::AntumbraFlags if !self.abilities().flags => Optional::FragmentStores,
+            Strategy::Ideal if !self.device.capabilities().has(Optional::FragmentStores) => {
+                Optional::FragmentStores
+            }
+            _ => return Ok(()),
+        };
+        Err(gpu::Error::Unsupported {
+            device: self.device.adapter().name.clone(),
+            missing: missing.name(),
+            wanted: strategy.name(),
+        }
+        .into())
     }
 
     /// The device it draws on.
@@ -203,6 +244,7 @@ impl Renderer {
         history: &mut ViewHistory,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
+        self.supports(request.strategy)?;
         let view = self.view_of(&request.camera);
         let began = Instant::now();
         let mut frame = self.frames.begin()?;
@@ -250,6 +292,7 @@ fn report(history: &ViewHistory, tick: Tick, cpu: Duration) -> FrameReport {
     FrameReport {
         tick,
         cpu,
+        tests: history.plan().tests.len() as u32,
         queries: history.plan().query_count() as u32,
         predicated_draws: predicated.count() as u32,
         oldest_answer_frames: history.answer_ages().max(),

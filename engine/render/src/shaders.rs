@@ -22,10 +22,13 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 7] = [
+pub const SHADERS: [Shader; 10] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
+    shader!("proxy.frag"),
+    shader!("leaf_box.vert"),
+    shader!("leaf_box.frag"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
     shader!("seen.vert"),

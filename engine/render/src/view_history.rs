@@ -3,12 +3,14 @@
 use std::collections::VecDeque;
 
 use cull::{
-    Answer, Culler, FrameId, FramePlan, Hierarchy, LeafRange, Policy, QueryTag, Strategy, View,
+    Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafRange, QueryKind, QueryTag,
+    Strategy, View,
 };
-use gpu::{Device, DrawRange, QueryRing, Tick};
+use gpu::{Device, FlagRing, PartDraws, QueryRing, SwitchedOn, Tick, WordSource};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
+use crate::questions::Questions;
 use crate::visible_set::VisibleSet;
 
 /// What a frame turned out to be, known once its answers are home.
@@ -29,11 +31,14 @@ pub struct FrameOutcome {
 pub struct ViewHistory {
     pub(crate) culler: Culler,
     pub(crate) queries: QueryRing<QueryTag>,
+    pub(crate) flags: FlagRing<Option<QueryTag>>,
+    pub(crate) parts: PartDraws<(FrameId, Generation)>,
     pub(crate) plan: FramePlan,
-    // Scratch for the newest frame, kept to allocate nothing in the steady state: what each query
-    // is about, in the order of the queries: the queried draws, then the tests.
-    pub(crate) tags: Vec<QueryTag>,
+    /// That of the hierarchy that the plan is for.
+    pub(crate) generation: Generation,
+    pub(crate) questions: Questions,
     answers: Vec<Answer>,
+    newest: Vec<Answer>,
     pending: VecDeque<FrameOutcome>,
     outcomes: Vec<FrameOutcome>,
 }
@@ -42,14 +47,20 @@ impl ViewHistory {
     pub(crate) fn new(
         device: &Device,
         frames_in_flight: usize,
-        policy: Policy,
+        culler: Culler,
+        hierarchy: &Hierarchy,
     ) -> Result<Self, Error> {
+        let leaves = hierarchy.leaf_objects().len() as u32;
         Ok(Self {
-            culler: Culler::new(policy),
+            culler,
             queries: QueryRing::new(device, frames_in_flight, "occlusion queries")?,
+            flags: FlagRing::new(device, frames_in_flight, WordSource::Fragments, "proxy flags"),
+            parts: PartDraws::new(device, frames_in_flight, leaves),
             plan: FramePlan::default(),
-            tags: Vec::new(),
+            generation: hierarchy.generation(),
+            questions: Questions::default(),
             answers: Vec::new(),
+            newest: Vec::new(),
             pending: VecDeque::new(),
             outcomes: Vec::new(),
         })
@@ -67,15 +78,12 @@ impl ViewHistory {
 
     /// Picks up every answer that is home and lets the history move on. Never waits.
     pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
-        let Self { culler, queries, answers, pending, outcomes, .. } = self;
-        answers.clear();
-        queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
-        for answer in answers.iter() {
+        self.collect(completed, hierarchy);
+        let Self { culler, answers, newest: kept, pending, outcomes, .. } = self;
+        for answer in answers.iter().filter(|answer| answer.samples > 0) {
+            let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
             let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
-            if let Some(outcome) = outcome
-                && answer.samples > 0
-                && answer.tag.kind == cull::QueryKind::Proxy
-            {
+            if let Some(outcome) = outcome.filter(|_| is_drawn) {
                 let leaves = hierarchy.leaves(answer.tag.node);
                 outcome.draws += u64::from(leaves.count);
                 outcome.revealed += u64::from(leaves.count);
@@ -83,6 +91,8 @@ impl ViewHistory {
             }
         }
         if let Some(newest) = answers.iter().map(|answer| answer.tag.frame).max() {
+            kept.clear();
+            kept.extend(answers.iter().filter(|answer| answer.tag.frame == newest));
             while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
                 outcomes.push(outcome);
             }
@@ -90,9 +100,40 @@ impl ViewHistory {
         culler.ingest(hierarchy, answers.iter().copied());
     }
 
-    /// The answers of the last [`ViewHistory::ingest`].
-    pub(crate) fn answers(&self) -> &[Answer] {
-        &self.answers
+    /// Gathers the answers that are home, those of older frames first, and in a frame those for the
+    /// parts of a node after the node's.
+    fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy) {
+        let Self { queries, flags, parts, answers, .. } = self;
+        answers.clear();
+        queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
+        flags.collect(completed, |tag, samples| {
+            answers.extend(tag.map(|tag| Answer { tag, samples }));
+        });
+        parts.collect(completed, |(frame, generation), switched_on| match switched_on {
+            SwitchedOn::These(leaves) => {
+                let node = |leaf: &u32| hierarchy.leaf_objects().get(*leaf as usize);
+                let nodes = leaves.iter().filter_map(node).filter_map(|id| hierarchy.node_of(*id));
+                let kind = QueryKind::Part;
+                answers.extend(nodes.map(|node| Answer {
+                    tag: QueryTag { node, generation, frame, kind },
+                    samples: 1,
+                }));
+            }
+            // Which of the leaves showed is not known: the nodes answer for all of them.
+            SwitchedOn::TooMany(_) => {
+                let of_frame = answers.iter_mut().filter(|answer| answer.tag.frame == frame);
+                for answer in of_frame.filter(|answer| answer.tag.kind == QueryKind::Parts) {
+                    answer.tag.kind = QueryKind::Proxy;
+                }
+            }
+        });
+        answers
+            .sort_unstable_by_key(|answer| (answer.tag.frame, answer.tag.kind == QueryKind::Part));
+    }
+
+    /// All answers to the newest frame that has any.
+    pub(crate) fn newest_answers(&self) -> &[Answer] {
+        &self.newest
     }
 
     /// The age in frames of each answer used for the newest plan.
@@ -101,7 +142,7 @@ impl ViewHistory {
         self.answers.iter().map(move |answer| now.saturating_sub(answer.tag.frame.0))
     }
 
-    /// Plans the next frame and lists its queries.
+    /// Plans the next frame and lays out what it asks.
     pub(crate) fn decide(
         &mut self,
         hierarchy: &Hierarchy,
@@ -110,32 +151,22 @@ impl ViewHistory {
         query_budget: usize,
     ) {
         self.culler.plan(hierarchy, strategy, view, query_budget, &mut self.plan);
-        let own = self.plan.queried_draws.iter().map(|(_, tag)| *tag);
-        self.tags.clear();
-        self.tags.extend(own.chain(self.plan.tests.iter().map(|test| test.tag)));
+        self.generation = hierarchy.generation();
+        self.questions.lay_out(&self.plan);
     }
 
     /// Plans a frame of which it is known what is visible.
     pub(crate) fn decide_known(&mut self, hierarchy: &Hierarchy, visible: &VisibleSet) {
         self.culler.plan_known(hierarchy, visible.leaves(), &mut self.plan);
-        self.tags.clear();
-    }
-
-    /// What each query decides about, in the order of the queries.
-    pub(crate) fn draw_ranges(&self) -> impl ExactSizeIterator<Item = DrawRange> {
-        let own = self.plan.queried_draws.len();
-        (0..self.tags.len()).map(move |query| {
-            let test = query.checked_sub(own).and_then(|test| self.plan.tests.get(test));
-            test.map_or(DrawRange::default(), |test| DrawRange {
-                first: test.leaves.first.0,
-                count: test.leaves.count,
-            })
-        })
+        self.generation = hierarchy.generation();
+        self.questions.clear();
     }
 
     /// The newest frame is on its way: opens the books on it.
     pub(crate) fn submitted(&mut self, tick: Tick, geometry: &Geometry) {
         self.queries.submitted(tick);
+        self.flags.submitted(tick);
+        self.parts.submitted(tick);
         let taken = self.plan.draws.iter().copied();
         let taken = taken.chain(self.plan.queried_draws.iter().map(|(leaf, _)| *leaf));
         let mut outcome =
@@ -144,7 +175,7 @@ impl ViewHistory {
             outcome.draws += 1;
             outcome.triangles += geometry.triangles(LeafRange { first, count: 1 });
         }
-        if self.tags.is_empty() {
+        if self.questions.is_empty() {
             self.outcomes.push(outcome);
         } else {
             self.pending.push_back(outcome);

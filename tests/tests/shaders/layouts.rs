@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use gpu::{DrawRange, IndirectDraw};
+use gpu::{IndirectDraw, LISTED_DRAWS};
 use spirq::prelude::*;
 use spirq::ty::Type;
 use spirq::var::Variable;
@@ -49,8 +49,6 @@ fn array_in(name: &str, ty: &Type) -> (usize, Vec<usize>) {
     (array.stride.expect("a stride"), offsets)
 }
 
-const DRAW_RANGE_OFFSETS: [usize; 2] = [offset_of!(DrawRange, first), offset_of!(DrawRange, count)];
-
 const INDIRECT_DRAW_OFFSETS: [usize; 5] = [
     offset_of!(IndirectDraw, index_count),
     offset_of!(IndirectDraw, instance_count),
@@ -79,6 +77,16 @@ fn the_seen_pass_reads_instances_and_writes_a_word_a_leaf() {
 }
 
 #[test]
+fn flags_are_words_and_leaf_boxes_switch_on_draws() {
+    assert_eq!(interface("proxy.frag"), (vec![(1, 4, vec![0])], 0));
+    assert_eq!(interface("leaf_box.vert"), (vec![(0, 32, vec![0, 16])], 96));
+    let draws = (1, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
+    assert_eq!(interface("leaf_box.frag"), (vec![draws, (2, 4, vec![0])], 0));
+    let source = std::fs::read_to_string(crate::folder().join("leaf_box.frag")).unwrap();
+    assert!(source.contains(&format!("LISTED_DRAWS = {LISTED_DRAWS};")));
+}
+
+#[test]
 fn the_overlay_has_a_matrix_and_no_buffers() {
     assert_eq!(interface("overlay.vert"), (vec![], 64));
     assert_eq!(interface("overlay.frag"), (vec![], 0));
@@ -88,12 +96,13 @@ fn the_overlay_has_a_matrix_and_no_buffers() {
 #[test]
 fn predicates_read_words_and_ranges() {
     let words = (0, 4, vec![0]);
-    let ranges = (1, size_of::<DrawRange>(), DRAW_RANGE_OFFSETS.to_vec());
+    let ranges = (1, 12, vec![0, 4, 8]);
+    let boxes = (3, size_of::<gpu::vk::DrawIndirectCommand>(), vec![0, 4, 8, 12]);
     let draws = (2, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
     let counts = (2, 4, vec![0]);
     let [of_counts, of_instances] = OF_GPU.map(interface);
     assert_eq!(of_counts, (vec![words.clone(), ranges.clone(), counts], 8));
-    assert_eq!(of_instances, (vec![words, ranges, draws], 8));
+    assert_eq!(of_instances, (vec![words, ranges, draws, boxes], 8));
     // What vkCmdDrawIndexedIndirect reads.
     assert_eq!(size_of::<IndirectDraw>(), size_of::<gpu::vk::DrawIndexedIndirectCommand>());
     assert_eq!(INDIRECT_DRAW_OFFSETS, [0, 4, 8, 12, 16]);

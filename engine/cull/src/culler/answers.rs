@@ -29,11 +29,20 @@ impl Ingest<'_> {
         let Some(record) = self.history.record_mut(node) else {
             return;
         };
-        if record.answered >= self.asked {
+        // The answer for a part refines that for its node, which came first.
+        let is_old = match kind {
+            QueryKind::Part => record.answered > self.asked,
+            _ => record.answered >= self.asked,
+        };
+        if is_old {
             return;
         }
         record.answered = self.asked;
         match (kind, samples) {
+            (QueryKind::Part, 0) => {}
+            (QueryKind::Part, _) => self.leaf_showed(node),
+            (QueryKind::Parts, 0) => self.proxy_hidden(node),
+            (QueryKind::Parts, _) => self.parts_showed(node),
             (QueryKind::Proxy, 0) => self.proxy_hidden(node),
             (QueryKind::Proxy, _) if self.is_leaf(node) => self.leaf_showed(node),
             (QueryKind::Proxy, _) => self.inner_showed(node),
@@ -81,7 +90,10 @@ impl Ingest<'_> {
         if record.state != NodeState::Visible {
             let was_brief = record.state == NodeState::Hidden
                 && self.asked.since(record.since) <= self.policy.flip_frames;
-            record.flips = if was_brief { record.flips.saturating_add(1) } else { 0 };
+            // Hidden as of the same answer is no past: that of a part's node came just before.
+            if record.since != self.asked {
+                record.flips = if was_brief { record.flips.saturating_add(1) } else { 0 };
+            }
             record.state = NodeState::Visible;
             record.since = self.asked;
             record.streak = 0;
@@ -111,6 +123,33 @@ impl Ingest<'_> {
             self.open(node);
         }
         self.pull_up(node);
+    }
+
+    /// A node showed, and so did those of its leaves that are told about next: all others did not.
+    fn parts_showed(&mut self, top: u32) {
+        let end = self.topology.nodes[top as usize].end(top);
+        for node in top..end {
+            let asked = self.asked;
+            self.update(node, |record| {
+                if record.answered <= asked {
+                    if record.state != NodeState::Hidden {
+                        record.state = NodeState::Hidden;
+                        record.since = asked;
+                    }
+                    record.streak = 0;
+                }
+            });
+        }
+        let due = self.open_until(0);
+        let asked = self.asked;
+        self.update(top, |record| {
+            if record.state != NodeState::Visible {
+                record.state = NodeState::Visible;
+                record.since = asked;
+            }
+            record.due = due;
+        });
+        self.pull_up(top);
     }
 
     /// Opens a node that showed and some levels below it, so that small parts are tested next. Of

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use crate::plan::{ProxyTest, Tester};
 use crate::policy::Policy;
 
 /// Fills `rounds` with ranges that cover `0..tests`. After a cut each is twice as long as the one
@@ -28,6 +29,16 @@ pub(super) fn split(tests: usize, is_cut: bool, policy: &Policy, rounds: &mut Ve
             start = end;
         }
     }
+}
+
+/// Puts the tests of a round that are answered in the same way behind each other, front to back as
+/// they were. In a round nothing depends on their order. `scratch` keeps its memory.
+pub(super) fn group_by_tester(tests: &mut [ProxyTest], scratch: &mut Vec<ProxyTest>) {
+    scratch.clear();
+    for tester in Tester::ALL {
+        scratch.extend(tests.iter().filter(|test| test.tester == tester));
+    }
+    tests.copy_from_slice(scratch);
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Executes plans as the renderer does, and brings answers home with all mishaps there are.
 
-use antumbra_cull::{Aabb, Answer, FramePlan, Hierarchy, LeafIndex, QueryTag, View};
+use antumbra_cull::{
+    Aabb, Answer, FramePlan, Hierarchy, LeafIndex, ProxyTest, QueryKind, QueryTag, View,
+};
 
 use crate::image::{Image, Shift};
 use crate::random::Random;
@@ -99,13 +101,37 @@ impl Device {
                 .collect();
             for (test, samples) in tests.iter().zip(shown) {
                 self.answer(test.tag, samples);
-                if samples > 0 {
-                    for leaf in test.leaves.iter() {
-                        self.draw(view, hierarchy, solids, leaf);
-                    }
+                if samples == 0 {
+                    continue;
+                }
+                let parts = match test.tag.kind {
+                    QueryKind::Parts => self.parts(view, hierarchy, test),
+                    _ => test.leaves.iter().collect(),
+                };
+                for leaf in parts {
+                    self.draw(view, hierarchy, solids, leaf);
                 }
             }
         }
+    }
+
+    /// The leaves of a node that show, tested one by one; their answers go with the node's.
+    fn parts(&mut self, view: &View, hierarchy: &Hierarchy, test: &ProxyTest) -> Vec<LeafIndex> {
+        let mut shown = Vec::new();
+        for leaf in test.leaves.iter() {
+            let node = hierarchy.node_of(hierarchy.leaf_objects()[leaf.0 as usize]).unwrap();
+            let bounds =
+                view.margin.proxy(&hierarchy.bounds(node)).expect("far enough, as its node is");
+            let step = self.sub_pixel_step;
+            let mut rounding = Random::new(node.0.into());
+            let shift = [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * step);
+            let samples = self.image.test(view, &bounds, shift);
+            if samples > 0 {
+                shown.push(leaf);
+                self.answer(QueryTag { node, kind: QueryKind::Part, ..test.tag }, samples);
+            }
+        }
+        shown
     }
 
     fn draw(

@@ -3,27 +3,31 @@
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, View};
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    StorageLayout, VertexLayout, vk,
+    BOX_VERTICES, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, Optional, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
 use crate::shaders::ShaderSet;
 
-/// Draws the front faces of boxes against the depth so far: no colour, no depth writes, no
-/// fragment shader. What is made of it (queries today) is the caller's affair.
+/// Draws the front faces of boxes against the depth so far: no colour, no depth writes. Whether a
+/// box shows is told by the query around its draw, or by a flag that its fragments set.
 pub struct ProxyPass {
-    pipeline: GraphicsPipeline,
+    queried: GraphicsPipeline,
+    // Where fragment shaders can write to buffers.
+    flagged: Option<GraphicsPipeline>,
 }
 
-/// Reads boxes and the depth that is being rendered to; writes nothing.
+/// Reads boxes and the depth that is being rendered to; writes flags, if any.
 #[derive(Clone, Copy)]
 pub struct ProxyIo {
     /// One [`ProxyBox`] per test.
     pub boxes: BufferSlice,
+    /// One word per test, for [`ProxyPass::bind_flags`].
+    pub flags: Option<BufferSlice>,
 }
 
-/// A box as the shader reads it; mirrors `proxy.vert`.
+/// A box as the shaders read it; mirrors `box.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct ProxyBox {
@@ -46,41 +50,62 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 80);
 
-/// Three faces of two triangles.
-const VERTICES: u32 = 18;
-
 impl ProxyPass {
-    /// Compiles the pass.
+    /// Compiles the pass; without flags on a device whose fragment shaders cannot write.
     ///
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let pipeline = GraphicsPipeline::new(
-            device,
-            &GraphicsPipelineInfo {
-                name: "proxies",
+        let pipeline = |name, fragment, buffers| -> Result<GraphicsPipeline, Error> {
+            let info = GraphicsPipelineInfo {
+                name,
                 vertex: shaders.find("proxy.vert")?,
-                fragment: None,
+                fragment,
                 vertices: VertexLayout::default(),
-                storage: StorageLayout { buffers: 1, push_bytes: size_of::<Constants>() as u32 },
+                storage: StorageLayout { buffers, push_bytes: size_of::<Constants>() as u32 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 cull: vk::CullModeFlags::NONE,
                 depth: DepthMode::TestOnly,
                 blend: Blend::NoColour,
-            },
-        )?;
-        Ok(Self { pipeline })
+            };
+            Ok(GraphicsPipeline::new(device, &info)?)
+        };
+        let can_flag = device.capabilities().has(Optional::FragmentStores);
+        let fragment = shaders.find("proxy.frag")?;
+        let flagged = can_flag.then(|| pipeline("flagged proxies", Some(fragment), 2));
+        Ok(Self { queried: pipeline("queried proxies", None, 1)?, flagged: flagged.transpose()? })
     }
 
-    /// Binds everything; the caller then records [`ProxyPass::draw`] for each test.
+    /// Whether there are flags on this device.
+    pub fn can_flag(&self) -> bool {
+        self.flagged.is_some()
+    }
+
+    /// Binds everything for tests by queries; the caller then records [`ProxyPass::draw`] for each.
     pub fn bind(&self, commands: &Commands, io: &ProxyIo, view: &View) {
-        commands.bind(&self.pipeline, &[io.boxes]);
-        let (view_proj, eye) = (view.view_proj.to_cols_array(), view.eye.extend(1.0).to_array());
-        commands.push_constants(&self.pipeline, &Constants { view_proj, eye });
+        commands.bind(&self.queried, &[io.boxes]);
+        commands.push_constants(&self.queried, &constants(view));
+    }
+
+    /// Binds everything for tests by flags; the caller then records [`ProxyPass::draw_all`].
+    pub fn bind_flags(&self, commands: &Commands, io: &ProxyIo, view: &View) {
+        if let (Some(pipeline), Some(flags)) = (&self.flagged, io.flags) {
+            commands.bind(pipeline, &[io.boxes, flags]);
+            commands.push_constants(pipeline, &constants(view));
+        }
     }
 
     /// Draws box `test`.
     pub fn draw(&self, commands: &Commands, test: u32) {
-        commands.draw(VERTICES, test);
+        commands.draw(BOX_VERTICES, test);
     }
+
+    /// Draws the boxes of all `tests` in one call.
+    pub fn draw_all(&self, commands: &Commands, tests: std::ops::Range<u32>) {
+        commands.draw_instances(BOX_VERTICES, tests);
+    }
+}
+
+fn constants(view: &View) -> Constants {
+    Constants { view_proj: view.view_proj.to_cols_array(), eye: view.eye.extend(1.0).to_array() }
 }

@@ -1,0 +1,386 @@
+//! Predicates: ranges of draws that the GPU skips by itself when a test saw nothing.
+//!
+//! A test leaves a word that is zero or not, whoever wrote it ([`WordSource`]). The same plan runs on
+//! every device, by one of three executors; what is done with the word differs:
+//!
+//! - [`Predication::Conditional`]: the word is the predicate of conditional rendering.
+//! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all.
+//! - [`Predication::Instances`]: a compute pass writes it into the instance count of every draw of
+//!   the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
+//!   range, not only with the number of ranges.
+
+mod lane;
+
+use std::ops::Range;
+
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+
+use crate::access::{Access, MemoryBarrier};
+use crate::buffer::{Buffer, BufferSlice};
+use crate::capabilities::{Capabilities, Optional};
+use crate::commands::Commands;
+use crate::device::Device;
+use crate::error::Error;
+use crate::frames::Frame;
+use crate::pipeline::{ComputePipeline, StorageLayout};
+use crate::shader::Spirv;
+pub use lane::BOX_VERTICES;
+use lane::Lane;
+
+/// One indexed draw as the GPU reads it (`VkDrawIndexedIndirectCommand`, 20 bytes).
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
+pub struct IndirectDraw {
+    /// Indices to draw.
+    pub index_count: u32,
+    /// Instances; 0 draws nothing.
+    pub instance_count: u32,
+    /// Where the indices start.
+    pub first_index: u32,
+    /// Added to every index.
+    pub vertex_offset: i32,
+    /// The shader's instance index.
+    pub first_instance: u32,
+}
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+/// A contiguous range of indirect draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DrawRange {
+    /// The first draw.
+    pub first: u32,
+    /// How many.
+    pub count: u32,
+}
+
+/// Who wrote the words that decide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum WordSource {
+    /// Copies of query results.
+    Queries,
+    /// Fragment shaders of proxies.
+    Fragments,
+    /// A compute shader.
+    Compute,
+}
+
+impl WordSource {
+    /// All of them.
+    pub const ALL: [WordSource; 3] =
+        [WordSource::Queries, WordSource::Fragments, WordSource::Compute];
+
+    /// How the words are written.
+    pub fn access(self) -> Access {
+        match self {
+            WordSource::Queries => Access::CopyWrite,
+            WordSource::Fragments => Access::FragmentWrite,
+            WordSource::Compute => Access::ComputeWrite,
+        }
+    }
+}
+
+/// What happens to a range if its word is not zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reveal {
+    /// All of it is drawn ([`Predicates::draw`]).
+    #[default]
+    Whole,
+    /// A box for each of its draws is drawn first ([`Predicates::draw_boxes`]), whose fragments
+    /// decide draw by draw ([`Predicates::draw_parts`]).
+    Parts,
+}
+
+/// What one word decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Predicated {
+    /// The draws.
+    pub range: DrawRange,
+    /// What becomes of them.
+    pub reveal: Reveal,
+}
+
+/// How the GPU is kept from drawing what is hidden.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Predication {
+    /// `VK_EXT_conditional_rendering`.
+    Conditional,
+    /// Draw counts written by a compute pass; needs `drawIndirectCount`.
+    Counts,
+    /// Instance counts written by a compute pass; every device.
+    Instances,
+}
+
+impl Predication {
+    /// The best one for a device.
+    pub fn best(capabilities: &Capabilities) -> Self {
+        if capabilities.has(Optional::ConditionalRendering) {
+            Predication::Conditional
+        } else if capabilities.has(Optional::DrawIndirectCount) {
+            Predication::Counts
+        } else {
+            Predication::Instances
+        }
+    }
+
+    /// Its name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Predication::Conditional => "conditional",
+            Predication::Counts => "counts",
+            Predication::Instances => "instances",
+        }
+    }
+
+    fn needs(self) -> Option<Optional> {
+        match self {
+            Predication::Conditional => Some(Optional::ConditionalRendering),
+            Predication::Counts => Some(Optional::DrawIndirectCount),
+            Predication::Instances => None,
+        }
+    }
+}
+
+/// All draws of a scene, in GPU memory, drawn range by range under predicates.
+pub struct Predicates {
+    device: Device,
+    predication: Predication,
+    draws: Buffer,
+    writer: Option<ComputePipeline>,
+    lanes: [Lane; WordSource::ALL.len()],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Words {
+    first: u32,
+    count: u32,
+}
+
+impl Predicates {
+    /// Uploads `draws` and prepares `predication` (the device's best if `None`).
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when the device lacks what `predication` needs; no memory; a failed
+    /// call.
+    pub fn new(
+        device: &Device,
+        predication: Option<Predication>,
+        draws: &[IndirectDraw],
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
+        let predication = predication.unwrap_or_else(|| Predication::best(device.capabilities()));
+        if let Some(lacking) = predication.needs().filter(|o| !device.capabilities().has(*o)) {
+            return Err(Error::Unsupported {
+                device: device.adapter().name.clone(),
+                missing: lacking.name(),
+                wanted: "this way to skip hidden draws",
+            });
+        }
+        let shader: Option<(&str, &[u8])> = match predication {
+            Predication::Conditional => None,
+            Predication::Counts => Some((
+                "predicate_counts.comp",
+                include_bytes!("../../../../shaders/predicate_counts.comp.spv"),
+            )),
+            Predication::Instances => Some((
+                "predicate_instances.comp",
+                include_bytes!("../../../../shaders/predicate_instances.comp.spv"),
+            )),
+        };
+        let buffers = writer_buffers(predication) as u32;
+        let storage = StorageLayout { buffers, push_bytes: size_of::<Words>() as u32 };
+        let writer = match shader {
+            None => None,
+            Some((name, bytes)) => {
+                let spirv = Spirv::from_bytes(name, bytes)?;
+                Some(ComputePipeline::new(device, name, &spirv, storage)?)
+            }
+        };
+        let usage = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
+        Ok(Self {
+            device: device.clone(),
+            predication,
+            draws: device.upload("indirect draws", draws, usage)?,
+            writer,
+            lanes: std::array::from_fn(|_| Lane::new(frames_in_flight)),
+        })
+    }
+
+    /// The executor in use.
+    pub fn predication(&self) -> Predication {
+        self.predication
+    }
+
+    /// Starts a frame: word `i` of those that `source` writes decides about `decided[i]`. Each
+    /// source is begun once a frame, without words if it writes none.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn begin(
+        &mut self,
+        frame: &mut Frame<'_>,
+        source: WordSource,
+        words: Option<BufferSlice>,
+        decided: impl ExactSizeIterator<Item = Predicated>,
+    ) -> Result<(), Error> {
+        let counts = self.predication == Predication::Counts;
+        let device = &self.device;
+        let Some(lane) = self.lanes.get_mut(source as usize) else { return Ok(()) };
+        lane.begin(frame, words, decided);
+        if self.writer.is_some() {
+            lane.upload(frame, self.predication)?;
+        }
+        if counts { lane.make_counts(device) } else { Ok(()) }
+    }
+
+    /// Makes words decide that were just written: for each source, a range of its words. Outside
+    /// of rendering; after writing them and before anything is drawn by them.
+    pub fn resolve(&self, commands: &Commands, written: &[(WordSource, Range<u32>)]) {
+        let between = MemoryBarrier::between;
+        let mut from: Vec<Access> = written.iter().map(|(source, _)| source.access()).collect();
+        let Some(writer) = &self.writer else {
+            commands.barrier(between(&from, &[Access::PredicateRead]));
+            return;
+        };
+        // Earlier rounds, and earlier frames of other slots, may still read the draws.
+        from.extend([Access::IndirectRead, Access::ComputeWrite]);
+        commands.barrier(between(&from, &[Access::ComputeRead, Access::ComputeWrite]));
+        for (source, range) in written {
+            let lane = self.lane(*source);
+            let result = match self.predication {
+                Predication::Counts => lane.counts(),
+                _ => Some(self.draws.whole()),
+            };
+            let (Some(on_gpu), Some(words), Some(result)) = (lane.on_gpu, lane.words, result)
+            else {
+                continue;
+            };
+            let count = range.end.saturating_sub(range.start);
+            let lists = [words, on_gpu.decided, result, on_gpu.box_draws];
+            commands.bind_compute(
+                writer,
+                lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
+            );
+            commands.push_compute_constants(writer, &Words { first: range.start, count });
+            let groups = match self.predication {
+                Predication::Counts => count.div_ceil(64), // a thread per word
+                _ => count,                                // a workgroup per word
+            };
+            commands.dispatch([groups, 1, 1]);
+        }
+        // The next round writes other words of the buffers just read.
+        commands.barrier(between(
+            &[Access::ComputeWrite, Access::ComputeRead],
+            &[Access::IndirectRead, Access::CopyWrite, Access::CopyRead, Access::FragmentWrite],
+        ));
+    }
+
+    /// Draws the range of `word` if the word is not zero.
+    pub fn draw(&self, commands: &Commands, source: WordSource, word: u32) {
+        self.draw_from(commands, source, word, self.draws.whole());
+    }
+
+    /// Draws the range of `word` out of `draws`, which has a copy of every draw whose instance
+    /// count is 1 where a box showed and 0 elsewhere, if the word is not zero.
+    pub fn draw_parts(
+        &self,
+        commands: &Commands,
+        source: WordSource,
+        word: u32,
+        draws: BufferSlice,
+    ) {
+        self.draw_from(commands, source, word, draws);
+    }
+
+    fn draw_from(
+        &self,
+        commands: &Commands,
+        source: WordSource,
+        word: u32,
+        all_draws: BufferSlice,
+    ) {
+        let lane = self.lane(source);
+        let Some(range) = lane.decided.get(word as usize).map(|decided| decided.range) else {
+            return;
+        };
+        let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+        let draws = all_draws.part(bytes(range.first), bytes(range.count));
+        match self.predication {
+            Predication::Instances => commands.draw_indirect(draws),
+            Predication::Counts => {
+                if let Some(counts) = lane.counts() {
+                    commands.draw_indirect_count(draws, counts.part(u64::from(word) * 4, 4));
+                }
+            }
+            Predication::Conditional => {
+                self.conditionally(commands, lane, word, |commands| commands.draw_indirect(draws));
+            }
+        }
+    }
+
+    /// Draws [`BOX_VERTICES`] vertices for each draw in the range of `word`, as the instance of the
+    /// draw's own number, if the word is not zero.
+    pub fn draw_boxes(&self, commands: &Commands, source: WordSource, word: u32) {
+        let lane = self.lane(source);
+        let Some(range) = lane.decided.get(word as usize).map(|decided| decided.range) else {
+            return;
+        };
+        match (lane.on_gpu, self.predication) {
+            (Some(on_gpu), Predication::Counts) => {
+                // Any count but 0 draws the one command there is. Not a plain indirect draw: Mesa
+                // 22.3's lavapipe goes on using the count of the last draw that had one.
+                if let Some(counts) = lane.counts() {
+                    let count = counts.part(u64::from(word) * 4, 4);
+                    commands.draw_unindexed_indirect_count(lane::box_draw(on_gpu, word), count);
+                }
+            }
+            (Some(on_gpu), _) => commands.draw_unindexed_indirect(lane::box_draw(on_gpu, word)),
+            (None, _) => self.conditionally(commands, lane, word, |commands| {
+                commands.draw_instances(BOX_VERTICES, range.first..range.first + range.count);
+            }),
+        }
+    }
+
+    /// Records `record` so that the GPU skips it if the word is zero.
+    fn conditionally(
+        &self,
+        commands: &Commands,
+        lane: &Lane,
+        word: u32,
+        record: impl FnOnce(&Commands),
+    ) {
+        // No words, no answer: what is unknown is drawn.
+        let (Some(conditional), Some(words)) = (self.device.conditional(), lane.words) else {
+            record(commands);
+            return;
+        };
+        let info = vk::ConditionalRenderingBeginInfoEXT::default()
+            .buffer(words.raw)
+            .offset(words.offset_bytes + u64::from(word) * 4);
+        // SAFETY: the extension is enabled; ash 0.38 has only the raw pointers. The words outlive
+        // the frame.
+        unsafe {
+            (conditional.fp().cmd_begin_conditional_rendering_ext)(commands.raw(), &raw const info);
+        }
+        record(commands);
+        // SAFETY: closes what was opened above.
+        unsafe {
+            (conditional.fp().cmd_end_conditional_rendering_ext)(commands.raw());
+        }
+    }
+
+    fn lane(&self, source: WordSource) -> &Lane {
+        &self.lanes[source as usize]
+    }
+}
+
+/// Storage buffers of the compute shader: words, what they decide, counts or draws, and box draws
+/// where their instance counts are written.
+fn writer_buffers(predication: Predication) -> usize {
+    match predication {
+        Predication::Instances => 4,
+        Predication::Conditional | Predication::Counts => 3,
+    }
+}

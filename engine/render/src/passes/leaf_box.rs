@@ -1,0 +1,74 @@
+//! The leaf-box pass: the second level of a test, leaf by leaf below a node that showed.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Parts,
+    StorageLayout, VertexLayout, vk,
+};
+
+use crate::error::Error;
+use crate::shaders::ShaderSet;
+
+/// Draws the front faces of the leaves' proxies against the depth so far. The fragments that pass
+/// switch on the draws of their leaves.
+pub struct LeafBoxPass {
+    pipeline: GraphicsPipeline,
+}
+
+/// Reads the leaves' boxes and the depth that is being rendered to; writes draws and their list.
+#[derive(Clone, Copy)]
+pub struct LeafBoxIo {
+    /// One [`super::ProxyBox`] per leaf, not yet enlarged.
+    pub boxes: BufferSlice,
+    /// What is switched on.
+    pub parts: Parts,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    view_proj: [f32; 16],
+    eye: [f32; 3],
+    metres_at_depth_1: f32,
+    forward: [f32; 3],
+    near: f32,
+}
+
+const _: () = assert!(size_of::<Constants>() == 96);
+
+impl LeafBoxPass {
+    /// Compiles the pass, for a device whose fragment shaders can write to buffers.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let info = GraphicsPipelineInfo {
+            name: "leaf boxes",
+            vertex: shaders.find("leaf_box.vert")?,
+            fragment: Some(shaders.find("leaf_box.frag")?),
+            vertices: VertexLayout::default(),
+            storage: StorageLayout { buffers: 3, push_bytes: size_of::<Constants>() as u32 },
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            cull: vk::CullModeFlags::NONE,
+            depth: DepthMode::TestOnly,
+            blend: Blend::NoColour,
+        };
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+    }
+
+    /// Binds everything; the caller then draws boxes, the instance being the leaf.
+    pub fn bind(&self, commands: &Commands, io: &LeafBoxIo, view: &View) {
+        commands.bind(&self.pipeline, &[io.boxes, io.parts.draws, io.parts.list]);
+        commands.push_constants(
+            &self.pipeline,
+            &Constants {
+                view_proj: view.view_proj.to_cols_array(),
+                eye: view.eye.to_array(),
+                metres_at_depth_1: view.margin.metres_at_depth_1(),
+                forward: view.forward.to_array(),
+                near: view.near,
+            },
+        );
+    }
+}

@@ -1,0 +1,155 @@
+//! What a plan asks the GPU, laid out as it is asked: which query, flag and word stands for which test.
+
+use std::ops::Range;
+
+use cull::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
+use gpu::{DrawRange, Predicated, Reveal, WordSource};
+
+/// The word that decides about a test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Word {
+    pub(crate) source: WordSource,
+    pub(crate) place: u32,
+}
+
+/// The layout of one frame's questions, kept to allocate nothing in the steady state.
+#[derive(Debug, Default)]
+pub(crate) struct Questions {
+    /// What each query is about: first those on visible draws, then the tests by query.
+    pub(crate) query_tags: Vec<QueryTag>,
+    /// How many of the queries are on visible draws.
+    pub(crate) own_draws: u32,
+    /// What each flag is about: a place for every test if there are flags at all.
+    pub(crate) flag_tags: Vec<Option<QueryTag>>,
+    /// The word of each test.
+    pub(crate) words: Vec<Word>,
+    pub(crate) rounds: Vec<RoundQuestions>,
+    /// What the words of queries and those of flags decide.
+    query_decides: Vec<Predicated>,
+    flag_decides: Vec<Predicated>,
+}
+
+/// The questions of one round. Tests of one kind follow each other, the plan sees to that.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct RoundQuestions {
+    pub(crate) tests: Range<usize>,
+    /// The tests by flag.
+    pub(crate) flags: Range<u32>,
+    /// The tests by query.
+    pub(crate) queried_tests: Range<u32>,
+    /// Their queries.
+    pub(crate) queries: Range<u32>,
+    /// Whether there are tests whose leaves are tested one by one.
+    pub(crate) has_parts: bool,
+}
+
+impl Questions {
+    /// Lays out `plan`.
+    pub(crate) fn lay_out(&mut self, plan: &FramePlan) {
+        self.query_tags.clear();
+        self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| *tag));
+        self.own_draws = self.query_tags.len() as u32;
+        self.query_decides.clear();
+        self.query_decides.resize(self.query_tags.len(), Predicated::default());
+        self.words.clear();
+        self.rounds.clear();
+        for round in &plan.rounds {
+            self.lay_out_round(plan, round.clone());
+        }
+        self.flag_tags.clear();
+        self.flag_decides.clear();
+        if plan.tests.iter().any(|test| test.tester == Tester::Flag) {
+            let tag = |test: &ProxyTest| (test.tester == Tester::Flag).then_some(test.tag);
+            self.flag_tags.extend(plan.tests.iter().map(tag));
+            self.flag_decides.extend(plan.tests.iter().map(predicated));
+        }
+    }
+
+    fn lay_out_round(&mut self, plan: &FramePlan, tests: Range<usize>) {
+        let none = tests.start as u32..tests.start as u32;
+        let first_query = self.query_tags.len() as u32;
+        let mut round = RoundQuestions {
+            tests: tests.clone(),
+            flags: none.clone(),
+            queried_tests: none,
+            queries: first_query..first_query,
+            has_parts: false,
+        };
+        for (number, test) in (tests.start as u32..).zip(&plan.tests[tests]) {
+            let word = match test.tester {
+                Tester::Query => {
+                    self.query_tags.push(test.tag);
+                    self.query_decides.push(predicated(test));
+                    extend(&mut round.queried_tests, number);
+                    Word { source: WordSource::Queries, place: self.query_tags.len() as u32 - 1 }
+                }
+                Tester::Flag => {
+                    extend(&mut round.flags, number);
+                    Word { source: WordSource::Fragments, place: number }
+                }
+            };
+            self.words.push(word);
+            round.has_parts |= test.tag.kind == QueryKind::Parts;
+        }
+        round.queries.end = self.query_tags.len() as u32;
+        self.rounds.push(round);
+    }
+
+    /// Nothing is asked.
+    pub(crate) fn clear(&mut self) {
+        self.lay_out(&FramePlan::default());
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.query_tags.is_empty() && self.words.is_empty()
+    }
+
+    /// What each word of `source` decides.
+    pub(crate) fn decided(&self, source: WordSource) -> &[Predicated] {
+        match source {
+            WordSource::Queries => &self.query_decides,
+            WordSource::Fragments => &self.flag_decides,
+            WordSource::Compute => &[],
+        }
+    }
+
+    /// The words of a round's tests whose draws are revealed in this way.
+    pub(crate) fn revealing(
+        &self,
+        round: Option<&RoundQuestions>,
+        reveal: Reveal,
+    ) -> impl Iterator<Item = Word> {
+        let words = round.map_or(&[][..], |round| &self.words[round.tests.clone()]);
+        let decided = |word: &Word| self.decided(word.source).get(word.place as usize);
+        words.iter().copied().filter(move |word| {
+            decided(word).is_some_and(|it| it.range.count > 0 && it.reveal == reveal)
+        })
+    }
+
+    /// The words that are known once the proxies of `round` were drawn.
+    pub(crate) fn written(&self, round: &RoundQuestions) -> Vec<(WordSource, Range<u32>)> {
+        let lanes = [
+            (WordSource::Queries, round.queries.clone()),
+            (WordSource::Fragments, round.flags.clone()),
+        ];
+        lanes.into_iter().filter(|lane| !lane.1.is_empty()).collect()
+    }
+}
+
+fn extend(range: &mut Range<u32>, by: u32) {
+    let start = if range.start < range.end { range.start } else { by };
+    *range = start..by + 1;
+}
+
+/// The draws that a test decides about.
+pub(crate) fn draw_range(test: &ProxyTest) -> DrawRange {
+    DrawRange { first: test.leaves.first.0, count: test.leaves.count }
+}
+
+fn predicated(test: &ProxyTest) -> Predicated {
+    let reveal = match test.tag.kind {
+        QueryKind::Parts => Reveal::Parts,
+        _ => Reveal::Whole,
+    };
+    Predicated { range: draw_range(test), reveal }
+}

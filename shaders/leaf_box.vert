@@ -1,0 +1,32 @@
+// The leaf-box pass: the front faces of the proxy of a leaf, enlarged here as `cull::Margin` does it.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "box.glsl"
+
+layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
+
+layout(push_constant) uniform Constants {
+    mat4 view_proj;
+    vec4 eye;     // w: how far a proxy reaches beyond its box, in metres at view depth 1
+    vec4 forward; // w: the near plane
+};
+
+layout(location = 0) flat out uint leaf;
+
+// What other rounding than on the CPU may cost, as a share of the distance.
+const float CAUTION = 1.0 + 1.0 / 65536.0;
+
+void main() {
+    Box box = boxes[gl_InstanceIndex];
+    vec3 centre = 0.5 * (box.low.xyz + box.high.xyz);
+    vec3 half_extent = 0.5 * (box.high.xyz - box.low.xyz);
+    float depth = dot(forward.xyz, centre - eye.xyz);
+    float reach = dot(abs(forward.xyz), half_extent);
+    vec3 largest = max(max(abs(box.low.xyz), abs(box.high.xyz)), abs(eye.xyz));
+    // 16 times the rounding of a coordinate, as on the CPU.
+    float slack = 1.9073486e-6 * max(largest.x, max(largest.y, largest.z));
+    float distance = CAUTION * (eye.w * max(depth + reach, forward.w) + slack);
+    leaf = gl_InstanceIndex;
+    gl_Position = box_vertex(box.low.xyz - distance, box.high.xyz + distance, eye.xyz, view_proj,
+                             gl_VertexIndex);
+}
