@@ -63,6 +63,9 @@ pub struct Arguments {
     /// What to compare: frustum, antumbra, or all
     #[arg(long, value_name = "NAME[,NAME]|all", default_value = "all", help_heading = "Compare")]
     pub strategy: String,
+    /// Print the name of every strategy, one a line, and end
+    #[arg(long, help_heading = "Compare")]
+    pub list_strategies: bool,
     /// Compare frames bit for bit with frustum culling: every one, every K-th, or none
     #[arg(long, value_name = "every|K|off", default_value = "off", help_heading = "Compare")]
     pub verify: String,

@@ -14,6 +14,7 @@ pub mod outputs;
 pub mod picture;
 pub mod pictures;
 pub mod progress;
+pub mod provenance;
 pub mod report;
 pub mod run;
 pub mod schedule;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::report::{AgeReport, RunReport};
+use crate::report::{AgeReport, RunReport, kept_times};
 use crate::statistics::{Summary, median_count};
 use crate::strategy::Strategy;
 
@@ -89,6 +89,7 @@ impl RunMeasurement {
         RunReport {
             strategy: self.strategy.name().to_owned(),
             frame_ms: times(|frame| frame.frame_ms),
+            frame_times_ms: kept_times(self.frames.iter().map(|frame| frame.frame_ms)),
             cpu_ms: times(|frame| frame.cpu_ms),
             draws: count(|frame| frame.draws),
             triangles: count(|frame| frame.triangles),

@@ -9,7 +9,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::outputs::{WriteError, replace_file};
-use crate::statistics::{Summary, ratio};
+use crate::provenance::Provenance;
+use crate::statistics::{Summary, kept, paired_ratio, ratio};
 
 /// Everything a walk measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,6 +39,10 @@ pub struct Report {
     pub runs: Vec<RunReport>,
     /// "A/B": median frame time of A over that of B, for every ordered pair.
     pub ratios: BTreeMap<String, Option<f64>>,
+    /// "A/B": median over the frames of A's time of a frame over B's time of the same one.
+    pub paired_ratios: BTreeMap<String, Option<f64>>,
+    /// How and when all this was measured.
+    pub provenance: Provenance,
 }
 
 /// The device that drew.
@@ -102,6 +107,8 @@ pub struct RunReport {
     pub strategy: String,
     /// Time of a frame: from its begin on the CPU to its end on the device, per frame in flight.
     pub frame_ms: Summary,
+    /// The times that `frame_ms` sums up, in the order of the path.
+    pub frame_times_ms: Vec<Option<f64>>,
     /// CPU time of the engine in a frame.
     pub cpu_ms: Summary,
     /// Draws submitted.
@@ -130,12 +137,30 @@ pub struct RunReport {
 
 /// "A/B" for every ordered pair of runs: median frame time of A over that of B.
 pub fn ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
+    pairs(runs, |a, b| ratio(a.frame_ms.median, b.frame_ms.median))
+}
+
+/// "A/B" for every ordered pair of runs: the median of the ratios frame by frame. Where frames differ
+/// much over a path, it says more than the ratio of two medians that stem from different frames.
+pub fn paired_ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
+    pairs(runs, |a, b| paired_ratio(&a.frame_times_ms, &b.frame_times_ms))
+}
+
+/// Frame times as reports keep them: absent where they are no number.
+pub fn kept_times(times_ms: impl Iterator<Item = f64>) -> Vec<Option<f64>> {
+    times_ms.map(|time_ms| time_ms.is_finite().then(|| kept(time_ms))).collect()
+}
+
+fn pairs(
+    runs: &[RunReport],
+    ratio: impl Fn(&RunReport, &RunReport) -> Option<f64>,
+) -> BTreeMap<String, Option<f64>> {
     let mut ratios = BTreeMap::new();
     for (a_place, a) in runs.iter().enumerate() {
         for (b_place, b) in runs.iter().enumerate() {
             if a_place != b_place {
                 let name = format!("{}/{}", a.strategy, b.strategy);
-                ratios.insert(name, ratio(a.frame_ms.median, b.frame_ms.median));
+                ratios.insert(name, ratio(a, b));
             }
         }
     }

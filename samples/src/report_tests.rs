@@ -43,6 +43,8 @@ pub(crate) fn example() -> Report {
         memory: MemoryReport { peak_resident_mib: Some(123.4), gpu_allocated_mib: Some(56.0) },
         build_ms: BuildReport { scene: Some(1.5), hierarchy: Some(2.5), upload: Some(3.5) },
         ratios: ratios(&runs),
+        paired_ratios: paired_ratios(&runs),
+        provenance: Provenance { command: vec!["walkthrough".into()], unix_s: 1_795_230_000 },
         runs,
     }
 }
@@ -54,6 +56,7 @@ fn the_keys_are_the_contract() {
         json!({
             "strategy": strategy,
             "frame_ms": {"median": (low + high) / 2.0, "p95": high, "max": high},
+            "frame_times_ms": [low, high],
             "cpu_ms": {"median": (low + high) / 20.0, "p95": high / 10.0, "max": high / 10.0},
             "draws": 3, "triangles": 3000, "queries": 2, "predicated_draws": 1, "nodes_visited": 9,
             "passes_ms": {},
@@ -73,6 +76,8 @@ fn the_keys_are_the_contract() {
         "build_ms": {"scene": 1.5, "hierarchy": 2.5, "upload": 3.5},
         "runs": [run("frustum", 30.0, 33.0), run("antumbra", 10.0, 11.0)],
         "ratios": {"frustum/antumbra": 3.0, "antumbra/frustum": 0.3333},
+        "paired_ratios": {"frustum/antumbra": 3.0, "antumbra/frustum": 0.3333},
+        "provenance": {"command": ["walkthrough"], "unix_s": 1_795_230_000},
     });
     assert_eq!(json, expected);
 }
@@ -83,8 +88,11 @@ fn what_was_not_measured_is_null() {
     report.runs =
         vec![RunMeasurement::new(Strategy::Frustum).report(), run(Strategy::Antumbra, &[f64::NAN])];
     report.ratios = ratios(&report.runs);
+    report.paired_ratios = paired_ratios(&report.runs);
     let json: Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
     assert_eq!(json["ratios"]["frustum/antumbra"], Value::Null);
+    assert_eq!(json["paired_ratios"]["frustum/antumbra"], Value::Null);
+    assert_eq!(json["runs"][1]["frame_times_ms"], json!([null]));
     assert_eq!(json["runs"][0]["pixels_wrong"], Value::Null);
     assert_eq!(json["runs"][0]["draws"], Value::Null);
     assert_eq!(json["runs"][1]["frame_ms"]["median"], Value::Null);

@@ -10,7 +10,10 @@ use thiserror::Error;
 use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation};
 use crate::options::UsageError;
 use crate::progress::Progress;
-use crate::report::{BuildReport, DeviceReport, MemoryReport, Report, SceneReport, ratios};
+use crate::provenance::Provenance;
+use crate::report::{
+    BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
+};
 use crate::stopwatch::Stopwatch;
 use crate::walk::Walk;
 use crate::{Options, memory, pictures};
@@ -208,6 +211,8 @@ fn walk_on(
             upload: Some(upload_ms),
         },
         ratios: ratios(&runs),
+        paired_ratios: paired_ratios(&runs),
+        provenance: Provenance::of_this_process(),
         runs,
     })
 }

@@ -25,9 +25,9 @@ impl Summary {
             samples.into_iter().filter(|sample| sample.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
         Self {
-            median: median(&sorted).map(rounded),
-            p95: nearest_rank(&sorted, 95).copied().map(rounded),
-            max: sorted.last().copied().map(rounded),
+            median: median(&sorted).map(kept),
+            p95: nearest_rank(&sorted, 95).copied().map(kept),
+            max: sorted.last().copied().map(kept),
         }
     }
 }
@@ -42,7 +42,13 @@ pub fn median_count(counts: impl IntoIterator<Item = u64>) -> Option<u64> {
 /// How many times `a` is as large as `b`; absent where that is no finite number.
 pub fn ratio(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     let ratio = a? / b?;
-    ratio.is_finite().then(|| rounded(ratio))
+    ratio.is_finite().then(|| kept(ratio))
+}
+
+/// The median of the ratios of what stands at the same place in both; absent where no pair has one.
+pub fn paired_ratio(a: &[Option<f64>], b: &[Option<f64>]) -> Option<f64> {
+    let ratios = a.iter().zip(b).filter_map(|(&a, &b)| Some(a? / b?));
+    Summary::of(ratios).median
 }
 
 fn median(sorted: &[f64]) -> Option<f64> {
@@ -61,7 +67,8 @@ fn nearest_rank<T>(sorted: &[T], percent: usize) -> Option<&T> {
     sorted.get(rank.checked_sub(1)?)
 }
 
-fn rounded(value: f64) -> f64 {
+/// Rounded to the digits that reports keep.
+pub fn kept(value: f64) -> f64 {
     let scaled = (value * KEPT_DIGITS).round() / KEPT_DIGITS;
     if scaled.is_finite() { scaled } else { value }
 }
@@ -103,6 +110,20 @@ mod tests {
         assert_eq!(ratio(Some(0.0), Some(0.0)), None);
         assert_eq!(ratio(None, Some(1.0)), None);
         assert_eq!(ratio(Some(1.0), None), None);
+    }
+
+    #[test]
+    fn paired_ratios_are_taken_frame_by_frame() {
+        // The ratio of the medians would be 4 / 1.
+        let (a, b) = ([Some(1.0), Some(4.0), Some(9.0)], [Some(1.0), Some(2.0), Some(0.5)]);
+        assert_eq!(paired_ratio(&a, &b), Some(2.0));
+        assert_eq!(paired_ratio(&a, &b[..1]), Some(1.0), "what has no partner does not count");
+        assert_eq!(
+            paired_ratio(&[Some(1.0), None, Some(3.0)], &[Some(0.0), b[1], b[1]]),
+            Some(1.5)
+        );
+        assert_eq!(paired_ratio(&[None], &[Some(1.0)]), None);
+        assert_eq!(paired_ratio(&[], &[]), None);
     }
 
     proptest! {

@@ -89,6 +89,9 @@ fn assert_report(report: &Value, device: &str) {
     let ratio = number(&report["ratios"]["frustum/antumbra"]);
     let medians = [frustum, antumbra].map(|run| number(&run["frame_ms"]["median"]));
     assert!((ratio - medians[0] / medians[1]).abs() < 0.01 * ratio + 0.001, "{ratio}");
+    assert!(number(&report["paired_ratios"]["frustum/antumbra"]) > 0.0);
+    let command = report["provenance"]["command"].as_array().expect("words");
+    assert!(command.len() > 10 && command[0] == "walkthrough", "{command:?}");
     assert_eq!(report["ratios"].as_object().expect("pairs").len(), 2);
 }
 
@@ -103,6 +106,9 @@ fn assert_run(run: &Value, scene_triangles: f64) {
     assert_eq!(run["frames_timed"], FRAMES);
     assert_eq!(run["frames_verified"], FRAMES);
     assert_eq!(run["pixels_wrong"], 0);
+    let times = run["frame_times_ms"].as_array().expect("times");
+    assert_eq!(times.len() as u64, FRAMES);
+    assert!(times.iter().all(|time| number(time) <= number(&run["frame_ms"]["max"])));
     assert!(run["predicated_draws"].is_u64() && run["result_age_frames"].is_object());
 }
 
@@ -161,6 +167,16 @@ fn a_cache_that_cannot_be_written_is_no_reason_to_stop() {
     let output = command.env("XDG_CACHE_HOME", "/proc/nowhere").output().expect("it starts");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("pipeline cache"), "{}", stderr(&output));
+}
+
+#[test]
+fn strategies_are_listed_without_a_device() {
+    let scratch = Scratch::new("list-strategies");
+    let mut command = walkthrough(&scratch.0, &["--list-strategies"]);
+    let output = command.env("VK_DRIVER_FILES", "/nonexistent").output().expect("it starts");
+    let names = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0));
+    assert!(names.lines().eq(cull::Strategy::ALL.map(cull::Strategy::name)), "{names}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use clap::Parser;
 use samples::args::Arguments;
 use samples::outputs::Outputs;
 use samples::run::RunError;
+use samples::strategy::Strategy;
 use samples::{progress, run, table, verdict};
 use tracing_subscriber::EnvFilter;
 
@@ -44,6 +45,10 @@ struct Told {
 
 /// Does what the arguments say.
 fn walk(arguments: &Arguments) -> Result<Told, RunError> {
+    if arguments.list_strategies {
+        let text = Strategy::ALL.iter().map(|strategy| format!("{strategy}\n")).collect();
+        return Ok(Told { text, complaint: None });
+    }
     let options = arguments.options()?;
     if arguments.list_devices {
         let text = run::list_devices()?.iter().map(|line| format!("{line}\n")).collect();
