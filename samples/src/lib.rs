@@ -3,10 +3,12 @@
 //! The `walkthrough` program, step by step: [`args`] turns its command line into [`Options`],
 //! [`outputs`] makes sure that what it will write can be written, [`run`] draws the frames that
 //! [`schedule`] orders and measures them with [`measurement`], [`report`] and [`table`] tell.
+//! The program `compare` makes one page of many such reports: [`compare`].
 #![forbid(unsafe_code)]
 
 pub mod args;
 pub mod choices;
+pub mod compare;
 pub mod measurement;
 pub mod memory;
 pub mod options;

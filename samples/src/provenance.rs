@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// How and when a report was made.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Provenance {
     /// The words of the command line; the program without its folder.
     pub command: Vec<String>,

@@ -1,6 +1,6 @@
 //! Median, 95th percentile and maximum of a run's samples, and ratios of medians.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Digits after the point that reports keep: a tenth of a microsecond where the unit is ms.
 const KEPT_DIGITS: f64 = 1e4;
@@ -8,7 +8,8 @@ const KEPT_DIGITS: f64 = 1e4;
 /// Three numbers that describe many; absent where there was no sample.
 ///
 /// Samples that are not finite are left out, so a summary never holds one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Summary {
     /// The middle sample; between the two middle ones if their number is even.
     pub median: Option<f64>,

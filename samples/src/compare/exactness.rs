@@ -1,0 +1,121 @@
+//! Wrong pixels of every strategy: how many frames were compared, and what came out.
+
+use super::cases::{Cases, Place};
+use crate::strategy::Strategy;
+
+/// What can make exactness harder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Setting {
+    /// The scene stands still, one eye looks.
+    Still,
+    /// Objects move, appear and disappear.
+    Moving,
+    /// Several views of one scene.
+    Views,
+}
+
+impl Setting {
+    /// Every setting.
+    pub const ALL: [Self; 3] = [Self::Still, Self::Moving, Self::Views];
+
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Still => "still scenes",
+            Self::Moving => "moving objects",
+            Self::Views => "several views",
+        }
+    }
+
+    fn of(place: &Place) -> Self {
+        match (place.moving, place.views) {
+            (1.., _) => Self::Moving,
+            (_, 2..) => Self::Views,
+            _ => Self::Still,
+        }
+    }
+}
+
+/// One strategy in one setting.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Book {
+    /// Its name.
+    pub strategy: String,
+    /// Whether it promises the picture of plain frustum culling. A strategy that this build does
+    /// not know promises nothing.
+    pub is_exact: bool,
+    /// In which setting.
+    pub setting: Setting,
+    /// How many frames were compared.
+    pub frames_compared: u64,
+    /// How many of their pixels differed.
+    pub pixels_wrong: u64,
+}
+
+/// A book for every strategy of the reports and every setting, by setting and then in the order in
+/// which strategies first appear. What was not compared has 0 frames.
+pub fn books(cases: &Cases<'_>) -> Vec<Book> {
+    let mut names: Vec<&str> = Vec::new();
+    for (_, case) in cases.iter() {
+        for run in case.reports().iter().flat_map(|report| &report.runs) {
+            if !names.contains(&run.strategy.as_str()) {
+                names.push(&run.strategy);
+            }
+        }
+    }
+    names.sort_by_key(|name| Strategy::ALL.iter().position(|known| known.name() == *name));
+    let book = |setting| {
+        move |name: &&str| Book {
+            strategy: (*name).to_owned(),
+            is_exact: name.parse().is_ok_and(Strategy::is_exact),
+            setting,
+            frames_compared: 0,
+            pixels_wrong: 0,
+        }
+    };
+    let mut books: Vec<Book> =
+        Setting::ALL.into_iter().flat_map(|setting| names.iter().map(book(setting))).collect();
+    for (place, case) in cases.iter() {
+        for run in case.reports().iter().flat_map(|report| &report.runs) {
+            let here = |book: &&mut Book| {
+                book.setting == Setting::of(place) && book.strategy == run.strategy
+            };
+            if let Some(book) = books.iter_mut().find(here) {
+                book.frames_compared += run.frames_verified;
+                book.pixels_wrong += run.pixels_wrong.unwrap_or(0);
+            }
+        }
+    }
+    books
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{measured, verified};
+    use super::*;
+
+    #[test]
+    fn every_strategy_has_its_book_in_every_setting() {
+        let mut moving = verified("city", "street", 500, &[("antumbra", 12, 3)]);
+        moving.provenance.command.extend(["--moving".to_owned(), "10".to_owned()]);
+        let reports = [
+            measured("city", "street", 2_000, &[("frustum", 4.0), ("mystery", 1.0)]),
+            verified("city", "street", 500, &[("antumbra", 12, 0), ("mystery", 12, 7)]),
+            verified("city", "fly", 500, &[("antumbra", 8, 0)]),
+            moving,
+        ];
+        let cases = Cases::of(&reports);
+        let books = books(&cases);
+        assert_eq!(books.len(), 3 * 3);
+        let find = |name: &str, setting| {
+            books.iter().find(|book| book.strategy == name && book.setting == setting).unwrap()
+        };
+        let still = find("antumbra", Setting::Still);
+        assert_eq!((still.frames_compared, still.pixels_wrong, still.is_exact), (20, 0, true));
+        assert_eq!(find("antumbra", Setting::Moving).pixels_wrong, 3);
+        assert_eq!(find("antumbra", Setting::Views).frames_compared, 0);
+        let mystery = find("mystery", Setting::Still);
+        assert_eq!((mystery.pixels_wrong, mystery.is_exact), (7, false));
+        assert_eq!(find("frustum", Setting::Still).frames_compared, 0);
+    }
+}

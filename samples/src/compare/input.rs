@@ -1,0 +1,184 @@
+//! Reads the reports of `walkthrough` back: a folder of JSON files, as much of each as a comparison
+//! needs. Keys that are not known are left alone, and those that came later may be missing.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::provenance::Provenance;
+use crate::statistics::Summary;
+
+/// Why there is nothing to compare.
+#[derive(Debug, Error)]
+pub enum InputError {
+    /// The folder cannot be read.
+    #[error("cannot read the folder '{}': {reason}; name one that holds reports of walkthrough", folder.display())]
+    Folder {
+        /// What was asked for.
+        folder: PathBuf,
+        /// What the system says.
+        reason: std::io::Error,
+    },
+    /// The folder has no report.
+    #[error("there is no report in '{}': run ci/compare, or write some there with 'walkthrough --report {}/NAME.json'", .0.display(), .0.display())]
+    Empty(PathBuf),
+    /// A file is no report.
+    #[error("'{}' is no report of walkthrough: {reason}; remove it or measure it again", file.display())]
+    Broken {
+        /// Which file.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+/// One report: a walk of some strategies.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Measured {
+    /// The file's name without its folder.
+    #[serde(skip)]
+    pub file: String,
+    /// What drew.
+    pub device: MeasuredDevice,
+    /// What was drawn.
+    pub scene: MeasuredScene,
+    /// Name of the camera's path.
+    pub path: String,
+    /// Timed frames of each strategy.
+    pub frames: u32,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// How many frames the CPU was allowed to be ahead.
+    pub frames_in_flight: u32,
+    /// How hidden draws were skipped.
+    pub predicates: String,
+    /// One entry a strategy.
+    pub runs: Vec<MeasuredRun>,
+    /// "A/B": ratio of the medians.
+    pub ratios: BTreeMap<String, Option<f64>>,
+    /// "A/B": median of the ratios frame by frame.
+    pub paired_ratios: BTreeMap<String, Option<f64>>,
+    /// The command line and the time.
+    pub provenance: Provenance,
+}
+
+/// The device of a report.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(default)]
+pub struct MeasuredDevice {
+    /// Its name, as the driver gives it.
+    pub name: String,
+    /// Name and version of the driver.
+    pub driver: String,
+    /// The Vulkan version it implements.
+    pub api: String,
+}
+
+/// The scene of a report.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct MeasuredScene {
+    /// Its name on the command line.
+    pub name: String,
+    /// How many objects it really has.
+    pub objects: u64,
+}
+
+/// One strategy of a report.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct MeasuredRun {
+    /// Its name.
+    pub strategy: String,
+    /// Time of a frame in milliseconds.
+    pub frame_ms: Summary,
+    /// The time of every frame, in the order of the path.
+    pub frame_times_ms: Vec<Option<f64>>,
+    /// CPU time of the engine in a frame, in milliseconds.
+    pub cpu_ms: Summary,
+    /// Draws a frame.
+    pub draws: Option<u64>,
+    /// Occlusion queries a frame.
+    pub queries: Option<u64>,
+    /// Nodes of the hierarchy that the culler looked at in a frame.
+    pub nodes_visited: Option<u64>,
+    /// Frames compared with plain frustum culling.
+    pub frames_verified: u64,
+    /// Pixels that differed in them.
+    pub pixels_wrong: Option<u64>,
+}
+
+impl Measured {
+    /// The run of a strategy.
+    pub fn run(&self, strategy: &str) -> Option<&MeasuredRun> {
+        self.runs.iter().find(|run| run.strategy == strategy)
+    }
+
+    /// The value of an option in the command line that made the report, as `--option value` or
+    /// `--option=value`.
+    pub fn argument(&self, option: &str) -> Option<&str> {
+        let words = &self.provenance.command;
+        let with_sign = format!("{option}=");
+        words.iter().enumerate().find_map(|(place, word)| match word.strip_prefix(&with_sign) {
+            Some(value) => Some(value),
+            None if word == option => words.get(place + 1).map(String::as_str),
+            None => None,
+        })
+    }
+
+    /// Whether frames were compared: their copies cost time, so their times mean less.
+    pub fn is_verified(&self) -> bool {
+        self.runs.iter().any(|run| run.frames_verified > 0)
+    }
+}
+
+/// Reads every `.json` file of a folder, in the order of their names.
+///
+/// # Errors
+/// When the folder cannot be read or has no report, or one of its files is none: which and why.
+pub fn read_folder(folder: &Path) -> Result<Vec<Measured>, InputError> {
+    let failed = |reason| InputError::Folder { folder: folder.to_owned(), reason };
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let is_hidden =
+            path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        if path.extension().is_some_and(|extension| extension == "json") && !is_hidden {
+            files.push(path);
+        }
+    }
+    files.sort();
+    if files.is_empty() {
+        return Err(InputError::Empty(folder.to_owned()));
+    }
+    files.into_iter().map(read_report).collect()
+}
+
+fn read_report(file: PathBuf) -> Result<Measured, InputError> {
+    let text = match fs::read_to_string(&file) {
+        Ok(text) => text,
+        Err(error) => return Err(InputError::Broken { file, reason: error.to_string() }),
+    };
+    let mut measured = match parse(&text) {
+        Ok(measured) => measured,
+        Err(reason) => return Err(InputError::Broken { file, reason }),
+    };
+    measured.file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(measured)
+}
+
+/// One report out of its JSON.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn parse(text: &str) -> Result<Measured, String> {
+    let measured: Measured = serde_json::from_str(text).map_err(|error| error.to_string())?;
+    if measured.scene.name.is_empty() || measured.path.is_empty() || measured.runs.is_empty() {
+        return Err("it has no scene, no path or no runs".to_owned());
+    }
+    Ok(measured)
+}

@@ -1,0 +1,61 @@
+//! Small made-up reports for tests.
+
+use super::input::{Measured, MeasuredRun, MeasuredScene};
+use crate::report::tests::example;
+use crate::statistics::{Summary, paired_ratio, ratio};
+
+/// A report whose strategies take these times in every one of 24 frames.
+pub fn measured(scene: &str, path: &str, objects: u64, times_ms: &[(&str, f64)]) -> Measured {
+    let flat: Vec<_> = times_ms.iter().map(|&(name, time)| (name, vec![time; 24])).collect();
+    walked(scene, path, objects, &flat)
+}
+
+/// A report whose strategies take these times over the path.
+pub fn walked(scene: &str, path: &str, objects: u64, times_ms: &[(&str, Vec<f64>)]) -> Measured {
+    let run = |(name, times): &(&str, Vec<f64>)| MeasuredRun {
+        strategy: (*name).to_owned(),
+        frame_ms: Summary::of(times.iter().copied()),
+        frame_times_ms: times.iter().copied().map(Some).collect(),
+        cpu_ms: Summary::of(times.iter().map(|time| time / 10.0)),
+        draws: Some(50),
+        queries: Some(if *name == "frustum" { 0 } else { 120 }),
+        nodes_visited: Some(objects / 10),
+        ..MeasuredRun::default()
+    };
+    let runs: Vec<MeasuredRun> = times_ms.iter().map(run).collect();
+    let mut measured = Measured {
+        file: format!("{scene}-{path}-{objects}.json"),
+        scene: MeasuredScene { name: scene.to_owned(), objects },
+        path: path.to_owned(),
+        size: [1280, 720],
+        frames: 24,
+        frames_in_flight: 2,
+        runs,
+        ..Measured::default()
+    };
+    measured.device.name = "llvmpipe".to_owned();
+    for a in &measured.runs {
+        for b in measured.runs.iter().filter(|b| b.strategy != a.strategy) {
+            let pair = format!("{}/{}", a.strategy, b.strategy);
+            let paired = paired_ratio(&a.frame_times_ms, &b.frame_times_ms);
+            measured.paired_ratios.insert(pair.clone(), paired);
+            measured.ratios.insert(pair, ratio(a.frame_ms.median, b.frame_ms.median));
+        }
+    }
+    measured
+}
+
+/// A report of strategies with their compared frames and wrong pixels.
+pub fn verified(scene: &str, path: &str, objects: u64, runs: &[(&str, u64, u64)]) -> Measured {
+    let times: Vec<_> = runs.iter().map(|&(name, ..)| (name, 1.0)).collect();
+    let mut measured = measured(scene, path, objects, &times);
+    for (run, &(_, frames, pixels)) in measured.runs.iter_mut().zip(runs) {
+        (run.frames_verified, run.pixels_wrong) = (frames, Some(pixels));
+    }
+    measured
+}
+
+/// What `walkthrough` itself writes.
+pub fn written() -> String {
+    example().to_json().unwrap()
+}
