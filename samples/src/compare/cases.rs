@@ -102,10 +102,15 @@ impl<'a> Cases<'a> {
         self.cases.iter()
     }
 
-    /// The numbers of objects for which a still scene and path were measured, ascending.
+    /// The numbers of objects for which a still scene and path were timed, ascending: those with
+    /// walks without compared frames, if there are such.
     pub fn sizes(&self, scene: &str, path: &str) -> Vec<u64> {
-        let same = |place: &&Place| **place == Place::still(scene, path, place.objects);
-        self.cases.keys().filter(same).map(|place| place.objects).collect()
+        let same = |(place, _): &(&Place, _)| **place == Place::still(scene, path, place.objects);
+        let here = || self.cases.iter().filter(same);
+        let quiet = |case: &Case<'_>| case.reports.iter().any(|report| !report.is_verified());
+        let any_quiet = here().any(|(_, case)| quiet(case));
+        let timed = here().filter(|(_, case)| !any_quiet || quiet(case));
+        timed.map(|(place, _)| place.objects).collect()
     }
 }
 

@@ -1,19 +1,106 @@
 //! The comparison of all strategies: reads a folder of reports, writes a page, a table and a picture.
 //!
 //! [`input`] reads the reports back, [`cases`] puts repetitions and parts together, [`figures`] and
-//! [`exactness`] say what is reached.
+//! [`exactness`] say what is reached, [`plots`] draws, and [`content`] gathers it all for [`page`]
+//! and [`markdown`].
 
+pub mod args;
 pub mod axis;
 pub mod bar_chart;
 pub mod canvas;
 pub mod cases;
+pub mod content;
 pub mod exactness;
 pub mod figures;
 pub mod input;
 pub mod labels;
 pub mod line_chart;
+pub mod markdown;
+pub mod page;
 pub mod palette;
 pub mod plots;
 pub mod spread;
 #[cfg(test)]
 pub(crate) mod testing;
+
+use std::path::Path;
+
+use thiserror::Error;
+
+use self::args::Arguments;
+use self::canvas::DrawError;
+use self::content::Content;
+use self::input::{InputError, Measured, read_folder};
+use crate::outputs::{WriteError, replace_file};
+
+/// Why there is no comparison: one sentence that says what is wrong and what to do.
+#[derive(Debug, Error)]
+pub enum CompareError {
+    /// What was given is not what is needed.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The reports stem from different devices.
+    #[error("the reports stem from {0}: put those of each device into a folder of its own")]
+    Devices(String),
+    /// The picture cannot be drawn, since there is nothing in it.
+    #[error("no report of the city on path street compares strategies: --svg has nothing to show")]
+    NoPicture,
+    /// A plot failed.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl CompareError {
+    /// What the program ends with: 2 where the user can mend it, 1 where the machine failed.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) | Self::Devices(_) | Self::NoPicture => 2,
+            Self::Draw(_) | Self::Write(_) => 1,
+        }
+    }
+}
+
+/// Does what the arguments say; answers with what to print.
+///
+/// # Errors
+/// When there is nothing to compare, or a file cannot be written. Then none is.
+pub fn run(arguments: &Arguments) -> Result<String, CompareError> {
+    let reports = read_folder(&arguments.reports)?;
+    one_device(&reports)?;
+    let content = Content::of(&reports)?;
+    let mut files: Vec<(&Path, String)> = Vec::new();
+    if let Some(file) = &arguments.page {
+        files.push((file, page::render(&content)));
+    }
+    if let Some(file) = &arguments.table {
+        files.push((file, markdown::render(&content)));
+    }
+    if let Some(file) = &arguments.svg {
+        let plot = content.ratios.as_ref().ok_or(CompareError::NoPicture)?;
+        files.push((file, plot.svg.clone()));
+    }
+    for (file, text) in &files {
+        replace_file(file, text.as_bytes())?;
+    }
+    let mut told: String = content.headline().map(|headline| headline + "\n").unwrap_or_default();
+    for (verdict, count) in content.verdicts() {
+        told.push_str(&format!("{count:>3} {}\n", verdict.words()));
+    }
+    for (file, _) in &files {
+        told.push_str(&format!("wrote {}\n", file.display()));
+    }
+    Ok(told)
+}
+
+fn one_device(reports: &[Measured]) -> Result<(), CompareError> {
+    let mut names: Vec<&str> = Vec::new();
+    for report in reports {
+        if !names.contains(&report.device.name.as_str()) {
+            names.push(&report.device.name);
+        }
+    }
+    if names.len() > 1 { Err(CompareError::Devices(names.join(" and "))) } else { Ok(()) }
+}

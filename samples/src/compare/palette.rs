@@ -72,6 +72,11 @@ pub fn of_strategy(name: &str) -> Colour {
     known.map_or(OTHER, |(_, colour, _)| *colour)
 }
 
+/// The names of the strategies that have a colour of their own.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    STRATEGIES.iter().map(|(name, ..)| *name)
+}
+
 /// Where strategies stand in legends and bars: the order of [`STRATEGIES`], others last.
 pub fn place_of(name: &str) -> usize {
     STRATEGIES.iter().position(|(known, ..)| *known == name).unwrap_or(STRATEGIES.len())

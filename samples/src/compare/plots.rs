@@ -80,7 +80,7 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
 }
 
 /// The strategy that ratios are taken to.
-fn yardstick(cases: &Cases<'_>, sizes: &[u64]) -> &'static str {
+pub fn yardstick(cases: &Cases<'_>, sizes: &[u64]) -> &'static str {
     let measured =
         |size: &u64| cases.at(&Place::still("city", "street", *size)).strategies().contains(&IDEAL);
     if sizes.iter().any(measured) { IDEAL } else { FRUSTUM }

@@ -1,7 +1,6 @@
 //! Small made-up reports for tests.
 
 use super::input::{Measured, MeasuredRun, MeasuredScene};
-use crate::report::tests::example;
 use crate::statistics::{Summary, paired_ratio, ratio};
 
 /// A report whose strategies take these times in every one of 24 frames.
@@ -53,9 +52,4 @@ pub fn verified(scene: &str, path: &str, objects: u64, runs: &[(&str, u64, u64)]
         (run.frames_verified, run.pixels_wrong) = (frames, Some(pixels));
     }
     measured
-}
-
-/// What `walkthrough` itself writes.
-pub fn written() -> String {
-    example().to_json().unwrap()
 }

@@ -1,0 +1,53 @@
+//! The command line of `compare`.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+/// Makes one page of many reports of walkthrough: every strategy side by side, and whether the
+/// figures that are asked for are reached.
+///
+/// Repetitions of a case (scene, path, number of objects) are found by what the reports say, not by
+/// the names of their files. What was not measured is named as such.
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "compare",
+    version,
+    after_help = "\
+Examples:
+  compare out/compare/reports --page out/compare/index.html
+      The page for a person.
+  compare out/compare/reports --table comparison.md --svg comparison.svg
+      Tables and the plot of ratios for a README.
+
+Ends with 0 when all was written, 2 when a report is none or the folder has none, 1 when a file
+cannot be written."
+)]
+pub struct Arguments {
+    /// Folder with reports (*.json) that walkthrough --report wrote, all of one device
+    #[arg(value_name = "DIR")]
+    pub reports: PathBuf,
+    /// File for the page: HTML with everything in it
+    #[arg(long, value_name = "FILE.html")]
+    pub page: Option<PathBuf>,
+    /// File for the tables as Markdown
+    #[arg(long, value_name = "FILE.md")]
+    pub table: Option<PathBuf>,
+    /// File for the plot of ratios over scene sizes alone
+    #[arg(long, value_name = "FILE.svg")]
+    pub svg: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_declaration_is_consistent() {
+        Arguments::command().debug_assert();
+        let arguments = Arguments::try_parse_from(["compare", "r", "--page=p.html"]).unwrap();
+        assert_eq!((arguments.reports, arguments.page), ("r".into(), Some("p.html".into())));
+        assert!(Arguments::try_parse_from(["compare"]).is_err(), "the folder must be named");
+    }
+}
