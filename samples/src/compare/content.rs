@@ -100,7 +100,7 @@ impl Content {
             sizes: ratio_sizes(&cases, &sizes, yardstick),
             detail_size,
             figures: figures::all(&cases),
-            left_out: left_out(&cases, &sizes),
+            left_out: left_out(&cases, &ratio_sizes(&cases, &sizes, yardstick)),
             books,
             ratios: plots::ratios(&cases)?,
             plots,

@@ -98,7 +98,18 @@ impl Figure {
 
     /// What was found, in words.
     pub fn found_words(&self) -> String {
-        self.found.as_ref().map_or("not measured".to_owned(), Spread::to_string)
+        let Some(found) = &self.found else {
+            return "not measured".to_owned();
+        };
+        let limit = match self.asked {
+            Asked::AtMost(limit) | Asked::MoreThan(limit) => short(limit),
+            Asked::Shown => String::new(),
+        };
+        if self.verdict() == Verdict::Missed && short(found.median()) == limit {
+            // Two digits would say that it is reached.
+            return format!("{:.3} ({:.3} to {:.3})", found.median(), found.least(), found.most());
+        }
+        found.to_string()
     }
 
     fn new(case: &str, what: impl Into<String>, asked: Asked, found: Option<Spread>) -> Self {
@@ -203,12 +214,12 @@ fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
     }
     let mut notes = Vec::new();
     if let Some((rival, _)) = &nearest {
-        notes.push(format!("nearest: {rival}"));
+        notes.push(format!("nearest of {}: {rival}", RIVALS.join(", ")));
     }
     if !missing.is_empty() {
         notes.push(format!("not measured: {}", missing.join(", ")));
     }
-    let what = format!("{} / antumbra, the least", RIVALS.join(", "));
+    let what = "nearest rival / antumbra";
     let found = nearest.map(|(_, spread)| spread);
     let name = case_name("city", "street", size);
     let figure = Figure::new(&name, what, Asked::MoreThan(1.0), found).noted(notes.join("; "));

@@ -39,6 +39,9 @@ fn every_repetition_counts_for_the_mark() {
         (figure.found_words().as_str(), figure.asked_words().as_str()),
         ("1.20 (1.10 to 1.30)", "at most 1.22")
     );
+    let figures_near = self::figures(&[1.221, 1.224, 1.223].map(walk));
+    let near = find(&figures_near, "street 10k", "antumbra / ideal");
+    assert_eq!(near.found_words(), "1.223 (1.221 to 1.224)", "1.22 would look reached");
     assert_eq!(find(&figures, "street 10k", "95th").verdict(), Verdict::Reached);
     assert_eq!(find(&figures, "street 40k", "antumbra / ideal").verdict(), Verdict::NotMeasured);
 }
@@ -48,17 +51,20 @@ fn the_nearest_rival_decides_and_a_missing_one_leaves_it_open() {
     let times = [(ANTUMBRA, 2.0), ("coherent", 3.0), ("pyramid", 2.2), ("stop_and_wait", 9.0)];
     let complete: Vec<_> = times.into_iter().chain([("next_frame", 2.5)]).collect();
     let all = figures(&[measured("city", "street", 2_000, &complete)]);
-    let figure = find(&all, "street 2k", "coherent");
+    let figure = find(&all, "street 2k", "nearest rival");
     assert_eq!(figure.verdict(), Verdict::Reached);
-    assert_eq!((figure.found_words().as_str(), figure.note.as_str()), ("1.10", "nearest: pyramid"));
+    assert_eq!(
+        (figure.found_words().as_str(), figure.note.as_str()),
+        ("1.10", "nearest of coherent, pyramid, stop_and_wait, next_frame: pyramid")
+    );
 
     let partial = figures(&[measured("city", "street", 2_000, &times)]);
-    let figure = find(&partial, "street 2k", "coherent");
+    let figure = find(&partial, "street 2k", "nearest rival");
     assert_eq!(figure.verdict(), Verdict::NotMeasured);
     assert!(figure.note.contains("not measured: next_frame"), "{}", figure.note);
 
     let slower = figures(&[measured("city", "street", 2_000, &[(ANTUMBRA, 4.0), times[1]])]);
-    assert_eq!(find(&slower, "street 2k", "coherent").verdict(), Verdict::Missed);
+    assert_eq!(find(&slower, "street 2k", "nearest rival").verdict(), Verdict::Missed);
 }
 
 #[test]

@@ -11,6 +11,8 @@ const ABOVE: i32 = 64;
 const BELOW: i32 = 58;
 const LEFT: i32 = 62;
 const RIGHT: i32 = 166;
+/// Room for a name in a row of them.
+const NAME_WIDTH: i32 = 104;
 /// From one label to the next.
 const LABEL_GAP: i32 = 18;
 
@@ -86,7 +88,8 @@ impl LineChart {
         for &(x, y) in &self.goals {
             self.draw_goal(canvas, self.pixel(frame, x, y))?;
         }
-        self.draw_names(canvas, frame)
+        self.draw_names(canvas, frame)?;
+        self.draw_names_above(canvas, frame)
     }
 
     fn draw_axes(&self, canvas: &Canvas<'_>, frame: Frame) -> Result<(), DrawError> {
@@ -198,6 +201,24 @@ impl LineChart {
         Ok(())
     }
 
+    /// The names of the lines that leave the plot at the top and do not come back, where they do.
+    fn draw_names_above(&self, canvas: &Canvas<'_>, frame: Frame) -> Result<(), DrawError> {
+        let mut exits: Vec<(&str, i32)> = Vec::new();
+        for series in &self.series {
+            let leaves = series.points.last().is_some_and(|end| end.y > self.y.most());
+            let parts = self.parts_below_the_top(&series.points);
+            if let Some(&(x, y)) = parts.last().and_then(|part| part.last()).filter(|_| leaves) {
+                exits.push((&series.strategy, self.pixel(frame, x, y).0));
+            }
+        }
+        let wanted: Vec<i32> = exits.iter().map(|(_, x)| *x).collect();
+        let places = spread_apart(&wanted, NAME_WIDTH, frame.left + 20, frame.right + RIGHT / 2);
+        for ((name, _), place) in exits.iter().zip(places) {
+            canvas.text(name, (place, frame.top - 9), (Align::Centre, Size::Small), INK)?;
+        }
+        Ok(())
+    }
+
     fn pixel(&self, frame: Frame, x: f64, y: f64) -> Pixel {
         let between = |from: i32, to: i32, place: f64| {
             (f64::from(from) + f64::from(to - from) * place.clamp(-0.05, 1.05)).round() as i32
@@ -256,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_cut_where_it_leaves_the_plot_and_loses_its_name() {
+    fn a_line_is_cut_where_it_leaves_the_plot() {
         let leaves = chart(&[("frustum", &[(0.0, 2.0), (10.0, 6.0)])]);
         assert_eq!(
             leaves.parts_below_the_top(&leaves.series[0].points),
@@ -267,6 +288,7 @@ mod tests {
             returns.parts_below_the_top(&returns.series[0].points),
             [[(2.0, 4.0), (4.0, 2.0), (6.0, 4.0)]]
         );
+        assert!(svg(&leaves).lines().any(|line| line.trim() == "frustum"), "named where it leaves");
         let above = chart(&[("frustum", &[(0.0, 5.0), (10.0, 6.0)])]);
         assert!(above.parts_below_the_top(&above.series[0].points).is_empty());
         assert!(!svg(&above).contains("frustum"));

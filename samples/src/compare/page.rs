@@ -102,6 +102,15 @@ fn number(value: Option<&Spread>, text: impl Fn(&Spread) -> String) -> String {
     format!("<td class=\"number\">{}</td>", escaped(&text))
 }
 
+/// The median, and below it the spread.
+fn ratio_cell(ratio: Option<&Spread>) -> String {
+    let Some(ratio) = ratio.filter(|ratio| ratio.least() < ratio.most()) else {
+        return number(ratio, Spread::to_string);
+    };
+    let [median, least, most] = [ratio.median(), ratio.least(), ratio.most()].map(short);
+    format!("<td class=\"number\">{median}<span class=\"faint\">{least} to {most}</span></td>")
+}
+
 fn methods(content: &Content) -> String {
     let (Some(detail), false) = (content.detail_size, content.methods.is_empty()) else {
         return String::new();
@@ -137,7 +146,7 @@ fn method(row: &MethodRow) -> String {
     let class = if row.strategy == ANTUMBRA { " class=\"ours\"" } else { "" };
     let mut text = format!("<tr{class}><td>{}</td>", swatch(&row.strategy));
     for ratio in &row.ratios {
-        text.push_str(&number(ratio.as_ref(), Spread::to_string));
+        text.push_str(&ratio_cell(ratio.as_ref()));
     }
     text.push_str(&number(row.cpu_ms.as_ref(), |ms| short(ms.median())));
     text.push_str(&number(row.draws.as_ref(), |count| thousands(count.median())));

@@ -48,7 +48,7 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     };
     let label = format!("frame time, times that of {over}");
     let all = LineChart {
-        title: "All".to_owned(),
+        title: format!("Frame time over that of {over}"),
         x: x.clone(),
         y: Axis::logarithmic(&format!("{label} (logarithmic)"), least * 0.9, most * 1.15),
         series: series.clone(),
@@ -56,7 +56,7 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
         marks: Marks::Dots,
     };
     let near = LineChart {
-        title: format!("Near {over}"),
+        title: format!("The same, near {over}"),
         y: Axis::linear(&label, (least - 0.05).min(0.9), NEAR.min(most * 1.05).max(1.3)),
         x: x.clone(),
         goals: goals(NEAR),
@@ -70,7 +70,7 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
         near.draw(&right)
     })?;
     let mut caption = format!(
-        "City at street level. Each dot is the median of the ratios frame by frame to {over}, each \
+        "City at street level; lines that leave the right plot are named at its top. Each dot is the median of the ratios frame by frame to {over}, each \
          vertical line the spread of the repetitions."
     );
     if over == IDEAL {
