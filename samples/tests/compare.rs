@@ -48,6 +48,21 @@ fn write(scratch: &Scratch, name: &str, report: &Value) {
     fs::write(folder.join(name), report.to_string()).expect("the target folder is writable");
 }
 
+/// Fails unless it is well-formed, has a title, and names these strategies.
+fn assert_picture(svg: &str, strategies: &[&str]) {
+    let document = roxmltree::Document::parse(svg).expect("well-formed");
+    let texts = |tag: &str| -> Vec<String> {
+        let nodes = document.descendants().filter(|node| node.tag_name().name() == tag);
+        nodes.map(|node| node.text().unwrap_or_default().trim().to_owned()).collect()
+    };
+    assert_eq!(document.root_element().tag_name().name(), "svg");
+    assert_eq!(texts("title").len(), 1);
+    let names = texts("text");
+    for strategy in strategies {
+        assert!(names.iter().any(|name| name == strategy), "{strategy} is not among {names:?}");
+    }
+}
+
 fn assert_refused(output: &Output, parts: &[&str]) {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(2), "{message}");
@@ -84,6 +99,14 @@ fn page_table_and_picture_are_written() {
     );
     assert!(page.contains("– not measured") && page.contains("a.2.json: not recorded"));
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+    let pictures = page.match_indices("<svg").zip(page.match_indices("</svg>"));
+    let mut pictures: Vec<&str> =
+        pictures.map(|((from, _), (to, _))| &page[from..to + 6]).collect();
+    assert_eq!(pictures.len(), 4, "ratios, the path, CPU time, queries and draws");
+    pictures.push(&svg);
+    for picture in pictures {
+        assert_picture(picture, &["antumbra", "ideal"]);
+    }
     for strategy in ["antumbra", "ideal", "frustum"] {
         assert!(svg.lines().any(|line| line.trim() == strategy), "{strategy} is not named");
     }

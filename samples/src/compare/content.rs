@@ -29,7 +29,7 @@ pub struct MethodRow {
     pub draws: Option<Spread>,
     /// Queries a frame.
     pub queries: Option<Spread>,
-    /// Wrong pixels in still scenes, if any frame was compared.
+    /// Wrong pixels in all settings, if any frame was compared.
     pub pixels_wrong: Option<u64>,
 }
 

@@ -1,6 +1,7 @@
 //! Wrong pixels of every strategy: how many frames were compared, and what came out.
 
 use super::cases::{Cases, Place};
+use super::palette;
 use crate::strategy::Strategy;
 
 /// What can make exactness harder.
@@ -52,8 +53,8 @@ pub struct Book {
     pub pixels_wrong: u64,
 }
 
-/// A book for every strategy of the reports and every setting, by setting and then in the order in
-/// which strategies first appear. What was not compared has 0 frames.
+/// A book for every strategy of the reports and every setting, by setting and then in the order of
+/// the palette. What was not compared has 0 frames.
 pub fn books(cases: &Cases<'_>) -> Vec<Book> {
     let mut names: Vec<&str> = Vec::new();
     for (_, case) in cases.iter() {
@@ -63,7 +64,7 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
             }
         }
     }
-    names.sort_by_key(|name| Strategy::ALL.iter().position(|known| known.name() == *name));
+    names.sort_by_key(|name| palette::place_of(name));
     let book = |setting| {
         move |name: &&str| Book {
             strategy: (*name).to_owned(),

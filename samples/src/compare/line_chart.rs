@@ -1,5 +1,7 @@
 //! A chart of lines: grid, axes, one line a strategy with its name at its end.
 
+use std::collections::BTreeMap;
+
 use super::axis::Axis;
 use super::canvas::{Align, Canvas, DrawError, Pixel, Size};
 use super::cases::{ANTUMBRA, IDEAL};
@@ -7,7 +9,7 @@ use super::labels::spread_apart;
 use super::palette::{self, FAINT, GOAL, GRID, INK};
 
 /// Room for what stands around the plot.
-const ABOVE: i32 = 64;
+const ABOVE: i32 = 78;
 const BELOW: i32 = 58;
 const LEFT: i32 = 62;
 const RIGHT: i32 = 166;
@@ -172,31 +174,32 @@ impl LineChart {
         canvas.line(vec![(x - 14, y), (x + 14, y)], GOAL, 3)
     }
 
-    /// The names at the ends of the lines; of a line that ends early, beside its last point.
+    /// The names at the ends of the lines, tied to them: right of the plot, or inside it where lines
+    /// end early.
     fn draw_names(&self, canvas: &Canvas<'_>, frame: Frame) -> Result<(), DrawError> {
+        let mut columns = BTreeMap::<i32, Vec<(&str, i32)>>::new();
         let last_x = self.series.iter().flat_map(|series| series.points.last());
         let last_x = last_x.map(|point| point.x).fold(f64::MIN, f64::max);
-        let mut ends: Vec<(&str, Pixel)> = Vec::new();
         for series in &self.series {
             let Some(end) = series.points.last().filter(|end| end.y <= self.y.most()) else {
                 continue;
             };
-            let pixel = self.pixel(frame, end.x, end.y);
-            if end.x >= last_x {
-                ends.push((&series.strategy, pixel));
-            } else {
-                let place = (pixel.0 + 10, pixel.1);
-                canvas.text(&series.strategy, place, (Align::Left, Size::Small), INK)?;
-            }
+            let (x, y) = self.pixel(frame, end.x, end.y);
+            let column = if end.x >= last_x { x.max(frame.right - 4) } else { x };
+            columns.entry(column).or_default().push((&series.strategy, y));
         }
-        let wanted: Vec<i32> = ends.iter().map(|(_, (_, y))| *y).collect();
-        let places = spread_apart(&wanted, LABEL_GAP, frame.top - 8, frame.bottom + 8);
-        for ((name, (x, y)), place) in ends.iter().zip(places) {
-            let from = (x.max(&(frame.right - 4)) + 7, *y);
-            let leader = vec![from, (frame.right + 22, place), (frame.right + 30, place)];
-            canvas.line(leader, palette::of_strategy(name), 2)?;
-            let size = if *name == ANTUMBRA { Size::Normal } else { Size::Small };
-            canvas.text(name, (frame.right + 35, place), (Align::Left, size), INK)?;
+        for (x, ends) in columns {
+            let wanted: Vec<i32> = ends.iter().map(|(_, y)| *y).collect();
+            let places = spread_apart(&wanted, LABEL_GAP, frame.top - 8, frame.bottom + 8);
+            for ((name, y), place) in ends.iter().zip(places) {
+                let leader = vec![(x + 7, *y), (x + 24, place), (x + 32, place)];
+                // Within the plot a leader must not look like more of its line.
+                let is_outside = x >= frame.right - 4;
+                let colour = if is_outside { palette::of_strategy(name) } else { FAINT };
+                canvas.line(leader, colour, if is_outside { 2 } else { 1 })?;
+                let size = if *name == ANTUMBRA { Size::Normal } else { Size::Small };
+                canvas.text(name, (x + 37, place), (Align::Left, size), INK)?;
+            }
         }
         Ok(())
     }
@@ -214,7 +217,7 @@ impl LineChart {
         let wanted: Vec<i32> = exits.iter().map(|(_, x)| *x).collect();
         let places = spread_apart(&wanted, NAME_WIDTH, frame.left + 20, frame.right + RIGHT / 2);
         for ((name, _), place) in exits.iter().zip(places) {
-            canvas.text(name, (place, frame.top - 9), (Align::Centre, Size::Small), INK)?;
+            canvas.text(name, (place, frame.top - 10), (Align::Centre, Size::Small), INK)?;
         }
         Ok(())
     }

@@ -96,7 +96,12 @@ pub fn style_sheet() -> String {
         let light = colour.light_hex();
         css.push_str(&format!("polyline[stroke=\"{light}\"]{{stroke-dasharray:{dashes}}}"));
     }
-    css.push_str("@media(prefers-color-scheme:dark){");
+    // Text keeps clear of lines that pass below it.
+    let (light, dark) = (BACKGROUND.light_hex(), BACKGROUND.dark_hex());
+    css.push_str(&format!(
+        "text{{paint-order:stroke;stroke:{light};stroke-width:4px;stroke-linejoin:round}}"
+    ));
+    css.push_str(&format!("@media(prefers-color-scheme:dark){{text{{stroke:{dark}}}"));
     for colour in all() {
         let (light, dark) = (colour.light_hex(), colour.dark_hex());
         css.push_str(&format!(

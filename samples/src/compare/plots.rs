@@ -5,7 +5,7 @@ use super::bar_chart::BarChart;
 use super::canvas::{DrawError, picture};
 use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place};
 use super::figures::{STREET_GOALS, case_name};
-use super::input::MeasuredRun;
+use super::input::{Measured, MeasuredRun};
 use super::line_chart::{LineChart, Marks, Point, Series};
 use super::palette;
 use super::spread::{Spread, objects};
@@ -41,11 +41,6 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     else {
         return Ok(None);
     };
-    let goals = |most: f64| -> Vec<(f64, f64)> {
-        let reached = |size: u64| x.place(size as f64) >= 0.0 && x.place(size as f64) <= 1.0;
-        let goals = STREET_GOALS.into_iter().filter(|(size, goal)| reached(*size) && *goal < most);
-        if over == IDEAL { goals.map(|(size, goal)| (size as f64, goal)).collect() } else { vec![] }
-    };
     let label = format!("frame time, times that of {over}");
     let all = LineChart {
         title: format!("Frame time over that of {over}"),
@@ -55,28 +50,39 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
         goals: vec![],
         marks: Marks::Dots,
     };
-    let near = LineChart {
-        title: format!("The same, near {over}"),
-        y: Axis::linear(&label, (least - 0.05).min(0.9), NEAR.min(most * 1.05).max(1.3)),
-        x: x.clone(),
-        goals: goals(NEAR),
-        series,
-        marks: Marks::Dots,
-    };
     let describe = format!("Frame time of every strategy over that of {over}, by scene size");
-    let svg = picture((WIDTH, HEIGHT + 40), &describe, |canvas| {
-        let (left, right) = canvas.split_at(i32::try_from(WIDTH / 2).unwrap_or(0));
-        all.draw(&left)?;
-        near.draw(&right)
-    })?;
     let mut caption = format!(
-        "City at street level; lines that leave the right plot are named at its top. Each dot is the median of the ratios frame by frame to {over}, each \
+        "City at street level. Each dot is the median of the ratios frame by frame to {over}, each \
          vertical line the spread of the repetitions."
     );
-    if over == IDEAL {
-        caption.push_str(" Short black bars: what is asked of antumbra.");
-    }
+    let svg = if over == IDEAL {
+        caption.push_str(
+            " Short horizontal bars: what is asked of antumbra. Lines that leave the right plot are \
+             named at its top.",
+        );
+        let near = LineChart {
+            title: format!("The same, near {over}"),
+            y: Axis::linear(&label, (least - 0.05).min(0.9), NEAR.min(most * 1.05).max(1.5)),
+            goals: goals(&x),
+            x,
+            series,
+            marks: Marks::Dots,
+        };
+        picture((WIDTH, HEIGHT + 40), &describe, |canvas| {
+            let (left, right) = canvas.split_at(i32::try_from(WIDTH / 2).unwrap_or(0));
+            all.draw(&left)?;
+            near.draw(&right)
+        })?
+    } else {
+        picture((WIDTH, HEIGHT), &describe, |canvas| all.draw(canvas))?
+    };
     Ok(Some(Plot { svg, caption }))
+}
+
+/// What is asked of `antumbra` at the sizes of an axis.
+fn goals(x: &Axis) -> Vec<(f64, f64)> {
+    let goals = STREET_GOALS.into_iter().map(|(size, goal)| (size as f64, goal));
+    goals.filter(|(size, _)| (0.0..=1.0).contains(&x.place(*size))).collect()
 }
 
 /// The strategy that ratios are taken to.
@@ -144,12 +150,16 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     let chart = LineChart { title, x, y, series, goals: vec![], marks: Marks::Line };
     let svg = picture((WIDTH, HEIGHT), &chart.title, |canvas| chart.draw(canvas))?;
     let late = case.reports().iter().map(|report| report.frames_in_flight).max().unwrap_or(0);
-    let caption = match place.path.as_str() {
+    let mut caption = match place.path.as_str() {
         "cut" => format!(
             "Every tenth frame jumps; its work shows {late} frames later, since as many are in flight."
         ),
         _ => "Medians of the repetitions, frame by frame.".to_owned(),
     };
+    let both = |report: &&Measured| report.run(ANTUMBRA).is_some() && report.run(FRUSTUM).is_some();
+    if case.strategies().contains(&FRUSTUM) && !case.reports().iter().any(|report| both(report)) {
+        caption.push_str(" Plain frustum culling walked apart from the others.");
+    }
     Ok(Some(Plot { svg, caption }))
 }
 
