@@ -80,8 +80,10 @@ fn page_table_and_picture_are_written() {
     write(&scratch, "a.3.json", &report("street", 10_000, &[("ideal", 10.0), ("antumbra", 12.1)]));
     write(&scratch, "tie.json", &report("street", 10_000, &[("frustum", 130.0), ("ideal", 10.0)]));
     fs::write(scratch.0.join("reports/notes.txt"), "not a report").expect("writable");
+    fs::write(scratch.0.join("reports/left.txt"), "x: no <y>.\nx: no <y>.\n").expect("writable");
     let outputs = ["--page", "page.html", "--table", "table.md", "--svg", "ratios.svg"];
-    let output = compare(&scratch, &[&["reports"][..], &outputs].concat());
+    let notes = ["reports", "--notes", "reports/left.txt"];
+    let output = compare(&scratch, &[&notes[..], &outputs].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
@@ -99,6 +101,10 @@ fn page_table_and_picture_are_written() {
     );
     assert!(page.contains("– not measured") && page.contains("a.2.json: not recorded"));
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+    assert_eq!(
+        (page.matches("x: no &lt;y&gt;.").count(), table.matches("x: no <y>.").count()),
+        (1, 1)
+    );
     let pictures = page.match_indices("<svg").zip(page.match_indices("</svg>"));
     let mut pictures: Vec<&str> =
         pictures.map(|((from, _), (to, _))| &page[from..to + 6]).collect();
@@ -135,6 +141,9 @@ fn a_folder_without_reports_says_what_to_do() {
     let scratch = Scratch::new("compare-empty");
     fs::create_dir(scratch.0.join("reports")).expect("writable");
     assert_refused(&compare(&scratch, &["reports"]), &["no report in 'reports'", "run ci/compare"]);
+    write(&scratch, "a.json", &report("fly", 10_000, &[("antumbra", 1.2)]));
+    let refused = compare(&scratch, &["reports", "--notes", "none.txt"]);
+    assert_refused(&refused, &["cannot read the notes 'none.txt'"]);
     assert_refused(&compare(&scratch, &["nowhere"]), &["cannot read the folder 'nowhere'"]);
 }
 

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// File for the plot of ratios over scene sizes alone
     #[arg(long, value_name = "FILE.svg")]
     pub svg: Option<PathBuf>,
+    /// File whose lines say what was left out of the measurement and why, for page and tables
+    #[arg(long, value_name = "FILE.txt")]
+    pub notes: Option<PathBuf>,
 }
 
 #[cfg(test)]

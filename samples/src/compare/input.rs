@@ -25,6 +25,14 @@ pub enum InputError {
     /// The folder has no report.
     #[error("there is no report in '{}': run ci/compare, or write some there with 'walkthrough --report {}/NAME.json'", .0.display(), .0.display())]
     Empty(PathBuf),
+    /// The notes cannot be read.
+    #[error("cannot read the notes '{}': {reason}; name a text file", file.display())]
+    Notes {
+        /// Which file.
+        file: PathBuf,
+        /// What the system says.
+        reason: std::io::Error,
+    },
     /// A file is no report.
     #[error("'{}' is no report of walkthrough: {reason}; remove it or measure it again", file.display())]
     Broken {
@@ -156,6 +164,22 @@ pub fn read_folder(folder: &Path) -> Result<Vec<Measured>, InputError> {
         return Err(InputError::Empty(folder.to_owned()));
     }
     files.into_iter().map(read_report).collect()
+}
+
+/// Reads the lines of a file of notes, each once; ends of sentences are taken off.
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn read_notes(file: &Path) -> Result<Vec<String>, InputError> {
+    let text = fs::read_to_string(file)
+        .map_err(|reason| InputError::Notes { file: file.to_owned(), reason })?;
+    let mut notes = Vec::new();
+    for line in text.lines().map(|line| line.trim().trim_end_matches('.').to_owned()) {
+        if !line.is_empty() && !notes.contains(&line) {
+            notes.push(line);
+        }
+    }
+    Ok(notes)
 }
 
 fn read_report(file: PathBuf) -> Result<Measured, InputError> {

@@ -30,7 +30,7 @@ use thiserror::Error;
 use self::args::Arguments;
 use self::canvas::DrawError;
 use self::content::Content;
-use self::input::{InputError, Measured, read_folder};
+use self::input::{InputError, Measured, read_folder, read_notes};
 use crate::outputs::{WriteError, replace_file};
 
 /// Why there is no comparison: one sentence that says what is wrong and what to do.
@@ -70,7 +70,10 @@ impl CompareError {
 pub fn run(arguments: &Arguments) -> Result<String, CompareError> {
     let reports = read_folder(&arguments.reports)?;
     one_device(&reports)?;
-    let content = Content::of(&reports)?;
+    let mut content = Content::of(&reports)?;
+    if let Some(file) = &arguments.notes {
+        content.left_out.extend(read_notes(file)?);
+    }
     let mut files: Vec<(&Path, String)> = Vec::new();
     if let Some(file) = &arguments.page {
         files.push((file, page::render(&content)));

@@ -77,7 +77,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     STRATEGIES.iter().map(|(name, ..)| *name)
 }
 
-/// Where strategies stand in legends and bars: the order of [`STRATEGIES`], others last.
+/// Where strategies stand in legends and bars: the order of the list above, others last.
 pub fn place_of(name: &str) -> usize {
     STRATEGIES.iter().position(|(known, ..)| *known == name).unwrap_or(STRATEGIES.len())
 }

@@ -157,7 +157,7 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
         _ => "Medians of the repetitions, frame by frame.".to_owned(),
     };
     let both = |report: &&Measured| report.run(ANTUMBRA).is_some() && report.run(FRUSTUM).is_some();
-    if case.strategies().contains(&FRUSTUM) && !case.reports().iter().any(|report| both(report)) {
+    if case.strategies().contains(&FRUSTUM) && !case.reports().iter().any(both) {
         caption.push_str(" Plain frustum culling walked apart from the others.");
     }
     Ok(Some(Plot { svg, caption }))
