@@ -17,6 +17,8 @@ pub struct FrameMeasurement {
     pub draws: u64,
     /// Triangles submitted.
     pub triangles: u64,
+    /// Proxies tested.
+    pub tests: u64,
     /// Occlusion queries issued.
     pub queries: u64,
     /// Draws that a predicate decided.
@@ -93,6 +95,7 @@ impl RunMeasurement {
             cpu_ms: times(|frame| frame.cpu_ms),
             draws: count(|frame| frame.draws),
             triangles: count(|frame| frame.triangles),
+            tests: count(|frame| frame.tests),
             queries: count(|frame| frame.queries),
             predicated_draws: count(|frame| frame.predicated_draws),
             nodes_visited: count(|frame| frame.nodes_visited),

@@ -115,6 +115,8 @@ pub struct RunReport {
     pub draws: Option<u64>,
     /// Triangles submitted, those of predicated draws included.
     pub triangles: Option<u64>,
+    /// Proxies tested, by queries or otherwise.
+    pub tests: Option<u64>,
     /// Occlusion queries issued.
     pub queries: Option<u64>,
     /// Draws that a predicate decided.

@@ -133,6 +133,7 @@ impl<'a> Walk<'a> {
                 // From submit to submit: in a full pipeline, the time a frame takes.
                 frame_ms: clock.lap_ms(),
                 cpu_ms: report.cpu.as_secs_f64() * 1e3,
+                tests: report.tests.into(),
                 queries: report.queries.into(),
                 predicated_draws: report.predicated_draws.into(),
                 nodes_visited: report.plan.nodes_visited.into(),

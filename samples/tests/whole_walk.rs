@@ -24,7 +24,7 @@ fn walk(scratch: &Scratch, device: &str) -> Value {
             "--path=street",
             "--frames=12",
             "--size=96x64",
-            "--strategy=all",
+            "--strategy=frustum,antumbra",
             "--verify=every",
             "--validation=sync",
             "--frames-in-flight=3",
@@ -75,13 +75,13 @@ fn assert_report(report: &Value, device: &str) {
 
     let runs = report["runs"].as_array().expect("runs");
     let names: Vec<_> = runs.iter().filter_map(|run| run["strategy"].as_str()).collect();
-    assert_eq!(names, cull::Strategy::ALL.map(cull::Strategy::name));
+    assert_eq!(names, ["frustum", "antumbra"]);
     for run in runs {
         assert_run(run, triangles);
     }
     let (frustum, antumbra) = (&runs[0], &runs[1]);
     assert_eq!((&frustum["queries"], &frustum["predicated_draws"]), (&0.into(), &0.into()));
-    assert!(number(&antumbra["queries"]) > 0.0, "nobody asked anything");
+    assert!(number(&antumbra["tests"]) > 0.0, "nobody asked anything");
     assert!(number(&antumbra["draws"]) < number(&frustum["draws"]), "nothing was hidden");
     let age = &antumbra["result_age_frames"];
     assert!(number(&age["median"]) >= 1.0 && number(&age["max"]) <= 3.0, "{age}");
