@@ -86,8 +86,8 @@ pub struct ProxyTest {
 
 /// What a frame draws and asks.
 ///
-/// To be executed in this order: `draws`; `queried_draws`, each under its query; then for every
-/// range of `rounds`: test the proxies of the range against the depth so far, front faces only,
+/// To be executed in this order: `draws` and, each under its query, `queried_draws`, merged as
+/// `queried_after` says; then for every range of `rounds`: test the proxies of the range against the depth so far, front faces only,
 /// without writing; draw the leaves of those that show. Where such a test is of
 /// [`QueryKind::Parts`], test the [proxy](crate::Margin::proxy) of each leaf in the same way first,
 /// and draw those that show.
@@ -100,8 +100,12 @@ pub struct FramePlan {
     pub frame: FrameId,
     /// Taken as visible, front to back.
     pub draws: Vec<LeafIndex>,
-    /// Taken as visible and asked about on their own draw; front to back, after `draws`.
+    /// Taken as visible and asked about on their own draw; front to back.
     pub queried_draws: Vec<(LeafIndex, QueryTag)>,
+    /// For each of `queried_draws`, how many of `draws` come before it; ascending. What looks large
+    /// keeps its place, since it hides much that would be shaded in vain; what looks small comes
+    /// last, when all that may hide it is there.
+    pub queried_after: Vec<u32>,
     /// The frontier, front to back.
     pub tests: Vec<ProxyTest>,
     /// Contiguous slabs of `tests`, front to back, none empty.
@@ -116,6 +120,7 @@ impl Default for FramePlan {
             frame: FrameId(0),
             draws: Vec::new(),
             queried_draws: Vec::new(),
+            queried_after: Vec::new(),
             tests: Vec::new(),
             rounds: Vec::new(),
             stats: PlanStats::default(),
@@ -135,6 +140,7 @@ impl FramePlan {
         self.frame = frame;
         self.draws.clear();
         self.queried_draws.clear();
+        self.queried_after.clear();
         self.tests.clear();
         self.rounds.clear();
         self.stats = PlanStats::default();

@@ -40,6 +40,9 @@ pub struct Policy {
     /// An own-draw test follows a proxy that showed within this time: proxies are larger than
     /// what they stand for, so a third of those that show hide nothing that does.
     pub retest_first: u32,
+    /// A leaf that looks larger than this (diagonal over distance) is an occluder: where its own draw
+    /// is tested it keeps its place among the draws.
+    pub occluder_angle: f32,
     /// The interval between own-draw tests doubles with each that succeeds, up to this.
     pub retest_max: u32,
     /// A leaf whose proxy shows within this time after its own draw did not has a proxy that is
@@ -100,6 +103,7 @@ impl Default for Policy {
             open_leaves: 32,
             open_levels_max: 7,
             retest_first: 4,
+            occluder_angle: 0.2,
             retest_max: 16,
             flip_frames: 16,
             flip_retest_max: 64,

@@ -130,20 +130,25 @@ impl FramePasses {
         });
     }
 
-    /// Draws what is taken as visible: all in one call, then those that are asked about. They come
-    /// last, so that what hides them is there already.
+    /// Draws what is taken as visible: in one call from one that is asked about to the next.
     fn draw_visible(&self, commands: &Commands, history: &ViewHistory, view: &View, io: &FrameIo) {
         let plan = history.plan();
         self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
-        if !plan.draws.is_empty() {
-            commands.draw_indirect(io.visible);
-        }
-        for query in 0..plan.queried_draws.len() as u32 {
+        let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+        let mut drawn = 0;
+        let mut draw_until = |end: u32| {
+            if end > drawn {
+                commands.draw_indirect(io.visible.part(bytes(drawn), bytes(end - drawn)));
+                drawn = end;
+            }
+        };
+        for (query, after) in (0..).zip(&plan.queried_after) {
+            draw_until(*after);
             history.queries.scope(commands, QueryIndex(query), |commands| {
-                let at = u64::from(query) * DRAW_BYTES;
-                commands.draw_indirect(io.queried.part(at, DRAW_BYTES));
+                commands.draw_indirect(io.queried.part(bytes(query), DRAW_BYTES));
             });
         }
+        draw_until(plan.draws.len() as u32);
     }
 
     /// Tests the proxies of one round against the depth so far.

@@ -122,9 +122,12 @@ impl Walk<'_> {
         let leaf = self.leaf(turn.node);
         match self.verdict(turn, stats) {
             Verdict::Draw => scratch.draws.push(Draw { nearness: turn.nearness, leaf }),
-            Verdict::Retest => {
-                scratch.retests.push(Retest { nearness: turn.nearness, leaf, node: turn.node })
-            }
+            Verdict::Retest => scratch.retests.push(Retest {
+                nearness: turn.nearness,
+                leaf,
+                node: turn.node,
+                after: 0,
+            }),
             Verdict::Test(proxy) => scratch.tests.push(Candidate {
                 node: turn.node,
                 kind: QueryKind::Proxy,
@@ -285,6 +288,7 @@ impl Walk<'_> {
                     nearness: Nearness::of(&bounds, self.view.eye),
                     leaf: self.leaf(node),
                     node,
+                    after: 0,
                 }),
             }
         }

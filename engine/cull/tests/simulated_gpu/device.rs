@@ -80,12 +80,17 @@ impl Device {
     ) {
         self.image.clear();
         self.drawn.clear();
-        for leaf in &plan.draws {
-            self.draw(view, hierarchy, solids, *leaf);
-        }
-        for (leaf, tag) in &plan.queried_draws {
+        let mut drawn = 0;
+        for ((leaf, tag), after) in plan.queried_draws.iter().zip(&plan.queried_after) {
+            for leaf in &plan.draws[drawn..*after as usize] {
+                self.draw(view, hierarchy, solids, *leaf);
+            }
+            drawn = *after as usize;
             let samples = self.draw(view, hierarchy, solids, *leaf);
             self.answer(*tag, samples);
+        }
+        for leaf in &plan.draws[drawn..] {
+            self.draw(view, hierarchy, solids, *leaf);
         }
         for round in &plan.rounds {
             let tests = &plan.tests[round.clone()];

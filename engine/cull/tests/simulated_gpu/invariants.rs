@@ -52,8 +52,12 @@ fn is_front_to_back(hierarchy: &Hierarchy, view: &View, plan: &FramePlan) -> Res
         hierarchy.bounds(node).distance_squared(view.eye)
     };
     let test_distance = |node| hierarchy.bounds(node).distance_squared(view.eye);
+    let queried = plan.queried_after.iter().zip(&plan.queried_draws);
+    let queried = queried.map(|(after, (leaf, _))| (*after, leaf_distance(leaf)));
     let is_sorted = plan.draws.iter().map(leaf_distance).is_sorted()
-        && plan.queried_draws.iter().map(|(leaf, _)| leaf_distance(leaf)).is_sorted()
+        && plan.queried_after.len() == plan.queried_draws.len()
+        && plan.queried_after.iter().all(|after| *after as usize <= plan.draws.len())
+        && queried.is_sorted()
         && plan.tests.iter().map(|test| test_distance(test.tag.node)).is_sorted();
     is_sorted.then_some(()).ok_or_else(|| "not front to back".to_owned())
 }
