@@ -10,7 +10,7 @@ mod traversal;
 use glam::Vec3;
 
 use crate::hierarchy::Hierarchy;
-use crate::ids::{FrameId, NodeId};
+use crate::ids::{FrameId, LeafIndex, NodeId};
 use crate::plan::{Answer, FramePlan, ProxyTest, QueryKind, QueryTag};
 use crate::policy::Policy;
 use crate::rng::SplitMix64;
@@ -130,7 +130,7 @@ impl Culler {
             view,
             policy: &self.policy,
             knowledge: match strategy {
-                Strategy::Frustum => Knowledge::Ignored,
+                Strategy::Frustum | Strategy::Pyramid => Knowledge::Ignored,
                 Strategy::Antumbra => Knowledge::Used(&self.history),
             },
             now,
@@ -171,6 +171,21 @@ impl Culler {
             self.history.visit(*node, now);
         }
         rounds::split(plan.tests.len(), is_cut, &self.policy, &mut plan.rounds);
+    }
+
+    /// Plans the next frame from the outcome: draws `leaves` in their order and asks nothing
+    /// ([`Strategy::Ideal`]; [`Culler::plan`] cannot know them and falls back to frustum culling).
+    pub fn plan_known(
+        &mut self,
+        hierarchy: &Hierarchy,
+        leaves: &[LeafIndex],
+        plan: &mut FramePlan,
+    ) {
+        self.advance();
+        self.history.adopt(hierarchy);
+        plan.clear(self.frame);
+        plan.draws.extend_from_slice(leaves);
+        plan.stats.visible = leaves.len() as u32;
     }
 
     /// Begins the next frame.

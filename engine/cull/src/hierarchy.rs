@@ -59,6 +59,7 @@ pub struct Hierarchy {
     pub(crate) topology: Arc<Topology>,
     bounds: Vec<Aabb>,
     generation: Generation,
+    revision: u64,
     refit_scratch: refit::Scratch,
 }
 
@@ -75,6 +76,7 @@ impl Hierarchy {
             topology: Arc::new(topology),
             bounds,
             generation: Generation(0),
+            revision: 0,
             refit_scratch: refit::Scratch::default(),
         })
     }
@@ -87,7 +89,8 @@ impl Hierarchy {
     /// As [`Hierarchy::build`]; the hierarchy is then unchanged.
     pub fn rebuild(&mut self, boxes: &[Aabb]) -> Result<Generation, HierarchyError> {
         let generation = Generation(self.generation.0.wrapping_add(1));
-        *self = Self { generation, ..Self::build(boxes)? };
+        let revision = self.revision.wrapping_add(1);
+        *self = Self { generation, revision, ..Self::build(boxes)? };
         Ok(generation)
     }
 
@@ -100,6 +103,7 @@ impl Hierarchy {
         &mut self,
         moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
     ) -> Result<(), HierarchyError> {
+        self.revision = self.revision.wrapping_add(1);
         refit::refit(&self.topology, &mut self.bounds, &mut self.refit_scratch, moved)
     }
 
@@ -107,6 +111,12 @@ impl Hierarchy {
     #[must_use]
     pub fn generation(&self) -> Generation {
         self.generation
+    }
+
+    /// Counts the calls that may have changed a box: for copies of the boxes kept elsewhere.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// The node above all others; `None` if there are no objects.

@@ -62,6 +62,13 @@ impl Margin {
         self.pixels
     }
 
+    /// How much larger a proxy is than its box, on each side, per metre of the box's largest view
+    /// depth: for whoever computes proxies on the GPU.
+    #[must_use]
+    pub fn growth(&self) -> f32 {
+        self.pixels * self.footprint
+    }
+
     /// The box to test in place of `bounds`, or `None` if it must count as visible, because the
     /// eye is inside or some of the proxy is nearer than the near plane.
     #[must_use]

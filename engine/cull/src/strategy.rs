@@ -11,6 +11,9 @@ use thiserror::Error;
 pub enum Strategy {
     /// View-frustum culling only: the baseline and the reference image.
     Frustum,
+    /// Two phases against a depth pyramid, all on the GPU: draws what was visible in the last frame,
+    /// then what turns out to be (the way of the engines niagara and Bevy).
+    Pyramid,
     /// Coherent hierarchical culling whose answers come late, made exact by predicates.
     Antumbra,
 }
@@ -27,13 +30,14 @@ pub struct UnknownStrategy {
 
 impl Strategy {
     /// Every strategy, the baseline first.
-    pub const ALL: [Self; 2] = [Self::Frustum, Self::Antumbra];
+    pub const ALL: [Self; 3] = [Self::Frustum, Self::Pyramid, Self::Antumbra];
 
     /// The name on command lines and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Frustum => "frustum",
+            Self::Pyramid => "pyramid",
             Self::Antumbra => "antumbra",
         }
     }
@@ -42,7 +46,7 @@ impl Strategy {
     #[must_use]
     pub const fn is_exact(self) -> bool {
         match self {
-            Self::Frustum | Self::Antumbra => true,
+            Self::Frustum | Self::Pyramid | Self::Antumbra => true,
         }
     }
 }
@@ -74,6 +78,6 @@ mod tests {
             assert_eq!(strategy.to_string(), strategy.name());
         }
         let refused = "Frustrum".parse::<Strategy>().unwrap_err().to_string();
-        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, antumbra"));
+        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, pyramid, antumbra"));
     }
 }

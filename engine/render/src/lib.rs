@@ -37,6 +37,8 @@ mod frame_passes;
 mod geometry;
 mod moment;
 mod passes;
+mod pyramid_frame;
+mod pyramid_history;
 mod renderer;
 pub mod scene;
 mod shaders;
@@ -46,6 +48,7 @@ pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
     OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass,
+    PyramidLevel, PyramidPass, pyramid_levels,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use shaders::{SHADERS, Shader, ShaderSet};

@@ -22,12 +22,15 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 5] = [
+pub const SHADERS: [Shader; 8] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
+    shader!("pyramid_build.comp"),
+    shader!("pyramid_first.comp"),
+    shader!("pyramid_second.comp"),
 ];
 
 /// The shaders a renderer is built from.

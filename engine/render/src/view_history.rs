@@ -5,10 +5,11 @@ use std::collections::VecDeque;
 use cull::{
     Answer, Culler, FrameId, FramePlan, Hierarchy, LeafRange, Policy, QueryTag, Strategy, View,
 };
-use gpu::{Device, DrawRange, QueryRing, Tick};
+use gpu::{Device, DrawRange, Frame, QueryRing, Tick};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
+use crate::pyramid_history::PyramidHistory;
 
 /// What a frame turned out to be, known once its answers are home.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +33,9 @@ pub struct ViewHistory {
     // Scratch for the newest frame, kept to allocate nothing in the steady state: what each query
     // is about, in the order of the queries: the queried draws, then the tests.
     pub(crate) tags: Vec<QueryTag>,
+    pyramid: Option<PyramidHistory>,
+    frames_in_flight: usize,
+    device: Device,
     answers: Vec<Answer>,
     pending: VecDeque<FrameOutcome>,
     outcomes: Vec<FrameOutcome>,
@@ -48,6 +52,9 @@ impl ViewHistory {
             queries: QueryRing::new(device, frames_in_flight, "occlusion queries")?,
             plan: FramePlan::default(),
             tags: Vec::new(),
+            pyramid: None,
+            frames_in_flight,
+            device: device.clone(),
             answers: Vec::new(),
             pending: VecDeque::new(),
             outcomes: Vec::new(),
@@ -66,7 +73,7 @@ impl ViewHistory {
 
     /// Picks up every answer that is home and lets the history move on. Never waits.
     pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
-        let Self { culler, queries, answers, pending, outcomes, .. } = self;
+        let Self { culler, queries, pyramid, answers, pending, outcomes, .. } = self;
         answers.clear();
         queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
         for answer in answers.iter() {
@@ -81,7 +88,18 @@ impl ViewHistory {
                 outcome.triangles += geometry.triangles(leaves);
             }
         }
-        if let Some(newest) = answers.iter().map(|answer| answer.tag.frame).max() {
+        let mut newest = answers.iter().map(|answer| answer.tag.frame).max();
+        while let Some(counts) = pyramid.as_mut().and_then(|kept| kept.take_counts(completed)) {
+            newest = newest.max(Some(counts.frame));
+            if let Some(outcome) = pending.iter_mut().find(|pending| pending.frame == counts.frame)
+            {
+                let [first, second] = counts.phases;
+                outcome.draws = u64::from(first.draws) + u64::from(second.draws);
+                outcome.triangles = first.triangles() + second.triangles();
+                outcome.revealed = second.draws.into();
+            }
+        }
+        if let Some(newest) = newest {
             while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
                 outcomes.push(outcome);
             }
@@ -114,6 +132,24 @@ impl ViewHistory {
         self.tags.extend(own.chain(self.plan.tests.iter().map(|test| test.tag)));
     }
 
+    /// Begins a frame that the GPU decides about: an empty plan without queries.
+    pub(crate) fn begin_pyramid(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+    ) -> Result<&mut PyramidHistory, Error> {
+        self.culler.plan_known(hierarchy, &[], &mut self.plan);
+        self.tags.clear();
+        self.queries.begin(frame, &self.tags)?;
+        let kept = match self.pyramid.take() {
+            Some(kept) => kept,
+            None => PyramidHistory::new(&self.device, hierarchy, self.frames_in_flight)?,
+        };
+        let kept = self.pyramid.insert(kept);
+        kept.begin(&self.device, hierarchy, self.plan.frame, frame.slot())?;
+        Ok(kept)
+    }
+
     /// What each query decides about, in the order of the queries.
     pub(crate) fn draw_ranges(&self) -> impl ExactSizeIterator<Item = DrawRange> {
         let own = self.plan.queried_draws.len();
@@ -137,7 +173,9 @@ impl ViewHistory {
             outcome.draws += 1;
             outcome.triangles += geometry.triangles(LeafRange { first, count: 1 });
         }
-        if self.tags.is_empty() {
+        let is_counted_on_gpu =
+            self.pyramid.as_mut().is_some_and(|kept| kept.submitted(tick, outcome.frame));
+        if self.tags.is_empty() && !is_counted_on_gpu {
             self.outcomes.push(outcome);
         } else {
             self.pending.push_back(outcome);

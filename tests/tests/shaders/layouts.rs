@@ -94,6 +94,22 @@ fn predicates_read_words_and_ranges() {
 }
 
 #[test]
+fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
+    assert_eq!(interface("pyramid_build.comp"), (vec![(0, 4, vec![0])], 16));
+    let draw = (size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
+    let first = vec![
+        (0, 32, vec![0, 16]),
+        (1, draw.0, draw.1.clone()),
+        (2, 4, vec![0]),
+        (3, draw.0, draw.1),
+        (4, 16, vec![0, 4, 8, 12]),
+    ];
+    assert_eq!(interface("pyramid_first.comp"), (first.clone(), 80));
+    let second = [first, vec![(5, 4, vec![0])]].concat();
+    assert_eq!(interface("pyramid_second.comp"), (second, 80));
+}
+
+#[test]
 fn push_constants_fit_every_device() {
     // Vulkan promises 128 bytes (specification, "Required Limits").
     let folder = crate::folder();

@@ -3,7 +3,11 @@
 mod opaque;
 mod overlay;
 mod proxy;
+mod pyramid;
+mod pyramid_cull;
 
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};
 pub use proxy::{ProxyBox, ProxyIo, ProxyPass};
+pub use pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
+pub(crate) use pyramid_cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
