@@ -112,17 +112,15 @@ Coverage coverage(Box box) {
 
 // Puts a leaf on the list of this phase, or not.
 void decide(uint leaf, bool drawn) {
-    IndirectDraw draw = leaves[leaf];
-    draw.instance_count = drawn ? 1 : 0;
-    if (is_compact == 0) {
-        list[leaf] = draw;
-    }
-    if (!drawn) {
+    if (is_compact != 0 && !drawn) {
         return;
     }
-    uint place = atomicAdd(counters[phase].draws, 1);
-    if (is_compact != 0) {
-        list[place] = draw;
+    IndirectDraw draw = leaves[leaf];
+    draw.instance_count = drawn ? 1 : 0;
+    uint place = drawn ? atomicAdd(counters[phase].draws, 1) : 0;
+    list[is_compact != 0 ? place : leaf] = draw;
+    if (!drawn) {
+        return;
     }
     uint triangles = draw.index_count / 3;
     uint before = atomicAdd(counters[phase].triangles_low, triangles);

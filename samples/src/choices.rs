@@ -180,7 +180,7 @@ mod tests {
         let message = parse_named::<Strategy>("antumbar").unwrap_err();
         assert_eq!(
             message,
-            "unknown strategy 'antumbar': there is frustum and antumbra; did you mean 'antumbra'?"
+            "unknown strategy 'antumbar': there is frustum, pyramid and antumbra; did you mean 'antumbra'?"
         );
         assert!(parse_named::<Scene>("CITY").unwrap_err().ends_with("did you mean 'city'?"));
         assert!(parse_named::<Predicates>("cond").unwrap_err().contains("'conditional'"));
