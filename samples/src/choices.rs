@@ -178,10 +178,8 @@ mod tests {
     #[test]
     fn a_typing_error_gets_a_suggestion() {
         let message = parse_named::<Strategy>("antumbar").unwrap_err();
-        assert_eq!(
-            message,
-            "unknown strategy 'antumbar': there is frustum, pyramid and antumbra; did you mean 'antumbra'?"
-        );
+        assert!(message.starts_with("unknown strategy 'antumbar': there is frustum"), "{message}");
+        assert!(message.ends_with("did you mean 'antumbra'?"), "{message}");
         assert!(parse_named::<Scene>("CITY").unwrap_err().ends_with("did you mean 'city'?"));
         assert!(parse_named::<Predicates>("cond").unwrap_err().contains("'conditional'"));
     }

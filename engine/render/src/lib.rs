@@ -47,8 +47,8 @@ mod view_history;
 pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
-    OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass,
-    PyramidLevel, PyramidPass, pyramid_levels,
+    ComputeTest, ComputeTestIo, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex,
+    ProxyBox, ProxyIo, ProxyPass, PyramidLevel, PyramidPass, pyramid_levels,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use shaders::{SHADERS, Shader, ShaderSet};

@@ -22,12 +22,14 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 8] = [
+pub const SHADERS: [Shader; 10] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
+    shader!("depth_grid.comp"),
+    shader!("compute_test.comp"),
     shader!("pyramid_build.comp"),
     shader!("pyramid_first.comp"),
     shader!("pyramid_second.comp"),

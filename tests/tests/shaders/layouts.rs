@@ -110,6 +110,14 @@ fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
 }
 
 #[test]
+fn the_compute_tester_reads_boxes_and_depths_and_writes_words() {
+    let floats = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("depth_grid.comp"), (vec![floats(0), floats(1)], 8));
+    let buffers = vec![(0, 32, vec![0, 16]), floats(1), floats(2), floats(3)];
+    assert_eq!(interface("compute_test.comp"), (buffers, 72));
+}
+
+#[test]
 fn push_constants_fit_every_device() {
     // Vulkan promises 128 bytes (specification, "Required Limits").
     let folder = crate::folder();

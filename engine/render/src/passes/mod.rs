@@ -1,11 +1,13 @@
 //! The passes: each a struct with its pipeline, and an `Io` that lists what it reads and writes.
 
+mod compute_test;
 mod opaque;
 mod overlay;
 mod proxy;
 mod pyramid;
 mod pyramid_cull;
 
+pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};
 pub use proxy::{ProxyBox, ProxyIo, ProxyPass};
