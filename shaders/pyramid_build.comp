@@ -14,10 +14,8 @@ layout(push_constant) uniform Constants {
     uint levels; // to write, 1 to 3
 };
 
-// Beyond the edge the last texels repeat, which changes no minimum.
-float read_texel(uvec2 at) {
-    at = min(at, size - 1);
-    return depths[start + at.y * size.x + at.x];
+vec4 read_row(uint row, uvec4 x) {
+    return vec4(depths[row + x.x], depths[row + x.y], depths[row + x.z], depths[row + x.w]);
 }
 
 // Drops what lies beyond the edge of its level.
@@ -41,15 +39,19 @@ void main() {
     float farthest_3 = 1.0;
     for (uint part_2 = 0; part_2 < 4; ++part_2) {
         uvec2 at_2 = at_3 * 2 + uvec2(part_2 & 1, part_2 >> 1);
-        float farthest_2 = 1.0;
-        for (uint part_1 = 0; part_1 < 4; ++part_1) {
-            uvec2 at_1 = at_2 * 2 + uvec2(part_1 & 1, part_1 >> 1);
-            uvec2 at = at_1 * 2;
-            float farthest_1 = min(min(read_texel(at), read_texel(at + uvec2(1, 0))),
-                                   min(read_texel(at + uvec2(0, 1)), read_texel(at + uvec2(1, 1))));
-            write_texel(start_1, size_1, at_1, farthest_1);
-            farthest_2 = min(farthest_2, farthest_1);
-        }
+        // 4x4 texels, read at once: loops of a fixed length are unrolled.
+        uvec4 x = min(at_2.x * 4 + uvec4(0, 1, 2, 3), uvec4(size.x - 1));
+        uvec4 row = start + min(at_2.y * 4 + uvec4(0, 1, 2, 3), uvec4(size.y - 1)) * size.x;
+        vec4 upper = min(read_row(row.x, x), read_row(row.y, x));
+        vec4 lower = min(read_row(row.z, x), read_row(row.w, x));
+        vec4 farthest_1 = min(vec4(upper.xz, lower.xz), vec4(upper.yw, lower.yw));
+        uvec2 at_1 = at_2 * 2;
+        write_texel(start_1, size_1, at_1, farthest_1.x);
+        write_texel(start_1, size_1, at_1 + uvec2(1, 0), farthest_1.y);
+        write_texel(start_1, size_1, at_1 + uvec2(0, 1), farthest_1.z);
+        write_texel(start_1, size_1, at_1 + uvec2(1, 1), farthest_1.w);
+        vec2 pair = min(farthest_1.xy, farthest_1.zw);
+        float farthest_2 = min(pair.x, pair.y);
         if (levels > 1) {
             write_texel(start_2, size_2, at_2, farthest_2);
         }
