@@ -201,3 +201,28 @@ fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
         bounds: *bounds,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn whatever_may_change_a_box_is_another_revision() {
+        let unit = Aabb::new(Vec3::ZERO, Vec3::ONE);
+        let mut hierarchy = Hierarchy::build(&[unit, unit]).unwrap();
+        let mut revisions = vec![hierarchy.revision()];
+        hierarchy.refit([(ObjectId(1), unit.enlarged(1.0))]).unwrap();
+        revisions.push(hierarchy.revision());
+        // The object before the bad one has been moved.
+        let moves = [(ObjectId(0), unit.enlarged(2.0)), (ObjectId(2), unit)];
+        assert!(hierarchy.refit(moves).is_err());
+        revisions.push(hierarchy.revision());
+        hierarchy.rebuild(&[unit]).unwrap();
+        revisions.push(hierarchy.revision());
+        revisions.dedup();
+        assert_eq!(revisions.len(), 4);
+        assert!(hierarchy.rebuild(&[Aabb::EMPTY]).is_err());
+        assert_eq!(revisions.last(), Some(&hierarchy.revision()), "nothing has changed");
+    }
+}
