@@ -62,10 +62,9 @@ impl Margin {
         self.pixels
     }
 
-    /// How much larger a proxy is than its box, on each side, per metre of the box's largest view
-    /// depth: for whoever computes proxies on the GPU.
+    /// How far a proxy reaches beyond a box at view depth 1 (metres), rounding apart.
     #[must_use]
-    pub fn growth(&self) -> f32 {
+    pub fn metres_at_depth_1(&self) -> f32 {
         self.pixels * self.footprint
     }
 

@@ -145,7 +145,7 @@ impl Constants {
         let row = |number: usize, more: f32| view.view_proj.row(number).truncate().extend(more);
         Self {
             row_x: row(0, view.near).to_array(),
-            row_y: row(1, view.margin.growth() * GROWTH_SLACK).to_array(),
+            row_y: row(1, view.margin.metres_at_depth_1() * GROWTH_SLACK).to_array(),
             row_w: row(3, ROUNDING).to_array(),
             eye: view.eye.to_array(),
             leaf_count: io.leaf_count,
