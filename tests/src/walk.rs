@@ -43,7 +43,7 @@ pub struct Found {
     pub draws: [u64; 2],
 }
 
-/// Walks `frames` frames of `path` with `strategy` in one go, as a user's loop would, and compares
+/// Walks `frames` frames of `path` with `antumbra` in one go, as a user's loop would, and compares
 /// each picture with plain frustum culling.
 pub fn walk(
     device: &Device,
@@ -52,22 +52,45 @@ pub fn walk(
     frames: u32,
     options: &RendererOptions,
 ) -> Found {
-    let path = CameraPath::new(path, scene).expect("a path");
-    let cameras: Vec<Camera> = (0..frames).map(|frame| path.camera(frame)).collect();
-    walk_cameras(device, scene, &cameras, options)
+    walk_with(device, scene, path, frames, options, Strategy::Antumbra)
 }
 
-/// The same over any cameras.
+/// The same with any strategy.
+pub fn walk_with(
+    device: &Device,
+    scene: &Scene,
+    path: PathKind,
+    frames: u32,
+    options: &RendererOptions,
+    strategy: Strategy,
+) -> Found {
+    let path = CameraPath::new(path, scene).expect("a path");
+    let cameras: Vec<Camera> = (0..frames).map(|frame| path.camera(frame)).collect();
+    walk_cameras_with(device, scene, &cameras, options, strategy)
+}
+
+/// `antumbra` over any cameras.
 pub fn walk_cameras(
     device: &Device,
     scene: &Scene,
     cameras: &[Camera],
     options: &RendererOptions,
 ) -> Found {
+    walk_cameras_with(device, scene, cameras, options, Strategy::Antumbra)
+}
+
+/// Any strategy over any cameras.
+pub fn walk_cameras_with(
+    device: &Device,
+    scene: &Scene,
+    cameras: &[Camera],
+    options: &RendererOptions,
+    strategy: Strategy,
+) -> Found {
     let mut renderer = Renderer::new(device, scene, options).expect("a renderer");
     let mut found = Found { frames: cameras.len() as u32, ..Found::default() };
     let mut pictures = Vec::new();
-    for (which, strategy) in [Strategy::Frustum, Strategy::Antumbra].into_iter().enumerate() {
+    for (which, strategy) in [Strategy::Frustum, strategy].into_iter().enumerate() {
         let mut view = renderer.new_view().expect("a view");
         let loops = frame_loop(&mut renderer, &mut view, strategy, cameras);
         found.blocking_waits += loops.blocking_waits;

@@ -118,24 +118,33 @@ impl Stage {
         let device = Device::new(&self.instance, &self.adapter, &device_options)?;
         let mut renderer = Renderer::new(&device, &self.scene, options)?;
         renderer.time_passes()?;
-        let mut history = renderer.new_view()?;
-        let picture = Readback::new(&device, renderer.size())?;
-        let request = |strategy, frame| FrameRequest {
-            picture: Some(&picture),
+        let mut histories = [renderer.new_view()?, renderer.new_view()?];
+        let picture = || Readback::new(&device, renderer.size());
+        let pictures = [picture()?, picture()?];
+        let request = |strategy, frame, picture| FrameRequest {
+            picture: Some(picture),
             ..FrameRequest::new(strategy, self.path.camera(frame))
         };
         let (mut failed, mut queries) = (Ok(()), 0);
         for frame in 0..FRAMES {
-            match renderer.render(&mut history, &request(Strategy::Antumbra, frame)) {
-                Err(error) if goes == Goes::On && failed.is_ok() => failed = Err(error),
-                result => queries += result?.queries,
+            let strategies = [Strategy::Antumbra, Strategy::Pyramid];
+            for ((history, picture), strategy) in
+                histories.iter_mut().zip(&pictures).zip(strategies)
+            {
+                match renderer.render(history, &request(strategy, frame, picture)) {
+                    Err(error) if goes == Goes::On && failed.is_ok() => failed = Err(error),
+                    result => queries += result?.queries,
+                }
             }
         }
-        renderer.drain(&mut history)?;
-        let last = picture.rgba8().to_vec();
-        renderer.render(&mut history, &request(Strategy::Frustum, FRAMES - 1))?;
-        renderer.drain(&mut history)?;
-        assert!(last == picture.rgba8(), "a wrong picture");
+        let [history, other] = &mut histories;
+        renderer.drain(history)?;
+        renderer.drain(other)?;
+        let last = pictures[0].rgba8().to_vec();
+        assert!(last == pictures[1].rgba8(), "two pictures of one frame");
+        renderer.render(history, &request(Strategy::Frustum, FRAMES - 1, &pictures[0]))?;
+        renderer.drain(history)?;
+        assert!(last == pictures[0].rgba8(), "a wrong picture");
         assert!(queries > 0, "a walk that asks nothing proves little");
         failed
     }
@@ -269,8 +278,8 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
     let counts = clean_calls(&stage, &options, &[c"vkQueueSubmit2", c"vkEndCommandBuffer"]);
     let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
     for (call, count) in [c"vkQueueSubmit2", c"vkEndCommandBuffer"].into_iter().zip(counts) {
-        // All frames but the last two, which make the pictures that are compared.
-        for number in count - 1 - FRAMES as usize..count - 2 {
+        // All frames but the last three, which make the pictures that are compared.
+        for number in count - 1 - 2 * FRAMES as usize..count - 3 {
             let fault = Fault { call, fails: number..number + 1, code };
             let sentence = stage.walk_with(fault, &options, Goes::On).expect("an error");
             assert!(sentence.contains(call.to_str().unwrap()), "{sentence}");

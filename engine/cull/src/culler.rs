@@ -140,7 +140,7 @@ impl Culler {
             view,
             policy: &self.policy,
             knowledge: match strategy {
-                Strategy::Frustum | Strategy::Ideal => Knowledge::Ignored,
+                Strategy::Frustum | Strategy::Pyramid | Strategy::Ideal => Knowledge::Ignored,
                 Strategy::Antumbra | Strategy::AntumbraQueries | Strategy::AntumbraFlags => {
                     Knowledge::Used(&self.history)
                 }

@@ -59,6 +59,7 @@ pub struct Hierarchy {
     pub(crate) topology: Arc<Topology>,
     bounds: Vec<Aabb>,
     generation: Generation,
+    revision: u64,
     refit_scratch: refit::Scratch,
 }
 
@@ -75,6 +76,7 @@ impl Hierarchy {
             topology: Arc::new(topology),
             bounds,
             generation: Generation(0),
+            revision: 0,
             refit_scratch: refit::Scratch::default(),
         })
     }
@@ -87,7 +89,8 @@ impl Hierarchy {
     /// As [`Hierarchy::build`]; the hierarchy is then unchanged.
     pub fn rebuild(&mut self, boxes: &[Aabb]) -> Result<Generation, HierarchyError> {
         let generation = Generation(self.generation.0.wrapping_add(1));
-        *self = Self { generation, ..Self::build(boxes)? };
+        let revision = self.revision.wrapping_add(1);
+        *self = Self { generation, revision, ..Self::build(boxes)? };
         Ok(generation)
     }
 
@@ -100,6 +103,7 @@ impl Hierarchy {
         &mut self,
         moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
     ) -> Result<(), HierarchyError> {
+        self.revision = self.revision.wrapping_add(1);
         refit::refit(&self.topology, &mut self.bounds, &mut self.refit_scratch, moved)
     }
 
@@ -107,6 +111,12 @@ impl Hierarchy {
     #[must_use]
     pub fn generation(&self) -> Generation {
         self.generation
+    }
+
+    /// Counts the calls that may have changed a box: for copies of the boxes kept elsewhere.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
     }
 
     /// The node above all others; `None` if there are no objects.
@@ -190,4 +200,29 @@ fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
         object: ObjectId(u32::try_from(object).unwrap_or(u32::MAX)),
         bounds: *bounds,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn whatever_may_change_a_box_is_another_revision() {
+        let unit = Aabb::new(Vec3::ZERO, Vec3::ONE);
+        let mut hierarchy = Hierarchy::build(&[unit, unit]).unwrap();
+        let mut revisions = vec![hierarchy.revision()];
+        hierarchy.refit([(ObjectId(1), unit.enlarged(1.0))]).unwrap();
+        revisions.push(hierarchy.revision());
+        // The object before the bad one has been moved.
+        let moves = [(ObjectId(0), unit.enlarged(2.0)), (ObjectId(2), unit)];
+        assert!(hierarchy.refit(moves).is_err());
+        revisions.push(hierarchy.revision());
+        hierarchy.rebuild(&[unit]).unwrap();
+        revisions.push(hierarchy.revision());
+        revisions.dedup();
+        assert_eq!(revisions.len(), 4);
+        assert!(hierarchy.rebuild(&[Aabb::EMPTY]).is_err());
+        assert_eq!(revisions.last(), Some(&hierarchy.revision()), "nothing has changed");
+    }
 }

@@ -11,6 +11,9 @@ use thiserror::Error;
 pub enum Strategy {
     /// View-frustum culling only: the baseline and the reference image.
     Frustum,
+    /// Two phases against a depth pyramid, all on the GPU: draws what was visible in the last frame,
+    /// then what turns out to be (the way of the engines niagara and Bevy).
+    Pyramid,
     /// Coherent hierarchical culling whose answers come late, made exact by predicates.
     Antumbra,
     /// The same with occlusion queries for all tests.
@@ -34,14 +37,21 @@ pub struct UnknownStrategy {
 
 impl Strategy {
     /// Every strategy, the baseline first.
-    pub const ALL: [Self; 5] =
-        [Self::Frustum, Self::Antumbra, Self::AntumbraQueries, Self::AntumbraFlags, Self::Ideal];
+    pub const ALL: [Self; 6] = [
+        Self::Frustum,
+        Self::Pyramid,
+        Self::Antumbra,
+        Self::AntumbraQueries,
+        Self::AntumbraFlags,
+        Self::Ideal,
+    ];
 
     /// The name on command lines and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Frustum => "frustum",
+            Self::Pyramid => "pyramid",
             Self::Antumbra => "antumbra",
             Self::AntumbraQueries => "antumbra_queries",
             Self::AntumbraFlags => "antumbra_flags",
@@ -54,6 +64,7 @@ impl Strategy {
     pub const fn is_exact(self) -> bool {
         match self {
             Self::Frustum
+            | Self::Pyramid
             | Self::Antumbra
             | Self::AntumbraQueries
             | Self::AntumbraFlags
@@ -89,6 +100,6 @@ mod tests {
             assert_eq!(strategy.to_string(), strategy.name());
         }
         let refused = "Frustrum".parse::<Strategy>().unwrap_err().to_string();
-        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, antumbra"));
+        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, pyramid, antumbra"));
     }
 }

@@ -48,7 +48,7 @@ impl Required {
             Required::MultiDrawIndirect => "multiDrawIndirect",
             Required::DrawIndirectFirstInstance => "drawIndirectFirstInstance",
             Required::GraphicsQueue => "a queue with graphics and compute",
-            Required::Depth32 => "D32_SFLOAT as a depth attachment",
+            Required::Depth32 => "D32_SFLOAT as a depth attachment that can be copied",
         }
     }
 }
@@ -151,9 +151,10 @@ impl Capabilities {
         require(yes(core.multi_draw_indirect), Required::MultiDrawIndirect);
         require(yes(core.draw_indirect_first_instance), Required::DrawIndirectFirstInstance);
         require(
-            depth
-                .optimal_tiling_features
-                .contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT),
+            depth.optimal_tiling_features.contains(
+                vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT
+                    | vk::FormatFeatureFlags::TRANSFER_SRC,
+            ),
             Required::Depth32,
         );
         let timestamps = queue_family.is_some_and(|family| family.timestamp_valid_bits > 0);

@@ -9,6 +9,7 @@ use bytemuck::Pod;
 
 use crate::access::{LayoutChange, MemoryBarrier};
 use crate::buffer::BufferSlice;
+use crate::capabilities::Optional;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
@@ -22,7 +23,7 @@ pub struct Commands {
     recording: Recording,
     descriptors: vk::DescriptorPool,
     timer: Option<Rc<PassTimer>>,
-    failed: Cell<Option<vk::Result>>,
+    failed: Cell<Option<(&'static str, vk::Result)>>,
 }
 
 /// Tells one recording from all others of its device, of reused command buffers too.
@@ -70,7 +71,7 @@ impl Commands {
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self.failed.get() {
             None => Ok(()),
-            Some(code) => Err(code).called("vkAllocateDescriptorSets"),
+            Some((call, code)) => Err(code).called(call),
         }
     }
 
@@ -221,7 +222,7 @@ impl Commands {
         let set = match unsafe { raw.allocate_descriptor_sets(&info) } {
             Ok(sets) => sets.first().copied().unwrap_or_default(),
             Err(code) => {
-                self.failed.set(Some(code));
+                self.failed.set(Some(("vkAllocateDescriptorSets", code)));
                 return;
             }
         };
@@ -354,15 +355,20 @@ impl Commands {
         }
     }
 
-    /// Draws as many of the commands in `draws` as the word in `count` says.
-    pub(crate) fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
+    /// Draws as many of the commands in `draws` as the word in `count` says. The device has
+    /// [`Optional::DrawIndirectCount`], or the recording fails; `draws` holds no more commands than
+    /// its `maxDrawIndirectCount`.
+    pub fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
+        if !self.device.capabilities().has(Optional::DrawIndirectCount) {
+            let lacking = vk::Result::ERROR_FEATURE_NOT_PRESENT;
+            self.failed.set(Some(("vkCmdDrawIndexedIndirectCount", lacking)));
+        }
         if !self.is_sound() {
             return;
         }
-        // SAFETY: drawIndirectCount was checked when this way was chosen; both slices lie in
-        // their buffers.
+        // SAFETY: drawIndirectCount is there; both slices lie in their buffers.
         unsafe {
             self.device.raw().cmd_draw_indexed_indirect_count(
                 self.raw,
@@ -384,7 +390,7 @@ impl Commands {
         }
     }
 
-    /// Sets every 32-bit word of `slice` to `word`: an [`Access::CopyWrite`].
+    /// Sets every 32-bit word of `slice` to `word`: an [`crate::Access::CopyWrite`].
     pub fn fill(&self, slice: BufferSlice, word: u32) {
         let size = slice.size_bytes & !3;
         if size > 0 {

@@ -4,7 +4,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 
 use crate::access::{Access, LayoutChange};
-use crate::buffer::{Buffer, Place, allocate, free};
+use crate::buffer::{Buffer, BufferSlice, Place, allocate, free};
 use crate::commands::{Commands, Recording, RenderTarget};
 use crate::deletion::Garbage;
 use crate::device::Device;
@@ -66,7 +66,8 @@ impl Target {
         }
         let colour_usage =
             vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
-        let depth_usage = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let depth_usage =
+            vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
         let image = |what, format, usage, aspect| {
             Image::new(device, &format!("{name} {what}"), size, format, usage, aspect)
@@ -93,10 +94,11 @@ impl Target {
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
         let changes = if is_first {
-            let uses = [Access::Colour, Access::CopyRead];
+            let colour_uses = [Access::Colour, Access::CopyRead];
+            let depth_uses = [Access::Depth, Access::CopyRead];
             [
-                LayoutChange::forgetting(self.colour.raw, colour, &uses, Access::Colour),
-                LayoutChange::forgetting(self.depth.raw, depth, &[Access::Depth], Access::Depth),
+                LayoutChange::forgetting(self.colour.raw, colour, &colour_uses, Access::Colour),
+                LayoutChange::forgetting(self.depth.raw, depth, &depth_uses, Access::Depth),
             ]
         } else {
             [
@@ -117,6 +119,37 @@ impl Target {
             depth: self.depth.view,
             size: self.size,
             clear: clear.map(|colour| (colour, FAR)),
+        }
+    }
+
+    /// Copies the depth image to `to`: 32-bit floats, rows from the top without gaps, an
+    /// [`Access::CopyWrite`]. Too small a slice gets nothing. To draw on, prepare the target again.
+    pub fn copy_depth_to(&mut self, commands: &Commands, to: BufferSlice) {
+        let [width, height] = self.size;
+        if to.size_bytes < u64::from(width) * u64::from(height) * 4 {
+            return;
+        }
+        let aspect = vk::ImageAspectFlags::DEPTH;
+        let change = self.depth.change(aspect, self.depth_access, Access::CopyRead);
+        commands.change_layouts([change]);
+        self.depth_access = Access::CopyRead;
+        let region = vk::BufferImageCopy::default()
+            .buffer_offset(to.offset_bytes)
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: aspect,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
+        // SAFETY: the slice holds the whole image, which is in the layout named.
+        unsafe {
+            commands.device().raw().cmd_copy_image_to_buffer(
+                commands.raw(),
+                self.depth.raw,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                to.raw,
+                &[region],
+            );
         }
     }
 

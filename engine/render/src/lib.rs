@@ -35,6 +35,8 @@ mod frame_passes;
 mod geometry;
 mod moment;
 mod passes;
+mod pyramid_frame;
+mod pyramid_history;
 mod questions;
 mod renderer;
 pub mod scene;
@@ -45,8 +47,9 @@ mod visible_set;
 pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
-    LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox,
-    ProxyIo, ProxyPass, SeenIo, SeenPass,
+    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo,
+    OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass, PyramidLevel, PyramidPass, SeenIo,
+    SeenPass, pyramid_levels,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use shaders::{SHADERS, Shader, ShaderSet};

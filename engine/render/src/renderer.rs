@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::frame_passes::{FrameIo, FramePasses};
 use crate::geometry::Geometry;
 use crate::passes::{LeafBoxPass, OpaquePass, OverlayPass, ProxyPass};
+use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
 use crate::view_history::ViewHistory;
@@ -99,6 +100,7 @@ pub struct Renderer {
     pub(crate) shaders: ShaderSet,
     pub(crate) birds_eye: Option<OverlayPass>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
+    pub(crate) pyramid: Option<PyramidFrame>,
     pass_times: Vec<PassTime>,
     policy: Policy,
     query_budget: usize,
@@ -155,6 +157,7 @@ impl Renderer {
             shaders,
             birds_eye: None,
             seen_leaves: None,
+            pyramid: None,
             pass_times: Vec::new(),
             policy: options.policy,
             query_budget: options.query_budget,
@@ -253,15 +256,30 @@ impl Renderer {
         self.pass_times.extend_from_slice(frame.pass_times());
 
         history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
-        match (request.strategy, request.visible) {
-            (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
-            (Strategy::Ideal, Some(visible)) => history.decide_known(&self.hierarchy, visible),
-            (strategy, _) => history.decide(&self.hierarchy, strategy, &view, self.query_budget),
+        let mut pyramid = None;
+        if request.strategy == Strategy::Pyramid {
+            let (hierarchy, picture) = (&self.hierarchy, request.picture);
+            let request = PyramidRequest { hierarchy, view: &view, picture };
+            // Kept only if the frame goes out: it believes in what it recorded.
+            let kept = self.pyramid.take().filter(|kept| kept.fits(hierarchy));
+            let kept = match kept {
+                Some(kept) => kept,
+                None => PyramidFrame::new(&self.device, &self.shaders, hierarchy, view.size)?,
+            };
+            pyramid.insert(kept).record(&mut frame, history, &mut self.passes, &request)?;
+        } else {
+            let (hierarchy, budget) = (&self.hierarchy, self.query_budget);
+            match (request.strategy, request.visible) {
+                (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
+                (Strategy::Ideal, Some(visible)) => history.decide_known(hierarchy, visible),
+                (strategy, _) => history.decide(hierarchy, strategy, &view, budget),
+            }
+            let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
+            self.passes.record(frame.commands(), history, &view, &io, request.picture);
         }
-        let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
-        self.passes.record(frame.commands(), history, &view, &io, request.picture);
 
         let tick = frame.submit(request.after)?;
+        self.pyramid = pyramid.or(self.pyramid.take());
         history.submitted(tick, &self.passes.geometry);
         Ok(report(history, tick, began.elapsed().saturating_sub(waited)))
     }

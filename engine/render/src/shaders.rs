@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 10] = [
+pub const SHADERS: [Shader; 15] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -33,6 +33,11 @@ pub const SHADERS: [Shader; 10] = [
     shader!("overlay.frag"),
     shader!("seen.vert"),
     shader!("seen.frag"),
+    shader!("depth_grid.comp"),
+    shader!("compute_test.comp"),
+    shader!("pyramid_build.comp"),
+    shader!("pyramid_first.comp"),
+    shader!("pyramid_second.comp"),
 ];
 
 /// The shaders a renderer is built from.

@@ -6,10 +6,14 @@ use cull::{
     Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafRange, QueryKind, QueryTag,
     Strategy, View,
 };
-use gpu::{Device, FlagRing, PartDraws, QueryRing, SwitchedOn, Tick, WordSource};
+use gpu::{
+    Device, DrawRange, FlagRing, Frame, IndirectDraw, PartDraws, QueryRing, SwitchedOn, Tick,
+    WordSource,
+};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
+use crate::pyramid_history::PyramidHistory;
 use crate::questions::Questions;
 use crate::visible_set::VisibleSet;
 
@@ -37,6 +41,9 @@ pub struct ViewHistory {
     /// That of the hierarchy that the plan is for.
     pub(crate) generation: Generation,
     pub(crate) questions: Questions,
+    pyramid: Option<PyramidHistory>,
+    frames_in_flight: usize,
+    device: Device,
     answers: Vec<Answer>,
     newest: Vec<Answer>,
     pending: VecDeque<FrameOutcome>,
@@ -59,6 +66,9 @@ impl ViewHistory {
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
             questions: Questions::default(),
+            pyramid: None,
+            frames_in_flight,
+            device: device.clone(),
             answers: Vec::new(),
             newest: Vec::new(),
             pending: VecDeque::new(),
@@ -79,7 +89,7 @@ impl ViewHistory {
     /// Picks up every answer that is home and lets the history move on. Never waits.
     pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
         self.collect(completed, hierarchy);
-        let Self { culler, answers, newest: kept, pending, outcomes, .. } = self;
+        let Self { culler, pyramid, answers, newest: kept, pending, outcomes, .. } = self;
         for answer in answers.iter().filter(|answer| answer.samples > 0) {
             let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
             let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
@@ -90,9 +100,22 @@ impl ViewHistory {
                 outcome.triangles += geometry.triangles(leaves);
             }
         }
-        if let Some(newest) = answers.iter().map(|answer| answer.tag.frame).max() {
+        let mut newest = answers.iter().map(|answer| answer.tag.frame).max();
+        if let Some(newest) = newest {
             kept.clear();
             kept.extend(answers.iter().filter(|answer| answer.tag.frame == newest));
+        }
+        while let Some(counts) = pyramid.as_mut().and_then(|kept| kept.take_counts(completed)) {
+            newest = newest.max(Some(counts.frame));
+            if let Some(outcome) = pending.iter_mut().find(|pending| pending.frame == counts.frame)
+            {
+                let [first, second] = counts.phases;
+                outcome.draws = u64::from(first.draws) + u64::from(second.draws);
+                outcome.triangles = first.triangles() + second.triangles();
+                outcome.revealed = second.draws.into();
+            }
+        }
+        if let Some(newest) = newest {
             while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
                 outcomes.push(outcome);
             }
@@ -162,6 +185,29 @@ impl ViewHistory {
         self.questions.clear();
     }
 
+    /// Begins a frame that the GPU decides about: an empty plan without questions.
+    pub(crate) fn begin_pyramid(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+    ) -> Result<&mut PyramidHistory, Error> {
+        self.culler.plan_known(hierarchy, &[], &mut self.plan);
+        self.generation = hierarchy.generation();
+        self.questions.clear();
+        self.queries.begin(frame, &[])?;
+        self.flags.begin(frame, std::iter::empty())?;
+        let nothing = std::iter::empty::<DrawRange>();
+        let no_draw = |_| IndirectDraw::default();
+        self.parts.begin(frame, (self.plan.frame, self.generation), nothing, no_draw)?;
+        let kept = match self.pyramid.take() {
+            Some(kept) => kept,
+            None => PyramidHistory::new(&self.device, hierarchy, self.frames_in_flight)?,
+        };
+        let kept = self.pyramid.insert(kept);
+        kept.begin(&self.device, hierarchy, self.plan.frame, frame.slot())?;
+        Ok(kept)
+    }
+
     /// The newest frame is on its way: opens the books on it.
     pub(crate) fn submitted(&mut self, tick: Tick, geometry: &Geometry) {
         self.queries.submitted(tick);
@@ -175,7 +221,9 @@ impl ViewHistory {
             outcome.draws += 1;
             outcome.triangles += geometry.triangles(LeafRange { first, count: 1 });
         }
-        if self.questions.is_empty() {
+        let is_counted_on_gpu =
+            self.pyramid.as_mut().is_some_and(|kept| kept.submitted(tick, outcome.frame));
+        if self.questions.is_empty() && !is_counted_on_gpu {
             self.outcomes.push(outcome);
         } else {
             self.pending.push_back(outcome);

@@ -109,6 +109,30 @@ fn predicates_read_words_and_ranges() {
 }
 
 #[test]
+fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
+    assert_eq!(interface("pyramid_build.comp"), (vec![(0, 4, vec![0])], 16));
+    let draw = (size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
+    let first = vec![
+        (0, 32, vec![0, 16]),
+        (1, draw.0, draw.1.clone()),
+        (2, 4, vec![0]),
+        (3, draw.0, draw.1),
+        (4, 16, vec![0, 4, 8, 12]),
+    ];
+    assert_eq!(interface("pyramid_first.comp"), (first.clone(), 80));
+    let second = [first, vec![(5, 4, vec![0])]].concat();
+    assert_eq!(interface("pyramid_second.comp"), (second, 80));
+}
+
+#[test]
+fn the_compute_tester_reads_boxes_and_depths_and_writes_words() {
+    let floats = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("depth_grid.comp"), (vec![floats(0), floats(1)], 8));
+    let buffers = vec![(0, 32, vec![0, 16]), floats(1), floats(2), floats(3)];
+    assert_eq!(interface("compute_test.comp"), (buffers, 72));
+}
+
+#[test]
 fn push_constants_fit_every_device() {
     // Vulkan promises 128 bytes (specification, "Required Limits").
     let folder = crate::folder();

@@ -208,6 +208,11 @@ impl Predicates {
         })
     }
 
+    /// All draws in GPU memory. [`Predication::Instances`] changes their instance counts.
+    pub fn draws(&self) -> BufferSlice {
+        self.draws.whole()
+    }
+
     /// The executor in use.
     pub fn predication(&self) -> Predication {
         self.predication

@@ -1,13 +1,19 @@
 //! The passes: each a struct with its pipeline, and an `Io` that lists what it reads and writes.
 
+mod compute_test;
 mod leaf_box;
 mod opaque;
 mod overlay;
 mod proxy;
+mod pyramid;
+mod pyramid_cull;
 mod seen;
 
+pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass};
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};
 pub use proxy::{ProxyBox, ProxyIo, ProxyPass};
+pub use pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
+pub(crate) use pyramid_cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
 pub use seen::{SeenIo, SeenPass};

@@ -1,0 +1,161 @@
+//! The compute tester: asks whether boxes would show without rasterising them.
+//!
+//! A grid of 8x8-pixel cells holds the farthest depth of each. A workgroup looks at one box, at the
+//! cells it may cover first, at their pixels where a cell leaves it open. For boxes that cover many
+//! pixels, where a rasteriser that runs on a CPU touches every one of them.
+//!
+//! It never calls a box hidden of which [`ProxyPass`](crate::ProxyPass) would show a sample; how
+//! that holds stands in `compute_test.comp`.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{
+    Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, Place,
+    StorageLayout, Target, vk,
+};
+
+use crate::error::Error;
+use crate::shaders::ShaderSet;
+
+/// Pixels along each side of a cell, as in the shaders.
+const CELL: u32 = 8;
+
+/// Cells a workgroup of `depth_grid.comp` looks at.
+const GRID_GROUP: u32 = 64;
+
+/// Pixels added to the sub-pixel grid of the rasteriser, for the rounding of everything else.
+const SLACK_PIXELS: f32 = 1.0 / 64.0;
+
+/// Tests boxes against a depth image in compute shaders. Owns the copy of the depth it tests against.
+pub struct ComputeTest {
+    grid_pipeline: ComputePipeline,
+    test_pipeline: ComputePipeline,
+    depths: Buffer,
+    grid: Buffer,
+    size: [u32; 2],
+    reach_pixels: f32,
+    most_groups: u32,
+}
+
+/// Reads boxes; writes words.
+#[derive(Clone, Copy)]
+pub struct ComputeTestIo {
+    /// [`ProxyBox`](crate::ProxyBox)es, enlarged already, all of them before the near plane.
+    pub boxes: BufferSlice,
+    /// A 32-bit word per box: 1 if it may show, else 0.
+    pub words: BufferSlice,
+    /// The first box, and word, of these tests.
+    pub first: u32,
+    /// How many.
+    pub count: u32,
+}
+
+/// Mirrors `depth_grid.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct GridConstants {
+    size: [u32; 2],
+}
+
+/// Mirrors `compute_test.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct TestConstants {
+    eye: [f32; 3],
+    near: f32,
+    forward: [f32; 3],
+    first: u32,
+    right: [f32; 3],
+    reach_pixels: f32,
+    down: [f32; 3],
+    unused: u32,
+    size: [u32; 2],
+}
+
+const _: () = assert!(size_of::<GridConstants>() == 8 && size_of::<TestConstants>() == 72);
+
+impl ComputeTest {
+    /// Compiles the passes for targets of `size` pixels.
+    ///
+    /// # Errors
+    /// A picture whose depth is larger than a storage buffer may be, no memory, a failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
+        let limits = &device.adapter().limits;
+        let bytes = |[width, height]: [u32; 2]| 4 * u64::from(width) * u64::from(height);
+        let limit = limits.max_storage_buffer_range.into();
+        if bytes(size) > limit {
+            let what = "the depth for the compute tester in bytes".to_owned();
+            return Err(gpu::Error::TooLarge { what, wanted: bytes(size), limit }.into());
+        }
+        let pipeline = |name, shader, buffers, push_bytes: usize| {
+            let storage = StorageLayout { buffers, push_bytes: push_bytes as u32 };
+            ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
+        };
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let buffer = |name, size, usage| {
+            Buffer::new(device, name, bytes(size), storage | usage, Place::Device)
+        };
+        let cells = size.map(|side| side.div_ceil(CELL));
+        let grid_bytes = size_of::<GridConstants>();
+        let test_bytes = size_of::<TestConstants>();
+        let snapping = 0.5_f32.powi(limits.sub_pixel_precision_bits.min(24) as i32);
+        Ok(Self {
+            grid_pipeline: pipeline("depth grid", "depth_grid.comp", 2, grid_bytes)?,
+            test_pipeline: pipeline("compute test", "compute_test.comp", 4, test_bytes)?,
+            depths: buffer("tested depth", size, vk::BufferUsageFlags::TRANSFER_DST)?,
+            grid: buffer("depth grid", cells, vk::BufferUsageFlags::empty())?,
+            size,
+            reach_pixels: snapping + SLACK_PIXELS,
+            most_groups: limits.max_compute_work_group_count[0].max(1),
+        })
+    }
+
+    /// Takes the depth of `target` as it is now, which has the size that was given to
+    /// [`ComputeTest::new`], for all tests until the next call. Outside of rendering; to draw on,
+    /// prepare the target again.
+    pub fn record_grid(&self, commands: &Commands, target: &mut Target) {
+        let between = MemoryBarrier::between;
+        // The tests before, of this frame or another, have read what is written here.
+        commands
+            .barrier(between(&[Access::ComputeRead], &[Access::CopyWrite, Access::ComputeWrite]));
+        target.copy_depth_to(commands, self.depths.whole());
+        commands.barrier(between(&[Access::CopyWrite], &[Access::ComputeRead]));
+        commands.bind_compute(&self.grid_pipeline, &[self.depths.whole(), self.grid.whole()]);
+        commands.push_compute_constants(&self.grid_pipeline, &GridConstants { size: self.size });
+        let cells = self.size.map(|side| side.div_ceil(CELL));
+        // At most a quarter of the bytes of a storage buffer over 64 cells over 64 pixels: far below
+        // any limit of workgroups.
+        commands.dispatch([(cells[0] * cells[1]).div_ceil(GRID_GROUP), 1, 1]);
+        commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
+    }
+
+    /// Tests boxes as `view` sees them, which is the view that the depth was drawn with. Outside of
+    /// rendering, after [`ComputeTest::record_grid`]. Whoever read the words before must be over; a
+    /// barrier from [`Access::ComputeWrite`] to the use must follow.
+    pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &View) {
+        let buffers = [io.boxes, self.depths.whole(), self.grid.whole(), io.words];
+        let mut constants = self.constants(view);
+        let end = io.first.saturating_add(io.count);
+        for first in (io.first..end).step_by(self.most_groups as usize) {
+            constants.first = first;
+            commands.bind_compute(&self.test_pipeline, &buffers);
+            commands.push_compute_constants(&self.test_pipeline, &constants);
+            commands.dispatch([(end - first).min(self.most_groups), 1, 1]);
+        }
+    }
+
+    fn constants(&self, view: &View) -> TestConstants {
+        let pixel = |axis: usize| 2.0 * view.tan_half[axis] / self.size[axis] as f32;
+        TestConstants {
+            eye: view.eye.to_array(),
+            near: view.near,
+            forward: view.forward.to_array(),
+            first: 0,
+            right: (view.right * pixel(0)).to_array(),
+            reach_pixels: self.reach_pixels,
+            down: (view.up * -pixel(1)).to_array(),
+            unused: 0,
+            size: self.size,
+        }
+    }
+}

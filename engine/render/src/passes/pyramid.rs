@@ -1,0 +1,179 @@
+//! The depth pyramid: the farthest depth under each texel, at every level up to 4x4 texels.
+//!
+//! It is one storage buffer: the depth image copied tightly, then level after level, each half as
+//! large and rounded up, so that no pixel of an odd size is lost. A compute pass builds three levels at
+//! a time without shared memory or barriers: each thread looks at its own 8x8 texels.
+
+use bytemuck::{Pod, Zeroable};
+use gpu::{
+    Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, Place,
+    StorageLayout, Target, vk,
+};
+
+use crate::error::Error;
+use crate::shaders::ShaderSet;
+
+/// Levels that one dispatch builds.
+const LEVELS_A_DISPATCH: usize = 3;
+
+/// Texels along each side of a workgroup's block of the third level: `local_size` of the shader.
+const GROUP: u32 = 8;
+
+/// Texels along each side that make a level the last: a test reads as many of one level.
+const LAST_SIDE: u32 = 4;
+
+/// Where a level of a depth pyramid lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PyramidLevel {
+    /// Its first texel, counted from the first of level 0.
+    pub start: u64,
+    /// Its size in texels.
+    pub size: [u32; 2],
+}
+
+impl PyramidLevel {
+    fn texels(self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1])
+    }
+}
+
+/// The levels over a picture of `size` pixels, which is level 0. Each has half of the texels of the
+/// one before in both directions, rounded up; the last has at most 4x4.
+pub fn pyramid_levels(size: [u32; 2]) -> Vec<PyramidLevel> {
+    let mut level = PyramidLevel { start: 0, size: size.map(|side| side.max(1)) };
+    let mut levels = vec![level];
+    while level.size.into_iter().any(|side| side > LAST_SIDE) {
+        level = PyramidLevel {
+            start: level.start + level.texels(),
+            size: level.size.map(|side| side.div_ceil(2)),
+        };
+        levels.push(level);
+    }
+    levels
+}
+
+/// Builds the depth pyramid of a target. Owns the buffer it lies in.
+pub struct PyramidPass {
+    pipeline: ComputePipeline,
+    levels: Vec<PyramidLevel>,
+    depths: Buffer,
+}
+
+/// Mirrors `pyramid_build.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    size: [u32; 2],
+    start: u32,
+    levels: u32,
+}
+
+const _: () = assert!(size_of::<Constants>() == 16);
+
+impl PyramidPass {
+    /// Compiles the pass for targets of `size` pixels.
+    ///
+    /// # Errors
+    /// A pyramid that is larger than a storage buffer may be, no memory, a failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
+        let levels = pyramid_levels(size);
+        let size_bytes = 4 * levels.iter().map(|level| level.texels()).sum::<u64>();
+        let limit = device.adapter().limits.max_storage_buffer_range.into();
+        if size_bytes > limit {
+            let what = "the depth pyramid in bytes".to_owned();
+            return Err(gpu::Error::TooLarge { what, wanted: size_bytes, limit }.into());
+        }
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_DST
+            | vk::BufferUsageFlags::TRANSFER_SRC;
+        let storage = StorageLayout { buffers: 1, push_bytes: size_of::<Constants>() as u32 };
+        let shader = shaders.find("pyramid_build.comp")?;
+        Ok(Self {
+            pipeline: ComputePipeline::new(device, "pyramid build", shader, storage)?,
+            levels,
+            depths: Buffer::new(device, "depth pyramid", size_bytes, usage, Place::Device)?,
+        })
+    }
+
+    /// Where its levels lie in [`PyramidPass::depths`].
+    pub fn levels(&self) -> &[PyramidLevel] {
+        &self.levels
+    }
+
+    /// All levels, a 32-bit float a texel.
+    pub fn depths(&self) -> BufferSlice {
+        self.depths.whole()
+    }
+
+    /// Builds all levels from the depth of `target` as it is now, which has the size that was given to
+    /// [`PyramidPass::new`]. Outside of rendering. Compute shaders, and copies, may read
+    /// [`PyramidPass::depths`] after it.
+    pub fn record(&self, commands: &Commands, target: &mut Target) {
+        let between = MemoryBarrier::between;
+        // Whoever read or copied the pyramid of the frame before.
+        let earlier = [Access::ComputeRead, Access::ComputeWrite, Access::CopyRead];
+        commands.barrier(between(&earlier, &[Access::CopyWrite, Access::ComputeWrite]));
+        target.copy_depth_to(commands, self.depths.whole());
+        let readable = [Access::ComputeRead, Access::ComputeWrite, Access::CopyRead];
+        commands.barrier(between(&[Access::CopyWrite], &readable));
+        for below in (0..self.levels.len()).step_by(LEVELS_A_DISPATCH) {
+            let Some(level) = self.levels.get(below) else { break };
+            let above = (self.levels.len() - 1 - below).min(LEVELS_A_DISPATCH);
+            if above == 0 {
+                break;
+            }
+            commands.bind_compute(&self.pipeline, &[self.depths.whole()]);
+            let start = level.start as u32; // below a quarter of maxStorageBufferRange, 32 bits
+            let constants = Constants { size: level.size, start, levels: above as u32 };
+            commands.push_compute_constants(&self.pipeline, &constants);
+            let blocks = level.size.map(|side| side.div_ceil(1 << LEVELS_A_DISPATCH));
+            let groups = blocks.map(|blocks| blocks.div_ceil(GROUP));
+            commands.dispatch([groups[0], groups[1], 1]);
+            commands.barrier(between(&[Access::ComputeWrite], &readable));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The texels of a level that a rectangle of pixels touches.
+    fn touched(first: u32, last: u32, level: usize) -> std::ops::RangeInclusive<u32> {
+        first >> level..=last >> level
+    }
+
+    #[test]
+    fn levels_follow_each_other_and_end_at_four() {
+        let sizes = |size| pyramid_levels(size).iter().map(|level| level.size).collect::<Vec<_>>();
+        assert_eq!(sizes([1, 1]), [[1, 1]]);
+        assert_eq!(sizes([4, 4]), [[4, 4]]);
+        assert_eq!(sizes([5, 1]), [[5, 1], [3, 1]]);
+        assert_eq!(sizes([333, 7])[..3], [[333, 7], [167, 4], [84, 2]]);
+        assert_eq!(sizes([1280, 720]).last(), Some(&[3, 2]));
+        for size in [[1, 1], [9, 4], [333, 7], [641, 363], [4096, 4096]] {
+            let levels = pyramid_levels(size);
+            for pair in levels.windows(2) {
+                assert_eq!(pair[1].start, pair[0].start + pair[0].texels());
+            }
+        }
+    }
+
+    #[test]
+    fn every_rectangle_fits_in_some_level_and_is_covered_there() {
+        for size in [1, 2, 3, 5, 8, 31, 100, 333] {
+            let levels = pyramid_levels([size, 1]);
+            for first in 0..size {
+                for last in first..size {
+                    let fits = |level: &usize| (last >> level) - (first >> level) < LAST_SIDE;
+                    let level = (0..levels.len()).find(fits).expect("the last level fits");
+                    let texels = touched(first, last, level);
+                    assert!(*texels.end() < levels[level].size[0], "in the level");
+                    // Texel t covers the pixels from t << level on, 1 << level of them.
+                    assert!(texels.start() << level <= first);
+                    assert!((texels.end() + 1) << level > last);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The compute passes of the pyramid strategy: one before the pyramid, one against it.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
+
+use crate::error::Error;
+use crate::shaders::ShaderSet;
+
+/// Threads of a workgroup, `local_size_x` of the shaders.
+const GROUP: u32 = 64;
+
+/// Relative to the largest coordinate: more than `cull::Margin` takes, so that no rounding of the
+/// shader's own can make it less conservative.
+const ROUNDING: f32 = 24.0 * f32::EPSILON;
+
+/// The same for the growth of boxes.
+const GROWTH_SLACK: f32 = 1.0 + 1.0 / 1024.0;
+
+/// Decides about every leaf: in the first phase by the last frame, in the second by the pyramid.
+pub(crate) struct PyramidCullPass {
+    first: ComputePipeline,
+    second: ComputePipeline,
+}
+
+/// Reads boxes, leaves and depths; reads and writes what was seen; writes the list of draws and
+/// counts them.
+#[derive(Clone, Copy)]
+pub(crate) struct PyramidCullIo {
+    /// The box of each leaf, a `ProxyBox` that is not enlarged.
+    pub(crate) boxes: BufferSlice,
+    /// The draw of each leaf.
+    pub(crate) leaves: BufferSlice,
+    /// A word per leaf, of one view.
+    pub(crate) seen: BufferSlice,
+    /// Room for a draw per leaf.
+    pub(crate) list: BufferSlice,
+    /// [`Counters`] of each phase, zeroed before the first.
+    pub(crate) counters: BufferSlice,
+    /// The depth pyramid.
+    pub(crate) depths: BufferSlice,
+    /// How many leaves.
+    pub(crate) leaf_count: u32,
+    /// How the list lies.
+    pub(crate) list_kind: ListKind,
+}
+
+/// How a list of draws lies in its buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ListKind {
+    /// What is drawn and nothing else; its count is on the GPU.
+    Compact,
+    /// An entry for every leaf, with no instance if it is not drawn.
+    EveryLeaf,
+}
+
+/// The two phases of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// What was visible in the last frame.
+    First,
+    /// What turns out to be visible.
+    Second,
+}
+
+/// What a phase drew; mirrors `pyramid.glsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
+pub(crate) struct Counters {
+    pub(crate) draws: u32,
+    triangles: [u32; 2],
+    unused: u32,
+}
+
+const _: () = assert!(size_of::<Counters>() == 16);
+
+impl Counters {
+    /// Triangles of the objects drawn.
+    pub(crate) fn triangles(&self) -> u64 {
+        u64::from(self.triangles[0]) | u64::from(self.triangles[1]) << 32
+    }
+}
+
+/// Mirrors `pyramid.glsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    row_x: [f32; 4],
+    row_y: [f32; 4],
+    row_w: [f32; 4],
+    eye: [f32; 3],
+    leaf_count: u32,
+    size: [u32; 2],
+    is_compact: u32,
+    phase: u32,
+}
+
+const _: () = assert!(size_of::<Constants>() == 80);
+
+impl PyramidCullPass {
+    /// Compiles both phases.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let push_bytes = size_of::<Constants>() as u32;
+        let phase = |name, shader, buffers| {
+            let storage = StorageLayout { buffers, push_bytes };
+            ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
+        };
+        Ok(Self {
+            first: phase("pyramid first", "pyramid_first.comp", 5)?,
+            second: phase("pyramid second", "pyramid_second.comp", 6)?,
+        })
+    }
+
+    /// Decides about all leaves. Outside of rendering; indirect draws may read the list and the
+    /// counters after it, copies the counters.
+    pub(crate) fn record(
+        &self,
+        commands: &Commands,
+        io: &PyramidCullIo,
+        view: &View,
+        phase: Phase,
+    ) {
+        let between = MemoryBarrier::between;
+        let buffers = [io.boxes, io.leaves, io.seen, io.list, io.counters, io.depths];
+        let (pipeline, buffers) = match phase {
+            Phase::First => (&self.first, &buffers[..5]),
+            Phase::Second => (&self.second, &buffers[..]),
+        };
+        commands.bind_compute(pipeline, buffers);
+        commands.push_compute_constants(pipeline, &Constants::new(io, view, phase));
+        commands.dispatch([io.leaf_count.div_ceil(GROUP), 1, 1]);
+        commands.barrier(between(
+            &[Access::ComputeWrite],
+            &[Access::IndirectRead, Access::CopyRead, Access::ComputeRead, Access::ComputeWrite],
+        ));
+    }
+}
+
+impl Constants {
+    fn new(io: &PyramidCullIo, view: &View, phase: Phase) -> Self {
+        // Rows of the matrix without the translation: the shader puts the eye at the origin first.
+        let row = |number: usize, more: f32| view.view_proj.row(number).truncate().extend(more);
+        Self {
+            row_x: row(0, view.near).to_array(),
+            row_y: row(1, view.margin.metres_at_depth_1() * GROWTH_SLACK).to_array(),
+            row_w: row(3, ROUNDING).to_array(),
+            eye: view.eye.to_array(),
+            leaf_count: io.leaf_count,
+            size: view.size,
+            is_compact: u32::from(io.list_kind == ListKind::Compact),
+            phase: u32::from(phase == Phase::Second),
+        }
+    }
+}

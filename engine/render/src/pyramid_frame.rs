@@ -1,0 +1,215 @@
+//! A frame of the pyramid strategy from top to bottom: all decisions fall on the GPU.
+//!
+//! ```text
+//! remembered  what was visible in the last frame and is in the frustum -> list of draws
+//! visible     clear; draw the list
+//! pyramid     depth image -> farthest depths at every level
+//! tests       everything in the frustum against the pyramid -> list of what shows and was not
+//!             drawn; what shows -> the next frame
+//! revealed    draw the list
+//! read back   counts -> mapped memory of this slot; the picture, if it is wanted
+//! ```
+//!
+//! The two phases are those of the engines niagara and Bevy. The image is exact for the reason
+//! in `pyramid.glsl`: what phase 2 leaves out is, at each sample it could own, farther than what
+//! phase 1 drew.
+
+use cull::{Hierarchy, View};
+use gpu::{
+    Access, Buffer, Commands, Device, Frame, IndirectDraw, MemoryBarrier, Optional, Place,
+    Readback, vk,
+};
+
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::passes::{
+    Counters, ListKind, Phase, ProxyBox, PyramidCullIo, PyramidCullPass, PyramidPass,
+};
+use crate::pyramid_history::{COUNTER_BYTES, PyramidHistory};
+use crate::shaders::ShaderSet;
+use crate::view_history::ViewHistory;
+
+/// What all views share: the passes, the boxes of the leaves, the list of draws.
+pub(crate) struct PyramidFrame {
+    pyramid: PyramidPass,
+    cull: PyramidCullPass,
+    boxes: Buffer,
+    list: Buffer,
+    list_kind: ListKind,
+    counters: Buffer,
+    leaf_count: u32,
+    /// The boxes in `boxes`: the hierarchy's revision and whether there are any yet.
+    revision: Option<u64>,
+}
+
+/// What one frame is made from.
+pub(crate) struct PyramidRequest<'a> {
+    pub(crate) hierarchy: &'a Hierarchy,
+    pub(crate) view: &'a View,
+    pub(crate) picture: Option<&'a Readback>,
+}
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+const BOX_BYTES: u64 = size_of::<ProxyBox>() as u64;
+
+/// Storage buffers that the second phase reads and writes.
+const STORAGE_BUFFERS: u32 = 6;
+
+impl PyramidFrame {
+    /// Compiles the passes and makes room for the leaves of `hierarchy`.
+    ///
+    /// # Errors
+    /// A device that lacks something, a picture or scene that is too large, no memory.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        hierarchy: &Hierarchy,
+        size: [u32; 2],
+    ) -> Result<Self, Error> {
+        let limits = &device.adapter().limits;
+        if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
+            return Err(gpu::Error::Unsupported {
+                device: device.adapter().name.clone(),
+                missing: "six storage buffers a shader stage",
+                wanted: "the pyramid strategy",
+            }
+            .into());
+        }
+        let leaf_count = hierarchy.leaf_objects().len() as u32;
+        let most = u64::from(limits.max_compute_work_group_count[0]) * 64;
+        if u64::from(leaf_count) > most {
+            let what = "the number of objects for the pyramid strategy".to_owned();
+            let wanted = leaf_count.into();
+            return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
+        }
+        let has_counts = device.capabilities().has(Optional::DrawIndirectCount)
+            && leaf_count <= limits.max_draw_indirect_count;
+        let (storage, indirect) =
+            (vk::BufferUsageFlags::STORAGE_BUFFER, vk::BufferUsageFlags::INDIRECT_BUFFER);
+        let (from, to) = (vk::BufferUsageFlags::TRANSFER_SRC, vk::BufferUsageFlags::TRANSFER_DST);
+        let buffer = |name, size_bytes, usage| {
+            Buffer::new(device, name, size_bytes, storage | usage, Place::Device)
+        };
+        let leaves = u64::from(leaf_count);
+        Ok(Self {
+            pyramid: PyramidPass::new(device, shaders, size)?,
+            cull: PyramidCullPass::new(device, shaders)?,
+            boxes: buffer("leaf boxes", leaves * BOX_BYTES, to)?,
+            list: buffer("pyramid draws", leaves * DRAW_BYTES, indirect)?,
+            list_kind: if has_counts { ListKind::Compact } else { ListKind::EveryLeaf },
+            counters: buffer("pyramid counters", COUNTER_BYTES, indirect | from | to)?,
+            leaf_count,
+            revision: None,
+        })
+    }
+
+    /// Whether it has room for the leaves of `hierarchy`.
+    pub(crate) fn fits(&self, hierarchy: &Hierarchy) -> bool {
+        self.leaf_count as usize == hierarchy.leaf_objects().len()
+    }
+
+    /// Records a frame. If that frame is never submitted, the boxes are not where this thinks they
+    /// are: it must not be used again then.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        history: &mut ViewHistory,
+        passes: &mut FramePasses,
+        request: &PyramidRequest<'_>,
+    ) -> Result<(), Error> {
+        let kept = history.begin_pyramid(frame, request.hierarchy)?;
+        let boxes = match self.revision.replace(request.hierarchy.revision()) {
+            Some(revision) if revision == request.hierarchy.revision() => None,
+            _ => Some(frame.uploads().push_iter(leaf_boxes(request.hierarchy))?),
+        };
+        let commands = frame.commands();
+        // The frames before, on this view or another, may still read what is written here.
+        let earlier = [Access::ComputeWrite, Access::IndirectRead, Access::CopyRead];
+        let between = MemoryBarrier::between;
+        commands.barrier(between(&earlier, &[Access::CopyWrite]));
+        kept.forget_unless_next(commands);
+        commands.fill(self.counters.whole(), 0);
+        if let Some(boxes) = boxes {
+            commands.copy_buffer(boxes, self.boxes.whole());
+        }
+        commands.barrier(between(
+            &[Access::CopyWrite, Access::ComputeWrite],
+            &[Access::ComputeRead, Access::ComputeWrite],
+        ));
+        self.record_phases(commands, kept, passes, request);
+        Ok(())
+    }
+
+    fn record_phases(
+        &self,
+        commands: &Commands,
+        kept: &PyramidHistory,
+        passes: &mut FramePasses,
+        request: &PyramidRequest<'_>,
+    ) {
+        let io = PyramidCullIo {
+            boxes: self.boxes.whole(),
+            leaves: passes.predicates.draws(),
+            seen: kept.seen(),
+            list: self.list.whole(),
+            counters: self.counters.whole(),
+            depths: self.pyramid.depths(),
+            leaf_count: self.leaf_count,
+            list_kind: self.list_kind,
+        };
+        let [red, green, blue] = passes.light.sky;
+        commands.pass("remembered", |commands| {
+            self.cull.record(commands, &io, request.view, Phase::First);
+        });
+        passes.target.prepare(commands);
+        commands.pass("visible", |commands| {
+            commands.rendering(
+                passes.target.render_target(Some([red, green, blue, 1.0])),
+                |commands| self.draw(commands, passes, request.view, Phase::First),
+            );
+        });
+        commands.pass("pyramid", |commands| self.pyramid.record(commands, &mut passes.target));
+        commands.pass("tests", |commands| {
+            // The list of phase 1 has been drawn.
+            let between = MemoryBarrier::between;
+            commands.barrier(between(&[Access::IndirectRead], &[Access::ComputeWrite]));
+            self.cull.record(commands, &io, request.view, Phase::Second);
+        });
+        passes.target.prepare(commands);
+        commands.pass("revealed", |commands| {
+            commands.rendering(passes.target.render_target(None), |commands| {
+                self.draw(commands, passes, request.view, Phase::Second);
+            });
+        });
+        commands.pass("read back", |commands| {
+            kept.read_back(commands, self.counters.whole());
+            if let Some(picture) = request.picture {
+                passes.target.copy_to(commands, picture);
+            }
+        });
+    }
+
+    /// Draws the list of `phase`.
+    fn draw(&self, commands: &Commands, passes: &FramePasses, view: &View, phase: Phase) {
+        passes.opaque.bind(commands, &passes.opaque_io(), view, &passes.light);
+        let list = self.list.whole().part(0, u64::from(self.leaf_count) * DRAW_BYTES);
+        match self.list_kind {
+            ListKind::EveryLeaf => commands.draw_indirect(list),
+            ListKind::Compact => {
+                let at = u64::from(phase == Phase::Second) * size_of::<Counters>() as u64;
+                commands.draw_indirect_count(list, self.counters.whole().part(at, 4));
+            }
+        }
+    }
+}
+
+/// The box of each leaf, not enlarged.
+fn leaf_boxes(hierarchy: &Hierarchy) -> impl ExactSizeIterator<Item = ProxyBox> {
+    hierarchy.leaf_objects().iter().map(|object| {
+        let node = hierarchy.node_of(*object);
+        ProxyBox::from(node.map_or(cull::Aabb::EMPTY, |node| hierarchy.bounds(node)))
+    })
+}

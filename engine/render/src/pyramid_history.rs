@@ -1,0 +1,138 @@
+//! What one view keeps for the pyramid strategy: which leaves were visible, and counts on their way
+//! home.
+
+use cull::{FrameId, Generation, Hierarchy};
+use gpu::{
+    Access, Buffer, BufferSlice, Commands, Device, MemoryBarrier, Place, SlotIndex, Tick, vk,
+};
+
+use crate::error::Error;
+use crate::passes::Counters;
+
+/// The GPU state of one view. Believed only if it is that of the frame before.
+pub(crate) struct PyramidHistory {
+    seen: Buffer,
+    leaf_count: usize,
+    generation: Generation,
+    /// The newest frame that was submitted.
+    newest: Option<FrameId>,
+    /// The frame being recorded and its slot.
+    recording: Option<(FrameId, SlotIndex)>,
+    slots: Vec<Slot>,
+}
+
+/// The counts of one frame in flight.
+struct Slot {
+    counters: Buffer,
+    in_flight: Option<(Tick, FrameId)>,
+}
+
+/// What the two phases of a frame drew.
+pub(crate) struct PhaseCounts {
+    pub(crate) frame: FrameId,
+    pub(crate) phases: [Counters; 2],
+}
+
+/// Bytes of the counters of both phases.
+pub(crate) const COUNTER_BYTES: u64 = 2 * size_of::<Counters>() as u64;
+
+impl PyramidHistory {
+    /// Room for the leaves of `hierarchy`; nothing counts as visible.
+    pub(crate) fn new(
+        device: &Device,
+        hierarchy: &Hierarchy,
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
+        let leaf_count = hierarchy.leaf_objects().len();
+        let slot = |number| -> Result<Slot, Error> {
+            let name = format!("pyramid counts {number}");
+            let usage = vk::BufferUsageFlags::TRANSFER_DST;
+            let counters = Buffer::new(device, &name, COUNTER_BYTES, usage, Place::ReadBack)?;
+            Ok(Slot { counters, in_flight: None })
+        };
+        Ok(Self {
+            seen: seen_words(device, leaf_count)?,
+            leaf_count,
+            generation: hierarchy.generation(),
+            newest: None,
+            recording: None,
+            slots: (0..frames_in_flight.max(1)).map(slot).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// A word per leaf: whether it was visible in the last frame.
+    pub(crate) fn seen(&self) -> BufferSlice {
+        self.seen.whole()
+    }
+
+    /// Begins `frame` in `slot`, about the leaves of `hierarchy`.
+    pub(crate) fn begin(
+        &mut self,
+        device: &Device,
+        hierarchy: &Hierarchy,
+        frame: FrameId,
+        slot: SlotIndex,
+    ) -> Result<(), Error> {
+        let leaf_count = hierarchy.leaf_objects().len();
+        if self.leaf_count != leaf_count {
+            self.seen = seen_words(device, leaf_count)?;
+            self.leaf_count = leaf_count;
+            self.newest = None;
+        }
+        if self.generation != hierarchy.generation() {
+            self.generation = hierarchy.generation();
+            self.newest = None;
+        }
+        self.recording = Some((frame, slot));
+        Ok(())
+    }
+
+    /// If the frame before was another strategy's, or none, nothing counts as visible from here
+    /// on: an [`Access::CopyWrite`].
+    pub(crate) fn forget_unless_next(&self, commands: &Commands) {
+        let frame = self.recording.map(|(frame, _)| frame.0);
+        if self.newest.map(|newest| newest.0 + 1) != frame {
+            commands.fill(self.seen.whole(), 0);
+        }
+    }
+
+    /// Sends the counters of the frame home.
+    pub(crate) fn read_back(&self, commands: &Commands, counters: BufferSlice) {
+        if let Some((_, slot)) = self.recording
+            && let Some(slot) = self.slots.get(slot.0 % self.slots.len())
+        {
+            commands.copy_buffer(counters, slot.counters.whole());
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
+        }
+    }
+
+    /// The frame that was recorded is on its way. True if it is `frame`.
+    pub(crate) fn submitted(&mut self, tick: Tick, frame: FrameId) -> bool {
+        let Some((_, slot)) = self.recording.take().filter(|(recorded, _)| *recorded == frame)
+        else {
+            return false;
+        };
+        self.newest = Some(frame);
+        let slots = self.slots.len();
+        if let Some(slot) = self.slots.get_mut(slot.0 % slots) {
+            slot.in_flight = Some((tick, frame));
+        }
+        true
+    }
+
+    /// Takes the counts of a frame that is over, the oldest first. Never waits.
+    pub(crate) fn take_counts(&mut self, completed: Tick) -> Option<PhaseCounts> {
+        let home = |slot: &&mut Slot| slot.in_flight.is_some_and(|(tick, _)| tick <= completed);
+        let slot = self.slots.iter_mut().filter(home).min_by_key(|slot| slot.in_flight)?;
+        let (_, frame) = slot.in_flight.take()?;
+        let counters = slot.counters.read::<Counters>(0..2);
+        let phase = |number: usize| counters.get(number).copied().unwrap_or_default();
+        Some(PhaseCounts { frame, phases: [phase(0), phase(1)] })
+    }
+}
+
+/// A word per leaf, not written yet.
+fn seen_words(device: &Device, leaf_count: usize) -> Result<Buffer, Error> {
+    let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+    Ok(Buffer::new(device, "pyramid seen", leaf_count as u64 * 4, usage, Place::Device)?)
+}

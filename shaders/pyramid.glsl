@@ -1,0 +1,130 @@
+// What both phases of the pyramid strategy share: the boxes and draws of all leaves, what of the
+// picture a box may cover, and the list of what is drawn.
+
+struct Box {
+    vec4 low;
+    vec4 high;
+};
+
+struct IndirectDraw {
+    uint index_count;
+    uint instance_count;
+    uint first_index;
+    int vertex_offset;
+    uint first_instance;
+};
+
+struct Counters {
+    uint draws;
+    uint triangles_low;
+    uint triangles_high;
+    uint unused;
+};
+
+layout(local_size_x = 64) in;
+
+layout(std430, binding = 0) readonly buffer Boxes { Box boxes[]; };
+layout(std430, binding = 1) readonly buffer Leaves { IndirectDraw leaves[]; };
+// A word per leaf. Between frames: was visible in the last one. Between the phases: was drawn.
+layout(std430, binding = 2) buffer Seen { uint seen[]; };
+layout(std430, binding = 3) writeonly buffer List { IndirectDraw list[]; };
+layout(std430, binding = 4) buffer Counts { Counters counters[]; };
+
+layout(push_constant) uniform Constants {
+    // Clip x, y and w of a point relative to the eye.
+    vec4 row_x; // w: distance of the near plane (metres)
+    vec4 row_y; // w: how much a box grows per metre of its largest view depth
+    vec4 row_w; // w: bound on rounding, relative to the largest coordinate
+    vec3 eye;
+    uint leaf_count;
+    uvec2 size;
+    uint is_compact; // the list holds draws alone, or an entry for every leaf
+    uint phase;
+};
+
+struct Coverage {
+    bool in_sight;
+    bool too_near; // to say which pixels
+    ivec2 first;
+    ivec2 last;
+    float nearest; // depth
+};
+
+float largest(vec3 v) {
+    return max(max(v.x, v.y), v.z);
+}
+
+// Whether some of a box may lie beyond none of the planes left, right, top, bottom and near.
+bool is_in_sight(vec3 centre, vec3 extent, float near) {
+    vec3 planes[4] = vec3[](row_w.xyz + row_x.xyz, row_w.xyz - row_x.xyz,
+                            row_w.xyz + row_y.xyz, row_w.xyz - row_y.xyz);
+    bool in_sight = !(dot(row_w.xyz, centre) + dot(abs(row_w.xyz), extent) < near);
+    for (int plane = 0; plane < 4; ++plane) {
+        vec3 normal = planes[plane];
+        in_sight = in_sight && !(dot(normal, centre) + dot(abs(normal), extent) < 0.0);
+    }
+    return in_sight;
+}
+
+// What a box may cover. The box is enlarged as in `cull::Margin`, whose argument then says: where the
+// object owns a sample, the enlarged box holds a point that is as near, under a pixel away. Rounding
+// here is far below what the box has grown by; on top, the rectangle grows by half a pixel and to whole
+// pixels, the nearest depth by some units in its last place.
+Coverage coverage(Box box) {
+    const float NEAR_SLACK = 1.0 / 1024.0;
+    const float DEPTH_SLACK = 1.0 / 1048576.0;
+    float near = row_x.w;
+    vec3 centre = (box.low.xyz * 0.5 + box.high.xyz * 0.5) - eye;
+    vec3 extent = box.high.xyz * 0.5 - box.low.xyz * 0.5;
+    float coordinate = max(largest(max(abs(box.low.xyz), abs(box.high.xyz))), largest(abs(eye)));
+    float slack = row_w.w * coordinate;
+    Coverage covers;
+    covers.in_sight = is_in_sight(centre, extent + slack, near);
+
+    float depth = dot(row_w.xyz, centre);
+    float farthest = max(depth + dot(abs(row_w.xyz), extent), near);
+    extent += row_y.w * farthest + slack;
+    float reach = dot(abs(row_w.xyz), extent);
+    // Written so that what is no number counts as too near.
+    covers.too_near = !(depth - reach - slack > near * (1.0 + NEAR_SLACK));
+    covers.nearest = near / (depth - reach) * (1.0 + DEPTH_SLACK);
+    vec2 middle = vec2(dot(row_x.xyz, centre), dot(row_y.xyz, centre));
+    vec3 step_x = row_x.xyz * extent;
+    vec3 step_y = row_y.xyz * extent;
+    vec3 step_w = row_w.xyz * extent;
+    vec2 low = vec2(2.0);
+    vec2 high = vec2(-2.0);
+    for (int corner = 0; corner < 8; ++corner) {
+        vec3 side = vec3((corner & 1) * 2 - 1, (corner & 2) - 1, (corner & 4) / 2 - 1);
+        vec2 at = middle + vec2(dot(step_x, side), dot(step_y, side));
+        at /= depth + dot(step_w, side);
+        low = min(low, at);
+        high = max(high, at);
+    }
+    // To pixels: the clamp keeps everything that is on the picture and makes it safe to convert.
+    vec2 picture = vec2(size);
+    low = clamp((low * 0.5 + 0.5) * picture - 0.5, vec2(-1.0), picture);
+    high = clamp((high * 0.5 + 0.5) * picture + 0.5, vec2(-1.0), picture);
+    covers.first = max(ivec2(floor(low)), ivec2(0));
+    covers.last = min(ivec2(floor(high)), ivec2(size) - 1);
+    return covers;
+}
+
+// Puts a leaf on the list of this phase, or not.
+void decide(uint leaf, bool drawn) {
+    if (is_compact != 0 && !drawn) {
+        return;
+    }
+    IndirectDraw draw = leaves[leaf];
+    draw.instance_count = drawn ? 1 : 0;
+    uint place = drawn ? atomicAdd(counters[phase].draws, 1) : 0;
+    list[is_compact != 0 ? place : leaf] = draw;
+    if (!drawn) {
+        return;
+    }
+    uint triangles = draw.index_count / 3;
+    uint before = atomicAdd(counters[phase].triangles_low, triangles);
+    if (before + triangles < before) {
+        atomicAdd(counters[phase].triangles_high, 1);
+    }
+}
