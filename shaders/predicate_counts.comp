@@ -1,4 +1,4 @@
-// Turns the word of each test into a draw count: 0 if nothing showed, else the whole range.
+// Turns the word of each decision into a draw count: 0 if nothing showed, else the whole range.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "predicate.glsl"
@@ -10,14 +10,15 @@ layout(std430, binding = 1) readonly buffer AllDecided { Decided decided[]; };
 layout(std430, binding = 2) writeonly buffer Counts { uint counts[]; };
 
 layout(push_constant) uniform Constants {
-    uint first_word;
-    uint word_count;
+    uint first;
+    uint count;
 };
 
 void main() {
-    if (gl_GlobalInvocationID.x >= word_count) {
+    if (gl_GlobalInvocationID.x >= count) {
         return;
     }
-    uint word = first_word + gl_GlobalInvocationID.x;
-    counts[word] = words[word] != 0 ? decided[word].count : 0;
+    uint decision = first + gl_GlobalInvocationID.x;
+    Decided range = decided[decision];
+    counts[decision] = words[range.word] != 0 ? range.count : 0;
 }

@@ -1,5 +1,5 @@
 // Writes the answer of each test into the instance counts of the draws it decides about.
-// One workgroup per word: the threads share the range.
+// One workgroup per decision: the threads share the range.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "predicate.glsl"
@@ -20,17 +20,17 @@ layout(std430, binding = 2) buffer Draws { IndirectDraw draws[]; };
 layout(std430, binding = 3) buffer BoxDraws { BoxDraw box_draws[]; };
 
 layout(push_constant) uniform Constants {
-    uint first_word;
-    uint word_count;
+    uint first;
+    uint count;
 };
 
 void main() {
-    uint word = first_word + gl_WorkGroupID.x;
-    uint shown = words[word] != 0 ? 1 : 0;
-    Decided range = decided[word];
+    uint decision = first + gl_WorkGroupID.x;
+    Decided range = decided[decision];
+    uint shown = words[range.word] != 0 ? 1 : 0;
     if (range.parts != 0) {
         if (gl_LocalInvocationID.x == 0) {
-            box_draws[word].instance_count = shown * range.count;
+            box_draws[decision].instance_count = shown * range.count;
         }
         return;
     }

@@ -1,6 +1,7 @@
 //! One view's culler: takes answers, keeps the history, makes plans.
 
 mod answers;
+mod cover;
 mod history;
 mod record;
 mod rounds;
@@ -16,9 +17,11 @@ use crate::policy::Policy;
 use crate::rng::SplitMix64;
 use crate::strategy::Strategy;
 use crate::view::View;
+use cover::Front;
 use history::History;
 pub use record::NodeState;
 use record::Stamp;
+use rounds::Grouping;
 use selection::Scratch;
 use traversal::{Knowledge, Walk};
 
@@ -32,7 +35,8 @@ pub struct Culler {
     abilities: Abilities,
     history: History,
     scratch: Scratch,
-    grouped: Vec<ProxyTest>,
+    grouping: Grouping,
+    fronts: Vec<Front>,
     rng: SplitMix64,
     frame: FrameId,
     /// The frame that the history's stamps count from.
@@ -59,7 +63,8 @@ impl Culler {
             abilities,
             history: History::default(),
             scratch: Scratch::default(),
-            grouped: Vec::new(),
+            grouping: Grouping::default(),
+            fronts: Vec::new(),
             rng: SplitMix64::new(policy.seed),
             frame: FrameId(0),
             epoch: 0,
@@ -146,6 +151,7 @@ impl Culler {
                 }
             },
             now,
+            can_flag: self.abilities.flags && strategy != Strategy::AntumbraQueries,
             is_turning: self.turned != Stamp::NEVER
                 && now.since(self.turned) < self.policy.turning_frames,
             // What was needed last time is where to begin: each attempt is a walk.
@@ -172,6 +178,8 @@ impl Culler {
             if kind == QueryKind::Probe {
                 leaves.count = 0;
                 self.history.asked_probe(test.node, now, &self.policy);
+            } else if kind == QueryKind::OwnBox {
+                leaves.count = 0;
             } else {
                 self.history.closed(test.node);
                 if self.abilities.parts && leaves.count >= self.policy.parts_leaves {
@@ -189,10 +197,12 @@ impl Culler {
         for node in &self.scratch.visited {
             self.history.visit(*node, now);
         }
-        rounds::split(plan.tests.len(), is_cut, &self.policy, &mut plan.rounds);
-        for round in &plan.rounds {
-            rounds::group_by_tester(&mut plan.tests[round.clone()], &mut self.grouped);
+        if self.abilities.parts {
+            let fronts = &mut self.fronts;
+            plan.stats.behind = cover::share_answers(&mut plan.tests, view, &self.policy, fronts);
         }
+        rounds::split(plan.tests.len(), is_cut, &self.policy, &mut plan.rounds);
+        rounds::group_by_tester(&mut plan.tests, &plan.rounds, &mut self.grouping);
     }
 
     /// Plans the next frame from the outcome: draws `leaves` in their order and asks nothing

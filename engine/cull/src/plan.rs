@@ -18,6 +18,8 @@ pub enum QueryKind {
     /// The proxy of a leaf under a node of [`QueryKind::Parts`] that showed. Only leaves that show
     /// have such an answer, and it comes after the node's.
     Part,
+    /// The proxy of a leaf that is taken as visible and drawn. Its range of leaves is empty.
+    OwnBox,
     /// The draw of a leaf that is taken as visible.
     OwnDraw,
 }
@@ -30,11 +32,9 @@ pub enum Tester {
     /// An occlusion query.
     #[default]
     Query,
-}
-
-impl Tester {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Flag, Self::Query];
+    /// The flag of the test of this number in the plan, which lies in front of all of it: as long
+    /// as that stays hidden, so does this. In the same round or an earlier one.
+    Behind(u32),
 }
 
 /// What the device and the renderer offer to plans.
@@ -161,6 +161,10 @@ pub struct PlanStats {
     pub unknown: u32,
     /// Tests that decide about nothing but the next frames.
     pub probes: u32,
+    /// Boxes of visible leaves that are tested.
+    pub own_boxes: u32,
+    /// Tests among those of the frontier that another test answers.
+    pub behind: u32,
     /// Leaves drawn because they were visible, queried or not.
     pub visible: u32,
     /// Leaves drawn because their proxy would be cut by the near plane.

@@ -45,6 +45,13 @@ pub struct Policy {
     pub occluder_angle: f32,
     /// The interval between own-draw tests doubles with each that succeeds, up to this.
     pub retest_max: u32,
+    /// A visible leaf that looks smaller than this (diagonal over distance) is tested by its box, where
+    /// there are flags: a box costs little if it is small.
+    pub own_box_angle: f32,
+    /// The interval between such tests.
+    pub own_box_frames: u32,
+    /// After so many of them its own draw is tested, which the box may hide.
+    pub own_box_streak: u32,
     /// A leaf whose proxy shows within this time after its own draw did not has a proxy that is
     /// too loose for the place: the interval doubles each time that happens, ...
     pub flip_frames: u32,
@@ -75,6 +82,11 @@ pub struct Policy {
     /// A node of so many leaves has them tested one by one in the frame in which it shows, where the
     /// device can.
     pub parts_leaves: u32,
+    /// Tests of which at least this share of the picture is covered may answer for what is behind
+    /// them.
+    pub front_area: f32,
+    /// So many of them, the largest.
+    pub fronts: u32,
     /// More tests than this are too many even where there are queries for them: the allowed sizes
     /// are raised, and open nodes whose parts are all hidden are tested as one without a probe.
     /// After a cut in a huge scene this brings the frontier down in tens of frames, not hundreds.
@@ -105,6 +117,9 @@ impl Default for Policy {
             retest_first: 4,
             occluder_angle: 0.2,
             retest_max: 16,
+            own_box_angle: 0.15,
+            own_box_frames: 3,
+            own_box_streak: 6,
             flip_frames: 16,
             flip_retest_max: 64,
             probe_retry: 6,
@@ -118,6 +133,8 @@ impl Default for Policy {
             rounds_cut: 4,
             round_tests_min: 8,
             parts_leaves: 2,
+            front_area: 0.004,
+            fronts: 24,
             tests_wished: 1024,
             coarsen_attempts: 4,
             seed: 0x6e6f_7374_616c_6c73,

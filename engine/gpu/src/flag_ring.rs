@@ -52,9 +52,9 @@ impl<T: Copy> FlagRing<T> {
         }
     }
 
-    /// Gives `answer` every word that is home, oldest frame first. `completed` is
+    /// Gives `answer` the tags and words of every frame that is home, oldest first. `completed` is
     /// [`Device::completed`]. Never waits.
-    pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(T, u32)) {
+    pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&[T], &[u32])) {
         loop {
             let home = |slot: &FlagSlot<T>| slot.in_flight.filter(|tick| *tick <= completed);
             let oldest = self.slots.iter_mut().filter(|slot| home(slot).is_some());
@@ -65,9 +65,7 @@ impl<T: Copy> FlagRing<T> {
             let Some(flags) = &slot.flags else {
                 continue;
             };
-            for (tag, word) in slot.tags.iter().zip(flags.readback.read(0..slot.tags.len())) {
-                answer(*tag, *word);
-            }
+            answer(&slot.tags, flags.readback.read(0..slot.tags.len()));
         }
     }
 

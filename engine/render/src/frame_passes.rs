@@ -195,7 +195,7 @@ impl FramePasses {
         }
         if let Some(known) = known {
             history.queries.resolve(commands, known.queries.clone());
-            self.predicates.resolve(commands, &history.questions.written(known));
+            self.predicates.resolve(commands, &history.questions.made(known));
         }
     }
 
@@ -211,12 +211,12 @@ impl FramePasses {
     ) {
         self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
         if let Some(parts) = io.parts {
-            for word in history.questions.revealing(before, Reveal::Parts) {
-                self.predicates.draw_parts(commands, word.source, word.place, parts.draws);
+            for decision in history.questions.revealing(before, Reveal::Parts) {
+                self.predicates.draw_parts(commands, decision.source, decision.number, parts.draws);
             }
         }
-        for word in history.questions.revealing(known, Reveal::Whole) {
-            self.predicates.draw(commands, word.source, word.place);
+        for decision in history.questions.revealing(known, Reveal::Whole) {
+            self.predicates.draw(commands, decision.source, decision.number);
         }
     }
 
@@ -236,8 +236,8 @@ impl FramePasses {
         commands.label("leaf boxes", |commands| {
             let boxes = self.geometry.leaf_boxes.whole();
             pass.bind(commands, &LeafBoxIo { boxes, parts }, view);
-            for word in history.questions.revealing(known, Reveal::Parts) {
-                self.predicates.draw_boxes(commands, word.source, word.place);
+            for decision in history.questions.revealing(known, Reveal::Parts) {
+                self.predicates.draw_boxes(commands, decision.source, decision.number);
             }
         });
     }

@@ -46,7 +46,7 @@ impl Renderer {
                     showed.push(node);
                 }
                 QueryKind::Parts => showed.push(node),
-                QueryKind::Probe | QueryKind::OwnDraw => {}
+                QueryKind::Probe | QueryKind::OwnBox | QueryKind::OwnDraw => {}
             }
         }
         showed.sort_unstable();

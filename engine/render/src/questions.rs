@@ -5,11 +5,18 @@ use std::ops::Range;
 use cull::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
 use gpu::{DrawRange, Predicated, Reveal, WordSource};
 
-/// The word that decides about a test.
+/// The decision that a test makes: its number among those that hang on words of one source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Word {
+pub(crate) struct Decision {
     pub(crate) source: WordSource,
-    pub(crate) place: u32,
+    pub(crate) number: u32,
+}
+
+/// What a flag is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct FlagTag {
+    pub(crate) tag: QueryTag,
+    pub(crate) tester: Tester,
 }
 
 /// The layout of one frame's questions, kept to allocate nothing in the steady state.
@@ -20,11 +27,11 @@ pub(crate) struct Questions {
     /// How many of the queries are on visible draws.
     pub(crate) own_draws: u32,
     /// What each flag is about: a place for every test if there are flags at all.
-    pub(crate) flag_tags: Vec<Option<QueryTag>>,
-    /// The word of each test.
-    pub(crate) words: Vec<Word>,
+    pub(crate) flag_tags: Vec<FlagTag>,
+    /// The decision of each test.
+    decisions: Vec<Decision>,
     pub(crate) rounds: Vec<RoundQuestions>,
-    /// What the words of queries and those of flags decide.
+    /// What hangs on the words of queries, and on flags.
     query_decides: Vec<Predicated>,
     flag_decides: Vec<Predicated>,
 }
@@ -35,6 +42,8 @@ pub(crate) struct RoundQuestions {
     pub(crate) tests: Range<usize>,
     /// The tests by flag.
     pub(crate) flags: Range<u32>,
+    /// Those, and the tests that they answer for others.
+    pub(crate) flag_decisions: Range<u32>,
     /// The tests by query.
     pub(crate) queried_tests: Range<u32>,
     /// Their queries.
@@ -51,7 +60,7 @@ impl Questions {
         self.own_draws = self.query_tags.len() as u32;
         self.query_decides.clear();
         self.query_decides.resize(self.query_tags.len(), Predicated::default());
-        self.words.clear();
+        self.decisions.clear();
         self.rounds.clear();
         for round in &plan.rounds {
             self.lay_out_round(plan, round.clone());
@@ -59,9 +68,17 @@ impl Questions {
         self.flag_tags.clear();
         self.flag_decides.clear();
         if plan.tests.iter().any(|test| test.tester == Tester::Flag) {
-            let tag = |test: &ProxyTest| (test.tester == Tester::Flag).then_some(test.tag);
+            let tag = |test: &ProxyTest| FlagTag { tag: test.tag, tester: test.tester };
             self.flag_tags.extend(plan.tests.iter().map(tag));
-            self.flag_decides.extend(plan.tests.iter().map(predicated));
+            self.flag_decides.extend((0..).zip(&plan.tests).map(|(number, test)| {
+                predicated(
+                    test,
+                    match test.tester {
+                        Tester::Behind(front) => front,
+                        _ => number,
+                    },
+                )
+            }));
         }
     }
 
@@ -71,24 +88,29 @@ impl Questions {
         let mut round = RoundQuestions {
             tests: tests.clone(),
             flags: none.clone(),
+            flag_decisions: none.clone(),
             queried_tests: none,
             queries: first_query..first_query,
             has_parts: false,
         };
         for (number, test) in (tests.start as u32..).zip(&plan.tests[tests]) {
-            let word = match test.tester {
+            let decision = match test.tester {
                 Tester::Query => {
+                    let query = self.query_tags.len() as u32;
                     self.query_tags.push(test.tag);
-                    self.query_decides.push(predicated(test));
+                    self.query_decides.push(predicated(test, query));
                     extend(&mut round.queried_tests, number);
-                    Word { source: WordSource::Queries, place: self.query_tags.len() as u32 - 1 }
+                    Decision { source: WordSource::Queries, number: query }
                 }
-                Tester::Flag => {
-                    extend(&mut round.flags, number);
-                    Word { source: WordSource::Fragments, place: number }
+                Tester::Flag | Tester::Behind(_) => {
+                    extend(&mut round.flag_decisions, number);
+                    if test.tester == Tester::Flag {
+                        extend(&mut round.flags, number);
+                    }
+                    Decision { source: WordSource::Fragments, number }
                 }
             };
-            self.words.push(word);
+            self.decisions.push(decision);
             round.has_parts |= test.tag.kind == QueryKind::Parts;
         }
         round.queries.end = self.query_tags.len() as u32;
@@ -101,10 +123,10 @@ impl Questions {
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.query_tags.is_empty() && self.words.is_empty()
+        self.query_tags.is_empty() && self.decisions.is_empty()
     }
 
-    /// What each word of `source` decides.
+    /// What hangs on the words of `source`.
     pub(crate) fn decided(&self, source: WordSource) -> &[Predicated] {
         match source {
             WordSource::Queries => &self.query_decides,
@@ -113,24 +135,24 @@ impl Questions {
         }
     }
 
-    /// The words of a round's tests whose draws are revealed in this way.
+    /// The decisions of a round's tests whose draws are revealed in this way.
     pub(crate) fn revealing(
         &self,
         round: Option<&RoundQuestions>,
         reveal: Reveal,
-    ) -> impl Iterator<Item = Word> {
-        let words = round.map_or(&[][..], |round| &self.words[round.tests.clone()]);
-        let decided = |word: &Word| self.decided(word.source).get(word.place as usize);
-        words.iter().copied().filter(move |word| {
-            decided(word).is_some_and(|it| it.range.count > 0 && it.reveal == reveal)
+    ) -> impl Iterator<Item = Decision> {
+        let decisions = round.map_or(&[][..], |round| &self.decisions[round.tests.clone()]);
+        let decided = |it: &Decision| self.decided(it.source).get(it.number as usize);
+        decisions.iter().copied().filter(move |decision| {
+            decided(decision).is_some_and(|it| it.range.count > 0 && it.reveal == reveal)
         })
     }
 
-    /// The words that are known once the proxies of `round` were drawn.
-    pub(crate) fn written(&self, round: &RoundQuestions) -> Vec<(WordSource, Range<u32>)> {
+    /// The decisions that are made once the proxies of `round` were drawn.
+    pub(crate) fn made(&self, round: &RoundQuestions) -> Vec<(WordSource, Range<u32>)> {
         let lanes = [
             (WordSource::Queries, round.queries.clone()),
-            (WordSource::Fragments, round.flags.clone()),
+            (WordSource::Fragments, round.flag_decisions.clone()),
         ];
         lanes.into_iter().filter(|lane| !lane.1.is_empty()).collect()
     }
@@ -146,10 +168,10 @@ pub(crate) fn draw_range(test: &ProxyTest) -> DrawRange {
     DrawRange { first: test.leaves.first.0, count: test.leaves.count }
 }
 
-fn predicated(test: &ProxyTest) -> Predicated {
+fn predicated(test: &ProxyTest, word: u32) -> Predicated {
     let reveal = match test.tag.kind {
         QueryKind::Parts => Reveal::Parts,
         _ => Reveal::Whole,
     };
-    Predicated { range: draw_range(test), reveal }
+    Predicated { word, range: draw_range(test), reveal }
 }

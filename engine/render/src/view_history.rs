@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use cull::{
     Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafRange, QueryKind, QueryTag,
-    Strategy, View,
+    Strategy, Tester, View,
 };
 use gpu::{
     Device, DrawRange, FlagRing, Frame, IndirectDraw, PartDraws, QueryRing, SwitchedOn, Tick,
@@ -14,7 +14,7 @@ use gpu::{
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::pyramid_history::PyramidHistory;
-use crate::questions::Questions;
+use crate::questions::{FlagTag, Questions};
 use crate::visible_set::VisibleSet;
 
 /// What a frame turned out to be, known once its answers are home.
@@ -35,7 +35,7 @@ pub struct FrameOutcome {
 pub struct ViewHistory {
     pub(crate) culler: Culler,
     pub(crate) queries: QueryRing<QueryTag>,
-    pub(crate) flags: FlagRing<Option<QueryTag>>,
+    pub(crate) flags: FlagRing<FlagTag>,
     pub(crate) parts: PartDraws<(FrameId, Generation)>,
     pub(crate) plan: FramePlan,
     /// That of the hierarchy that the plan is for.
@@ -129,8 +129,18 @@ impl ViewHistory {
         let Self { queries, flags, parts, answers, .. } = self;
         answers.clear();
         queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
-        flags.collect(completed, |tag, samples| {
-            answers.extend(tag.map(|tag| Answer { tag, samples }));
+        flags.collect(completed, |tags, words| {
+            let answer = |(number, flag): (usize, &FlagTag)| {
+                let word = |number: usize| words.get(number).copied();
+                let samples = match flag.tester {
+                    Tester::Flag => word(number),
+                    // Of what is behind a box that shows, only the leaves can tell.
+                    Tester::Behind(front) => word(front as usize).filter(|word| *word == 0),
+                    Tester::Query => None,
+                };
+                samples.map(|samples| Answer { tag: flag.tag, samples })
+            };
+            answers.extend(tags.iter().enumerate().filter_map(answer));
         });
         parts.collect(completed, |(frame, generation), switched_on| match switched_on {
             SwitchedOn::These(leaves) => {

@@ -96,7 +96,7 @@ fn the_overlay_has_a_matrix_and_no_buffers() {
 #[test]
 fn predicates_read_words_and_ranges() {
     let words = (0, 4, vec![0]);
-    let ranges = (1, 12, vec![0, 4, 8]);
+    let ranges = (1, 16, vec![0, 4, 8, 12]);
     let boxes = (3, size_of::<gpu::vk::DrawIndirectCommand>(), vec![0, 4, 8, 12]);
     let draws = (2, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
     let counts = (2, 4, vec![0]);

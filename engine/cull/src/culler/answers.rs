@@ -48,7 +48,8 @@ impl Ingest<'_> {
             (QueryKind::Proxy, _) => self.inner_showed(node),
             (QueryKind::Probe, 0) => self.merge(node),
             (QueryKind::Probe, _) => self.probe_failed(node),
-            (QueryKind::OwnDraw, 0) => self.set_hidden(node),
+            (QueryKind::OwnDraw | QueryKind::OwnBox, 0) => self.set_hidden(node),
+            (QueryKind::OwnBox, _) => self.own_box_showed(node),
             (QueryKind::OwnDraw, _) => self.own_draw_showed(node),
         }
     }
@@ -101,6 +102,11 @@ impl Ingest<'_> {
             self.update(node, |slot| *slot = record);
         }
         self.pull_up(node);
+    }
+
+    /// Says little: the box may show where its leaf does not. In the end the leaf's own draw is asked.
+    fn own_box_showed(&mut self, node: u32) {
+        self.update(node, |record| record.streak = record.streak.saturating_add(1));
     }
 
     fn own_draw_showed(&mut self, node: u32) {

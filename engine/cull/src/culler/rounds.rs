@@ -31,14 +31,57 @@ pub(super) fn split(tests: usize, is_cut: bool, policy: &Policy, rounds: &mut Ve
     }
 }
 
-/// Puts the tests of a round that are answered in the same way behind each other, front to back as
-/// they were. In a round nothing depends on their order. `scratch` keeps its memory.
-pub(super) fn group_by_tester(tests: &mut [ProxyTest], scratch: &mut Vec<ProxyTest>) {
-    scratch.clear();
-    for tester in Tester::ALL {
-        scratch.extend(tests.iter().filter(|test| test.tester == tester));
+/// Puts the tests of each round that are answered in the same way behind each other, front to back
+/// as they were: in a round nothing depends on their order. `scratch` keeps its memory.
+pub(super) fn group_by_tester(
+    tests: &mut [ProxyTest],
+    rounds: &[Range<usize>],
+    scratch: &mut Grouping,
+) {
+    scratch.places.clear();
+    scratch.places.resize(tests.len(), 0);
+    for round in rounds {
+        scratch.grouped.clear();
+        for kind in [Answers::Queries, Answers::Flags, Answers::Others] {
+            for (number, test) in round.clone().zip(&tests[round.clone()]) {
+                if Answers::of(test.tester) == kind {
+                    scratch.places[number] = (round.start + scratch.grouped.len()) as u32;
+                    scratch.grouped.push(*test);
+                }
+            }
+        }
+        tests[round.clone()].copy_from_slice(&scratch.grouped);
     }
-    tests.copy_from_slice(scratch);
+    for test in tests {
+        if let Tester::Behind(front) = &mut test.tester {
+            *front = scratch.places[*front as usize];
+        }
+    }
+}
+
+/// The memory of [`group_by_tester`].
+#[derive(Debug, Default)]
+pub(super) struct Grouping {
+    grouped: Vec<ProxyTest>,
+    /// Where each test went.
+    places: Vec<u32>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Answers {
+    Queries,
+    Flags,
+    Others,
+}
+
+impl Answers {
+    fn of(tester: Tester) -> Self {
+        match tester {
+            Tester::Query => Self::Queries,
+            Tester::Flag => Self::Flags,
+            Tester::Behind(_) => Self::Others,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -174,7 +174,7 @@ impl Scratch {
     fn drop_optional(&mut self, policy: &Policy, budget: usize, stats: &mut PlanStats) {
         let frontier = self.frontier().count();
         let left = budget.saturating_sub(frontier);
-        let wished = self.tests.len() - frontier;
+        let wished = self.tests.iter().filter(|test| test.kind == QueryKind::Probe).count();
         let share = frontier / (policy.tests_per_probe.max(1) as usize);
         let probes = wished
             .min(share.max(policy.probes_min as usize))
@@ -210,6 +210,8 @@ impl Scratch {
     }
 
     fn count(&self, stats: &mut PlanStats) {
+        let own_boxes = self.tests.iter().filter(|test| test.kind == QueryKind::OwnBox);
+        stats.own_boxes = own_boxes.count() as u32;
         for test in self.frontier() {
             stats.frontier += 1;
             stats.tested_leaves = stats.tested_leaves.saturating_add(test.leaf_count);

@@ -31,6 +31,8 @@ pub(super) struct Walk<'a> {
     pub(super) knowledge: Knowledge<'a>,
     pub(super) now: Stamp,
     pub(super) is_turning: bool,
+    /// Boxes can be tested by flags.
+    pub(super) can_flag: bool,
     /// How often the allowed size of tested nodes was raised fourfold.
     pub(super) coarseness: u32,
 }
@@ -77,6 +79,8 @@ impl Ord for Mask {
 enum Verdict {
     Draw,
     Retest,
+    /// Draw, and test the box.
+    TestOwnBox(Aabb),
     Test(Aabb),
     /// Go on to the children; the proxy is there if the node could be probed.
     Open(Option<Aabb>),
@@ -128,6 +132,16 @@ impl Walk<'_> {
                 node: turn.node,
                 after: 0,
             }),
+            Verdict::TestOwnBox(proxy) => {
+                scratch.draws.push(Draw { nearness: turn.nearness, leaf });
+                scratch.tests.push(Candidate {
+                    node: turn.node,
+                    kind: QueryKind::OwnBox,
+                    proxy,
+                    leaf_count: 1,
+                    is_unknown: false,
+                });
+            }
             Verdict::Test(proxy) => scratch.tests.push(Candidate {
                 node: turn.node,
                 kind: QueryKind::Proxy,
@@ -154,7 +168,11 @@ impl Walk<'_> {
         match record.state {
             NodeState::Visible if is_fresh && is_leaf => {
                 stats.visible += 1;
-                if record.due <= self.now { Verdict::Retest } else { Verdict::Draw }
+                match self.is_own_box_enough(turn) {
+                    true if self.is_own_box_due(turn) => Verdict::TestOwnBox(proxy),
+                    false if record.due <= self.now => Verdict::Retest,
+                    _ => Verdict::Draw,
+                }
             }
             NodeState::Visible if is_fresh => {
                 let hidden = self.parts_hidden_since(turn).filter(|_| self.coarseness > 0);
@@ -168,6 +186,23 @@ impl Walk<'_> {
             _ if is_leaf || self.is_small(turn) => Verdict::Test(proxy),
             _ => Verdict::Open(Some(proxy)),
         }
+    }
+
+    /// Whether the next test of a visible leaf is one of its box rather than of its own draw.
+    fn is_own_box_enough(&self, turn: &Turn) -> bool {
+        let record = &turn.record;
+        let diagonal = 2.0 * turn.bounds.half_extent().length();
+        self.can_flag
+            // Where the box promised too much before, it would again.
+            && record.flips == 0
+            && u32::from(record.streak) % (self.policy.own_box_streak + 1) != 0
+            && diagonal < self.policy.own_box_angle * turn.nearness.distance()
+    }
+
+    /// Neighbours take turns. What is on its way may be asked again: that costs little.
+    fn is_own_box_due(&self, turn: &Turn) -> bool {
+        let interval = self.policy.own_box_frames + (turn.node & 1);
+        self.now.since(turn.record.answered) >= interval
     }
 
     /// Puts the children that are in the frustum into the queue, and asks for a probe of the node

@@ -1,7 +1,7 @@
 //! Executes plans as the renderer does, and brings answers home with all mishaps there are.
 
 use antumbra_cull::{
-    Aabb, Answer, FramePlan, Hierarchy, LeafIndex, ProxyTest, QueryKind, QueryTag, View,
+    Aabb, Answer, FramePlan, Hierarchy, LeafIndex, ProxyTest, QueryKind, QueryTag, Tester, View,
 };
 
 use crate::image::{Image, Shift};
@@ -92,11 +92,15 @@ impl Device {
         for leaf in &plan.draws[drawn..] {
             self.draw(view, hierarchy, solids, *leaf);
         }
+        let mut words = Vec::new();
         for round in &plan.rounds {
             let tests = &plan.tests[round.clone()];
             let shown: Vec<u32> = tests
                 .iter()
                 .map(|test| {
+                    if let Tester::Behind(_) = test.tester {
+                        return 0;
+                    }
                     let step = self.sub_pixel_step;
                     // A device rounds the same box in the same way in every frame.
                     let mut rounding = Random::new(test.tag.node.0.into());
@@ -104,8 +108,16 @@ impl Device {
                     self.image.test(view, &test.bounds, shift)
                 })
                 .collect();
-            for (test, samples) in tests.iter().zip(shown) {
-                self.answer(test.tag, samples);
+            words.extend(shown);
+            for (number, test) in round.clone().zip(tests) {
+                let samples = match test.tester {
+                    Tester::Behind(front) => words[front as usize],
+                    _ => words[number],
+                };
+                // Of what is behind a box that shows, only the leaves can tell.
+                if samples == 0 || !matches!(test.tester, Tester::Behind(_)) {
+                    self.answer(test.tag, samples);
+                }
                 if samples == 0 {
                     continue;
                 }

@@ -1,6 +1,6 @@
 //! What every plan promises, checked without looking at how it came about.
 
-use antumbra_cull::{FramePlan, Hierarchy, LeafIndex, Strategy, View};
+use antumbra_cull::{FramePlan, Hierarchy, LeafIndex, QueryKind, Strategy, Tester, View};
 
 /// Checks a plan: each leaf in the frustum in one place, order, rounds, budget, counts.
 pub fn check(
@@ -36,12 +36,13 @@ pub fn check(
         return Err(format!("rounds {:?} of {}", plan.rounds, plan.tests.len()));
     }
     let stats = &plan.stats;
-    if (stats.frontier + stats.probes) as usize != plan.tests.len() {
+    if (stats.frontier + stats.probes + stats.own_boxes) as usize != plan.tests.len() {
         return Err(format!("{stats:?} of {} tests", plan.tests.len()));
     }
     if strategy == Strategy::Frustum && plan.query_count() > 0 {
         return Err("frustum culling asks nothing".to_owned());
     }
+    fronts_answer_in_time(plan)?;
     is_front_to_back(hierarchy, view, plan)
 }
 
@@ -58,8 +59,44 @@ fn is_front_to_back(hierarchy: &Hierarchy, view: &View, plan: &FramePlan) -> Res
         && plan.queried_after.len() == plan.queried_draws.len()
         && plan.queried_after.iter().all(|after| *after as usize <= plan.draws.len())
         && queried.is_sorted()
-        && plan.tests.iter().map(|test| test_distance(test.tag.node)).is_sorted();
+        && [Answers::Queries, Answers::Flags, Answers::Others].iter().all(|answers| {
+            let tests = plan.tests.iter().filter(|test| Answers::of(test.tester) == *answers);
+            tests.map(|test| test_distance(test.tag.node)).is_sorted()
+        });
     is_sorted.then_some(()).ok_or_else(|| "not front to back".to_owned())
+}
+
+#[derive(PartialEq)]
+enum Answers {
+    Queries,
+    Flags,
+    Others,
+}
+
+impl Answers {
+    fn of(tester: Tester) -> Self {
+        match tester {
+            Tester::Query => Self::Queries,
+            Tester::Flag => Self::Flags,
+            Tester::Behind(_) => Self::Others,
+        }
+    }
+}
+
+/// Who answers for another has a flag of its own, and early enough.
+fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
+    for round in &plan.rounds {
+        for (number, test) in round.clone().zip(&plan.tests[round.clone()]) {
+            let Tester::Behind(front) = test.tester else { continue };
+            let in_time = plan.tests[..round.end].get(front as usize);
+            let is_right =
+                in_time.is_some_and(|front| front.tester == Tester::Flag && front.leaves.count > 0);
+            if !is_right || test.tag.kind != QueryKind::Parts {
+                return Err(format!("test {number} is behind {front}"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// In 64 bits and without any allowance: no plane of the frustum has the whole box outside.

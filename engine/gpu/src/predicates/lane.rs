@@ -1,4 +1,4 @@
-//! One source of words in one frame: what each word decides, and where the executors keep it.
+//! One source of words in one frame: what hangs on them, and where the executors keep it.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -23,9 +23,9 @@ pub(super) struct Lane {
 /// A frame's lists for the compute executors.
 #[derive(Clone, Copy)]
 pub(super) struct OnGpu {
-    /// One [`DecidedOnGpu`] per word.
+    /// One [`DecidedOnGpu`] per decision.
     pub(super) decided: BufferSlice,
-    /// One [`BoxDraw`] per word.
+    /// One [`BoxDraw`] per decision.
     pub(super) box_draws: BufferSlice,
 }
 
@@ -36,6 +36,7 @@ struct DecidedOnGpu {
     first: u32,
     count: u32,
     parts: u32,
+    word: u32,
 }
 
 /// `VkDrawIndirectCommand`.
@@ -54,9 +55,9 @@ const _: () = assert!(size_of::<BoxDraw>() == size_of::<vk::DrawIndirectCommand>
 /// Vertices of the front of a box: three faces of two triangles.
 pub const BOX_VERTICES: u32 = 18;
 
-/// The indirect command that draws the boxes of a word.
-pub(super) fn box_draw(on_gpu: OnGpu, word: u32) -> BufferSlice {
-    on_gpu.box_draws.part(u64::from(word) * BOX_DRAW_BYTES, BOX_DRAW_BYTES)
+/// The indirect command that draws the boxes of a decision.
+pub(super) fn box_draw(on_gpu: OnGpu, decision: u32) -> BufferSlice {
+    on_gpu.box_draws.part(u64::from(decision) * BOX_DRAW_BYTES, BOX_DRAW_BYTES)
 }
 
 impl Lane {
@@ -95,6 +96,7 @@ impl Lane {
             first: decided.range.first,
             count: decided.range.count,
             parts: u32::from(decided.reveal == Reveal::Parts),
+            word: decided.word,
         });
         let box_draws = self.decided.iter().map(|decided| BoxDraw {
             vertex_count: BOX_VERTICES,
@@ -109,7 +111,7 @@ impl Lane {
         Ok(())
     }
 
-    /// Makes sure there is a count for each word.
+    /// Makes sure there is a count for each decision.
     pub(super) fn make_counts(&mut self, device: &Device) -> Result<(), Error> {
         let wanted = self.decided.len().next_power_of_two() as u64 * 4;
         let Some(counts) = self.counts.get_mut(self.slot) else { return Ok(()) };

@@ -92,9 +92,11 @@ pub enum Reveal {
     Parts,
 }
 
-/// What one word decides.
+/// A decision: what a word decides. Several may hang on one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Predicated {
+    /// The number of the word among those of its source.
+    pub word: u32,
     /// The draws.
     pub range: DrawRange,
     /// What becomes of them.
@@ -153,7 +155,7 @@ pub struct Predicates {
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Words {
+struct Decisions {
     first: u32,
     count: u32,
 }
@@ -190,7 +192,7 @@ impl Predicates {
             )),
         };
         let buffers = writer_buffers(predication) as u32;
-        let storage = StorageLayout { buffers, push_bytes: size_of::<Words>() as u32 };
+        let storage = StorageLayout { buffers, push_bytes: size_of::<Decisions>() as u32 };
         let writer = match shader {
             None => None,
             Some((name, bytes)) => {
@@ -218,8 +220,8 @@ impl Predicates {
         self.predication
     }
 
-    /// Starts a frame: word `i` of those that `source` writes decides about `decided[i]`. Each
-    /// source is begun once a frame, without words if it writes none.
+    /// Starts a frame: the decisions that hang on the words of `source`. Each source is begun once a
+    /// frame, without words if it writes none.
     ///
     /// # Errors
     /// No memory.
@@ -240,8 +242,8 @@ impl Predicates {
         if counts { lane.make_counts(device) } else { Ok(()) }
     }
 
-    /// Makes words decide that were just written: for each source, a range of its words. Outside
-    /// of rendering; after writing them and before anything is drawn by them.
+    /// Makes the words decide that were just written: for each source, a range of its decisions.
+    /// Outside of rendering; after writing the words and before anything is drawn by them.
     pub fn resolve(&self, commands: &Commands, written: &[(WordSource, Range<u32>)]) {
         let between = MemoryBarrier::between;
         let mut from: Vec<Access> = written.iter().map(|(source, _)| source.access()).collect();
@@ -268,10 +270,10 @@ impl Predicates {
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
-            commands.push_compute_constants(writer, &Words { first: range.start, count });
+            commands.push_compute_constants(writer, &Decisions { first: range.start, count });
             let groups = match self.predication {
-                Predication::Counts => count.div_ceil(64), // a thread per word
-                _ => count,                                // a workgroup per word
+                Predication::Counts => count.div_ceil(64), // a thread per decision
+                _ => count,                                // a workgroup per decision
             };
             commands.dispatch([groups, 1, 1]);
         }
@@ -282,32 +284,32 @@ impl Predicates {
         ));
     }
 
-    /// Draws the range of `word` if the word is not zero.
-    pub fn draw(&self, commands: &Commands, source: WordSource, word: u32) {
-        self.draw_from(commands, source, word, self.draws.whole());
+    /// Draws the range of a decision if its word is not zero.
+    pub fn draw(&self, commands: &Commands, source: WordSource, decision: u32) {
+        self.draw_from(commands, source, decision, self.draws.whole());
     }
 
-    /// Draws the range of `word` out of `draws`, which has a copy of every draw whose instance
+    /// Draws the range of a decision out of `draws`, which has a copy of every draw whose instance
     /// count is 1 where a box showed and 0 elsewhere, if the word is not zero.
     pub fn draw_parts(
         &self,
         commands: &Commands,
         source: WordSource,
-        word: u32,
+        decision: u32,
         draws: BufferSlice,
     ) {
-        self.draw_from(commands, source, word, draws);
+        self.draw_from(commands, source, decision, draws);
     }
 
     fn draw_from(
         &self,
         commands: &Commands,
         source: WordSource,
-        word: u32,
+        decision: u32,
         all_draws: BufferSlice,
     ) {
         let lane = self.lane(source);
-        let Some(range) = lane.decided.get(word as usize).map(|decided| decided.range) else {
+        let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
             return;
         };
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
@@ -316,7 +318,7 @@ impl Predicates {
             Predication::Instances => commands.draw_indirect(draws),
             Predication::Counts => {
                 if let Some(counts) = lane.counts() {
-                    commands.draw_indirect_count(draws, counts.part(u64::from(word) * 4, 4));
+                    commands.draw_indirect_count(draws, counts.part(u64::from(decision) * 4, 4));
                 }
             }
             Predication::Conditional => {
@@ -325,11 +327,11 @@ impl Predicates {
         }
     }
 
-    /// Draws [`BOX_VERTICES`] vertices for each draw in the range of `word`, as the instance of the
-    /// draw's own number, if the word is not zero.
-    pub fn draw_boxes(&self, commands: &Commands, source: WordSource, word: u32) {
+    /// Draws [`BOX_VERTICES`] vertices for each draw in the range of a decision, as the instance of
+    /// the draw's own number, if the word is not zero.
+    pub fn draw_boxes(&self, commands: &Commands, source: WordSource, decision: u32) {
         let lane = self.lane(source);
-        let Some(range) = lane.decided.get(word as usize).map(|decided| decided.range) else {
+        let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
             return;
         };
         match (lane.on_gpu, self.predication) {
@@ -337,11 +339,11 @@ impl Predicates {
                 // Any count but 0 draws the one command there is. Not a plain indirect draw: Mesa
                 // 22.3's lavapipe goes on using the count of the last draw that had one.
                 if let Some(counts) = lane.counts() {
-                    let count = counts.part(u64::from(word) * 4, 4);
-                    commands.draw_unindexed_indirect_count(lane::box_draw(on_gpu, word), count);
+                    let count = counts.part(u64::from(decision) * 4, 4);
+                    commands.draw_unindexed_indirect_count(lane::box_draw(on_gpu, decision), count);
                 }
             }
-            (Some(on_gpu), _) => commands.draw_unindexed_indirect(lane::box_draw(on_gpu, word)),
+            (Some(on_gpu), _) => commands.draw_unindexed_indirect(lane::box_draw(on_gpu, decision)),
             (None, _) => self.conditionally(commands, lane, word, |commands| {
                 commands.draw_instances(BOX_VERTICES, range.first..range.first + range.count);
             }),

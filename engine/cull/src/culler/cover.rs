@@ -1,0 +1,196 @@
+//! Tests that another test answers as well: what lies behind a hidden box, and within its outline.
+//!
+//! If no sample of a proxy shows, the depth buffer is nearer than its front at every sample that it
+//! covers. So nothing shows of an object whose samples are all among those and which is all farther
+//! away than the proxy. Then no test of its own is needed: if the proxy in front stays hidden, so does
+//! what is behind it; if it shows, the leaves behind are tested one by one.
+//!
+//! Rounding is paid for by the margin of the proxy behind: its outline is a quarter of a pixel and
+//! more wider than the samples of its object, and its nearest depth as much nearer (see
+//! [`Margin`](crate::Margin)); the proxy in front loses less to the sub-pixel grid.
+
+use glam::Vec2;
+
+use crate::bounds::Aabb;
+use crate::plan::{ProxyTest, QueryKind, Tester};
+use crate::policy::Policy;
+use crate::view::View;
+
+/// The outline of a box on the screen, in pixels, counter-clockwise or clockwise throughout.
+#[derive(Clone, Copy, Debug)]
+struct Outline {
+    corners: [Vec2; Self::MOST],
+    count: usize,
+}
+
+/// A proxy that may answer for others.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Front {
+    test: u32,
+    outline: Outline,
+    low: Vec2,
+    high: Vec2,
+    area: f32,
+    farthest: f32,
+}
+
+/// Makes tests share the answers of others, front to back, and asks for their leaves one by one.
+/// Says how many. `fronts` keeps its memory.
+pub(super) fn share_answers(
+    tests: &mut [ProxyTest],
+    view: &View,
+    policy: &Policy,
+    fronts: &mut Vec<Front>,
+) -> u32 {
+    fronts.clear();
+    let mut behind = 0;
+    let [width, height] = view.size.map(|pixels| pixels as f32);
+    let least_area = policy.front_area * width * height;
+    for (number, test) in (0..).zip(tests) {
+        if test.tester != Tester::Flag || test.leaves.count == 0 {
+            continue;
+        }
+        let Some((outline, [nearest, farthest])) = Outline::of(&test.bounds, view) else {
+            continue;
+        };
+        let seen = outline.clipped([width, height]);
+        let in_front = fronts.iter().find(|front| front.hides(&seen, nearest));
+        if let Some(front) = in_front {
+            test.tester = Tester::Behind(front.test);
+            test.tag.kind = QueryKind::Parts;
+            behind += 1;
+            continue;
+        }
+        let area = seen.area();
+        if area >= least_area {
+            let front = Front {
+                test: number,
+                outline,
+                low: outline.points().fold(Vec2::INFINITY, Vec2::min),
+                high: outline.points().fold(Vec2::NEG_INFINITY, Vec2::max),
+                area,
+                farthest,
+            };
+            keep_largest(fronts, front, policy.fronts as usize);
+        }
+    }
+    behind
+}
+
+/// Adds a front; if there are too many, the smallest goes.
+fn keep_largest(fronts: &mut Vec<Front>, front: Front, most: usize) {
+    if fronts.len() < most {
+        fronts.push(front);
+        return;
+    }
+    let smallest = fronts.iter_mut().min_by(|a, b| a.area.total_cmp(&b.area));
+    if let Some(smallest) = smallest.filter(|smallest| smallest.area < front.area) {
+        *smallest = front;
+    }
+}
+
+impl Front {
+    /// Whether all that is within `outline` and no nearer than `nearest` is behind this box.
+    fn hides(&self, outline: &Outline, nearest: f32) -> bool {
+        nearest >= self.farthest
+            && outline
+                .points()
+                .all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
+            && outline.points().all(|point| self.outline.holds(point))
+    }
+}
+
+impl Outline {
+    /// Eight corners have six on the outline; each side of the screen can add one.
+    const MOST: usize = 12;
+
+    /// The outline of a box that is in front of the eye, and its nearest and farthest depth (metres
+    /// along the line of sight). `None` where it is not, or where numbers fail.
+    fn of(bounds: &Aabb, view: &View) -> Option<(Self, [f32; 2])> {
+        let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
+        let mut points = [Vec2::ZERO; 8];
+        let (mut nearest, mut farthest) = (f32::INFINITY, 0.0_f32);
+        for (point, corner) in points.iter_mut().zip(bounds.corners()) {
+            let clip = view.view_proj * corner.extend(1.0);
+            nearest = nearest.min(clip.w);
+            farthest = farthest.max(clip.w);
+            *point = (Vec2::new(clip.x, clip.y) / clip.w + 1.0) * scale;
+        }
+        let is_sound = nearest > 0.0 && points.iter().all(|point| point.is_finite());
+        is_sound.then(|| (Self::around(points), [nearest, farthest]))
+    }
+
+    /// The convex hull, by Andrew's monotone chain.
+    fn around(mut points: [Vec2; 8]) -> Self {
+        points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        let mut hull = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
+        for backwards in [false, true] {
+            let start = hull.count;
+            for step in 0..points.len() {
+                let point = points[if backwards { points.len() - 1 - step } else { step }];
+                while hull.count >= start + 2 && hull.turns_right(point) {
+                    hull.count -= 1;
+                }
+                if hull.count < Self::MOST {
+                    hull.corners[hull.count] = point;
+                    hull.count += 1;
+                }
+            }
+            // The last of one chain is the first of the other.
+            hull.count = hull.count.saturating_sub(1);
+        }
+        hull
+    }
+
+    fn turns_right(&self, point: Vec2) -> bool {
+        let [before, last] = [self.corners[self.count - 2], self.corners[self.count - 1]];
+        (last - before).perp_dot(point - last) <= 0.0
+    }
+
+    fn points(&self) -> impl Iterator<Item = Vec2> {
+        self.corners[..self.count].iter().copied()
+    }
+
+    fn edges(&self) -> impl Iterator<Item = (Vec2, Vec2)> {
+        (0..self.count).map(|at| (self.corners[at], self.corners[(at + 1) % self.count]))
+    }
+
+    /// The part on the screen. Empty where nothing is.
+    fn clipped(&self, [width, height]: [f32; 2]) -> Self {
+        let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
+        sides.into_iter().fold(*self, |outline, (normal, offset)| {
+            let mut kept = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
+            let mut keep = |point| {
+                if kept.count < Self::MOST {
+                    kept.corners[kept.count] = point;
+                    kept.count += 1;
+                }
+            };
+            for (from, to) in outline.edges() {
+                let [inside, next] = [from, to].map(|point| normal.dot(point) + offset);
+                if inside >= 0.0 {
+                    keep(from);
+                }
+                if (inside >= 0.0) != (next >= 0.0) {
+                    keep(from + (to - from) * (inside / (inside - next)));
+                }
+            }
+            kept
+        })
+    }
+
+    /// In pixels.
+    fn area(&self) -> f32 {
+        0.5 * self.edges().map(|(from, to)| from.perp_dot(to)).sum::<f32>().abs()
+    }
+
+    /// Whether a point is inside, with an allowance for rounding far below the margin's.
+    fn holds(&self, point: Vec2) -> bool {
+        const ALLOWED_PIXELS: f32 = 1.0 / 64.0;
+        self.count >= 3
+            && self.edges().all(|(from, to)| {
+                let edge = to - from;
+                edge.perp_dot(point - from) >= -ALLOWED_PIXELS * edge.length()
+            })
+    }
+}
