@@ -189,20 +189,26 @@ impl Walk<'_> {
     }
 
     /// Whether the next test of a visible leaf is one of its box rather than of its own draw.
+    ///
+    /// First the box once more, now that all that is visible can hide it: it showed against less.
+    /// Then the draw itself, and from then on the box again for a while if it looks small.
     fn is_own_box_enough(&self, turn: &Turn) -> bool {
         let record = &turn.record;
+        if !self.can_flag || record.streak == 0 {
+            return self.can_flag;
+        }
         let diagonal = 2.0 * turn.bounds.half_extent().length();
-        self.can_flag
-            // Where the box promised too much before, it would again.
-            && record.flips == 0
-            && u32::from(record.streak) % (self.policy.own_box_streak + 1) != 0
+        let is_turn_of_draw = u32::from(record.streak) % (self.policy.own_box_streak + 1) == 1;
+        // Where the box promised too much before, it would again.
+        record.flips == 0
+            && !is_turn_of_draw
             && diagonal < self.policy.own_box_angle * turn.nearness.distance()
     }
 
     /// Neighbours take turns. What is on its way may be asked again: that costs little.
     fn is_own_box_due(&self, turn: &Turn) -> bool {
         let interval = self.policy.own_box_frames + (turn.node & 1);
-        self.now.since(turn.record.answered) >= interval
+        turn.record.streak == 0 || self.now.since(turn.record.answered) >= interval
     }
 
     /// Puts the children that are in the frustum into the queue, and asks for a probe of the node
