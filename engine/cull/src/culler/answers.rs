@@ -144,6 +144,8 @@ impl Ingest<'_> {
                     }
                     record.streak = 0;
                 }
+                // The GPU was here, if not the traversal.
+                record.visited = record.visited.max(asked);
             });
         }
         let due = self.open_until(0);
