@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use cull::{
-    Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafRange, QueryKind, QueryTag,
-    Strategy, Tester, View,
+    Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafRange, QueryKind,
+    QueryTag, Strategy, Tester, View,
 };
 use gpu::{
     Device, DrawRange, FlagRing, Frame, IndirectDraw, PartDraws, QueryRing, SwitchedOn, Tick,
@@ -45,6 +45,7 @@ pub struct ViewHistory {
     frames_in_flight: usize,
     device: Device,
     answers: Vec<Answer>,
+    behind: Vec<QueryTag>,
     newest: Vec<Answer>,
     pending: VecDeque<FrameOutcome>,
     outcomes: Vec<FrameOutcome>,
@@ -70,6 +71,7 @@ impl ViewHistory {
             frames_in_flight,
             device: device.clone(),
             answers: Vec::new(),
+            behind: Vec::new(),
             newest: Vec::new(),
             pending: VecDeque::new(),
             outcomes: Vec::new(),
@@ -126,16 +128,20 @@ impl ViewHistory {
     /// Gathers the answers that are home, those of older frames first, and in a frame those for the
     /// parts of a node after the node's.
     fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy) {
-        let Self { queries, flags, parts, answers, .. } = self;
+        let Self { queries, flags, parts, answers, behind, .. } = self;
         answers.clear();
+        behind.clear();
         queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
         flags.collect(completed, |tags, words| {
             let answer = |(number, flag): (usize, &FlagTag)| {
                 let word = |number: usize| words.get(number).copied();
                 let samples = match flag.tester {
                     Tester::Flag => word(number),
-                    // Of what is behind a box that shows, only the leaves can tell.
-                    Tester::Behind(front) => word(front as usize).filter(|word| *word == 0),
+                    // Behind a box that shows, the leaves answer for their node, below.
+                    Tester::Behind(front) => word(front as usize).filter(|word| {
+                        behind.extend((*word != 0).then_some(flag.tag));
+                        *word == 0
+                    }),
                     Tester::Query => None,
                 };
                 samples.map(|samples| Answer { tag: flag.tag, samples })
@@ -150,6 +156,11 @@ impl ViewHistory {
                 answers.extend(nodes.map(|node| Answer {
                     tag: QueryTag { node, generation, frame, kind },
                     samples: 1,
+                }));
+                answers.extend(behind.iter().filter(|tag| tag.frame == frame).map(|tag| {
+                    let range = hierarchy.leaves(tag.node);
+                    let shows = leaves.iter().any(|leaf| range.contains(LeafIndex(*leaf)));
+                    Answer { tag: *tag, samples: u32::from(shows) }
                 }));
             }
             // Which of the leaves showed is not known: the nodes answer for all of them.

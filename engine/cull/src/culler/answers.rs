@@ -137,7 +137,7 @@ impl Ingest<'_> {
         for node in top..end {
             let asked = self.asked;
             self.update(node, |record| {
-                if record.answered <= asked {
+                if record.answered < asked {
                     if record.state != NodeState::Hidden {
                         record.state = NodeState::Hidden;
                         record.since = asked;

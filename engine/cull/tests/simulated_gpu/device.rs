@@ -114,8 +114,8 @@ impl Device {
                     Tester::Behind(front) => words[front as usize],
                     _ => words[number],
                 };
-                // Of what is behind a box that shows, only the leaves can tell.
-                if samples == 0 || !matches!(test.tester, Tester::Behind(_)) {
+                let is_behind = matches!(test.tester, Tester::Behind(_));
+                if samples == 0 || !is_behind {
                     self.answer(test.tag, samples);
                 }
                 if samples == 0 {
@@ -125,6 +125,10 @@ impl Device {
                     QueryKind::Parts => self.parts(view, hierarchy, test),
                     _ => test.leaves.iter().collect(),
                 };
+                if is_behind {
+                    // Behind a box that shows, the leaves answer for their node.
+                    self.answer(test.tag, parts.len() as u32);
+                }
                 for leaf in parts {
                     self.draw(view, hierarchy, solids, leaf);
                 }
