@@ -164,7 +164,7 @@ impl Culler {
         let tag =
             |node: u32, kind: QueryKind| QueryTag { node: NodeId(node), generation, frame, kind };
         plan.draws.extend(self.scratch.draws.iter().map(|draw| draw.leaf));
-        self.scratch.place_retests(hierarchy, view, &self.policy);
+        self.scratch.place_retests();
         for retest in &self.scratch.retests {
             plan.queried_after.push(retest.after);
             let asked = tag(retest.node, QueryKind::OwnDraw);

@@ -102,9 +102,8 @@ pub struct FramePlan {
     pub draws: Vec<LeafIndex>,
     /// Taken as visible and asked about on their own draw; front to back.
     pub queried_draws: Vec<(LeafIndex, QueryTag)>,
-    /// For each of `queried_draws`, how many of `draws` come before it; ascending. What looks large
-    /// keeps its place, since it hides much that would be shaded in vain; what looks small comes
-    /// last, when all that may hide it is there.
+    /// For each of `queried_draws`, how many of `draws` come before it; ascending. Each keeps its
+    /// place from front to back: what is large would hide too little if it came last.
     pub queried_after: Vec<u32>,
     /// The frontier, front to back.
     pub tests: Vec<ProxyTest>,

@@ -40,9 +40,6 @@ pub struct Policy {
     /// An own-draw test follows a proxy that showed within this time: proxies are larger than
     /// what they stand for, so a third of those that show hide nothing that does.
     pub retest_first: u32,
-    /// A leaf that looks larger than this (diagonal over distance) is an occluder: where its own draw
-    /// is tested it keeps its place among the draws.
-    pub occluder_angle: f32,
     /// The interval between own-draw tests doubles with each that succeeds, up to this.
     pub retest_max: u32,
     /// A visible leaf that looks smaller than this (diagonal over distance) is tested by its box, where
@@ -101,7 +98,7 @@ pub struct Policy {
 impl Default for Policy {
     fn default() -> Self {
         Self {
-            unknown_leaves: 8,
+            unknown_leaves: 16,
             unknown_leaves_far: 128,
             unknown_angle: 0.1,
             growth_frames: 6,
@@ -115,7 +112,6 @@ impl Default for Policy {
             open_leaves: 32,
             open_levels_max: 7,
             retest_first: 4,
-            occluder_angle: 0.2,
             retest_max: 16,
             own_box_angle: 0.15,
             own_box_frames: 3,
@@ -130,7 +126,7 @@ impl Default for Policy {
             cut_share: 3,
             cut_tests: 16,
             rounds_calm: 3,
-            rounds_cut: 4,
+            rounds_cut: 8,
             round_tests_min: 8,
             parts_leaves: 2,
             front_area: 0.004,

@@ -112,7 +112,8 @@ mod tests {
 
     #[test]
     fn slabs_double_after_a_cut_only() {
-        assert_eq!(rounds(150, true), [0..10, 10..30, 30..70, 70..150]);
+        let doubling = [0..1, 1..4, 4..8, 8..18, 18..37, 37..74, 74..150];
+        assert_eq!(rounds(150, true), doubling);
         assert_eq!(rounds(150, false), [0..50, 50..100, 100..150]);
         assert_eq!(rounds(5, true).len(), 1);
     }

@@ -9,11 +9,9 @@ use std::collections::BinaryHeap;
 
 use super::traversal::{Mask, Nearness, Waiting, Walk};
 use crate::bounds::Aabb;
-use crate::hierarchy::Hierarchy;
-use crate::ids::{LeafIndex, NodeId};
+use crate::ids::LeafIndex;
 use crate::plan::{PlanStats, QueryKind};
 use crate::policy::Policy;
-use crate::view::View;
 
 /// A leaf to draw.
 #[derive(Clone, Copy, Debug)]
@@ -95,20 +93,13 @@ impl Scratch {
         is_cut
     }
 
-    /// Finds the place of each retest among the draws: its own if it looks large, the end if not.
-    pub(super) fn place_retests(&mut self, hierarchy: &Hierarchy, view: &View, policy: &Policy) {
+    /// Finds the place of each retest among the draws.
+    pub(super) fn place_retests(&mut self) {
         for retest in &mut self.retests {
-            let bounds = hierarchy.bounds(NodeId(retest.node));
-            let diagonal = 2.0 * bounds.half_extent().length();
-            let is_large =
-                diagonal > policy.occluder_angle * bounds.distance_squared(view.eye).sqrt();
-            retest.after = if is_large {
-                self.draws.partition_point(|draw| draw.nearness <= retest.nearness) as u32
-            } else {
-                self.draws.len() as u32
-            };
+            let before = self.draws.partition_point(|draw| draw.nearness <= retest.nearness);
+            retest.after = before as u32;
         }
-        self.retests.sort_unstable_by_key(|retest| (retest.after, retest.nearness, retest.leaf));
+        self.retests.sort_unstable_by_key(|retest| (retest.nearness, retest.leaf));
     }
 
     /// The tests that decide about draws.

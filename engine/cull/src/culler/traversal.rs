@@ -147,7 +147,8 @@ impl Walk<'_> {
                 kind: QueryKind::Proxy,
                 proxy,
                 leaf_count: turn.leaf_count,
-                is_unknown: turn.record.state != NodeState::Hidden,
+                is_unknown: turn.record.state != NodeState::Hidden
+                    || !turn.record.is_fresh(self.now, self.policy.stale_frames),
             }),
             Verdict::Open(proxy) => self.open(turn, proxy, scratch),
         }
