@@ -98,7 +98,7 @@ pub struct Policy {
 impl Default for Policy {
     fn default() -> Self {
         Self {
-            unknown_leaves: 16,
+            unknown_leaves: 8,
             unknown_leaves_far: 128,
             unknown_angle: 0.1,
             growth_frames: 6,
