@@ -140,18 +140,20 @@ impl Culler {
         self.history.adopt(hierarchy);
         self.watch(view, now);
         plan.clear(self.frame);
+        let tester = self.tester(strategy);
         let mut walk = Walk {
             hierarchy,
             view,
             policy: &self.policy,
             knowledge: match strategy {
                 Strategy::Frustum | Strategy::Pyramid | Strategy::Ideal => Knowledge::Ignored,
-                Strategy::Antumbra | Strategy::AntumbraQueries | Strategy::AntumbraFlags => {
-                    Knowledge::Used(&self.history)
-                }
+                Strategy::Antumbra
+                | Strategy::AntumbraQueries
+                | Strategy::AntumbraFlags
+                | Strategy::AntumbraCompute => Knowledge::Used(&self.history),
             },
             now,
-            can_flag: self.abilities.flags && strategy != Strategy::AntumbraQueries,
+            can_flag: tester != Tester::Query,
             is_turning: self.turned != Stamp::NEVER
                 && now.since(self.turned) < self.policy.turning_frames,
             // What was needed last time is where to begin: each attempt is a walk.
@@ -191,7 +193,7 @@ impl Culler {
                 bounds: test.proxy,
                 leaves,
                 level: hierarchy.level(node),
-                tester: self.tester(strategy),
+                tester,
             });
         }
         for node in &self.scratch.visited {
@@ -201,7 +203,13 @@ impl Culler {
             let fronts = &mut self.fronts;
             plan.stats.behind = cover::share_answers(&mut plan.tests, view, &self.policy, fronts);
         }
-        rounds::split(plan.tests.len(), is_cut, &self.policy, &mut plan.rounds);
+        let most = match (tester, is_cut) {
+            (Tester::Compute, false) => self.policy.rounds_compute_calm,
+            (Tester::Compute, true) => self.policy.rounds_compute_cut,
+            (_, false) => self.policy.rounds_calm,
+            (_, true) => self.policy.rounds_cut,
+        };
+        rounds::split(plan.tests.len(), most, is_cut, &self.policy, &mut plan.rounds);
         rounds::group_by_tester(&mut plan.tests, &plan.rounds, &mut self.grouping);
     }
 
@@ -224,6 +232,7 @@ impl Culler {
     fn tester(&self, strategy: Strategy) -> Tester {
         match strategy {
             Strategy::AntumbraQueries => Tester::Query,
+            Strategy::AntumbraCompute if self.abilities.compute => Tester::Compute,
             _ if self.abilities.flags => Tester::Flag,
             _ => Tester::Query,
         }

@@ -32,6 +32,8 @@ pub enum Tester {
     /// An occlusion query.
     #[default]
     Query,
+    /// A compute shader compares the box with the depth buffer.
+    Compute,
     /// The flag of the test of this number in the plan, which lies in front of all of it: as long
     /// as that stays hidden, so does this. In the same round or an earlier one.
     Behind(u32),
@@ -42,6 +44,8 @@ pub enum Tester {
 pub struct Abilities {
     /// There are flags ([`Tester::Flag`]).
     pub flags: bool,
+    /// There is a compute test ([`Tester::Compute`]).
+    pub compute: bool,
     /// Leaves of a node that shows can be tested one by one in the same frame
     /// ([`QueryKind::Parts`]).
     pub parts: bool,

@@ -74,6 +74,10 @@ pub struct Policy {
     /// Slabs of tests when much is unknown, each twice as long as the one before, so that what is
     /// near can hide what is far.
     pub rounds_cut: u32,
+    /// The same where a compute shader tests: each slab looks at the whole depth buffer first.
+    pub rounds_compute_calm: u32,
+    /// The same after a cut.
+    pub rounds_compute_cut: u32,
     /// A slab is not worth a break in the passes with fewer tests.
     pub round_tests_min: u32,
     /// A node of so many leaves has them tested one by one in the frame in which it shows, where the
@@ -127,6 +131,8 @@ impl Default for Policy {
             cut_tests: 16,
             rounds_calm: 3,
             rounds_cut: 8,
+            rounds_compute_calm: 1,
+            rounds_compute_cut: 3,
             round_tests_min: 8,
             parts_leaves: 2,
             front_area: 0.004,

@@ -20,6 +20,8 @@ pub enum Strategy {
     AntumbraQueries,
     /// The same with flags set by fragments for all tests.
     AntumbraFlags,
+    /// The same with a compute shader for all tests.
+    AntumbraCompute,
     /// Exactly the objects that own a pixel, found beforehand: the yardstick that nobody can beat
     /// (the optimum of the papers on coherent hierarchical culling). Not a product.
     Ideal,
@@ -37,12 +39,13 @@ pub struct UnknownStrategy {
 
 impl Strategy {
     /// Every strategy, the baseline first.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Frustum,
         Self::Pyramid,
         Self::Antumbra,
         Self::AntumbraQueries,
         Self::AntumbraFlags,
+        Self::AntumbraCompute,
         Self::Ideal,
     ];
 
@@ -55,6 +58,7 @@ impl Strategy {
             Self::Antumbra => "antumbra",
             Self::AntumbraQueries => "antumbra_queries",
             Self::AntumbraFlags => "antumbra_flags",
+            Self::AntumbraCompute => "antumbra_compute",
             Self::Ideal => "ideal",
         }
     }
@@ -68,6 +72,7 @@ impl Strategy {
             | Self::Antumbra
             | Self::AntumbraQueries
             | Self::AntumbraFlags
+            | Self::AntumbraCompute
             | Self::Ideal => true,
         }
     }

@@ -8,7 +8,10 @@ use gpu::{
 
 use crate::error::Error;
 use crate::geometry::Geometry;
-use crate::passes::{LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, ProxyBox, ProxyIo, ProxyPass};
+use crate::passes::{
+    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, ProxyBox, ProxyIo,
+    ProxyPass,
+};
 use crate::questions::{RoundQuestions, draw_range};
 use crate::scene::Light;
 use crate::view_history::ViewHistory;
@@ -20,6 +23,8 @@ pub(crate) struct FramePasses {
     pub(crate) predicates: Predicates,
     pub(crate) opaque: OpaquePass,
     pub(crate) proxies: ProxyPass,
+    // Made for the first frame that tests so.
+    pub(crate) compute_test: Option<ComputeTest>,
     // Where fragment shaders can write to buffers.
     pub(crate) leaf_boxes: Option<LeafBoxPass>,
     pub(crate) light: Light,
@@ -30,6 +35,7 @@ pub(crate) struct FrameIo {
     visible: BufferSlice,
     queried: BufferSlice,
     proxies: ProxyIo,
+    computed: Option<ComputeTestIo>,
     parts: Option<Parts>,
 }
 
@@ -46,6 +52,7 @@ impl FrameIo {
         let draw = |leaf: &cull::LeafIndex| geometry.draw(*leaf);
         history.queries.begin(frame, &history.questions.query_tags)?;
         history.flags.begin(frame, history.questions.flag_tags.iter().copied())?;
+        history.computed.begin(frame, history.questions.compute_tags.iter().copied())?;
         let has_parts = |test: &&cull::ProxyTest| test.tag.kind == cull::QueryKind::Parts;
         let tested = history.plan.tests.iter().filter(has_parts).map(draw_range);
         let (frame_id, generation) = (history.plan.frame, history.generation);
@@ -55,6 +62,7 @@ impl FrameIo {
         let words = [
             (WordSource::Queries, history.queries.results()),
             (WordSource::Fragments, history.flags.words()),
+            (WordSource::Compute, history.computed.words()),
         ];
         for (source, words) in words {
             let decided = history.questions.decided(source).iter().copied();
@@ -62,13 +70,13 @@ impl FrameIo {
         }
         let (plan, uploads) = (history.plan(), frame.uploads());
         let queried = plan.queried_draws.iter();
+        let boxes = uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?;
+        let words = history.computed.words();
         Ok(Self {
             visible: uploads.push_iter(plan.draws.iter().map(draw))?,
             queried: uploads.push_iter(queried.map(|(leaf, _)| draw(leaf)))?,
-            proxies: ProxyIo {
-                boxes: uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?,
-                flags: history.flags.words(),
-            },
+            proxies: ProxyIo { boxes, flags: history.flags.words() },
+            computed: words.map(|words| ComputeTestIo { boxes, words, first: 0, count: 0 }),
             parts: history.parts.parts(),
         })
     }
@@ -89,8 +97,8 @@ impl FramePasses {
         picture: Option<&Readback>,
     ) {
         let rounds = &history.questions.rounds;
-        if io.proxies.flags.is_some() || io.parts.is_some() {
-            let reset = [Access::FragmentWrite, Access::IndirectRead];
+        if io.proxies.flags.is_some() || io.parts.is_some() || io.computed.is_some() {
+            let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
         }
         self.target.prepare(commands);
@@ -107,6 +115,7 @@ impl FramePasses {
             let before = step.checked_sub(1).and_then(|round| rounds.get(round));
             let before = before.filter(|round| round.has_parts);
             let (known, next) = (rounds.get(step), rounds.get(step + 1));
+            self.test_by_compute(commands, view, io, known);
             commands.pass("answers", |commands| {
                 self.resolve(commands, history, known, before);
             });
@@ -123,6 +132,7 @@ impl FramePasses {
             history.queries.resolve(commands, 0..history.questions.own_draws);
             history.queries.read_back(commands);
             history.flags.read_back(commands);
+            history.computed.read_back(commands);
             history.parts.read_back(commands);
             if let Some(picture) = picture {
                 self.target.copy_to(commands, picture);
@@ -174,6 +184,27 @@ impl FramePasses {
                     self.proxies.draw(commands, test);
                 });
             }
+        });
+    }
+
+    /// Tests the boxes of a round that a compute shader looks at, against the depth so far.
+    fn test_by_compute(
+        &mut self,
+        commands: &Commands,
+        view: &View,
+        io: &FrameIo,
+        round: Option<&RoundQuestions>,
+    ) {
+        let computed = round.map(|round| round.computed.clone()).filter(|tests| !tests.is_empty());
+        let (Some(tests), Some(pass), Some(io)) = (computed, &self.compute_test, io.computed)
+        else {
+            return;
+        };
+        let target = &mut self.target;
+        commands.pass("compute test", |commands| {
+            pass.record_grid(commands, target);
+            let count = tests.end - tests.start;
+            pass.record_tests(commands, &ComputeTestIo { first: tests.start, count, ..io }, view);
         });
     }
 

@@ -31,9 +31,12 @@ pub(crate) struct Questions {
     /// The decision of each test.
     decisions: Vec<Decision>,
     pub(crate) rounds: Vec<RoundQuestions>,
-    /// What hangs on the words of queries, and on flags.
+    /// What hangs on the words of queries, on flags, and on what a compute shader writes.
     query_decides: Vec<Predicated>,
     flag_decides: Vec<Predicated>,
+    compute_decides: Vec<Predicated>,
+    /// What each word of the compute shader is about: a place for every test if there are any.
+    pub(crate) compute_tags: Vec<FlagTag>,
 }
 
 /// The questions of one round. Tests of one kind follow each other, the plan sees to that.
@@ -44,6 +47,8 @@ pub(crate) struct RoundQuestions {
     pub(crate) flags: Range<u32>,
     /// Those, and the tests that they answer for others.
     pub(crate) flag_decisions: Range<u32>,
+    /// The tests by a compute shader.
+    pub(crate) computed: Range<u32>,
     /// The tests by query.
     pub(crate) queried_tests: Range<u32>,
     /// Their queries.
@@ -65,20 +70,25 @@ impl Questions {
         for round in &plan.rounds {
             self.lay_out_round(plan, round.clone());
         }
-        self.flag_tags.clear();
-        self.flag_decides.clear();
-        if plan.tests.iter().any(|test| test.tester == Tester::Flag) {
-            let tag = |test: &ProxyTest| FlagTag { tag: test.tag, tester: test.tester };
-            self.flag_tags.extend(plan.tests.iter().map(tag));
-            self.flag_decides.extend((0..).zip(&plan.tests).map(|(number, test)| {
-                predicated(
-                    test,
-                    match test.tester {
-                        Tester::Behind(front) => front,
-                        _ => number,
-                    },
-                )
-            }));
+        let decide = |(number, test): (u32, &ProxyTest)| {
+            let word = match test.tester {
+                Tester::Behind(front) => front,
+                _ => number,
+            };
+            predicated(test, word)
+        };
+        let tag = |test: &ProxyTest| FlagTag { tag: test.tag, tester: test.tester };
+        let lists = [
+            (Tester::Flag, &mut self.flag_tags, &mut self.flag_decides),
+            (Tester::Compute, &mut self.compute_tags, &mut self.compute_decides),
+        ];
+        for (tester, tags, decides) in lists {
+            tags.clear();
+            decides.clear();
+            if plan.tests.iter().any(|test| test.tester == tester) {
+                tags.extend(plan.tests.iter().map(tag));
+                decides.extend((0..).zip(&plan.tests).map(decide));
+            }
         }
     }
 
@@ -89,6 +99,7 @@ impl Questions {
             tests: tests.clone(),
             flags: none.clone(),
             flag_decisions: none.clone(),
+            computed: none.clone(),
             queried_tests: none,
             queries: first_query..first_query,
             has_parts: false,
@@ -101,6 +112,10 @@ impl Questions {
                     self.query_decides.push(predicated(test, query));
                     extend(&mut round.queried_tests, number);
                     Decision { source: WordSource::Queries, number: query }
+                }
+                Tester::Compute => {
+                    extend(&mut round.computed, number);
+                    Decision { source: WordSource::Compute, number }
                 }
                 Tester::Flag | Tester::Behind(_) => {
                     extend(&mut round.flag_decisions, number);
@@ -131,7 +146,7 @@ impl Questions {
         match source {
             WordSource::Queries => &self.query_decides,
             WordSource::Fragments => &self.flag_decides,
-            WordSource::Compute => &[],
+            WordSource::Compute => &self.compute_decides,
         }
     }
 
@@ -153,6 +168,7 @@ impl Questions {
         let lanes = [
             (WordSource::Queries, round.queries.clone()),
             (WordSource::Fragments, round.flag_decisions.clone()),
+            (WordSource::Compute, round.computed.clone()),
         ];
         lanes.into_iter().filter(|lane| !lane.1.is_empty()).collect()
     }

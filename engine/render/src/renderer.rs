@@ -11,7 +11,7 @@ use gpu::{
 use crate::error::Error;
 use crate::frame_passes::{FrameIo, FramePasses};
 use crate::geometry::Geometry;
-use crate::passes::{LeafBoxPass, OpaquePass, OverlayPass, ProxyPass};
+use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass};
 use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
@@ -151,6 +151,7 @@ impl Renderer {
                 predicates,
                 opaque,
                 proxies,
+                compute_test: None,
                 leaf_boxes,
                 light,
             },
@@ -175,7 +176,11 @@ impl Renderer {
 
     /// What plans may make use of on this device.
     fn abilities(&self) -> Abilities {
-        Abilities { flags: self.passes.proxies.can_flag(), parts: self.passes.leaf_boxes.is_some() }
+        Abilities {
+            flags: self.passes.proxies.can_flag(),
+            compute: true,
+            parts: self.passes.leaf_boxes.is_some(),
+        }
     }
 
     /// Whether the device has what `strategy` needs.
@@ -273,6 +278,10 @@ impl Renderer {
                 (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
                 (Strategy::Ideal, Some(visible)) => history.decide_known(hierarchy, visible),
                 (strategy, _) => history.decide(hierarchy, strategy, &view, budget),
+            }
+            if self.passes.compute_test.is_none() && !history.questions.compute_tags.is_empty() {
+                let made = ComputeTest::new(&self.device, &self.shaders, view.size)?;
+                self.passes.compute_test = Some(made);
             }
             let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
             self.passes.record(frame.commands(), history, &view, &io, request.picture);

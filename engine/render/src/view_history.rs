@@ -36,6 +36,7 @@ pub struct ViewHistory {
     pub(crate) culler: Culler,
     pub(crate) queries: QueryRing<QueryTag>,
     pub(crate) flags: FlagRing<FlagTag>,
+    pub(crate) computed: FlagRing<FlagTag>,
     pub(crate) parts: PartDraws<(FrameId, Generation)>,
     pub(crate) plan: FramePlan,
     /// That of the hierarchy that the plan is for.
@@ -63,6 +64,7 @@ impl ViewHistory {
             culler,
             queries: QueryRing::new(device, frames_in_flight, "occlusion queries")?,
             flags: FlagRing::new(device, frames_in_flight, WordSource::Fragments, "proxy flags"),
+            computed: FlagRing::new(device, frames_in_flight, WordSource::Compute, "box words"),
             parts: PartDraws::new(device, frames_in_flight, leaves),
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
@@ -128,7 +130,7 @@ impl ViewHistory {
     /// Gathers the answers that are home, those of older frames first, and in a frame those for the
     /// parts of a node after the node's.
     fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy) {
-        let Self { queries, flags, parts, answers, behind, .. } = self;
+        let Self { queries, flags, computed, parts, answers, behind, .. } = self;
         answers.clear();
         behind.clear();
         queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
@@ -142,11 +144,15 @@ impl ViewHistory {
                         behind.extend((*word != 0).then_some(flag.tag));
                         *word == 0
                     }),
-                    Tester::Query => None,
+                    Tester::Query | Tester::Compute => None,
                 };
                 samples.map(|samples| Answer { tag: flag.tag, samples })
             };
             answers.extend(tags.iter().enumerate().filter_map(answer));
+        });
+        computed.collect(completed, |tags, words| {
+            let mine = tags.iter().zip(words).filter(|(flag, _)| flag.tester == Tester::Compute);
+            answers.extend(mine.map(|(flag, word)| Answer { tag: flag.tag, samples: *word }));
         });
         parts.collect(completed, |(frame, generation), switched_on| match switched_on {
             SwitchedOn::These(leaves) => {
@@ -217,6 +223,7 @@ impl ViewHistory {
         self.questions.clear();
         self.queries.begin(frame, &[])?;
         self.flags.begin(frame, std::iter::empty())?;
+        self.computed.begin(frame, std::iter::empty())?;
         let nothing = std::iter::empty::<DrawRange>();
         let no_draw = |_| IndirectDraw::default();
         self.parts.begin(frame, (self.plan.frame, self.generation), nothing, no_draw)?;
@@ -233,6 +240,7 @@ impl ViewHistory {
     pub(crate) fn submitted(&mut self, tick: Tick, geometry: &Geometry) {
         self.queries.submitted(tick);
         self.flags.submitted(tick);
+        self.computed.submitted(tick);
         self.parts.submitted(tick);
         let taken = self.plan.draws.iter().copied();
         let taken = taken.chain(self.plan.queried_draws.iter().map(|(leaf, _)| *leaf));

@@ -6,11 +6,16 @@ use std::ops::Range;
 use crate::plan::{ProxyTest, Tester};
 use crate::policy::Policy;
 
-/// Fills `rounds` with ranges that cover `0..tests`. After a cut each is twice as long as the one
-/// before; in a calm frame they are equal.
-pub(super) fn split(tests: usize, is_cut: bool, policy: &Policy, rounds: &mut Vec<Range<usize>>) {
+/// Fills `rounds` with at most `wished` ranges that cover `0..tests`. After a cut each is twice as
+/// long as the one before; in a calm frame they are equal.
+pub(super) fn split(
+    tests: usize,
+    wished: u32,
+    is_cut: bool,
+    policy: &Policy,
+    rounds: &mut Vec<Range<usize>>,
+) {
     rounds.clear();
-    let wished = if is_cut { policy.rounds_cut } else { policy.rounds_calm };
     let worth = tests / (policy.round_tests_min.max(1) as usize);
     let count = (wished.min(16) as usize).min(worth).max(1);
     let weight = |round: usize| if is_cut { 1_usize << round } else { 1 };
@@ -42,7 +47,7 @@ pub(super) fn group_by_tester(
     scratch.places.resize(tests.len(), 0);
     for round in rounds {
         scratch.grouped.clear();
-        for kind in [Answers::Queries, Answers::Flags, Answers::Others] {
+        for kind in [Answers::Queries, Answers::Compute, Answers::Flags, Answers::Others] {
             for (number, test) in round.clone().zip(&tests[round.clone()]) {
                 if Answers::of(test.tester) == kind {
                     scratch.places[number] = (round.start + scratch.grouped.len()) as u32;
@@ -70,6 +75,7 @@ pub(super) struct Grouping {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Answers {
     Queries,
+    Compute,
     Flags,
     Others,
 }
@@ -78,6 +84,7 @@ impl Answers {
     fn of(tester: Tester) -> Self {
         match tester {
             Tester::Query => Self::Queries,
+            Tester::Compute => Self::Compute,
             Tester::Flag => Self::Flags,
             Tester::Behind(_) => Self::Others,
         }
@@ -90,7 +97,9 @@ mod tests {
 
     fn rounds(tests: usize, is_cut: bool) -> Vec<Range<usize>> {
         let mut rounds = Vec::new();
-        split(tests, is_cut, &Policy::default(), &mut rounds);
+        let policy = Policy::default();
+        let wished = if is_cut { policy.rounds_cut } else { policy.rounds_calm };
+        split(tests, wished, is_cut, &policy, &mut rounds);
         rounds
     }
 

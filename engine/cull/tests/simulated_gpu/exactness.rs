@@ -65,9 +65,13 @@ impl World {
         let policy = Policy { seed, tests_wished, ..Policy::default() };
         let is_rough = self.random.chance(0.7);
         let mut runs = Vec::new();
-        let abilities =
-            Abilities { flags: self.random.chance(0.5), parts: self.random.chance(0.6) };
-        for strategy in [Strategy::Frustum, Strategy::Antumbra] {
+        let abilities = Abilities {
+            flags: self.random.chance(0.5),
+            compute: self.random.chance(0.5),
+            parts: self.random.chance(0.6),
+        };
+        let ours = [Strategy::Antumbra, Strategy::AntumbraCompute][self.random.below(2)];
+        for strategy in [Strategy::Frustum, ours] {
             for latency in LATENCIES {
                 let calm = Mishaps::none(latency);
                 let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
@@ -150,10 +154,8 @@ fn verify(seed: u64) -> Checked {
             assert!(run.device.image.depths == truth.depths, "{}: wrong pixels", context());
             checked.frames += 1;
             checked.behind += u64::from(run.plan.stats.behind);
-            let compared = [Strategy::Frustum, Strategy::Antumbra];
-            if let Some(which) = compared.iter().position(|strategy| *strategy == run.strategy) {
-                checked.drawn[which] += run.device.drawn.len() as u64;
-            }
+            let which = usize::from(run.strategy != Strategy::Frustum);
+            checked.drawn[which] += run.device.drawn.len() as u64;
         }
     }
     checked
@@ -179,7 +181,7 @@ fn nothing_visible_is_ever_missing() {
     let combinations = 2 * LATENCIES.count() as u64;
     assert_eq!(checked.runs, SCENES * combinations);
     assert_eq!(checked.frames, checked.runs * FRAMES);
-    assert!(checked.behind > checked.frames / 100, "hardly a test answered for another");
+    assert!(checked.behind > 500, "hardly a test answered for another");
     let [frustum, ours] = checked.drawn;
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }

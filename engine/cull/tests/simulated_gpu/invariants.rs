@@ -59,16 +59,19 @@ fn is_front_to_back(hierarchy: &Hierarchy, view: &View, plan: &FramePlan) -> Res
         && plan.queried_after.len() == plan.queried_draws.len()
         && plan.queried_after.iter().all(|after| *after as usize <= plan.draws.len())
         && queried.is_sorted()
-        && [Answers::Queries, Answers::Flags, Answers::Others].iter().all(|answers| {
-            let tests = plan.tests.iter().filter(|test| Answers::of(test.tester) == *answers);
-            tests.map(|test| test_distance(test.tag.node)).is_sorted()
-        });
+        && [Answers::Queries, Answers::Compute, Answers::Flags, Answers::Others].iter().all(
+            |answers| {
+                let tests = plan.tests.iter().filter(|test| Answers::of(test.tester) == *answers);
+                tests.map(|test| test_distance(test.tag.node)).is_sorted()
+            },
+        );
     is_sorted.then_some(()).ok_or_else(|| "not front to back".to_owned())
 }
 
 #[derive(PartialEq)]
 enum Answers {
     Queries,
+    Compute,
     Flags,
     Others,
 }
@@ -77,6 +80,7 @@ impl Answers {
     fn of(tester: Tester) -> Self {
         match tester {
             Tester::Query => Self::Queries,
+            Tester::Compute => Self::Compute,
             Tester::Flag => Self::Flags,
             Tester::Behind(_) => Self::Others,
         }
