@@ -88,6 +88,8 @@ pub struct Policy {
     pub front_area: f32,
     /// So many of them, the largest.
     pub fronts: u32,
+    /// The most leaves that one of them may answer for: all are tested one by one if it shows.
+    pub leaves_behind: u32,
     /// More tests than this are too many even where there are queries for them: the allowed sizes
     /// are raised, and open nodes whose parts are all hidden are tested as one without a probe.
     /// After a cut in a huge scene this brings the frontier down in tens of frames, not hundreds.
@@ -137,6 +139,7 @@ impl Default for Policy {
             parts_leaves: 2,
             front_area: 0.004,
             fronts: 24,
+            leaves_behind: 256,
             tests_wished: 1024,
             coarsen_attempts: 4,
             seed: 0x6e6f_7374_616c_6c73,

@@ -32,6 +32,8 @@ pub(super) struct Front {
     high: Vec2,
     area: f32,
     farthest: f32,
+    /// What would have to be tested if it showed.
+    leaves_behind: u32,
 }
 
 /// Makes tests share the answers of others, front to back, and asks for their leaves one by one.
@@ -54,8 +56,12 @@ pub(super) fn share_answers(
             continue;
         };
         let seen = outline.clipped([width, height]);
-        let in_front = fronts.iter().find(|front| front.hides(&seen, nearest));
+        let leaves = test.leaves.count;
+        let in_front = fronts.iter_mut().find(|front| {
+            front.leaves_behind + leaves <= policy.leaves_behind && front.hides(&seen, nearest)
+        });
         if let Some(front) = in_front {
+            front.leaves_behind += leaves;
             test.tester = Tester::Behind(front.test);
             test.tag.kind = QueryKind::Parts;
             behind += 1;
@@ -70,6 +76,7 @@ pub(super) fn share_answers(
                 high: outline.points().fold(Vec2::NEG_INFINITY, Vec2::max),
                 area,
                 farthest,
+                leaves_behind: 0,
             };
             keep_largest(fronts, front, policy.fronts as usize);
         }
