@@ -139,7 +139,7 @@ impl Default for Policy {
             parts_leaves: 2,
             front_area: 0.004,
             fronts: 24,
-            leaves_behind: 256,
+            leaves_behind: 64,
             tests_wished: 1024,
             coarsen_attempts: 4,
             seed: 0x6e6f_7374_616c_6c73,
