@@ -29,6 +29,8 @@ pub struct Report {
     pub frames_in_flight: u32,
     /// How hidden draws were skipped: what `--predicates` chose.
     pub predicates: String,
+    /// What things cost on this device in nanoseconds of GPU time, measured before the walk.
+    pub costs_ns: BTreeMap<String, Option<f64>>,
     /// Messages of the validation layer, 0 where it was off.
     pub validation_messages: u64,
     /// Memory at the end of the walk.

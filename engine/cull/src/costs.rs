@@ -90,6 +90,25 @@ impl CostTable {
         }
     }
 
+    /// A table of values in the order of [`CostTable::entries`].
+    #[must_use]
+    pub fn from_values(value: impl Fn(usize) -> f32) -> Self {
+        Self {
+            query_ns: value(0),
+            query_box_ns: value(1),
+            flag_box_ns: value(2),
+            hidden_pixel_ns: value(3),
+            flagged_pixel_ns: value(4),
+            predicate_ns: value(5),
+            draw_ns: value(6),
+            triangle_ns: value(7),
+            break_ns: value(8),
+            break_wait_share: value(9),
+            compute_round_ns: value(10),
+            compute_box_ns: value(11),
+        }
+    }
+
     /// Every entry with its name, for reports.
     #[must_use]
     pub const fn entries(&self) -> [(&'static str, f32); 12] {
@@ -152,6 +171,8 @@ mod tests {
     fn what_a_broken_clock_says_is_refused_by_name() {
         let table = CostTable::default();
         assert_eq!(table.checked(), Ok(table));
+        let values = table.entries().map(|(_, value)| value);
+        assert_eq!(CostTable::from_values(|place| values[place]), table);
         assert!(CostTable::uniform(0.0).checked().is_ok());
         for value in [f32::NAN, f32::INFINITY, -1.0] {
             let bad = CostTable { predicate_ns: value, ..table }.checked().unwrap_err();

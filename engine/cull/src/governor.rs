@@ -27,6 +27,9 @@ const CALM_RETEST_FRAMES: f32 = 256.0;
 /// ... unless all those tests together would cost more than this share of the draws.
 const CALM_SHARE: f32 = 0.01;
 
+/// Nobody notices a change of the world later than this for the sake of [`CALM_SHARE`].
+const MOST_GATE_FRAMES: u32 = 32;
+
 /// For how many frames it is worth knowing that something is hidden, before its own draw would have
 /// told.
 const HORIZON_FRAMES: f32 = 8.0;
@@ -196,7 +199,14 @@ impl Governor {
         // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
         let is_calm = frames > policy.retest_max.saturating_mul(2);
         let own_box_angle = if is_calm { 0.0 } else { policy.own_box_angle };
-        Policy { retest_max: frames, retest_spread: frames, own_box_angle, ..*policy }
+        let retest_gate = if is_calm { self.gate_frames() } else { policy.retest_gate };
+        Policy { retest_max: frames, retest_spread: frames, retest_gate, own_box_angle, ..*policy }
+    }
+
+    /// In which frames of a calm view questions are asked, so that waiting for answers costs no more
+    /// than [`CALM_SHARE`] of all.
+    fn gate_frames(&self) -> u32 {
+        ((self.table.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
     }
 
     /// Weighs a test that `tester` answers.

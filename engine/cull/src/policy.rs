@@ -48,6 +48,9 @@ pub struct Policy {
     /// A leaf that is overdue by more than this, or not due for longer, is tested within this time: so
     /// that a change of the interval neither comes late nor tests all leaves at once. 0 for never.
     pub retest_spread: u32,
+    /// Own draws are tested in every so many-th frame only: where a device waits for answers, a frame
+    /// without a question is cheaper than one with a single question.
+    pub retest_gate: u32,
     /// A visible leaf that looks smaller than this (diagonal over distance) is tested by its box, where
     /// there are flags: a box costs little if it is small.
     pub own_box_angle: f32,
@@ -121,6 +124,7 @@ impl Default for Policy {
             occluder_angle: 0.2,
             retest_max: 16,
             retest_spread: 0,
+            retest_gate: 1,
             own_box_angle: 0.15,
             own_box_frames: 3,
             own_box_streak: 6,

@@ -45,8 +45,14 @@ impl Stamp {
     }
 
     /// Whether it is a node's turn in this frame, where each has one in `spread` frames.
-    pub(super) const fn is_turn_of(self, node: u32, spread: u32) -> bool {
-        spread > 0 && node.wrapping_mul(0x9e37_79b1).wrapping_add(self.0).is_multiple_of(spread)
+    /// Turns come in every frame whose number is a multiple of `gate` only.
+    pub(super) const fn is_turn_of(self, node: u32, spread: u32, gate: u32) -> bool {
+        let gate = if gate > 0 { gate } else { 1 };
+        let turns = if spread > gate { spread / gate } else { 1 };
+        let mixed = node.wrapping_mul(0x9e37_79b1) >> 8;
+        spread > 0
+            && self.0.is_multiple_of(gate)
+            && mixed.wrapping_add(self.0 / gate).is_multiple_of(turns)
     }
 
     /// Frames from `earlier` to here; 0 if it is later.
@@ -82,10 +88,12 @@ impl Record {
     }
 
     /// Whether a visible leaf's own draw is to be tested. Where it should have been long ago, or is
-    /// not for long, leaves take turns over `spread` frames.
-    pub(super) fn is_due(&self, node: u32, now: Stamp, spread: u32) -> bool {
-        let is_turn = || now.is_turn_of(node, spread);
-        if spread == 0 {
+    /// not for long, leaves take turns over `spread` frames. Only in every `gate`th frame.
+    pub(super) fn is_due(&self, node: u32, now: Stamp, spread: u32, gate: u32) -> bool {
+        let is_turn = || now.is_turn_of(node, spread, gate);
+        if gate > 1 && !now.0.is_multiple_of(gate) {
+            false
+        } else if spread == 0 {
             self.due <= now
         } else if self.due <= now {
             now.since(self.due) <= spread || is_turn()

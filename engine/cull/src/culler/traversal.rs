@@ -200,12 +200,13 @@ impl Walk<'_> {
     }
 
     fn is_own_draw_due(&self, turn: &Turn) -> bool {
-        turn.record.is_due(turn.node, self.now, self.policy.retest_spread)
+        let Policy { retest_spread, retest_gate, .. } = *self.policy;
+        turn.record.is_due(turn.node, self.now, retest_spread, retest_gate)
     }
 
     /// Whether it is a leaf's turn where all take turns.
     pub(super) fn is_turn_to_retest(&self, node: u32) -> bool {
-        self.now.is_turn_of(node, self.policy.retest_spread)
+        self.now.is_turn_of(node, self.policy.retest_spread, self.policy.retest_gate)
     }
 
     /// Neighbours take turns. What is on its way may be asked again: that costs little.
