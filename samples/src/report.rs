@@ -125,6 +125,12 @@ pub struct RunReport {
     pub predicated_draws: Option<u64>,
     /// Nodes of the hierarchy that the culler looked at.
     pub nodes_visited: Option<u64>,
+    /// Objects drawn because testing them would have cost more than it saved.
+    pub untested_by_cost: Option<u64>,
+    /// After how many frames the own draw of a calm object was tested again; 0 without a governor.
+    pub retest_interval_frames: Option<u64>,
+    /// What the tests were expected to save in a frame, in nanoseconds of GPU time.
+    pub expected_saving_ns: Option<u64>,
     /// GPU time of each pass by its label, where `--time-passes` asked for it.
     pub passes_ms: BTreeMap<String, Summary>,
     /// How old the results were that came home.

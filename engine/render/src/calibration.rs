@@ -156,7 +156,12 @@ fn measure(
         place.and_then(|place| pairs.get(place)).map_or(f64::NAN, |it| it.each_ns(wanted.count()))
     };
     let measured = table(&mut each, bench.large_box_pixels());
-    let share = overlap::break_wait_share(device, &mut bench, f64::from(measured.break_ns))?;
+    let mut share = overlap::break_wait_share(device, &mut bench, f64::from(measured.break_ns))?;
+    if device.adapter().is_software() {
+        // The threads of a rasteriser share the cores with everything else: a batch that is alone
+        // loses less at a break than a frame among frames does.
+        share = share.max(CostTable::default().break_wait_share.into());
+    }
     let table = sensible(CostTable { break_wait_share: share as f32, ..measured }, predication);
     tracing::info!("costs measured in {:?}: {table:?}", began.elapsed());
     Ok(table)
