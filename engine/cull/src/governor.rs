@@ -199,8 +199,16 @@ impl Governor {
         // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
         let is_calm = frames > policy.retest_max.saturating_mul(2);
         let own_box_angle = if is_calm { 0.0 } else { policy.own_box_angle };
+        let retest_first = if is_calm { frames / 4 } else { policy.retest_first };
         let retest_gate = if is_calm { self.gate_frames() } else { policy.retest_gate };
-        Policy { retest_max: frames, retest_spread: frames, retest_gate, own_box_angle, ..*policy }
+        Policy {
+            retest_max: frames,
+            retest_first,
+            retest_spread: frames,
+            retest_gate,
+            own_box_angle,
+            ..*policy
+        }
     }
 
     /// In which frames of a calm view questions are asked, so that waiting for answers costs no more

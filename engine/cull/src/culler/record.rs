@@ -96,7 +96,8 @@ impl Record {
         } else if spread == 0 {
             self.due <= now
         } else if self.due <= now {
-            now.since(self.due) <= spread || is_turn()
+            // All that were due since the last such frame are too many for one.
+            is_turn() || (gate <= 1 && now.since(self.due) <= spread)
         } else {
             self.due.since(now) > spread && is_turn()
         }
