@@ -81,6 +81,16 @@ pub struct Arguments {
     )]
     pub predicates: String,
 
+    /// What the governor does: nothing, or leave out tests that cost more than they save, by costs that
+    /// are measured on the device before the walk
+    #[arg(
+        long,
+        value_name = "ignored|measured",
+        default_value = "ignored",
+        help_heading = "Compare"
+    )]
+    pub costs: String,
+
     /// Measure the GPU time of every pass too. It costs time, most of all on a software driver:
     /// leave it off for ratios
     #[arg(long, help_heading = "Compare")]
@@ -140,6 +150,7 @@ impl Arguments {
                 1,
                 MAX_FRAMES_IN_FLIGHT,
             )?,
+            costs: named("--costs", &self.costs)?,
             time_passes: self.time_passes,
             device: parse_device(self.device.as_deref())?,
             validation: named("--validation", &self.validation)?,

@@ -1,7 +1,7 @@
 //! Tests of the command line: defaults, every option, every refusal.
 
 use super::*;
-use crate::choices::{CameraPath, Predicates, Validation};
+use crate::choices::{CameraPath, Costs, Predicates, Validation};
 use crate::strategy::Strategy;
 use clap::CommandFactory;
 use proptest::collection::vec as any_vec;
@@ -62,6 +62,7 @@ fn every_option_arrives() {
     assert_eq!(
         options,
         Options {
+            costs: Costs::Ignored,
             time_passes: false,
             scene: Scene::Field,
             objects: 2_000_000,

@@ -82,6 +82,16 @@ pub enum Predicates {
 named!(Predicates, "way to skip draws", Auto => "auto", Conditional => "conditional",
     Count => "count", Instances => "instances");
 
+/// Whether the engine weighs what its tests cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Costs {
+    /// It tests whatever may be hidden.
+    Ignored,
+    /// It measures at the start what things cost on the device, and leaves out tests that do not pay.
+    Measured,
+}
+named!(Costs, "way to weigh costs", Ignored => "ignored", Measured => "measured");
+
 impl Named for Strategy {
     const WHAT: &'static str = "strategy";
     const VALUES: &'static [Self] = &Self::ALL;

@@ -25,6 +25,12 @@ pub struct FrameMeasurement {
     pub predicated_draws: u64,
     /// Nodes of the hierarchy that the culler looked at.
     pub nodes_visited: u64,
+    /// Leaves drawn because testing them would cost more than it saves.
+    pub untested_by_cost: u64,
+    /// After how many frames a calm leaf's own draw is tested again; 0 without prices.
+    pub retest_interval_frames: u64,
+    /// What the tests are expected to save, in nanoseconds of GPU time.
+    pub expected_saving_ns: u64,
     /// Age in frames of the oldest result that came home in it; none if none did.
     pub result_age_frames: Option<u64>,
     /// Waits of the frame loop other than for the frame's own slot.
@@ -99,6 +105,9 @@ impl RunMeasurement {
             queries: count(|frame| frame.queries),
             predicated_draws: count(|frame| frame.predicated_draws),
             nodes_visited: count(|frame| frame.nodes_visited),
+            untested_by_cost: count(|frame| frame.untested_by_cost),
+            retest_interval_frames: count(|frame| frame.retest_interval_frames),
+            expected_saving_ns: count(|frame| frame.expected_saving_ns),
             result_age_frames: AgeReport { median: median_count(ages()), max: ages().max() },
             blocking_waits: timed_waits + self.untimed_blocking_waits,
             frames_timed: u64::try_from(self.frames.len()).unwrap_or(u64::MAX),

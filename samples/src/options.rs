@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation, Verify};
+use crate::choices::{CameraPath, Costs, DeviceChoice, Predicates, Scene, Validation, Verify};
 use crate::strategy::Strategy;
 
 /// The most objects a scene may have.
@@ -58,6 +58,8 @@ pub struct Options {
     pub verify: Verify,
     /// How many frames the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
     pub frames_in_flight: u32,
+    /// Whether the engine weighs what its tests cost.
+    pub costs: Costs,
     /// Whether the GPU time of every pass is measured.
     pub time_passes: bool,
     /// Which device draws.

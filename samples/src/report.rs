@@ -29,6 +29,8 @@ pub struct Report {
     pub frames_in_flight: u32,
     /// How hidden draws were skipped: what `--predicates` chose.
     pub predicates: String,
+    /// What things cost on this device in nanoseconds of GPU time, measured before the walk.
+    pub costs_ns: BTreeMap<String, Option<f64>>,
     /// Messages of the validation layer, 0 where it was off.
     pub validation_messages: u64,
     /// Memory at the end of the walk.
@@ -123,6 +125,12 @@ pub struct RunReport {
     pub predicated_draws: Option<u64>,
     /// Nodes of the hierarchy that the culler looked at.
     pub nodes_visited: Option<u64>,
+    /// Objects drawn because testing them would have cost more than it saved.
+    pub untested_by_cost: Option<u64>,
+    /// After how many frames the own draw of a calm object was tested again; 0 without a governor.
+    pub retest_interval_frames: Option<u64>,
+    /// What the tests were expected to save in a frame, in nanoseconds of GPU time.
+    pub expected_saving_ns: Option<u64>,
     /// GPU time of each pass by its label, where `--time-passes` asked for it.
     pub passes_ms: BTreeMap<String, Summary>,
     /// How old the results were that came home.

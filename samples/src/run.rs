@@ -1,10 +1,11 @@
 //! From options to report: opens the device, builds the scene, walks, sums up.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use cull::Hierarchy;
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication};
-use render::{Renderer, RendererOptions, ShaderSet, object_bounds, scene};
+use render::{Costs, Renderer, RendererOptions, ShaderSet, object_bounds, scene};
 use thiserror::Error;
 
 use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation};
@@ -14,9 +15,10 @@ use crate::provenance::Provenance;
 use crate::report::{
     BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
 };
+use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
 use crate::walk::Walk;
-use crate::{Options, memory, pictures};
+use crate::{Options, choices, memory, pictures};
 
 /// Whose fault a failure is: it decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,6 +202,7 @@ fn walk_on(
         size: [options.size.width, options.size.height],
         frames_in_flight: options.frames_in_flight,
         predicates: renderer.predication().name().to_owned(),
+        costs_ns: costs_report(&renderer),
         validation_messages: 0,
         memory: MemoryReport {
             peak_resident_mib: memory::peak_resident_mib(),
@@ -215,6 +218,15 @@ fn walk_on(
         provenance: Provenance::of_this_process(),
         runs,
     })
+}
+
+/// Every measured cost by its name.
+fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
+    let entries = renderer.costs().map(|table| table.entries());
+    let entry = |(name, value): (&str, f32)| {
+        (name.to_owned(), value.is_finite().then(|| kept(value.into())))
+    };
+    entries.into_iter().flatten().map(entry).collect()
 }
 
 fn path_kind(path: CameraPath) -> scene::PathKind {
@@ -238,6 +250,10 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
             Predicates::Instances => Some(Predication::Instances),
         },
         shaders,
+        costs: match options.costs {
+            choices::Costs::Ignored => Costs::Ignored,
+            choices::Costs::Measured => Costs::Measured,
+        },
         ..Default::default()
     })
 }

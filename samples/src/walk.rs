@@ -137,6 +137,9 @@ impl<'a> Walk<'a> {
                 queries: report.queries.into(),
                 predicated_draws: report.predicated_draws.into(),
                 nodes_visited: report.plan.nodes_visited.into(),
+                untested_by_cost: report.plan.untested_by_cost.into(),
+                retest_interval_frames: report.plan.retest_interval_frames.into(),
+                expected_saving_ns: report.plan.expected_saving_ns,
                 result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
                 ..FrameMeasurement::default()

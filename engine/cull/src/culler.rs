@@ -2,6 +2,7 @@
 
 mod answers;
 mod cover;
+mod economy;
 mod history;
 mod record;
 mod rounds;
@@ -10,15 +11,22 @@ mod traversal;
 
 use glam::Vec3;
 
+use crate::costs::{BadCost, CostTable, SceneCosts};
+use crate::frustum::PlaneMask;
+use crate::governor::Governor;
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, LeafIndex, NodeId};
-use crate::plan::{Abilities, Answer, FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
+use crate::plan::{
+    Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester,
+};
 use crate::policy::Policy;
 use crate::rng::SplitMix64;
 use crate::strategy::Strategy;
 use crate::view::View;
 use cover::Front;
+use economy::Economy;
 use history::History;
+pub(crate) use record::Doubt;
 pub use record::NodeState;
 use record::Stamp;
 use rounds::Grouping;
@@ -37,6 +45,11 @@ pub struct Culler {
     scratch: Scratch,
     grouping: Grouping,
     fronts: Vec<Front>,
+    governor: Option<Governor>,
+    /// The policy with what the governor made of it.
+    tuned: Policy,
+    /// Leaves that the last frame took as visible.
+    visible: u32,
     rng: SplitMix64,
     frame: FrameId,
     /// The frame that the history's stamps count from.
@@ -65,6 +78,9 @@ impl Culler {
             scratch: Scratch::default(),
             grouping: Grouping::default(),
             fronts: Vec::new(),
+            governor: None,
+            tuned: policy,
+            visible: 0,
             rng: SplitMix64::new(policy.seed),
             frame: FrameId(0),
             epoch: 0,
@@ -72,6 +88,27 @@ impl Culler {
             turned: Stamp::NEVER,
             coarseness: 0,
         }
+    }
+
+    /// Leaves out tests that cost more than they save, from now on. Without prices everything is
+    /// tested that may be hidden.
+    ///
+    /// # Errors
+    /// [`BadCost`] for prices that cannot be; the culler is then as it was.
+    pub fn govern(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
+        self.governor = Some(Governor::new(table, scene)?);
+        Ok(())
+    }
+
+    /// What weighs costs against savings, if anything does.
+    #[must_use]
+    pub fn governor(&self) -> Option<&Governor> {
+        self.governor.as_ref()
+    }
+
+    /// The same, to tell it what frames took ([`Governor::observe`]).
+    pub fn governor_mut(&mut self) -> Option<&mut Governor> {
+        self.governor.as_mut()
     }
 
     /// The constants in use.
@@ -100,6 +137,9 @@ impl Culler {
         self.turned = Stamp::NEVER;
         self.forward = None;
         self.coarseness = 0;
+        if let Some(governor) = &mut self.governor {
+            governor.forget();
+        }
     }
 
     /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that
@@ -114,10 +154,15 @@ impl Culler {
             let Some(asked) = self.stamp(tag.frame) else {
                 continue;
             };
+            let record = self.history.record(tag.node.0);
+            if let Some(governor) = self.governor.as_mut().filter(|_| record.answered < asked) {
+                governor.learn(tag.kind, record.state, record.doubt, samples > 0);
+                self.history.answered_assumed(tag.node.0);
+            }
             answers::Ingest {
                 history: &mut self.history,
                 topology: &hierarchy.topology,
-                policy: &self.policy,
+                policy: &self.tuned,
                 rng: &mut self.rng,
                 now,
                 asked,
@@ -141,10 +186,11 @@ impl Culler {
         self.watch(view, now);
         plan.clear(self.frame);
         let tester = self.tester(strategy);
+        let policy = self.tune(strategy, &mut plan.stats);
         let mut walk = Walk {
             hierarchy,
             view,
-            policy: &self.policy,
+            policy: &policy,
             knowledge: match strategy {
                 Strategy::Frustum | Strategy::Pyramid | Strategy::Ideal => Knowledge::Ignored,
                 Strategy::Antumbra
@@ -155,23 +201,37 @@ impl Culler {
             now,
             can_flag: tester != Tester::Query,
             is_turning: self.turned != Stamp::NEVER
-                && now.since(self.turned) < self.policy.turning_frames,
+                && now.since(self.turned) < policy.turning_frames,
             // What was needed last time is where to begin: each attempt is a walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
-        let is_cut = self.scratch.choose(&mut walk, query_budget, &mut plan.stats);
+        let knows = matches!(walk.knowledge, Knowledge::Used(_));
+        let economy = self.governor.as_ref().filter(|_| knows).map(|governor| Economy {
+            governor,
+            tester: (strategy != Strategy::Antumbra).then(|| self.tester(strategy)),
+            has_flags: self.abilities.flags,
+        });
+        let economy = economy.as_ref();
+        let is_cut = self.scratch.choose(&mut walk, query_budget, economy, &mut plan.stats);
         self.coarseness = walk.coarseness;
         let generation = hierarchy.generation();
         let frame = self.frame;
         let tag =
             |node: u32, kind: QueryKind| QueryTag { node: NodeId(node), generation, frame, kind };
+        let contained =
+            |node: u32| view.frustum.classify(&hierarchy.bounds(NodeId(node)), PlaneMask::ALL).0;
         plan.draws.extend(self.scratch.draws.iter().map(|draw| draw.leaf));
         self.scratch.place_retests();
         for retest in &self.scratch.retests {
             plan.queried_after.push(retest.after);
             let asked = tag(retest.node, QueryKind::OwnDraw);
             plan.queried_draws.push((retest.leaf, asked));
-            self.history.asked_own_draw(retest.node, now, &self.policy, &mut self.rng);
+            self.history.doubt(retest.node, contained(retest.node));
+            self.history.asked_own_draw(retest.node, now, &policy, &mut self.rng);
+        }
+        for [leaf, top] in &self.scratch.assumed {
+            let due = now.plus(self.rng.between(1, policy.retest_max));
+            self.history.assume_visible(*leaf, *top, now, due, &policy);
         }
         for test in &self.scratch.tests {
             let node = NodeId(test.node);
@@ -179,12 +239,13 @@ impl Culler {
             let mut kind = test.kind;
             if kind == QueryKind::Probe {
                 leaves.count = 0;
-                self.history.asked_probe(test.node, now, &self.policy);
+                self.history.asked_probe(test.node, now, &policy);
             } else if kind == QueryKind::OwnBox {
                 leaves.count = 0;
+                self.history.doubt(test.node, contained(test.node));
             } else {
                 self.history.closed(test.node);
-                if self.abilities.parts && leaves.count >= self.policy.parts_leaves {
+                if self.abilities.parts && leaves.count >= policy.parts_leaves {
                     kind = QueryKind::Parts;
                 }
             }
@@ -193,7 +254,13 @@ impl Culler {
                 bounds: test.proxy,
                 leaves,
                 level: hierarchy.level(node),
-                tester,
+                tester: match economy {
+                    // Boxes of visible leaves are not counted as queries, nor asked by them.
+                    Some(economy) if kind != QueryKind::OwnBox => {
+                        economy.tester(&Economy::question(view, test))
+                    }
+                    _ => tester,
+                },
             });
         }
         for node in &self.scratch.visited {
@@ -201,15 +268,18 @@ impl Culler {
         }
         if self.abilities.parts {
             let fronts = &mut self.fronts;
-            plan.stats.behind = cover::share_answers(&mut plan.tests, view, &self.policy, fronts);
+            plan.stats.behind = cover::share_answers(&mut plan.tests, view, &policy, fronts);
         }
         let most = match (tester, is_cut) {
-            (Tester::Compute, false) => self.policy.rounds_compute_calm,
-            (Tester::Compute, true) => self.policy.rounds_compute_cut,
-            (_, false) => self.policy.rounds_calm,
-            (_, true) => self.policy.rounds_cut,
+            (Tester::Compute, false) => policy.rounds_compute_calm,
+            (Tester::Compute, true) => policy.rounds_compute_cut,
+            (_, false) => policy.rounds_calm,
+            (_, true) => policy.rounds_cut,
         };
-        rounds::split(plan.tests.len(), most, is_cut, &self.policy, &mut plan.rounds);
+        rounds::split(plan.tests.len(), most, is_cut, &policy, &mut plan.rounds);
+        plan.stats.rounds_for_compute =
+            economy.map_or(0, |economy| economy.rounds_for_compute(view, plan));
+        self.visible = plan.stats.visible;
         rounds::group_by_tester(&mut plan.tests, &plan.rounds, &mut self.grouping);
     }
 
@@ -226,6 +296,18 @@ impl Culler {
         plan.clear(self.frame);
         plan.draws.extend_from_slice(leaves);
         plan.stats.visible = leaves.len() as u32;
+    }
+
+    /// The constants for the next frame.
+    fn tune(&mut self, strategy: Strategy, stats: &mut PlanStats) -> Policy {
+        self.tuned = self.policy;
+        let knows = !matches!(strategy, Strategy::Frustum | Strategy::Pyramid | Strategy::Ideal);
+        if let Some(governor) = self.governor.as_mut().filter(|_| knows) {
+            governor.begin_frame(self.visible);
+            self.tuned = governor.tuned(&self.policy);
+            stats.retest_interval_frames = self.tuned.retest_max;
+        }
+        self.tuned
     }
 
     /// Who answers for a proxy.

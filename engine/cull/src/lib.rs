@@ -15,6 +15,7 @@
 //! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] says how large a
 //!   proxy must be, and why that is enough.
 //! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once a frame.
+//! - [`Governor`]: leaves out tests that cost more than they save, by the prices of a [`CostTable`].
 //! - [`Policy`]: all constants. They change costs, never the image.
 //!
 //! # Example
@@ -69,8 +70,10 @@
 
 mod bounds;
 mod camera;
+mod costs;
 mod culler;
 mod frustum;
+mod governor;
 mod hierarchy;
 mod ids;
 mod margin;
@@ -82,8 +85,10 @@ mod view;
 
 pub use bounds::Aabb;
 pub use camera::Camera;
+pub use costs::{BadCost, CostTable, SceneCosts};
 pub use culler::{Culler, NodeState};
 pub use frustum::{Containment, Frustum, PlaneMask};
+pub use governor::{CheapestTester, FrameContents, Governor, Judgement, Question};
 pub use hierarchy::{Hierarchy, HierarchyError, MAX_COORDINATE, MAX_OBJECTS};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use margin::Margin;

@@ -172,6 +172,14 @@ pub struct PlanStats {
     pub visible: u32,
     /// Leaves drawn because their proxy would be cut by the near plane.
     pub too_near: u32,
+    /// Leaves drawn because testing them would cost more than it saves.
+    pub untested_by_cost: u32,
+    /// After how many frames a calm leaf's own draw is tested again; 0 without a governor.
+    pub retest_interval_frames: u32,
+    /// What the tests are expected to save, their own cost deducted; 0 without a governor.
+    pub expected_saving_ns: u64,
+    /// Rounds of tests that would cost least by compute shader.
+    pub rounds_for_compute: u32,
     /// Leaves drawn to have occluders when nothing is known.
     pub occluders: u32,
     /// Leaves drawn because there were too few queries to test them.

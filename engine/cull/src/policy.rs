@@ -42,6 +42,12 @@ pub struct Policy {
     pub retest_first: u32,
     /// The interval between own-draw tests doubles with each that succeeds, up to this.
     pub retest_max: u32,
+    /// A leaf that is overdue by more than this, or not due for longer, is tested within this time: so
+    /// that a change of the interval neither comes late nor tests all leaves at once. 0 for never.
+    pub retest_spread: u32,
+    /// Own draws are tested in every so many-th frame only: where a device waits for answers, a frame
+    /// without a question is cheaper than one with a single question.
+    pub retest_gate: u32,
     /// A visible leaf that looks smaller than this (diagonal over distance) is tested by its box, where
     /// there are flags: a box costs little if it is small.
     pub own_box_angle: f32,
@@ -119,6 +125,8 @@ impl Default for Policy {
             open_levels_max: 7,
             retest_first: 4,
             retest_max: 16,
+            retest_spread: 0,
+            retest_gate: 1,
             own_box_angle: 0.15,
             own_box_frames: 3,
             own_box_streak: 6,

@@ -30,6 +30,7 @@
 #![forbid(unsafe_code)]
 
 mod birds_eye;
+mod calibration;
 mod error;
 mod frame_passes;
 mod geometry;
@@ -44,6 +45,7 @@ mod shaders;
 mod view_history;
 mod visible_set;
 
+pub use calibration::Costs;
 pub use error::Error;
 pub use moment::Moment;
 pub use passes::{

@@ -2,12 +2,15 @@
 
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, Abilities, Camera, Culler, Hierarchy, Policy, Strategy, View};
+use cull::{
+    Aabb, Abilities, Camera, CostTable, Culler, Hierarchy, Policy, SceneCosts, Strategy, View,
+};
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
     Timeline,
 };
 
+use crate::calibration::{self, Costs};
 use crate::error::Error;
 use crate::frame_passes::{FrameIo, FramePasses};
 use crate::geometry::Geometry;
@@ -33,6 +36,8 @@ pub struct RendererOptions {
     pub policy: Policy,
     /// The most occlusion queries a frame may use. What cannot be asked is drawn.
     pub query_budget: usize,
+    /// What things cost, so that nothing is tested at a loss.
+    pub costs: Costs,
 }
 
 impl Default for RendererOptions {
@@ -44,6 +49,7 @@ impl Default for RendererOptions {
             shaders: None,
             policy: Policy::default(),
             query_budget: 8192,
+            costs: Costs::Ignored,
         }
     }
 }
@@ -104,6 +110,7 @@ pub struct Renderer {
     pass_times: Vec<PassTime>,
     policy: Policy,
     query_budget: usize,
+    costs: Option<CostTable>,
 }
 
 impl Renderer {
@@ -141,20 +148,22 @@ impl Renderer {
         let slots = options.frames_in_flight.max(1);
         let predicates = Predicates::new(device, options.predication, &geometry.draws(), slots)?;
         let light = scene.light;
+        let mut passes = FramePasses {
+            target,
+            geometry,
+            predicates,
+            opaque,
+            proxies,
+            compute_test: None,
+            leaf_boxes,
+            light,
+        };
+        let costs = calibration::cost_table(options.costs, device, &shaders, &mut passes);
         Ok(Self {
             device: device.clone(),
             frames: FrameRing::new(device, slots)?,
             hierarchy,
-            passes: FramePasses {
-                target,
-                geometry,
-                predicates,
-                opaque,
-                proxies,
-                compute_test: None,
-                leaf_boxes,
-                light,
-            },
+            passes,
             shaders,
             birds_eye: None,
             seen_leaves: None,
@@ -162,6 +171,7 @@ impl Renderer {
             pass_times: Vec::new(),
             policy: options.policy,
             query_budget: options.query_budget,
+            costs,
         })
     }
 
@@ -170,8 +180,24 @@ impl Renderer {
     /// # Errors
     /// A failed call.
     pub fn new_view(&self) -> Result<ViewHistory, Error> {
-        let culler = Culler::with_abilities(self.policy, self.abilities());
+        let mut culler = Culler::with_abilities(self.policy, self.abilities());
+        if let Some(Err(error)) = self.costs.map(|table| culler.govern(table, self.scene_costs())) {
+            tracing::warn!("{error}");
+        }
         ViewHistory::new(&self.device, self.frames.frames_in_flight(), culler, &self.hierarchy)
+    }
+
+    /// What things cost on this device, as told or measured.
+    pub fn costs(&self) -> Option<CostTable> {
+        self.costs
+    }
+
+    fn scene_costs(&self) -> SceneCosts {
+        let leaves = self.hierarchy.root().map(|root| self.hierarchy.leaves(root));
+        let average = leaves.map(|leaves| {
+            self.passes.geometry.triangles(leaves) as f32 / leaves.count.max(1) as f32
+        });
+        SceneCosts { triangles_per_leaf: average.unwrap_or_default() }
     }
 
     /// What plans may make use of on this device.

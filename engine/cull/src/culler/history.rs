@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::record::{NodeState, Record, Stamp};
+use super::record::{Doubt, NodeState, Record, Stamp};
+use crate::frustum::Containment;
 use crate::hierarchy::{Hierarchy, Topology};
 use crate::policy::Policy;
 use crate::rng::SplitMix64;
@@ -44,6 +45,62 @@ impl History {
     ) {
         if let Some(record) = self.record_mut(node) {
             record.due = now.plus(retest_interval(record, policy, rng));
+        }
+    }
+
+    /// A leaf below `top` is drawn without a test although nothing is known of it: it counts as
+    /// visible until its own draw is tested, and what is above it up to `top` as open.
+    pub(super) fn assume_visible(
+        &mut self,
+        leaf: u32,
+        top: u32,
+        now: Stamp,
+        due: Stamp,
+        policy: &Policy,
+    ) {
+        // Long streaks make for long intervals, and this one makes the next test one of its own draw.
+        let streak = (policy.own_box_streak + 1).min(u8::MAX.into()) as u8;
+        if let Some(record) = self.record_mut(leaf) {
+            if record.state != NodeState::Hidden {
+                record.state = NodeState::Visible;
+                record.doubt = Doubt::Assumed;
+                record.since = now;
+                record.streak = streak;
+                record.due = due;
+            }
+            record.visited = now;
+        }
+        let mut node = leaf;
+        while node != top {
+            let Some(links) = self.topology.nodes.get(node as usize) else { return };
+            node = links.parent;
+            let Some(record) = self.record_mut(node) else { return };
+            if record.state == NodeState::Visible && record.visited == now {
+                return;
+            }
+            record.state = NodeState::Visible;
+            record.since = now;
+            record.visited = now;
+            record.streak = 0;
+            record.due = due;
+        }
+    }
+
+    /// Notes what the answer to the test of a leaf by itself will say.
+    pub(super) fn doubt(&mut self, node: u32, containment: Containment) {
+        if let Some(record) = self.record_mut(node) {
+            record.doubt = match (containment, record.doubt) {
+                (Containment::Inside, Doubt::Assumed) => Doubt::Assumed,
+                (Containment::Inside, _) => Doubt::None,
+                _ => Doubt::Edge,
+            };
+        }
+    }
+
+    /// An answer came for a leaf that had been drawn without a test.
+    pub(super) fn answered_assumed(&mut self, node: u32) {
+        if let Some(record) = self.record_mut(node) {
+            record.doubt = Doubt::None;
         }
     }
 
@@ -126,6 +183,7 @@ fn above(left: &Record, right: &Record) -> Record {
         state,
         streak: 0,
         flips: 0,
+        doubt: Doubt::None,
         since: left.since.max(right.since),
         visited: match state {
             NodeState::Visible => left.visited.max(right.visited),

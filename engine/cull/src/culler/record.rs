@@ -14,6 +14,18 @@ pub enum NodeState {
     Hidden,
 }
 
+/// What an answer to a leaf's own draw says about the world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Doubt {
+    /// Whether what was visible still is.
+    #[default]
+    None,
+    /// Whether what was unknown, and drawn without a test, is visible.
+    Assumed,
+    /// Nothing: it sticks out of the frustum, and what shows of it may be outside.
+    Edge,
+}
+
 /// A frame in 32 bits, counted from the culler's epoch; 0 stands for never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Stamp(u32);
@@ -32,6 +44,17 @@ impl Stamp {
         Self(self.0.saturating_add(frames))
     }
 
+    /// Whether it is a node's turn in this frame, where each has one in `spread` frames.
+    /// Turns come in every frame whose number is a multiple of `gate` only.
+    pub(super) const fn is_turn_of(self, node: u32, spread: u32, gate: u32) -> bool {
+        let gate = if gate > 0 { gate } else { 1 };
+        let turns = if spread > gate { spread / gate } else { 1 };
+        let mixed = node.wrapping_mul(0x9e37_79b1) >> 8;
+        spread > 0
+            && self.0.is_multiple_of(gate)
+            && mixed.wrapping_add(self.0 / gate).is_multiple_of(turns)
+    }
+
     /// Frames from `earlier` to here; 0 if it is later.
     pub(super) const fn since(self, earlier: Self) -> u32 {
         self.0.saturating_sub(earlier.0)
@@ -46,6 +69,8 @@ pub(super) struct Record {
     pub(super) streak: u8,
     /// Leaves: how often it showed soon after it did not.
     pub(super) flips: u8,
+    /// Leaves: how much the next answer to an own draw says.
+    pub(super) doubt: Doubt,
     /// The frame whose answer brought the state about.
     pub(super) since: Stamp,
     /// When the traversal last came here.
@@ -60,6 +85,22 @@ impl Record {
     /// True if the traversal came here lately.
     pub(super) fn is_fresh(&self, now: Stamp, stale_frames: u32) -> bool {
         self.visited != Stamp::NEVER && now.since(self.visited) <= stale_frames
+    }
+
+    /// Whether a visible leaf's own draw is to be tested. Where it should have been long ago, or is
+    /// not for long, leaves take turns over `spread` frames. Only in every `gate`th frame.
+    pub(super) fn is_due(&self, node: u32, now: Stamp, spread: u32, gate: u32) -> bool {
+        let is_turn = || now.is_turn_of(node, spread, gate);
+        if gate > 1 && !now.0.is_multiple_of(gate) {
+            false
+        } else if spread == 0 {
+            self.due <= now
+        } else if self.due <= now {
+            // All that were due since the last such frame are too many for one.
+            is_turn() || (gate <= 1 && now.since(self.due) <= spread)
+        } else {
+            self.due.since(now) > spread && is_turn()
+        }
     }
 
     /// For how long it has been watched and was hidden; time out of sight does not count.

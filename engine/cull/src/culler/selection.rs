@@ -7,6 +7,7 @@
 
 use std::collections::BinaryHeap;
 
+use super::economy::Economy;
 use super::traversal::{Mask, Nearness, Waiting, Walk};
 use crate::bounds::Aabb;
 use crate::ids::LeafIndex;
@@ -49,9 +50,12 @@ pub(super) struct Scratch {
     pub(super) retests: Vec<Retest>,
     pub(super) tests: Vec<Candidate>,
     pub(super) visited: Vec<u32>,
-    stack: Vec<(u32, Mask)>,
+    /// Leaves that are drawn without a test although nothing is known, and the node that was not
+    /// tested.
+    pub(super) assumed: Vec<[u32; 2]>,
+    pub(super) stack: Vec<(u32, Mask)>,
     by_size: Vec<u32>,
-    is_dropped: Vec<bool>,
+    pub(super) is_dropped: Vec<bool>,
 }
 
 impl Scratch {
@@ -61,6 +65,7 @@ impl Scratch {
         self.retests.clear();
         self.tests.clear();
         self.visited.clear();
+        self.assumed.clear();
     }
 
     /// Fills the lists with a plan that needs at most `budget` queries. Answers whether much is
@@ -69,6 +74,7 @@ impl Scratch {
         &mut self,
         walk: &mut Walk<'_>,
         budget: usize,
+        economy: Option<&Economy<'_>>,
         stats: &mut PlanStats,
     ) -> bool {
         loop {
@@ -81,9 +87,12 @@ impl Scratch {
             walk.coarseness += 1;
         }
         stats.coarsened = walk.coarseness;
-        let is_cut = self.is_cut(walk.policy);
         self.is_dropped.clear();
         self.is_dropped.resize(self.tests.len(), false);
+        if let Some(economy) = economy {
+            self.drop_by_cost(walk, economy, stats);
+        }
+        let is_cut = self.is_cut(walk.policy);
         if is_cut {
             self.draw_occluders(walk, stats);
         }
@@ -189,14 +198,14 @@ impl Scratch {
     }
 
     /// Removes the tests that are marked, and all marks.
-    fn discard(&mut self) {
+    pub(super) fn discard(&mut self) {
         let mut marks = self.is_dropped.iter();
         self.tests.retain(|_| !marks.next().copied().unwrap_or(false));
         self.is_dropped.clear();
         self.is_dropped.resize(self.tests.len(), false);
     }
 
-    fn sort_draws(&mut self) {
+    pub(super) fn sort_draws(&mut self) {
         self.draws.sort_unstable_by_key(|draw| (draw.nearness, draw.leaf));
     }
 

@@ -171,7 +171,7 @@ impl Walk<'_> {
                 stats.visible += 1;
                 match self.is_own_box_enough(turn) {
                     true if self.is_own_box_due(turn) => Verdict::TestOwnBox(proxy),
-                    false if record.due <= self.now => Verdict::Retest,
+                    false if self.is_own_draw_due(turn) => Verdict::Retest,
                     _ => Verdict::Draw,
                 }
             }
@@ -204,6 +204,16 @@ impl Walk<'_> {
         record.flips == 0
             && !is_turn_of_draw
             && diagonal < self.policy.own_box_angle * turn.nearness.distance()
+    }
+
+    fn is_own_draw_due(&self, turn: &Turn) -> bool {
+        let Policy { retest_spread, retest_gate, .. } = *self.policy;
+        turn.record.is_due(turn.node, self.now, retest_spread, retest_gate)
+    }
+
+    /// Whether it is a leaf's turn where all take turns.
+    pub(super) fn is_turn_to_retest(&self, node: u32) -> bool {
+        self.now.is_turn_of(node, self.policy.retest_spread, self.policy.retest_gate)
     }
 
     /// Neighbours take turns. What is on its way may be asked again: that costs little.

@@ -1,7 +1,8 @@
 //! Whatever happens to the answers, the image is that of drawing everything.
 
 use antumbra_cull::{
-    Abilities, Camera, Culler, FramePlan, Hierarchy, ObjectId, Policy, Strategy, View,
+    Abilities, Camera, CostTable, Culler, FramePlan, Hierarchy, ObjectId, Policy, SceneCosts,
+    Strategy, View,
 };
 
 use crate::device::{Device, Mishaps, Solids};
@@ -64,6 +65,7 @@ impl World {
         };
         let policy = Policy { seed, tests_wished, ..Policy::default() };
         let is_rough = self.random.chance(0.7);
+        let table = self.random.chance(0.3).then(|| random_prices(&mut self.random));
         let mut runs = Vec::new();
         let abilities = Abilities {
             flags: self.random.chance(0.5),
@@ -76,9 +78,13 @@ impl World {
                 let calm = Mishaps::none(latency);
                 let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
                 let mishaps = if is_rough { rough } else { calm };
+                let mut culler = Culler::with_abilities(policy, abilities);
+                if let Some(table) = table {
+                    culler.govern(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
+                }
                 runs.push(Run {
                     strategy,
-                    culler: Culler::with_abilities(policy, abilities),
+                    culler,
                     device: Device::new(SIZE, self.sub_pixel_bits, mishaps, seed ^ latency),
                     plan: FramePlan::default(),
                 });
@@ -108,6 +114,31 @@ impl World {
     }
 }
 
+/// Prices from nothing to more than anything is worth, each by itself.
+fn random_prices(random: &mut Random) -> CostTable {
+    let mut price = |usual: f32| match random.below(5) {
+        0 => 0.0,
+        1 => f32::MAX,
+        _ => usual * 10.0_f32.powf(random.between(-2.0, 2.0)),
+    };
+    let usual = CostTable::default();
+    CostTable {
+        query_ns: price(usual.query_ns),
+        query_box_ns: price(usual.query_box_ns),
+        flag_box_ns: price(usual.flag_box_ns),
+        hidden_pixel_ns: price(usual.hidden_pixel_ns),
+        flagged_pixel_ns: price(usual.flagged_pixel_ns),
+        predicate_ns: price(usual.predicate_ns),
+        draw_ns: price(usual.draw_ns),
+        triangle_ns: price(usual.triangle_ns),
+        // Mostly low, since one break decides about all tests of a frame.
+        break_ns: price(1_000.0),
+        break_wait_share: random.between(0.0, 1.0) * random.between(0.0, 1.0),
+        compute_round_ns: 0.0,
+        compute_box_ns: 0.0,
+    }
+}
+
 /// What was checked.
 #[derive(Debug, Default)]
 struct Checked {
@@ -115,6 +146,8 @@ struct Checked {
     frames: u64,
     /// Tests that another test answered.
     behind: u64,
+    /// Leaves that were not tested because of the cost.
+    untested: u64,
     /// Objects drawn, with frustum culling and with ours.
     drawn: [u64; 2],
 }
@@ -125,6 +158,7 @@ impl Checked {
             runs: self.runs + other.runs,
             frames: self.frames + other.frames,
             behind: self.behind + other.behind,
+            untested: self.untested + other.untested,
             drawn: [0, 1].map(|strategy| self.drawn[strategy] + other.drawn[strategy]),
         }
     }
@@ -154,6 +188,7 @@ fn verify(seed: u64) -> Checked {
             assert!(run.device.image.depths == truth.depths, "{}: wrong pixels", context());
             checked.frames += 1;
             checked.behind += u64::from(run.plan.stats.behind);
+            checked.untested += u64::from(run.plan.stats.untested_by_cost);
             let which = usize::from(run.strategy != Strategy::Frustum);
             checked.drawn[which] += run.device.drawn.len() as u64;
         }
@@ -182,6 +217,7 @@ fn nothing_visible_is_ever_missing() {
     assert_eq!(checked.runs, SCENES * combinations);
     assert_eq!(checked.frames, checked.runs * FRAMES);
     assert!(checked.behind > 500, "hardly a test answered for another");
+    assert!(checked.untested > checked.frames / 20, "costs hardly ever decided");
     let [frustum, ours] = checked.drawn;
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }

@@ -9,6 +9,7 @@
 
 mod device;
 mod exactness;
+mod governor;
 mod image;
 mod invariants;
 mod knowledge;

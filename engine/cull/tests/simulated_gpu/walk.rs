@@ -1,6 +1,8 @@
 //! A culler, a device and a scene that go on frame by frame.
 
-use antumbra_cull::{Aabb, Camera, Culler, FramePlan, Hierarchy, Policy, Strategy, View};
+use antumbra_cull::{
+    Aabb, Camera, CostTable, Culler, FramePlan, Hierarchy, Policy, SceneCosts, Strategy, View,
+};
 
 use crate::device::{Device, Mishaps, Solids};
 use crate::image::Image;
@@ -26,6 +28,13 @@ impl Walk {
             device: Device::new(SIZE, 8, Mishaps::none(latency), 1),
             plan: FramePlan::default(),
         }
+    }
+
+    /// The same with a governor and objects of 100 triangles.
+    pub fn governed(bounds: Vec<Aabb>, latency: u64, table: CostTable) -> Self {
+        let mut walk = Self::new(bounds, latency);
+        walk.culler.govern(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
+        walk
     }
 
     pub fn step(&mut self, camera: &Camera) {

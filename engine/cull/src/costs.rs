@@ -1,0 +1,185 @@
+//! What things cost on a device: the prices that decide whether a test pays.
+
+use thiserror::Error;
+
+/// Prices of what a frame is made of, in nanoseconds of GPU time.
+///
+/// Only their proportions steer decisions. They may come from a measurement of the device; no image
+/// depends on them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CostTable {
+    /// Begin and end of an occlusion query, the copy of its result included.
+    pub query_ns: f32,
+    /// The box of a test by query, its pixels apart: a draw of its own.
+    pub query_box_ns: f32,
+    /// The box of a test by flag, its pixels apart: an instance among many.
+    pub flag_box_ns: f32,
+    /// A pixel of a proxy that fails the depth test.
+    pub hidden_pixel_ns: f32,
+    /// A pixel of a proxy that passes and sets a flag.
+    pub flagged_pixel_ns: f32,
+    /// A predicate around a draw.
+    pub predicate_ns: f32,
+    /// A draw, its triangles apart.
+    pub draw_ns: f32,
+    /// A triangle of an object, with its share of vertices and of small pixels.
+    pub triangle_ns: f32,
+    /// A break of rendering, in which answers are made ready: what it takes when there is little to
+    /// wait for.
+    pub break_ns: f32,
+    /// What a break costs beyond that, as a share of the cost of all that is drawn before it, since
+    /// nothing overlaps with its end (0 to 1; the one entry that is no time).
+    pub break_wait_share: f32,
+    /// A round of tests by compute shader, however many: a copy and a reduction of the depth.
+    pub compute_round_ns: f32,
+    /// A box tested by compute shader, of whatever size.
+    pub compute_box_ns: f32,
+}
+
+impl Default for CostTable {
+    /// As found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720): a fallback where
+    /// nothing can be measured. A GPU is faster in all, but in similar proportions of setup to work.
+    fn default() -> Self {
+        Self {
+            query_ns: 8_000.0,
+            query_box_ns: 3_000.0,
+            flag_box_ns: 1_000.0,
+            hidden_pixel_ns: 0.6,
+            flagged_pixel_ns: 1.5,
+            predicate_ns: 50.0,
+            draw_ns: 1_400.0,
+            triangle_ns: 40.0,
+            break_ns: 150_000.0,
+            break_wait_share: 0.2,
+            compute_round_ns: 700_000.0,
+            compute_box_ns: 4_000.0,
+        }
+    }
+}
+
+/// A price that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error(
+    "the cost `{name}` is {value}: costs are finite and not negative, a share is at most 1; \
+     take the default table if the clock of the device cannot be trusted"
+)]
+pub struct BadCost {
+    /// The entry.
+    pub name: &'static str,
+    /// What it was to be.
+    pub value: f32,
+}
+
+impl CostTable {
+    /// A table of nothing but `ns`; nobody waits at breaks.
+    #[must_use]
+    pub const fn uniform(ns: f32) -> Self {
+        Self {
+            query_ns: ns,
+            query_box_ns: ns,
+            flag_box_ns: ns,
+            hidden_pixel_ns: ns,
+            flagged_pixel_ns: ns,
+            predicate_ns: ns,
+            draw_ns: ns,
+            triangle_ns: ns,
+            break_ns: ns,
+            break_wait_share: 0.0,
+            compute_round_ns: ns,
+            compute_box_ns: ns,
+        }
+    }
+
+    /// A table of values in the order of [`CostTable::entries`].
+    #[must_use]
+    pub fn from_values(value: impl Fn(usize) -> f32) -> Self {
+        Self {
+            query_ns: value(0),
+            query_box_ns: value(1),
+            flag_box_ns: value(2),
+            hidden_pixel_ns: value(3),
+            flagged_pixel_ns: value(4),
+            predicate_ns: value(5),
+            draw_ns: value(6),
+            triangle_ns: value(7),
+            break_ns: value(8),
+            break_wait_share: value(9),
+            compute_round_ns: value(10),
+            compute_box_ns: value(11),
+        }
+    }
+
+    /// Every entry with its name, for reports.
+    #[must_use]
+    pub const fn entries(&self) -> [(&'static str, f32); 12] {
+        [
+            ("query_ns", self.query_ns),
+            ("query_box_ns", self.query_box_ns),
+            ("flag_box_ns", self.flag_box_ns),
+            ("hidden_pixel_ns", self.hidden_pixel_ns),
+            ("flagged_pixel_ns", self.flagged_pixel_ns),
+            ("predicate_ns", self.predicate_ns),
+            ("draw_ns", self.draw_ns),
+            ("triangle_ns", self.triangle_ns),
+            ("break_ns", self.break_ns),
+            ("break_wait_share", self.break_wait_share),
+            ("compute_round_ns", self.compute_round_ns),
+            ("compute_box_ns", self.compute_box_ns),
+        ]
+    }
+
+    /// The table itself if all its entries can be.
+    ///
+    /// # Errors
+    /// [`BadCost`] for the first that is infinite, no number, negative, or a share above 1.
+    pub fn checked(self) -> Result<Self, BadCost> {
+        let is_bad = |&(name, value): &(&str, f32)| {
+            !value.is_finite() || value < 0.0 || (name == "break_wait_share" && value > 1.0)
+        };
+        match self.entries().into_iter().find(is_bad) {
+            Some((name, value)) => Err(BadCost { name, value }),
+            None => Ok(self),
+        }
+    }
+
+    /// What drawing an object of so many triangles costs, where it is hidden by what was drawn
+    /// before it.
+    #[must_use]
+    pub fn leaf_ns(&self, triangles: f32) -> f32 {
+        self.draw_ns + triangles * self.triangle_ns
+    }
+}
+
+/// What of a scene the prices apply to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneCosts {
+    /// Triangles of an object on average.
+    pub triangles_per_leaf: f32,
+}
+
+impl Default for SceneCosts {
+    fn default() -> Self {
+        Self { triangles_per_leaf: 100.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_broken_clock_says_is_refused_by_name() {
+        let table = CostTable::default();
+        assert_eq!(table.checked(), Ok(table));
+        let values = table.entries().map(|(_, value)| value);
+        assert_eq!(CostTable::from_values(|place| values[place]), table);
+        assert!(CostTable::uniform(0.0).checked().is_ok());
+        for value in [f32::NAN, f32::INFINITY, -1.0] {
+            let bad = CostTable { predicate_ns: value, ..table }.checked().unwrap_err();
+            assert_eq!(bad.name, "predicate_ns");
+            assert!(bad.to_string().contains("predicate_ns"), "{bad}");
+        }
+        let share = CostTable { break_wait_share: 1.5, ..table };
+        assert_eq!(share.checked().unwrap_err().name, "break_wait_share");
+    }
+}

@@ -1,0 +1,406 @@
+//! The batches that are timed: many of one thing and little else.
+
+use cull::{Aabb, Camera, Hierarchy, ObjectId, View};
+use glam::{Affine3A, Vec3};
+use gpu::{
+    Access, Buffer, BufferSlice, Commands, Device, DrawRange, FlagRing, Frame, IndirectDraw,
+    MemoryBarrier, Place, Predicated, Predicates, Predication, QueryIndex, QueryRing, Reveal,
+    WordSource, vk,
+};
+
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::geometry::Geometry;
+use crate::passes::{ComputeTest, ComputeTestIo, OpaqueIo, ProxyBox, ProxyIo};
+use crate::renderer::object_bounds;
+use crate::scene::{
+    Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
+    pack_unorm,
+};
+use crate::shaders::ShaderSet;
+
+/// So many of something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Batch {
+    thing: Thing,
+    count: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Thing {
+    /// Hidden objects of a triangle each.
+    Draws,
+    /// Hidden objects of [`PATCH_TRIANGLES`] each.
+    Patches,
+    /// Draws under a query.
+    Queries,
+    /// Small hidden boxes under a query.
+    QueriedBoxes,
+    /// Small hidden boxes with flags.
+    Flags,
+    /// Large boxes with flags that do not pass.
+    HiddenPixels,
+    /// The same, and all pass.
+    FlaggedPixels,
+    /// Draws under predicates that forbid them.
+    Predicates,
+    /// Ends of rendering and begins.
+    Breaks,
+    /// Preparations of the compute tester.
+    Grids,
+    /// Its tests.
+    ComputedBoxes,
+}
+
+impl Batch {
+    pub(super) const DRAWS: Self = Self { thing: Thing::Draws, count: 256 };
+    pub(super) const PATCHES: Self = Self { thing: Thing::Patches, count: 24 };
+    pub(super) const QUERIES: Self = Self { thing: Thing::Queries, count: 48 };
+    pub(super) const QUERIED_BOXES: Self = Self { thing: Thing::QueriedBoxes, count: 48 };
+    pub(super) const FLAGS: Self = Self { thing: Thing::Flags, count: 256 };
+    pub(super) const HIDDEN_PIXELS: Self = Self { thing: Thing::HiddenPixels, count: 8 };
+    pub(super) const FLAGGED_PIXELS: Self = Self { thing: Thing::FlaggedPixels, count: 2 };
+    pub(super) const PREDICATES: Self = Self { thing: Thing::Predicates, count: MOST / 2 };
+    pub(super) const BREAKS: Self = Self { thing: Thing::Breaks, count: 4 };
+    pub(super) const GRIDS: Self = Self { thing: Thing::Grids, count: 1 };
+    pub(super) const COMPUTED_BOXES: Self = Self { thing: Thing::ComputedBoxes, count: 128 };
+
+    pub(super) const ALL: [Self; 11] = [
+        Self::DRAWS,
+        Self::PATCHES,
+        Self::QUERIES,
+        Self::QUERIED_BOXES,
+        Self::FLAGS,
+        Self::HIDDEN_PIXELS,
+        Self::FLAGGED_PIXELS,
+        Self::PREDICATES,
+        Self::BREAKS,
+        Self::GRIDS,
+        Self::COMPUTED_BOXES,
+    ];
+
+    pub(super) fn count(self) -> u32 {
+        self.count
+    }
+
+    pub(super) fn doubled(self) -> Self {
+        Self { count: 2 * self.count, ..self }
+    }
+}
+
+/// Whether a frame waits for answers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Asks {
+    Nothing,
+    Once,
+}
+
+/// Triangles of a patch: half of them face away, as those of solid objects do.
+pub(super) const PATCH_TRIANGLES: u32 = 2 * QUADS * QUADS;
+const QUADS: u32 = 16;
+
+/// The most of any thing.
+const MOST: u32 = 512;
+
+/// How far away everything is (metres).
+const DISTANCE_M: f32 = 10.0;
+
+/// Everything that batches are recorded with.
+pub(super) struct Bench<'a> {
+    passes: &'a mut FramePasses,
+    geometry: Geometry,
+    predicates: Predicates,
+    compute: Option<ComputeTest>,
+    words: Buffer,
+    queries: QueryRing<()>,
+    flags: FlagRing<()>,
+    view: View,
+    /// Of a single triangle, of a patch.
+    draws: [IndirectDraw; 2],
+    /// What the newest frame reads.
+    io: Option<Io>,
+}
+
+#[derive(Clone, Copy)]
+struct Io {
+    draws: BufferSlice,
+    small: BufferSlice,
+    large: BufferSlice,
+}
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+impl<'a> Bench<'a> {
+    pub(super) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        passes: &'a mut FramePasses,
+        predication: Predication,
+    ) -> Result<Self, Error> {
+        let scene = scene();
+        let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
+        let geometry = Geometry::upload(device, &scene, &hierarchy)?;
+        let leaf = |object| hierarchy.leaf_of(ObjectId(object)).map(|leaf| geometry.draw(leaf));
+        let draws = [0, 1].map(|object| leaf(object).unwrap_or_default());
+        let size = passes.target.size();
+        let camera =
+            Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        Ok(Self {
+            predicates: Predicates::new(
+                device,
+                Some(predication),
+                &vec![draws[0]; MOST as usize],
+                2,
+            )?,
+            compute: ComputeTest::new(device, shaders, size).ok(),
+            words: Buffer::new(
+                device,
+                "calibration words",
+                u64::from(MOST) * 4,
+                storage,
+                Place::Device,
+            )?,
+            queries: QueryRing::new(device, 2, "calibration queries")?,
+            flags: FlagRing::new(device, 2, WordSource::Fragments, "calibration flags"),
+            view: View::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits),
+            geometry,
+            draws,
+            passes,
+            io: None,
+        })
+    }
+
+    /// Whether the device can do a batch at all.
+    pub(super) fn can(&self, batch: Batch) -> bool {
+        match batch.thing {
+            Thing::Flags | Thing::HiddenPixels | Thing::FlaggedPixels | Thing::Predicates => {
+                self.passes.proxies.can_flag()
+            }
+            Thing::Grids | Thing::ComputedBoxes => self.compute.is_some(),
+            _ => true,
+        }
+    }
+
+    /// A quarter of the picture.
+    pub(super) fn large_box_pixels(&self) -> f64 {
+        let [width, height] = self.view.size.map(f64::from);
+        width * height / 4.0
+    }
+
+    /// Puts into the frame's memory what the batch reads.
+    pub(super) fn prepare(&mut self, frame: &mut Frame<'_>, batch: Batch) -> Result<(), Error> {
+        let count = batch.count.min(MOST) as usize;
+        self.queries.begin(frame, &[(); MOST as usize][..count])?;
+        self.flags.begin(frame, std::iter::repeat_n((), MOST as usize))?;
+        let decided = (0..MOST).map(|number| Predicated {
+            range: DrawRange { first: number, count: 1 },
+            reveal: Reveal::Whole,
+            ..Predicated::default()
+        });
+        let words = self.flags.words();
+        self.predicates.begin(frame, WordSource::Fragments, words, decided)?;
+        let [single, patch] = self.draws;
+        let draw = if batch.thing == Thing::Patches { patch } else { single };
+        let tan = self.view.tan_half;
+        let face = |share_x: f32, share_y: f32| {
+            let half = Vec3::new(tan[0] * share_x, tan[1] * share_y, 0.0) * DISTANCE_M;
+            let front = Vec3::new(0.0, 0.0, -DISTANCE_M);
+            ProxyBox::from(Aabb::new(front - half - Vec3::Z, front + half))
+        };
+        let pixel = self.view.size.map(|pixels| 2.0 / pixels as f32);
+        let small = face(pixel[0], pixel[1]);
+        let uploads = frame.uploads();
+        self.io = Some(Io {
+            draws: uploads.push_iter(std::iter::repeat_n(draw, count))?,
+            small: uploads.push_iter(std::iter::repeat_n(small, MOST as usize))?,
+            large: uploads.push_iter(std::iter::repeat_n(face(0.5, 0.5), MOST as usize))?,
+        });
+        Ok(())
+    }
+
+    /// Records the batch.
+    pub(super) fn record(&mut self, commands: &Commands, batch: Batch) {
+        let Some(io) = self.io else { return };
+        let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeRead];
+        commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+        if batch.thing == Thing::Predicates {
+            self.predicates.resolve(commands, &[(WordSource::Fragments, 0..batch.count)]);
+        }
+        self.passes.target.prepare(commands);
+        // As if something at the near plane hid everything; nothing to draw, so nothing to take time.
+        let depth = if batch.thing == Thing::FlaggedPixels { 0.0 } else { 1.0 };
+        let mut from = self.passes.target.render_target(None);
+        from.clear = Some(([0.0; 4], depth));
+        commands.rendering(from, |commands| {
+            self.bind_opaque(commands);
+            self.record_inside(commands, batch, &io);
+        });
+        self.record_outside(commands, batch, &io);
+        if matches!(batch.thing, Thing::Queries | Thing::QueriedBoxes) {
+            self.queries.resolve(commands, 0..batch.count);
+        }
+    }
+
+    /// Draws patches that show, in one rendering without a question or in two, of which the second is
+    /// asked about.
+    pub(super) fn record_load(&mut self, commands: &Commands, asks: Asks) {
+        let Some(io) = self.io else { return };
+        let parts = match asks {
+            Asks::Nothing => 1,
+            Asks::Once => 2,
+        };
+        let bytes = io.draws.size_bytes / parts / DRAW_BYTES * DRAW_BYTES;
+        for part in 0..parts {
+            self.passes.target.prepare(commands);
+            let clear = (part == 0).then_some([0.0; 4]);
+            commands.rendering(self.passes.target.render_target(clear), |commands| {
+                self.bind_opaque(commands);
+                let draws = io.draws.part(part * bytes, bytes);
+                let draw = |commands: &Commands| commands.draw_indirect(draws);
+                match part {
+                    0 => draw(commands),
+                    _ => self.queries.scope(commands, QueryIndex(0), draw),
+                }
+            });
+        }
+        if asks == Asks::Once {
+            self.queries.resolve(commands, 0..1);
+        }
+    }
+
+    fn record_inside(&self, commands: &Commands, batch: Batch, io: &Io) {
+        match batch.thing {
+            Thing::Draws | Thing::Patches => commands.draw_indirect(io.draws),
+            Thing::Queries => {
+                for number in 0..batch.count {
+                    let draw = io.draws.part(u64::from(number) * DRAW_BYTES, DRAW_BYTES);
+                    self.queries.scope(commands, QueryIndex(number), |commands| {
+                        commands.draw_indirect(draw);
+                    });
+                }
+            }
+            Thing::QueriedBoxes => {
+                let proxies = &self.passes.proxies;
+                proxies.bind(commands, &ProxyIo { boxes: io.small, flags: None }, &self.view);
+                for number in 0..batch.count {
+                    self.queries.scope(commands, QueryIndex(number), |commands| {
+                        proxies.draw(commands, number);
+                    });
+                }
+            }
+            Thing::Flags => self.draw_boxes(commands, batch, io.small),
+            Thing::HiddenPixels | Thing::FlaggedPixels => {
+                self.draw_boxes(commands, batch, io.large);
+            }
+            Thing::Predicates => {
+                for number in 0..batch.count {
+                    self.predicates.draw(commands, WordSource::Fragments, number);
+                }
+            }
+            Thing::Breaks | Thing::Grids | Thing::ComputedBoxes => {}
+        }
+    }
+
+    fn record_outside(&mut self, commands: &Commands, batch: Batch, io: &Io) {
+        match batch.thing {
+            Thing::Breaks => {
+                for _ in 0..batch.count {
+                    let flags =
+                        MemoryBarrier::between(&[Access::FragmentWrite], &[Access::IndirectRead]);
+                    commands.barrier(flags);
+                    self.passes.target.prepare(commands);
+                    commands.rendering(self.passes.target.render_target(None), |commands| {
+                        self.bind_opaque(commands);
+                        commands.draw_indirect(io.draws.part(0, DRAW_BYTES));
+                    });
+                }
+            }
+            Thing::Grids | Thing::ComputedBoxes => {
+                let Some(compute) = &self.compute else { return };
+                let (grids, count) = match batch.thing {
+                    Thing::Grids => (batch.count, 1),
+                    _ => (1, batch.count),
+                };
+                for _ in 0..grids {
+                    compute.record_grid(commands, &mut self.passes.target);
+                    let words = self.words.whole();
+                    let tests = ComputeTestIo { boxes: io.small, words, first: 0, count };
+                    let again = [Access::ComputeWrite];
+                    commands.barrier(MemoryBarrier::between(&again, &again));
+                    compute.record_tests(commands, &tests, &self.view);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn bind_opaque(&self, commands: &Commands) {
+        let io = OpaqueIo {
+            vertices: self.geometry.vertices.whole(),
+            indices: self.geometry.indices.whole(),
+            instances: self.geometry.instances.whole(),
+        };
+        self.passes.opaque.bind(commands, &io, &self.view, &self.passes.light);
+    }
+
+    fn draw_boxes(&self, commands: &Commands, batch: Batch, boxes: BufferSlice) {
+        let io = ProxyIo { boxes, flags: self.flags.words() };
+        self.passes.proxies.bind_flags(commands, &io, &self.view);
+        self.passes.proxies.draw_all(commands, 0..batch.count);
+    }
+
+    /// Patches for [`Bench::record_load`].
+    pub(super) fn load(patches: u32) -> Batch {
+        Batch { thing: Thing::Patches, count: patches }
+    }
+}
+
+/// A triangle, and a patch of many.
+fn scene() -> Scene {
+    let object = |(mesh, (z, scale)): (u32, (f32, f32))| Object {
+        mesh: MeshId(mesh),
+        transform: Affine3A::from_scale_rotation_translation(
+            Vec3::splat(scale),
+            glam::Quat::IDENTITY,
+            Vec3::new(0.0, 0.0, z),
+        ),
+        tint: pack_unorm([1.0; 4]),
+    };
+    // About forty pixels of 720 at that distance for the patch.
+    let places = [(-1.2 * DISTANCE_M, 0.1), (-1.2 * DISTANCE_M, 0.7)];
+    Scene {
+        name: "calibration".to_owned(),
+        seed: 0,
+        meshes: vec![single(), patch()],
+        objects: (0..).zip(places).map(object).collect(),
+        light: Light::afternoon(),
+        streets: Streets::default(),
+        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
+    }
+}
+
+fn mesh(name: &str, points: impl Iterator<Item = [f32; 2]>, indices: Vec<u32>) -> Mesh {
+    let (normal, colour) = (pack_normal(Vec3::Z), pack_unorm([1.0; 4]));
+    let vertex = |[x, y]: [f32; 2]| Vertex { position: [x, y, 0.0], normal, colour };
+    let vertices: Vec<Vertex> = points.map(vertex).collect();
+    let bounds = bounds_of_vertices(&vertices);
+    Mesh { name: name.to_owned(), vertices, indices, bounds }
+}
+
+fn single() -> Mesh {
+    mesh("triangle", [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].into_iter(), vec![0, 1, 2])
+}
+
+/// A square of which half faces the eye.
+fn patch() -> Mesh {
+    let side = QUADS + 1;
+    let at = |place: u32| place as f32 / QUADS as f32 - 0.5;
+    let points = (0..side * side).map(|point| [at(point % side), at(point / side)]);
+    let indices = (0..QUADS * QUADS).flat_map(|quad| {
+        let first = quad / QUADS * side + quad % QUADS;
+        let [a, b, c, d] = [first, first + 1, first + side + 1, first + side];
+        if quad % 2 == 0 { [a, b, c, a, c, d] } else { [a, c, b, a, d, c] }
+    });
+    mesh("patch", points, indices.collect())
+}

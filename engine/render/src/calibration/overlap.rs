@@ -1,0 +1,54 @@
+//! What it costs to ask at all: while the device waits for what was drawn before, nothing overlaps.
+//! A frame without a question is on its way while the one before is drawn.
+
+use std::time::Instant;
+
+use gpu::{Device, FrameRing};
+
+use super::batch::{Asks, Bench};
+use super::median;
+use crate::error::Error;
+
+/// Patches a frame: about two milliseconds on a software driver.
+const PATCHES: u32 = 96;
+
+/// Frames one after the other, several on their way at once.
+const FRAMES: usize = 4;
+const ROUNDS: usize = 3;
+
+/// The share of the time of draws that a break among them adds, apart from `break_ns`.
+pub(super) fn break_wait_share(
+    device: &Device,
+    bench: &mut Bench<'_>,
+    break_ns: f64,
+) -> Result<f64, Error> {
+    let mut frames = FrameRing::new(device, 2)?;
+    let mut shares = Vec::new();
+    for _ in 0..ROUNDS {
+        let whole = time_ns(device, bench, &mut frames, Asks::Nothing)?;
+        let broken = time_ns(device, bench, &mut frames, Asks::Once)?;
+        let lost = (broken - whole) / FRAMES as f64 - break_ns;
+        shares.push(lost / (whole / FRAMES as f64));
+    }
+    // Not a number where the clock stands still: the default is taken for it.
+    let share = median(&mut shares);
+    Ok(if share.is_nan() { share } else { share.clamp(0.0, 1.0) })
+}
+
+/// Time of a number of frames in a row (ns).
+fn time_ns(
+    device: &Device,
+    bench: &mut Bench<'_>,
+    frames: &mut FrameRing,
+    asks: Asks,
+) -> Result<f64, Error> {
+    let began = Instant::now();
+    for _ in 0..FRAMES {
+        let mut frame = frames.begin()?;
+        bench.prepare(&mut frame, Bench::load(PATCHES))?;
+        frame.commands().pass("calibration", |commands| bench.record_load(commands, asks));
+        frame.submit(None)?;
+    }
+    device.drain()?;
+    Ok(began.elapsed().as_secs_f64() * 1.0e9)
+}
