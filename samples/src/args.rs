@@ -61,7 +61,12 @@ pub struct Arguments {
     pub size: String,
 
     /// What to compare: frustum, antumbra, or all
-    #[arg(long, value_name = "NAME[,NAME]|all", default_value = "all", help_heading = "Compare")]
+    #[arg(
+        long,
+        value_name = "NAME[,NAME]|all",
+        default_value = "frustum,antumbra,ideal",
+        help_heading = "Compare"
+    )]
     pub strategy: String,
     /// Print the name of every strategy, one a line, and end
     #[arg(long, help_heading = "Compare")]
