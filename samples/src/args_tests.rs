@@ -23,13 +23,13 @@ fn the_declaration_is_consistent() {
 }
 
 #[test]
-fn without_arguments_it_is_a_street_walk_of_all_strategies() {
+fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     let options = parse(&[]).unwrap();
     assert_eq!(options.scene, Scene::City);
     assert_eq!(options.objects, 10_000);
     assert_eq!(options.path, CameraPath::Street);
     assert_eq!(options.size, FrameSize { width: 1280, height: 720 });
-    assert_eq!(options.strategies, Strategy::ALL);
+    assert_eq!(options.strategies, [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal]);
     assert_eq!(options.verify, Verify::Off);
     assert_eq!(options.frames_in_flight, 2);
     assert_eq!(options.device, DeviceChoice::Best);

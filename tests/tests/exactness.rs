@@ -147,6 +147,9 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
+        // The ideal needs to be told what is visible: tests/ideal.rs has it.
+        let strategies: Vec<Strategy> =
+            Strategy::ALL.into_iter().filter(|strategy| *strategy != Strategy::Ideal).collect();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
         for frame in 0..40u32 {
             let mut draw = |view, strategy, picture| {
@@ -156,7 +159,7 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
                 renderer.render(view, &request).unwrap();
             };
             draw(&mut plain, Strategy::Frustum, &expected);
-            let strategy = Strategy::ALL[(frame / 3) as usize % Strategy::ALL.len()];
+            let strategy = strategies[(frame / 3) as usize % strategies.len()];
             draw(&mut views[(frame / 7) as usize % 2], strategy, &got);
             device.drain().unwrap();
             assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0, "frame {frame}");
