@@ -88,12 +88,13 @@ impl Culler {
     }
 
     /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that
-    /// fit nothing (another generation, a frame to come, older than what is known) are ignored.
+    /// fit nothing (a node that stood for something else, a frame to come, older than what is known)
+    /// are ignored.
     pub fn ingest(&mut self, hierarchy: &Hierarchy, answers: impl IntoIterator<Item = Answer>) {
         self.history.adopt(hierarchy);
         let now = self.stamp(self.frame).unwrap_or(Stamp::NEVER);
         for Answer { tag, samples } in answers {
-            if tag.generation != hierarchy.generation() || tag.frame > self.frame {
+            if !hierarchy.is_same_since(tag.node, tag.generation) || tag.frame > self.frame {
                 continue;
             }
             let Some(asked) = self.stamp(tag.frame) else {
@@ -158,7 +159,7 @@ impl Culler {
                 leaves.count = 0;
                 self.history.asked_probe(test.node, now, &self.policy);
             } else {
-                self.history.closed(test.node);
+                self.history.closed(&hierarchy.topology, test.node);
             }
             plan.tests.push(ProxyTest {
                 tag: tag(test.node, test.kind),

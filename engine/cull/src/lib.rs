@@ -84,7 +84,7 @@ pub use bounds::Aabb;
 pub use camera::Camera;
 pub use culler::{Culler, NodeState};
 pub use frustum::{Containment, Frustum, PlaneMask};
-pub use hierarchy::{Hierarchy, HierarchyError, MAX_COORDINATE, MAX_OBJECTS};
+pub use hierarchy::{Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use margin::Margin;
 pub use plan::{Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag};
