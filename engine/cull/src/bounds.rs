@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::hierarchy::MAX_COORDINATE;
+
 /// An axis-aligned bounding box in world space (metres).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -83,6 +85,15 @@ impl Aabb {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.min.is_finite() && self.max.is_finite()
+    }
+
+    /// True if an object can have this box: finite, not [empty](Aabb::is_empty), and no coordinate
+    /// beyond [`MAX_COORDINATE`].
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        self.is_finite()
+            && self.largest_coordinate() <= MAX_COORDINATE
+            && self.min.cmple(self.max).all()
     }
 
     /// The largest coordinate without its sign: what single-precision rounding is relative to.

@@ -138,6 +138,12 @@ impl Hierarchy {
         Some(self.leaves(NodeId(node)).first)
     }
 
+    /// True if an object is there.
+    #[must_use]
+    pub fn contains(&self, object: ObjectId) -> bool {
+        refit::occupied(&self.topology, &self.nodes, object).is_ok()
+    }
+
     /// The node of an object's leaf.
     #[must_use]
     pub fn node_of(&self, object: ObjectId) -> Option<NodeId> {
@@ -185,10 +191,7 @@ impl Hierarchy {
 
 /// Whether a box can be part of a hierarchy.
 fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
-    let usable = bounds.is_finite()
-        && bounds.largest_coordinate() <= MAX_COORDINATE
-        && bounds.min.cmple(bounds.max).all();
-    if usable {
+    if bounds.is_usable() {
         return Ok(());
     }
     Err(HierarchyError::BadBox {

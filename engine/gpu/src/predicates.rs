@@ -170,6 +170,11 @@ impl Predicates {
         })
     }
 
+    /// The draws, to be changed between frames.
+    pub fn draws(&self) -> BufferSlice {
+        self.draws.whole()
+    }
+
     /// The executor in use.
     pub fn predication(&self) -> Predication {
         self.predication

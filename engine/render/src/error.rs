@@ -12,6 +12,14 @@ pub enum Error {
     /// The scene is not whole.
     #[error(transparent)]
     Scene(#[from] crate::scene::SceneError),
+    /// A change of the scene that cannot be made.
+    #[error("change {index} of the scene cannot be made, those before it were: {reason}")]
+    Change {
+        /// Its place among the changes.
+        index: usize,
+        /// Why not, and what to do.
+        reason: String,
+    },
     /// Shaders were asked for that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"

@@ -35,18 +35,22 @@ mod birds_eye;
 mod error;
 mod frame_passes;
 mod geometry;
+mod leaf_counts;
 mod moment;
 mod passes;
 mod renderer;
 pub mod scene;
 mod shaders;
+mod update;
 mod view_history;
 
 pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
     OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass,
+    ScatterIo, ScatterPass,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use shaders::{SHADERS, Shader, ShaderSet};
+pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};

@@ -8,9 +8,10 @@ use gpu::{Device, FrameRing, PassTime, Predicates, Predication, Readback, Target
 use crate::error::Error;
 use crate::frame_passes::{FrameIo, FramePasses};
 use crate::geometry::Geometry;
-use crate::passes::{OpaquePass, OverlayPass, ProxyPass};
+use crate::passes::{OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
+use crate::update::UpdateScratch;
 use crate::view_history::ViewHistory;
 
 /// How to make a [`Renderer`].
@@ -28,6 +29,8 @@ pub struct RendererOptions {
     pub policy: Policy,
     /// The most occlusion queries a frame may use. What cannot be asked is drawn.
     pub query_budget: usize,
+    /// Room for objects that [come later](Renderer::update), beside the room of those that go.
+    pub spare_objects: usize,
 }
 
 impl Default for RendererOptions {
@@ -39,6 +42,7 @@ impl Default for RendererOptions {
             shaders: None,
             policy: Policy::default(),
             query_budget: 8192,
+            spare_objects: 0,
         }
     }
 }
@@ -83,6 +87,8 @@ pub struct Renderer {
     pub(crate) passes: FramePasses,
     pub(crate) shaders: ShaderSet,
     pub(crate) birds_eye: Option<OverlayPass>,
+    pub(crate) update_scratch: UpdateScratch,
+    pub(crate) scatter: ScatterPass,
     pass_times: Vec<PassTime>,
     policy: Policy,
     query_budget: usize,
@@ -95,11 +101,14 @@ impl Renderer {
     /// A scene or size beyond the device's limits, no memory, a shader that does not compile, a
     /// failed call.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
-        let hierarchy = Hierarchy::build(&object_bounds(scene)?)?;
+        let mut bounds = object_bounds(scene)?;
+        bounds.resize(bounds.len().saturating_add(options.spare_objects), Aabb::EMPTY);
+        let hierarchy = Hierarchy::build(&bounds)?;
         Self::with_hierarchy(device, scene, hierarchy, options)
     }
 
-    /// Like [`Renderer::new`], with a hierarchy that is there already. Its objects are the scene's.
+    /// Like [`Renderer::new`], with a hierarchy that is there already. Its objects are the scene's;
+    /// free leaves behind them are room for more.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -117,6 +126,7 @@ impl Renderer {
         let target = Target::new(device, options.size, "target")?;
         let opaque = OpaquePass::new(device, &shaders)?;
         let proxies = ProxyPass::new(device, &shaders)?;
+        let scatter = ScatterPass::new(device, &shaders)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let predicates = Predicates::new(device, options.predication, &geometry.draws(), slots)?;
@@ -128,6 +138,8 @@ impl Renderer {
             passes: FramePasses { target, geometry, predicates, opaque, proxies, light },
             shaders,
             birds_eye: None,
+            update_scratch: UpdateScratch::default(),
+            scatter,
             pass_times: Vec::new(),
             policy: options.policy,
             query_budget: options.query_budget,
@@ -198,12 +210,15 @@ impl Renderer {
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
 
-        history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
-        history.decide(&self.hierarchy, request.strategy, &view, self.query_budget);
+        history.ingest(self.device.completed()?, &self.hierarchy);
+        let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
+        history.decide(hierarchy, &passes.geometry, request.strategy, &view, self.query_budget);
+        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
         let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
         self.passes.record(frame.commands(), history, &view, &io, request.picture);
 
         let tick = frame.submit(request.after)?;
+        self.passes.geometry.submitted();
         history.submitted(tick, &self.passes.geometry);
         Ok(report(history, tick, began.elapsed().saturating_sub(waited)))
     }
@@ -215,7 +230,7 @@ impl Renderer {
     /// A lost device, or a frame that takes too long.
     pub fn drain(&mut self, history: &mut ViewHistory) -> Result<(), Error> {
         self.device.drain()?;
-        history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
+        history.ingest(self.device.completed()?, &self.hierarchy);
         Ok(())
     }
 }

@@ -22,12 +22,13 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 5] = [
+pub const SHADERS: [Shader; 6] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
+    shader!("scatter.comp"),
 ];
 
 /// The shaders a renderer is built from.

@@ -9,6 +9,7 @@ use gpu::{Device, DrawRange, QueryRing, Tick};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
+use crate::leaf_counts::Count;
 
 /// What a frame turned out to be, known once its answers are home.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,15 +24,23 @@ pub struct FrameOutcome {
     pub revealed: u64,
 }
 
+/// A query on its way: what was asked, and what its answer decides about, counted when it was asked,
+/// since the scene may change before the answer is home.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked {
+    pub(crate) tag: QueryTag,
+    count: Count,
+}
+
 /// One view of a scene: its culler, its queries in flight, and the plan of its newest frame.
 /// Several views may look at one scene; each has its own history.
 pub struct ViewHistory {
     pub(crate) culler: Culler,
-    pub(crate) queries: QueryRing<QueryTag>,
+    pub(crate) queries: QueryRing<Asked>,
     pub(crate) plan: FramePlan,
     // Scratch for the newest frame, kept to allocate nothing in the steady state: what each query
     // is about, in the order of the queries: the queried draws, then the tests.
-    pub(crate) tags: Vec<QueryTag>,
+    pub(crate) tags: Vec<Asked>,
     answers: Vec<Answer>,
     pending: VecDeque<FrameOutcome>,
     outcomes: Vec<FrameOutcome>,
@@ -65,22 +74,21 @@ impl ViewHistory {
     }
 
     /// Picks up every answer that is home and lets the history move on. Never waits.
-    pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
+    pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy) {
         let Self { culler, queries, answers, pending, outcomes, .. } = self;
         answers.clear();
-        queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
-        for answer in answers.iter() {
-            let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
+        queries.collect(completed, |Asked { tag, count }, samples| {
+            answers.push(Answer { tag, samples });
+            let outcome = pending.iter_mut().find(|pending| pending.frame == tag.frame);
             if let Some(outcome) = outcome
-                && answer.samples > 0
-                && answer.tag.kind == cull::QueryKind::Proxy
+                && samples > 0
+                && tag.kind == cull::QueryKind::Proxy
             {
-                let leaves = hierarchy.leaves(answer.tag.node);
-                outcome.draws += u64::from(leaves.count);
-                outcome.revealed += u64::from(leaves.count);
-                outcome.triangles += geometry.triangles(leaves);
+                outcome.draws += count.draws;
+                outcome.revealed += count.draws;
+                outcome.triangles += count.triangles;
             }
-        }
+        });
         if let Some(newest) = answers.iter().map(|answer| answer.tag.frame).max() {
             while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
                 outcomes.push(outcome);
@@ -104,14 +112,19 @@ impl ViewHistory {
     pub(crate) fn decide(
         &mut self,
         hierarchy: &Hierarchy,
+        geometry: &Geometry,
         strategy: Strategy,
         view: &View,
         query_budget: usize,
     ) {
         self.culler.plan(hierarchy, strategy, view, query_budget, &mut self.plan);
-        let own = self.plan.queried_draws.iter().map(|(_, tag)| *tag);
+        let nothing = Count::default();
+        let own =
+            self.plan.queried_draws.iter().map(|(_, tag)| Asked { tag: *tag, count: nothing });
+        let tests = self.plan.tests.iter();
+        let tests = tests.map(|test| Asked { tag: test.tag, count: geometry.count(test.leaves) });
         self.tags.clear();
-        self.tags.extend(own.chain(self.plan.tests.iter().map(|test| test.tag)));
+        self.tags.extend(own.chain(tests));
     }
 
     /// What each query decides about, in the order of the queries.
@@ -135,7 +148,7 @@ impl ViewHistory {
             FrameOutcome { frame: self.plan.frame, draws: 0, triangles: 0, revealed: 0 };
         for first in taken {
             outcome.draws += 1;
-            outcome.triangles += geometry.triangles(LeafRange { first, count: 1 });
+            outcome.triangles += geometry.count(LeafRange { first, count: 1 }).triangles;
         }
         if self.tags.is_empty() {
             self.outcomes.push(outcome);

@@ -94,6 +94,12 @@ fn predicates_read_words_and_ranges() {
 }
 
 #[test]
+fn scattering_knows_only_words() {
+    let words = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("scatter.comp"), (vec![words(0), words(1), words(2)], 8));
+}
+
+#[test]
 fn push_constants_fit_every_device() {
     // Vulkan promises 128 bytes (specification, "Required Limits").
     let folder = crate::folder();

@@ -3,7 +3,9 @@
 mod opaque;
 mod overlay;
 mod proxy;
+mod scatter;
 
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};
 pub use proxy::{ProxyBox, ProxyIo, ProxyPass};
+pub use scatter::{ScatterIo, ScatterPass};
