@@ -33,6 +33,8 @@ Examples:
       Jumps about, compares every frame with frustum culling, leaves pictures.
   walkthrough --objects 1000000 --frames 10 --report million.json
       A large city: how long it takes to build and how much memory it needs.
+  walkthrough --moving 10 --verify every
+      Every tenth object moves or comes and goes; each frame is compared.
   walkthrough --list-devices
       What --device can choose from.
 
@@ -53,6 +55,9 @@ pub struct Arguments {
     /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps)
     #[arg(long, value_name = "street|fly|cut", default_value = "street", help_heading = "Walk")]
     pub path: String,
+    /// How many objects of a hundred move, come and go, 0 to 100
+    #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
+    pub moving: String,
     /// Timed frames of each strategy, 1 to 1000000
     #[arg(long, value_name = "N", default_value = "120", help_heading = "Walk")]
     pub frames: String,
@@ -127,6 +132,7 @@ impl Arguments {
             objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
             seed: parse_in_range("--seed", &self.seed, 0, u64::MAX)?,
             path: parse_path(&self.path)?,
+            moving_percent: parse_in_range("--moving", &self.moving, 0, 100)?,
             frames,
             size: parse_size(&self.size)?,
             strategies: parse_strategies(&self.strategy)?,

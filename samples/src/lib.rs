@@ -9,6 +9,7 @@ pub mod args;
 pub mod choices;
 pub mod measurement;
 pub mod memory;
+pub mod moving;
 pub mod options;
 pub mod outputs;
 pub mod picture;

@@ -48,6 +48,8 @@ pub struct Options {
     pub seed: u64,
     /// How the camera moves.
     pub path: CameraPath,
+    /// How many objects of a hundred move: 0 to 100.
+    pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].
     pub frames: u32,
     /// Size of the frames; the device may have a lower limit.

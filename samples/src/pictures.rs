@@ -8,6 +8,7 @@ use render::scene::CameraPath;
 use render::{FrameRequest, Renderer, ViewHistory};
 
 use crate::Options;
+use crate::moving::Moving;
 use crate::picture::write_png;
 use crate::run::RunError;
 
@@ -24,6 +25,7 @@ const SETTLING_FRAMES: u32 = 60;
 pub fn write(
     renderer: &mut Renderer,
     path: &CameraPath,
+    moving: &mut Moving,
     options: &Options,
     folder: &Path,
 ) -> Result<(), RunError> {
@@ -33,11 +35,12 @@ pub fn write(
         write_png(&folder.join(name), options.size, picture.rgba8()).map_err(RunError::machine)
     };
     for frame in options.picture_frames() {
-        walk_to(renderer, path, strategy, frame, WARM_UP_FRAMES, &picture)?;
+        walk_to(renderer, path, moving, strategy, frame, WARM_UP_FRAMES, &picture)?;
         save(format!("frame_{frame:05}.png"))?;
     }
     if let Some(frame) = options.birds_eye {
-        let mut history = walk_to(renderer, path, strategy, frame, SETTLING_FRAMES, &picture)?;
+        let mut history =
+            walk_to(renderer, path, moving, strategy, frame, SETTLING_FRAMES, &picture)?;
         save(format!("birds_eye_{frame:05}_seen.png"))?;
         let view = renderer.view_of(&path.camera(frame));
         let moment = renderer.moment(&mut history, view)?;
@@ -51,6 +54,7 @@ pub fn write(
 fn walk_to(
     renderer: &mut Renderer,
     path: &CameraPath,
+    moving: &mut Moving,
     strategy: Strategy,
     frame: u32,
     warm_up: u32,
@@ -58,6 +62,7 @@ fn walk_to(
 ) -> Result<ViewHistory, RunError> {
     let mut history = renderer.new_view()?;
     for walked in frame.saturating_sub(warm_up)..=frame {
+        moving.show(renderer, walked)?;
         let request = FrameRequest {
             strategy,
             camera: path.camera(walked),

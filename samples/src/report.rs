@@ -20,6 +20,10 @@ pub struct Report {
     pub scene: SceneReport,
     /// Name of the camera's path.
     pub path: String,
+    /// How many objects of a hundred were asked to move.
+    pub moving_percent: u32,
+    /// How many objects moved, came or went.
+    pub moving_objects: u64,
     /// Timed frames of each strategy.
     pub frames: u32,
     /// Width and height of the frames in pixels.

@@ -8,6 +8,7 @@ use render::{Renderer, RendererOptions, ShaderSet, object_bounds, scene};
 use thiserror::Error;
 
 use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation};
+use crate::moving::Moving;
 use crate::options::UsageError;
 use crate::progress::Progress;
 use crate::report::{BuildReport, DeviceReport, MemoryReport, Report, SceneReport, ratios};
@@ -64,7 +65,7 @@ impl From<render::Error> for RunError {
         match error {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_) | render::Error::Scene(_) => Self::user(error),
-            render::Error::Hierarchy(_) => Self::machine(error),
+            render::Error::Hierarchy(_) | render::Error::Change { .. } => Self::machine(error),
         }
     }
 }
@@ -170,13 +171,14 @@ fn walk_on(
     let mut renderer =
         Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?)?;
     let upload_ms = clock.lap_ms();
+    let mut moving = Moving::new(&scene, options.moving_percent, options.seed)?;
     if options.time_passes {
         renderer.time_passes()?;
     }
 
-    let runs = Walk::new(&mut renderer, &path, options)?.run(progress)?;
+    let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress)?;
     if let Some(folder) = &options.output {
-        pictures::write(&mut renderer, &path, options, folder)?;
+        pictures::write(&mut renderer, &path, &mut moving, options, folder)?;
     }
     let adapter = device.adapter();
     Ok(Report {
@@ -193,6 +195,8 @@ fn walk_on(
             seed: options.seed,
         },
         path: options.path.to_string(),
+        moving_percent: options.moving_percent,
+        moving_objects: moving.movers() as u64,
         frames: options.frames,
         size: [options.size.width, options.size.height],
         frames_in_flight: options.frames_in_flight,

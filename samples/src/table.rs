@@ -57,7 +57,7 @@ fn head(report: &Report) -> String {
     let Report { device, scene, size: [width, height], .. } = report;
     format!(
         "{} ({}, Vulkan {}), hidden draws skipped by {}\n\
-         {} of {} objects, {} triangles, seed {}; path {}, {} frames of {width}x{height}, {} in flight",
+         {} of {} objects, {} triangles, seed {}; path {}, {} frames of {width}x{height}, {} in flight{}",
         device.name,
         device.driver,
         device.api,
@@ -69,7 +69,18 @@ fn head(report: &Report) -> String {
         report.path,
         report.frames,
         report.frames_in_flight,
+        moving_part(report),
     )
+}
+
+/// A line of its own where something moves.
+fn moving_part(report: &Report) -> String {
+    match report.moving_percent {
+        0 => String::new(),
+        percent => {
+            format!("\n{} of the objects move ({percent} %)", count(Some(report.moving_objects)))
+        }
+    }
 }
 
 /// A sentence for each pair, in the order of the runs.

@@ -12,6 +12,7 @@ use render::{FrameRequest, Renderer, ViewHistory};
 use crate::Options;
 use crate::choices::Verify;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
+use crate::moving::Moving;
 use crate::progress::Progress;
 use crate::report::RunReport;
 use crate::run::RunError;
@@ -23,6 +24,7 @@ pub struct Walk<'a> {
     renderer: &'a mut Renderer,
     device: Device,
     path: &'a CameraPath,
+    moving: &'a mut Moving,
     verify: Verify,
     frames_in_flight: usize,
     schedule: Schedule,
@@ -54,6 +56,7 @@ impl<'a> Walk<'a> {
     pub fn new(
         renderer: &'a mut Renderer,
         path: &'a CameraPath,
+        moving: &'a mut Moving,
         options: &Options,
     ) -> Result<Self, RunError> {
         let run = |&strategy| -> Result<Run, RunError> {
@@ -66,6 +69,7 @@ impl<'a> Walk<'a> {
             device: renderer.device().clone(),
             renderer,
             path,
+            moving,
             verify: options.verify,
             frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
             schedule: Schedule::new(options.frames, options.strategies.len()),
@@ -103,6 +107,7 @@ impl<'a> Walk<'a> {
         let mut walked = Vec::with_capacity(turn.len());
         let mut clock = Stopwatch::start();
         for step in turn {
+            let moved = self.moving.show(self.renderer, step.frame)?;
             let place = frames.iter().position(|frame| step.timed && *frame == step.frame);
             let request = FrameRequest {
                 strategy: run.strategy,
@@ -115,7 +120,7 @@ impl<'a> Walk<'a> {
             let measurement = FrameMeasurement {
                 // From submit to submit: in a full pipeline, the time a frame takes.
                 frame_ms: clock.lap_ms(),
-                cpu_ms: report.cpu.as_secs_f64() * 1e3,
+                cpu_ms: (moved + report.cpu).as_secs_f64() * 1e3,
                 queries: report.queries.into(),
                 predicated_draws: report.predicated_draws.into(),
                 nodes_visited: report.plan.nodes_visited.into(),
@@ -150,6 +155,7 @@ impl<'a> Walk<'a> {
         self.references.clear();
         let picture = Readback::new(&self.device, self.renderer.size())?;
         for &frame in frames {
+            self.moving.show(self.renderer, frame)?;
             let request = FrameRequest {
                 strategy: Strategy::Frustum,
                 camera: self.path.camera(frame),
