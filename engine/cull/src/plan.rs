@@ -131,3 +131,19 @@ pub struct PlanStats {
     /// How often the allowed size of tested nodes was raised to make do with fewer tests.
     pub coarsened: u32,
 }
+
+impl std::ops::AddAssign for PlanStats {
+    /// Of several plans together; `coarsened` is that of the coarsest.
+    fn add_assign(&mut self, other: Self) {
+        self.nodes_visited += other.nodes_visited;
+        self.frontier += other.frontier;
+        self.tested_leaves = self.tested_leaves.saturating_add(other.tested_leaves);
+        self.unknown += other.unknown;
+        self.probes += other.probes;
+        self.visible += other.visible;
+        self.too_near += other.too_near;
+        self.occluders += other.occluders;
+        self.over_budget += other.over_budget;
+        self.coarsened = self.coarsened.max(other.coarsened);
+    }
+}

@@ -101,6 +101,8 @@ pub struct Predicates {
     writer: Option<ComputePipeline>,
     // Counts only: one buffer per frame slot.
     counts: Vec<Option<Buffer>>,
+    // Counts only: a word that is as large as a count may be.
+    all: Option<Buffer>,
     current: Current,
 }
 
@@ -160,9 +162,17 @@ impl Predicates {
             }
         };
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
+        let all = match predication {
+            Predication::Counts => {
+                let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
+                Some(device.upload("all draws", &most, vk::BufferUsageFlags::INDIRECT_BUFFER)?)
+            }
+            _ => None,
+        };
         Ok(Self {
             device: device.clone(),
             predication,
+            all,
             draws: device.upload("indirect draws", draws, usage)?,
             writer,
             counts: (0..frames_in_flight.max(1)).map(|_| None).collect(),
@@ -284,6 +294,19 @@ impl Predicates {
                 // No words, no answer: what is unknown is drawn.
                 _ => commands.draw_indirect(draws),
             },
+        }
+    }
+
+    /// Draws all of `draws`, whatever any word says. Where some draws are counted these are, too:
+    /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in
+    /// the command buffer.
+    pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
+        let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
+        match &self.all {
+            Some(all) if draws.size_bytes / DRAW_BYTES <= limit => {
+                commands.draw_indirect_count(draws, all.whole());
+            }
+            _ => commands.draw_indirect(draws),
         }
     }
 

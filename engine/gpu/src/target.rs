@@ -115,6 +115,7 @@ impl Target {
         RenderTarget {
             colour: self.colour.view,
             depth: self.depth.view,
+            origin: [0, 0],
             size: self.size,
             clear: clear.map(|colour| (colour, FAR)),
         }

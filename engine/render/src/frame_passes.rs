@@ -1,7 +1,10 @@
 //! The GPU's half of a frame: what is visible, then round by round what turns out to be.
 
 use cull::View;
-use gpu::{BufferSlice, Commands, Frame, IndirectDraw, Predicates, QueryIndex, Readback, Target};
+use gpu::{
+    BufferSlice, Commands, Frame, IndirectDraw, Predicates, QueryIndex, Readback, RenderTarget,
+    Target,
+};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
@@ -50,7 +53,7 @@ impl FrameIo {
 }
 
 impl FramePasses {
-    /// Records the frame. Queries are numbered: first those on visible draws, then the tests.
+    /// Records one view's frame. Queries are numbered: first those on visible draws, then the tests.
     ///
     /// The proxies of a round are drawn in the same rendering as what precedes them, so that a
     /// round costs one break and not two.
@@ -70,13 +73,10 @@ impl FramePasses {
         self.target.prepare(commands);
         commands.pass("visible", |commands| {
             let [red, green, blue] = self.light.sky;
-            commands.rendering(
-                self.target.render_target(Some([red, green, blue, 1.0])),
-                |commands| {
-                    self.draw_visible(commands, history, view, io);
-                    self.draw_proxies(commands, history, view, io, first_round.clone());
-                },
-            );
+            commands.rendering(self.target_of(view, Some([red, green, blue, 1.0])), |commands| {
+                self.draw_visible(commands, history, view, io);
+                self.draw_proxies(commands, history, view, io, first_round.clone());
+            });
         });
         let mut asked = 0;
         for (number, round) in plan.rounds.iter().enumerate() {
@@ -88,7 +88,7 @@ impl FramePasses {
             });
             self.target.prepare(commands);
             commands.pass("revealed", |commands| {
-                commands.rendering(self.target.render_target(None), |commands| {
+                commands.rendering(self.target_of(view, None), |commands| {
                     self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
                     for test in round.clone().filter(|test| plan.tests[*test].leaves.count > 0) {
                         self.predicates.draw(commands, own + test as u32);
@@ -107,18 +107,23 @@ impl FramePasses {
         });
     }
 
+    /// Where a view is drawn: its part of the target.
+    fn target_of(&self, view: &View, clear: Option<[f32; 4]>) -> RenderTarget {
+        self.target.render_target(clear).within(view.origin, view.size)
+    }
+
     /// Draws what is taken as visible: all in one call, then those that are asked about. They come
     /// last, so that what hides them is there already.
     fn draw_visible(&self, commands: &Commands, history: &ViewHistory, view: &View, io: &FrameIo) {
         let plan = history.plan();
         self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
         if !plan.draws.is_empty() {
-            commands.draw_indirect(io.visible);
+            self.predicates.draw_always(commands, io.visible);
         }
         for query in 0..plan.queried_draws.len() as u32 {
             history.queries.scope(commands, QueryIndex(query), |commands| {
                 let at = u64::from(query) * DRAW_BYTES;
-                commands.draw_indirect(io.queried.part(at, DRAW_BYTES));
+                self.predicates.draw_always(commands, io.queried.part(at, DRAW_BYTES));
             });
         }
     }

@@ -43,6 +43,7 @@ pub mod scene;
 mod shaders;
 mod update;
 mod view_history;
+mod views;
 
 pub use error::Error;
 pub use moment::Moment;
@@ -54,3 +55,4 @@ pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};
+pub use views::{Area, Eye, ViewsRequest};

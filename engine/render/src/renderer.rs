@@ -1,18 +1,19 @@
 //! The renderer: one frame from top to bottom, from the answers of the past to the submit.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use cull::{Aabb, Camera, Hierarchy, Policy, Strategy, View};
 use gpu::{Device, FrameRing, PassTime, Predicates, Predication, Readback, Target, Tick, Timeline};
 
 use crate::error::Error;
-use crate::frame_passes::{FrameIo, FramePasses};
+use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
 use crate::passes::{OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
 use crate::update::UpdateScratch;
 use crate::view_history::ViewHistory;
+use crate::views::{Area, Eye, ViewsRequest};
 
 /// How to make a [`Renderer`].
 #[derive(Debug, Clone)]
@@ -60,7 +61,7 @@ pub struct FrameRequest<'a> {
     pub after: Option<(&'a Timeline, Tick)>,
 }
 
-/// What is known of a frame when it is submitted.
+/// What is known of a frame when it is submitted; of all its views together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameReport {
     /// Its tick.
@@ -89,9 +90,9 @@ pub struct Renderer {
     pub(crate) birds_eye: Option<OverlayPass>,
     pub(crate) update_scratch: UpdateScratch,
     pub(crate) scatter: ScatterPass,
-    pass_times: Vec<PassTime>,
+    pub(crate) pass_times: Vec<PassTime>,
     policy: Policy,
-    query_budget: usize,
+    pub(crate) query_budget: usize,
 }
 
 impl Renderer {
@@ -203,24 +204,10 @@ impl Renderer {
         history: &mut ViewHistory,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
-        let view = self.view_of(&request.camera);
-        let began = Instant::now();
-        let mut frame = self.frames.begin()?;
-        let waited = frame.waited();
-        self.pass_times.clear();
-        self.pass_times.extend_from_slice(frame.pass_times());
-
-        history.ingest(self.device.completed()?, &self.hierarchy);
-        let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
-        history.decide(hierarchy, &passes.geometry, request.strategy, &view, self.query_budget);
-        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
-        let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
-        self.passes.record(frame.commands(), history, &view, &io, request.picture);
-
-        let tick = frame.submit(request.after)?;
-        self.passes.geometry.submitted();
-        history.submitted(tick, &self.passes.geometry);
-        Ok(report(history, tick, began.elapsed().saturating_sub(waited)))
+        let area = Area { origin: [0, 0], size: self.size() };
+        let eye = Eye { history, camera: request.camera, area };
+        let FrameRequest { strategy, picture, after, .. } = *request;
+        self.render_views(&mut [eye], &ViewsRequest { strategy, picture, after })
     }
 
     /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts
@@ -242,17 +229,4 @@ impl Renderer {
 pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
     scene.validate()?;
     Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
-}
-
-fn report(history: &ViewHistory, tick: Tick, cpu: Duration) -> FrameReport {
-    let predicated = history.plan().tests.iter().filter(|test| test.leaves.count > 0);
-    FrameReport {
-        tick,
-        cpu,
-        queries: history.plan().query_count() as u32,
-        predicated_draws: predicated.count() as u32,
-        oldest_answer_frames: history.answer_ages().max(),
-        youngest_answer_frames: history.answer_ages().min(),
-        plan: history.plan().stats,
-    }
 }
