@@ -10,7 +10,8 @@ use clap::Parser;
 use crate::Options;
 use crate::choices::{DeviceChoice, Named, Scene, Verify, parse_named};
 use crate::options::{
-    DEFAULT_PICTURES, FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, UsageError,
+    DEFAULT_PICTURES, FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
+    UsageError,
 };
 use crate::strategy::Strategy;
 
@@ -55,6 +56,9 @@ pub struct Arguments {
     /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps)
     #[arg(long, value_name = "street|fly|cut", default_value = "street", help_heading = "Walk")]
     pub path: String,
+    /// How many eyes look: 1, or 2 for a stereo pair side by side in one frame, half of it each
+    #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
+    pub views: String,
     /// How many objects of a hundred move, come and go, 0 to 100
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
     pub moving: String,
@@ -127,6 +131,13 @@ impl Arguments {
     /// The first argument that cannot be.
     pub fn options(&self) -> Result<Options, UsageError> {
         let frames = parse_in_range("--frames", &self.frames, 1, MAX_FRAMES)?;
+        let size = parse_size(&self.size)?;
+        let views = parse_in_range("--views", &self.views, 1, MAX_VIEWS)?;
+        if size.width < views {
+            return usage(format!(
+                "--views {views} needs a column of pixels for each eye: --size {size} is too narrow"
+            ));
+        }
         Ok(Options {
             scene: parse_scene(&self.scene)?,
             objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
@@ -134,7 +145,8 @@ impl Arguments {
             path: parse_path(&self.path)?,
             moving_percent: parse_in_range("--moving", &self.moving, 0, 100)?,
             frames,
-            size: parse_size(&self.size)?,
+            views,
+            size,
             strategies: parse_strategies(&self.strategy)?,
             verify: parse_verify(&self.verify)?,
             frames_in_flight: parse_in_range(

@@ -32,7 +32,7 @@ fn without_arguments_it_is_a_street_walk_of_all_strategies() {
     assert_eq!(options.strategies, Strategy::ALL);
     assert_eq!(options.verify, Verify::Off);
     assert_eq!(options.frames_in_flight, 2);
-    assert_eq!(options.moving_percent, 0);
+    assert_eq!((options.views, options.moving_percent), (1, 0));
     assert_eq!(options.device, DeviceChoice::Best);
     assert_eq!((options.pictures, options.birds_eye), (0, None));
     assert_eq!((options.output, options.report, options.shaders), (None, None, None));
@@ -45,6 +45,7 @@ fn every_option_arrives() {
         "--objects=2000000",
         "--seed=18446744073709551615",
         "--path=cut",
+        "--views=2",
         "--moving=30",
         "--frames=7",
         "--size=64X32",
@@ -69,6 +70,7 @@ fn every_option_arrives() {
             objects: 2_000_000,
             seed: u64::MAX,
             path: CameraPath::Cut,
+            views: 2,
             moving_percent: 30,
             frames: 7,
             size: FrameSize { width: 64, height: 32 },
@@ -93,6 +95,7 @@ fn every_option_arrives() {
 fn numbers_outside_their_range_are_refused() {
     for (option, values) in [
         ("--objects", ["0", "4000001", "-5", "many", "", "1e6"]),
+        ("--views", ["0", "3", "-1", "two", "", "1.0"]),
         ("--moving", ["101", "-1", "ten", "5%", "", "1.5"]),
         ("--frames", ["0", "1000001", "-1", "1.5", " 3", "4294967296"]),
         ("--frames-in-flight", ["0", "5", "-1", "two", "", "99999999999"]),
@@ -115,6 +118,12 @@ fn sizes_that_are_none_are_refused() {
         let message = refusal(&[&format!("--size={size}")]);
         assert!(message.contains("such as 1280x720"), "{message}");
     }
+}
+
+#[test]
+fn every_eye_needs_a_column() {
+    assert!(refusal(&["--views=2", "--size=1x9"]).contains("--size 1x9 is too narrow"));
+    assert_eq!(parse(&["--views=2", "--size=2x9"]).unwrap().views, 2);
 }
 
 #[test]

@@ -7,6 +7,7 @@
 
 pub mod args;
 pub mod choices;
+pub mod eyes;
 pub mod measurement;
 pub mod memory;
 pub mod moving;

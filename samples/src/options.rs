@@ -14,6 +14,8 @@ pub const MAX_OBJECTS: u32 = render::scene::MAX_OBJECTS;
 pub const MAX_FRAMES: u32 = 1_000_000;
 /// The most frames that may be in flight.
 pub const MAX_FRAMES_IN_FLIGHT: u32 = 4;
+/// The most eyes that may look.
+pub const MAX_VIEWS: u32 = 2;
 /// How many pictures of frames a walk leaves where `--pictures` does not say.
 pub const DEFAULT_PICTURES: u32 = 4;
 
@@ -48,6 +50,8 @@ pub struct Options {
     pub seed: u64,
     /// How the camera moves.
     pub path: CameraPath,
+    /// How many eyes look: 1, or a pair side by side; the frame has at least a column for each.
+    pub views: u32,
     /// How many objects of a hundred move: 0 to 100.
     pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].

@@ -20,6 +20,8 @@ pub struct Report {
     pub scene: SceneReport,
     /// Name of the camera's path.
     pub path: String,
+    /// How many eyes looked, side by side in one frame; counts are those of all together.
+    pub views: u32,
     /// How many objects of a hundred were asked to move.
     pub moving_percent: u32,
     /// How many objects moved, came or went.

@@ -65,7 +65,9 @@ impl From<render::Error> for RunError {
         match error {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_) | render::Error::Scene(_) => Self::user(error),
-            render::Error::Hierarchy(_) | render::Error::Change { .. } => Self::machine(error),
+            render::Error::Hierarchy(_)
+            | render::Error::Area { .. }
+            | render::Error::Change { .. } => Self::machine(error),
         }
     }
 }
@@ -195,6 +197,7 @@ fn walk_on(
             seed: options.seed,
         },
         path: options.path.to_string(),
+        views: options.views,
         moving_percent: options.moving_percent,
         moving_objects: moving.movers() as u64,
         frames: options.frames,

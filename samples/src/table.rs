@@ -69,18 +69,21 @@ fn head(report: &Report) -> String {
         report.path,
         report.frames,
         report.frames_in_flight,
-        moving_part(report),
+        more_lines(report),
     )
 }
 
-/// A line of its own where something moves.
-fn moving_part(report: &Report) -> String {
-    match report.moving_percent {
-        0 => String::new(),
-        percent => {
-            format!("\n{} of the objects move ({percent} %)", count(Some(report.moving_objects)))
-        }
+/// Lines of their own where several eyes look or something moves.
+fn more_lines(report: &Report) -> String {
+    let mut lines = String::new();
+    if report.views > 1 {
+        lines += &format!("\n{} eyes side by side, half of the frame each", report.views);
     }
+    if report.moving_percent > 0 {
+        let moving = count(Some(report.moving_objects));
+        lines += &format!("\n{moving} of the objects move ({} %)", report.moving_percent);
+    }
+    lines
 }
 
 /// A sentence for each pair, in the order of the runs.

@@ -6,11 +6,12 @@ use std::collections::VecDeque;
 
 use cull::{FrameId, Strategy};
 use gpu::{Device, Readback};
+use render::Renderer;
 use render::scene::CameraPath;
-use render::{FrameRequest, Renderer, ViewHistory};
 
 use crate::Options;
 use crate::choices::Verify;
+use crate::eyes::Eyes;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
 use crate::moving::Moving;
 use crate::progress::Progress;
@@ -29,7 +30,7 @@ pub struct Walk<'a> {
     frames_in_flight: usize,
     schedule: Schedule,
     runs: Vec<Run>,
-    reference: ViewHistory,
+    reference: Eyes,
     references: BTreeMap<u32, Vec<u8>>,
     pictures: Vec<Readback>,
 }
@@ -37,7 +38,7 @@ pub struct Walk<'a> {
 /// One strategy on its way.
 struct Run {
     strategy: Strategy,
-    history: ViewHistory,
+    eyes: Eyes,
     measurement: RunMeasurement,
 }
 
@@ -60,12 +61,12 @@ impl<'a> Walk<'a> {
         options: &Options,
     ) -> Result<Self, RunError> {
         let run = |&strategy| -> Result<Run, RunError> {
-            let history = renderer.new_view()?;
-            Ok(Run { strategy, history, measurement: RunMeasurement::new(strategy) })
+            let eyes = Eyes::new(renderer, options.views)?;
+            Ok(Run { strategy, eyes, measurement: RunMeasurement::new(strategy) })
         };
         Ok(Self {
             runs: options.strategies.iter().map(run).collect::<Result<_, _>>()?,
-            reference: renderer.new_view()?,
+            reference: Eyes::new(renderer, options.views)?,
             device: renderer.device().clone(),
             renderer,
             path,
@@ -109,14 +110,10 @@ impl<'a> Walk<'a> {
         for step in turn {
             let moved = self.moving.show(self.renderer, step.frame)?;
             let place = frames.iter().position(|frame| step.timed && *frame == step.frame);
-            let request = FrameRequest {
-                strategy: run.strategy,
-                camera: self.path.camera(step.frame),
-                picture: place.and_then(|place| self.pictures.get(place)),
-                after: None,
-            };
+            let picture = place.and_then(|place| self.pictures.get(place));
+            let camera = self.path.camera(step.frame);
             let waits = self.device.wait_counts().other;
-            let report = self.renderer.render(&mut run.history, &request)?;
+            let report = run.eyes.render(self.renderer, run.strategy, &camera, picture)?;
             let measurement = FrameMeasurement {
                 // From submit to submit: in a full pipeline, the time a frame takes.
                 frame_ms: clock.lap_ms(),
@@ -128,7 +125,7 @@ impl<'a> Walk<'a> {
                 blocking_waits: self.device.wait_counts().other - waits,
                 ..FrameMeasurement::default()
             };
-            let frame = run.history.plan().frame;
+            let frame = run.eyes.frame();
             walked.push(Walked { frame, timed: step.timed, measurement });
             // A slot's times are those of its frame before: of this turn, once all were used.
             if step.timed && walked.len() > self.frames_in_flight {
@@ -137,7 +134,7 @@ impl<'a> Walk<'a> {
             }
             progress.frame_done(run.strategy.name());
         }
-        self.renderer.drain(&mut run.history)?;
+        run.eyes.drain(self.renderer)?;
         book(run, walked);
         for (picture, frame) in self.pictures.iter().zip(&frames) {
             let reference = self.references.get(frame).map_or(&[][..], Vec::as_slice);
@@ -156,15 +153,10 @@ impl<'a> Walk<'a> {
         let picture = Readback::new(&self.device, self.renderer.size())?;
         for &frame in frames {
             self.moving.show(self.renderer, frame)?;
-            let request = FrameRequest {
-                strategy: Strategy::Frustum,
-                camera: self.path.camera(frame),
-                picture: Some(&picture),
-                after: None,
-            };
-            self.renderer.render(&mut self.reference, &request)?;
-            self.renderer.drain(&mut self.reference)?;
-            self.references.insert(frame, picture.rgba8().to_vec());
+            let (camera, picture) = (self.path.camera(frame), Some(&picture));
+            self.reference.render(self.renderer, Strategy::Frustum, &camera, picture)?;
+            self.reference.drain(self.renderer)?;
+            self.references.insert(frame, picture.map_or(&[][..], Readback::rgba8).to_vec());
         }
         Ok(())
     }
@@ -172,10 +164,10 @@ impl<'a> Walk<'a> {
 
 /// Adds what the answers told to the frames of a turn, and the frames to the run.
 fn book(run: &mut Run, mut walked: Vec<Walked>) {
-    for outcome in run.history.take_outcomes() {
+    for outcome in run.eyes.take_outcomes() {
         if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
-            walked.measurement.draws = outcome.draws;
-            walked.measurement.triangles = outcome.triangles;
+            walked.measurement.draws += outcome.draws;
+            walked.measurement.triangles += outcome.triangles;
         }
     }
     for Walked { timed, measurement, .. } in walked {

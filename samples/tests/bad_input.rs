@@ -40,6 +40,8 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         (["--objects", "2000001"], "from 1 to 2000000, not '2000001'"),
         (["--objects", "99999999999999999999"], "from 1 to 2000000"),
         (["--objects", "-3"], "from 1 to 2000000, not '-3'"),
+        (["--views", "3"], "from 1 to 2, not '3'"),
+        (["--views", "0"], "from 1 to 2, not '0'"),
         (["--moving", "101"], "from 0 to 100, not '101'"),
         (["--moving", "-1"], "from 0 to 100, not '-1'"),
         (["--moving", "some"], "from 0 to 100, not 'some'"),

@@ -171,6 +171,17 @@ fn a_walk_in_which_much_moves_is_exact() {
 }
 
 #[test]
+fn a_walk_with_two_eyes_is_exact() {
+    for (device, moving) in [("llvmpipe", "--moving=20"), ("swiftshader", "--moving=0")] {
+        let scratch = Scratch::new(&format!("views-{device}"));
+        let report = walk(&scratch, device, &["--views=2", moving]);
+        assert_report(&report, device);
+        assert_eq!(report["views"], 2);
+        assert_pictures(&scratch);
+    }
+}
+
+#[test]
 fn a_cache_that_cannot_be_written_is_no_reason_to_stop() {
     let scratch = Scratch::new("no-cache");
     let small = ["--quiet", "--objects=50", "--frames=2", "--size=32x32", "--device=llvmpipe"];

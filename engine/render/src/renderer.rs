@@ -190,8 +190,7 @@ impl Renderer {
 
     /// The view of `camera` on this renderer's picture.
     pub fn view_of(&self, camera: &Camera) -> View {
-        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        View::new(camera, self.passes.target.size(), bits)
+        self.view_in(camera, Area { origin: [0, 0], size: self.size() })
     }
 
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,

@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use cull::{Camera, Strategy, View};
-use gpu::{Frame, Readback, Tick, Timeline};
+use gpu::{Device, Frame, Readback, Tick, Timeline};
 
 use crate::error::Error;
 use crate::frame_passes::{FrameIo, FramePasses};
@@ -74,7 +74,6 @@ impl Renderer {
         for eye in eyes.iter() {
             self.check_area(eye.area)?;
         }
-        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let began = Instant::now();
         let mut frame = self.frames.begin()?;
         let waited = frame.waited();
@@ -85,7 +84,7 @@ impl Renderer {
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
         let mut left = eyes.len();
         for Eye { history, camera, area } in eyes.iter_mut() {
-            let view = View { origin: area.origin, ..View::new(camera, area.size, bits) };
+            let view = view_in(&self.device, camera, *area);
             history.ingest(self.device.completed()?, hierarchy);
             let geometry = &passes.geometry;
             history.decide(hierarchy, geometry, request.strategy, &view, self.query_budget);
@@ -106,6 +105,11 @@ impl Renderer {
         Ok(report)
     }
 
+    /// The view of `camera` in a part of this renderer's picture.
+    pub fn view_in(&self, camera: &Camera, area: Area) -> View {
+        view_in(&self.device, camera, area)
+    }
+
     fn check_area(&self, area: Area) -> Result<(), Error> {
         let picture = self.size();
         let fits = |side: usize| {
@@ -114,6 +118,11 @@ impl Renderer {
         };
         if fits(0) && fits(1) { Ok(()) } else { Err(Error::Area { area, picture }) }
     }
+}
+
+fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
+    let bits = device.adapter().limits.sub_pixel_precision_bits;
+    View { origin: area.origin, ..View::new(camera, area.size, bits) }
 }
 
 /// Writes the newest plan of `history` into the frame and records it.
@@ -137,10 +146,10 @@ impl FrameReport {
         self.queries += plan.query_count() as u32;
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
-        let older = |age| self.oldest_answer_frames.into_iter().chain(age).max();
-        self.oldest_answer_frames = older(history.answer_ages().max());
-        let youngest = history.answer_ages().min();
-        self.youngest_answer_frames = self.youngest_answer_frames.into_iter().chain(youngest).min();
+        // No age is less than any, so the larger of two is the older one that there is.
+        self.oldest_answer_frames = self.oldest_answer_frames.max(history.answer_ages().max());
+        let youngest = self.youngest_answer_frames.into_iter().chain(history.answer_ages().min());
+        self.youngest_answer_frames = youngest.min();
     }
 }
 
