@@ -79,6 +79,7 @@ pub struct Hierarchy {
     journal: journal::Journal,
     worn: restructure::Worn,
     refit_scratch: refit::Scratch,
+    search: occupancy::Search,
     /// Subtrees to rebuild; kept to allocate nothing.
     chosen: Vec<u32>,
     work: HierarchyWork,
@@ -102,6 +103,7 @@ impl Hierarchy {
             journal: journal::Journal::default(),
             worn: restructure::Worn::default(),
             refit_scratch: refit::Scratch::default(),
+            search: occupancy::Search::default(),
             chosen: Vec::new(),
             work: HierarchyWork::default(),
         })

@@ -239,6 +239,46 @@ fn a_worn_whole_is_rebuilt_if_it_is_small() {
 }
 
 #[test]
+fn who_comes_gets_the_leaf_that_fits_so_that_coming_and_going_wears_nothing() {
+    let mut boxes = grid(3_000);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    let good = cost(&hierarchy);
+    let mut away: Vec<Aabb> = Vec::new();
+    for round in 0..2_000_usize {
+        let object = round * 1_237 % 3_000;
+        if !boxes[object].is_empty() {
+            hierarchy.remove(ObjectId(object as u32)).unwrap();
+            away.push(std::mem::replace(&mut boxes[object], Aabb::EMPTY));
+        }
+        if away.len() > 20 {
+            let bounds = away.swap_remove(round * 7 % away.len());
+            let object = hierarchy.insert(bounds).unwrap();
+            boxes[object.0 as usize] = bounds;
+        }
+    }
+    check(&hierarchy, &boxes);
+    assert!(cost(&hierarchy) < 1.1 * good && !hierarchy.is_worn(), "{good} {}", cost(&hierarchy));
+}
+
+#[test]
+fn a_free_leaf_is_found_however_many_there_are() {
+    let mut boxes = grid(20_000);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    for object in (0..20_000).step_by(2) {
+        hierarchy.remove(ObjectId(object)).unwrap();
+        boxes[object as usize] = Aabb::EMPTY;
+    }
+    // So far away that no leaf fits better than another.
+    for number in 0..500 {
+        let bounds = lifted(&grid(500)[number], 1.0e6);
+        let object = hierarchy.insert(bounds).unwrap();
+        assert!(boxes[object.0 as usize].is_empty());
+        boxes[object.0 as usize] = bounds;
+    }
+    check(&hierarchy, &boxes);
+}
+
+#[test]
 fn nothing_and_everything_gone_are_no_special_cases() {
     let mut nothing = Hierarchy::build(&[]).unwrap();
     nothing.restructure(&mut Vec::new());

@@ -52,14 +52,14 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Puts an object in, in a free leaf not far from it: one of an object that was removed, or that
+    /// Puts an object in, in the free leaf where it fits best: one of an object that was removed, or that
     /// was built with an empty box. Nothing of what the leaf held before is remembered of the new
     /// object, in no view, and answers to questions about it are ignored.
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`]; [`HierarchyError::NoFreeLeaf`].
     pub fn insert(&mut self, bounds: Aabb) -> Result<ObjectId, HierarchyError> {
-        let node = occupancy::occupy(&self.topology, &mut self.nodes, bounds)?;
+        let node = occupancy::occupy(&self.topology, &mut self.nodes, &mut self.search, bounds)?;
         self.refit_above(node);
         let generation = self.begin_generation();
         self.births[node as usize] = generation;
