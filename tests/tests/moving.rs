@@ -237,13 +237,16 @@ fn objects_that_jump_far_stay_exact() {
         let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         let mut rebuilt = 0;
         for frame in 0..40_usize {
-            // Without a common divisor with 700, so that no two get the same seat.
-            let stride = [1, 3, 9, 11, 13, 17, 19, 23, 27, 29][frame / 4];
-            let seat = |n: usize| scene.objects[1 + (n * stride + frame) % 700].transform;
-            let changes: Vec<ObjectChange> = (0..700)
-                .filter(|_| frame.is_multiple_of(2))
-                .map(|n| ObjectChange::Move { object: ObjectId(n as u32 + 1), transform: seat(n) })
-                .collect();
+            // Every third, among themselves: the others move in the hierarchy all the same. Their
+            // number is a prime, so that no two get the same seat.
+            let seat =
+                |n: usize| scene.objects[1 + 3 * ((n * (frame + 1) + frame) % 233)].transform;
+            let move_to = |n: usize| ObjectChange::Move {
+                object: ObjectId(1 + 3 * n as u32),
+                transform: seat(n),
+            };
+            let changes: Vec<ObjectChange> =
+                (0..233).filter(|_| frame.is_multiple_of(2)).map(move_to).collect();
             rebuilt += renderer.update(&changes).unwrap().rebuilt_leaves;
             if frame == 30 {
                 renderer.rebuild_hierarchy().unwrap();
