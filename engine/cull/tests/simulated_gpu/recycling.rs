@@ -90,18 +90,17 @@ fn answers_about_other_nodes_count_across_a_recycling() {
     assert_eq!(leaf_state(&walk.culler, &walk.hierarchy, other), NodeState::Hidden);
 }
 
-/// Swaps distant objects until a part of the tree is rebuilt; answers the part.
-fn mingle(walk: &mut Walk) -> LeafRange {
+/// Shakes the objects around the camera until a part of the tree is rebuilt that holds one that is
+/// visible; answers the part.
+fn mingle(walk: &mut Walk, states: &[NodeState]) -> LeafRange {
     let count = walk.scene.bounds.len();
     let mut reordered = Vec::new();
     let mut random = Random::new(9);
-    // Small steps among neighbours, so that the whole is not worn at once.
     let is_near = |o: &usize| walk.scene.bounds[*o].distance_squared(STREET.eye) < 400.0;
     let some: Vec<usize> = (0..count).filter(is_near).collect();
     let is_seen = |walk: &Walk, part: &LeafRange| {
-        let objects = walk.hierarchy.leaf_objects()[part.indices()].iter();
-        let seen = |o: &&ObjectId| walk.scene.bounds[o.0 as usize].centre().z < STREET.eye.z;
-        objects.filter(seen).count() > 3
+        let mut objects = walk.hierarchy.leaf_objects()[part.indices()].iter();
+        objects.any(|object| states[object.0 as usize] == NodeState::Visible)
     };
     for _ in 0..100 {
         for object in &some {
@@ -144,7 +143,7 @@ fn a_rebuilt_part_keeps_what_is_known_of_objects() {
     let was_under_hidden: Vec<bool> =
         (0..before.len()).map(|object| is_under_hidden(&walk, ObjectId(object as u32))).collect();
     let generation = walk.hierarchy.generation();
-    let inside = mingle(&mut walk);
+    let inside = mingle(&mut walk, &before);
     assert!(walk.hierarchy.generation() > generation);
     walk.culler.ingest(&walk.hierarchy, []);
     let after = states(&walk);
