@@ -18,6 +18,12 @@ const float CAUTION = 1.0 + 1.0 / 65536.0;
 
 void main() {
     Box box = boxes[gl_InstanceIndex];
+    leaf = gl_InstanceIndex;
+    // A leaf without an object has a box turned inside out: it is drawn nowhere.
+    if (box.low.x > box.high.x) {
+        gl_Position = vec4(2.0, 2.0, 0.0, 1.0);
+        return;
+    }
     vec3 centre = 0.5 * (box.low.xyz + box.high.xyz);
     vec3 half_extent = 0.5 * (box.high.xyz - box.low.xyz);
     float depth = dot(forward.xyz, centre - eye.xyz);
@@ -26,7 +32,6 @@ void main() {
     // 16 times the rounding of a coordinate, as on the CPU.
     float slack = 1.9073486e-6 * max(largest.x, max(largest.y, largest.z));
     float distance = CAUTION * (eye.w * max(depth + reach, forward.w) + slack);
-    leaf = gl_InstanceIndex;
     gl_Position = box_vertex(box.low.xyz - distance, box.high.xyz + distance, eye.xyz, view_proj,
                              gl_VertexIndex);
 }

@@ -79,7 +79,9 @@ Coverage coverage(Box box) {
     float coordinate = max(largest(max(abs(box.low.xyz), abs(box.high.xyz))), largest(abs(eye)));
     float slack = row_w.w * coordinate;
     Coverage covers;
-    covers.in_sight = is_in_sight(centre, extent + slack, near);
+    // A leaf without an object has a box turned inside out.
+    bool is_empty = box.low.x > box.high.x;
+    covers.in_sight = !is_empty && is_in_sight(centre, extent + slack, near);
 
     float depth = dot(row_w.xyz, centre);
     float farthest = max(depth + dot(abs(row_w.xyz), extent), near);

@@ -10,7 +10,8 @@ use clap::Parser;
 use crate::Options;
 use crate::choices::{DeviceChoice, Named, Scene, Verify, parse_named};
 use crate::options::{
-    DEFAULT_PICTURES, FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, UsageError,
+    DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
+    UsageError,
 };
 use crate::strategy::Strategy;
 
@@ -33,6 +34,8 @@ Examples:
       Jumps about, compares every frame with frustum culling, leaves pictures.
   walkthrough --objects 1000000 --frames 10 --report million.json
       A large city: how long it takes to build and how much memory it needs.
+  walkthrough --moving 10 --verify every
+      Every tenth object moves or comes and goes; each frame is compared.
   walkthrough --list-devices
       What --device can choose from.
 
@@ -53,6 +56,12 @@ pub struct Arguments {
     /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps)
     #[arg(long, value_name = "street|fly|cut", default_value = "street", help_heading = "Walk")]
     pub path: String,
+    /// How many eyes look: 1, or 2 for a stereo pair side by side in one frame, half of it each
+    #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
+    pub views: String,
+    /// How many objects of a hundred move, come and go, 0 to 100
+    #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
+    pub moving: String,
     /// Timed frames of each strategy, 1 to 1000000
     #[arg(long, value_name = "N", default_value = "120", help_heading = "Walk")]
     pub frames: String,
@@ -60,14 +69,10 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Walk")]
     pub size: String,
 
-    /// What to compare: frustum, antumbra, or all
-    #[arg(
-        long,
-        value_name = "NAME[,NAME]|all",
-        default_value = "frustum,antumbra,ideal",
-        help_heading = "Compare"
-    )]
-    pub strategy: String,
+    /// What to compare: names from --list-strategies, or all that can be; `ideal` only where nothing
+    /// moves [default: frustum,antumbra,ideal]
+    #[arg(long, value_name = "NAME[,NAME]|all", help_heading = "Compare")]
+    pub strategy: Option<String>,
     /// Print the name of every strategy, one a line, and end
     #[arg(long, help_heading = "Compare")]
     pub list_strategies: bool,
@@ -140,14 +145,26 @@ impl Arguments {
     /// The first argument that cannot be.
     pub fn options(&self) -> Result<Options, UsageError> {
         let frames = parse_in_range("--frames", &self.frames, 1, MAX_FRAMES)?;
+        let size = parse_size(&self.size)?;
+        let views = parse_in_range("--views", &self.views, 1, MAX_VIEWS)?;
+        if size.width < views {
+            return usage(format!(
+                "--views {views} needs a column of pixels for each eye: --size {size} is too narrow"
+            ));
+        }
+        let moving_percent = parse_in_range("--moving", &self.moving, 0, 100)?;
+        let (strategies, left_out) = self.parse_strategies(moving_percent)?;
         Ok(Options {
             scene: parse_scene(&self.scene)?,
             objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
             seed: parse_in_range("--seed", &self.seed, 0, u64::MAX)?,
             path: parse_path(&self.path)?,
+            moving_percent,
             frames,
-            size: parse_size(&self.size)?,
-            strategies: parse_strategies(&self.strategy)?,
+            views,
+            size,
+            strategies,
+            left_out,
             verify: parse_verify(&self.verify)?,
             frames_in_flight: parse_in_range(
                 "--frames-in-flight",
@@ -166,6 +183,33 @@ impl Arguments {
             pictures: self.parse_pictures(frames)?,
             birds_eye: self.parse_birds_eye(frames)?,
         })
+    }
+
+    /// The strategies, and those that were not asked for by name and cannot be.
+    fn parse_strategies(
+        &self,
+        moving_percent: u32,
+    ) -> Result<(Vec<Strategy>, Vec<LeftOut>), UsageError> {
+        const STANDS_STILL: &str =
+            "it draws what was found visible beforehand, in a scene that stands still";
+        let mut strategies = match self.strategy.as_deref() {
+            None => vec![Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal],
+            Some("all") => Strategy::ALL.to_vec(),
+            Some(text) => parse_strategies(text)?,
+        };
+        let mut left_out = Vec::new();
+        let is_ideal = |strategy: &Strategy| *strategy == Strategy::Ideal;
+        if moving_percent > 0 && strategies.iter().any(is_ideal) {
+            if self.strategy.as_deref().is_some_and(|text| text != "all") {
+                return usage(format!(
+                    "--strategy ideal and --moving {moving_percent} do not go together: {STANDS_STILL}"
+                ));
+            }
+            strategies.retain(|strategy| !is_ideal(strategy));
+            let reason = STANDS_STILL.to_owned();
+            left_out.push(LeftOut { strategy: Strategy::Ideal.name().to_owned(), reason });
+        }
+        Ok((strategies, left_out))
     }
 
     fn parse_pictures(&self, frames: u32) -> Result<u32, UsageError> {
@@ -235,9 +279,6 @@ fn parse_size(text: &str) -> Result<FrameSize, UsageError> {
 }
 
 fn parse_strategies(text: &str) -> Result<Vec<Strategy>, UsageError> {
-    if text == "all" {
-        return Ok(Strategy::ALL.to_vec());
-    }
     let mut strategies = Vec::new();
     for name in text.split(',') {
         let strategy: Strategy = named("--strategy", name.trim())?;

@@ -32,6 +32,7 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     assert_eq!(options.strategies, [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal]);
     assert_eq!(options.verify, Verify::Off);
     assert_eq!(options.frames_in_flight, 2);
+    assert_eq!((options.views, options.moving_percent), (1, 0));
     assert_eq!(options.device, DeviceChoice::Best);
     assert_eq!((options.pictures, options.birds_eye), (0, None));
     assert_eq!((options.output, options.report, options.shaders), (None, None, None));
@@ -44,6 +45,8 @@ fn every_option_arrives() {
         "--objects=2000000",
         "--seed=18446744073709551615",
         "--path=cut",
+        "--views=2",
+        "--moving=30",
         "--frames=7",
         "--size=64X32",
         "--strategy=antumbra, frustum",
@@ -68,9 +71,12 @@ fn every_option_arrives() {
             objects: 2_000_000,
             seed: u64::MAX,
             path: CameraPath::Cut,
+            views: 2,
+            moving_percent: 30,
             frames: 7,
             size: FrameSize { width: 64, height: 32 },
             strategies: vec![Strategy::Antumbra, Strategy::Frustum],
+            left_out: vec![],
             verify: Verify::EveryNth(NonZeroU32::new(3).unwrap()),
             frames_in_flight: 4,
             device: DeviceChoice::Name("llvmpipe".into()),
@@ -91,6 +97,8 @@ fn every_option_arrives() {
 fn numbers_outside_their_range_are_refused() {
     for (option, values) in [
         ("--objects", ["0", "4000001", "-5", "many", "", "1e6"]),
+        ("--views", ["0", "3", "-1", "two", "", "1.0"]),
+        ("--moving", ["101", "-1", "ten", "5%", "", "1.5"]),
         ("--frames", ["0", "1000001", "-1", "1.5", " 3", "4294967296"]),
         ("--frames-in-flight", ["0", "5", "-1", "two", "", "99999999999"]),
         ("--seed", ["-1", "18446744073709551616", "abc", "", "0x10", "1.0"]),
@@ -115,6 +123,12 @@ fn sizes_that_are_none_are_refused() {
 }
 
 #[test]
+fn every_eye_needs_a_column() {
+    assert!(refusal(&["--views=2", "--size=1x9"]).contains("--size 1x9 is too narrow"));
+    assert_eq!(parse(&["--views=2", "--size=2x9"]).unwrap().views, 2);
+}
+
+#[test]
 fn unknown_names_are_refused_with_what_there_is() {
     assert!(refusal(&["--scene", "citty"]).contains("city and field; did you mean 'city'?"));
     assert!(refusal(&["--path", "steet"]).contains("did you mean 'street'?"));
@@ -126,6 +140,19 @@ fn unknown_names_are_refused_with_what_there_is() {
     assert!(refusal(&["--verify", "0"]).contains("above 0"));
     assert!(refusal(&["--verify", "always"]).contains("not 'always'"));
     assert!(refusal(&["--device", " "]).contains("--list-devices"));
+}
+
+#[test]
+fn the_ideal_is_left_out_of_scenes_that_move_and_refused_by_name() {
+    assert!(refusal(&["--strategy=frustum,ideal", "--moving=10"]).contains("do not go together"));
+    for arguments in [&["--moving=10"][..], &["--moving=10", "--strategy=all"]] {
+        let options = parse(arguments).unwrap();
+        assert!(!options.strategies.contains(&Strategy::Ideal));
+        assert_eq!(options.left_out[0].strategy, "ideal");
+        assert_eq!(options.left_out.len(), 1);
+    }
+    assert_eq!(parse(&["--strategy=all"]).unwrap().strategies, Strategy::ALL);
+    assert!(parse(&["--strategy=ideal"]).unwrap().left_out.is_empty());
 }
 
 #[test]
@@ -162,15 +189,17 @@ proptest! {
     #[test]
     fn no_text_makes_it_panic(texts in any_vec(".{0,12}", 9)) {
         let mut arguments = Arguments::try_parse_from(["walkthrough", "--out", "o"]).unwrap();
+        let mut strategy = "all".to_owned();
         let fields: [&mut String; 7] = [
             &mut arguments.scene, &mut arguments.objects, &mut arguments.size,
-            &mut arguments.strategy, &mut arguments.verify, &mut arguments.path,
+            &mut strategy, &mut arguments.verify, &mut arguments.path,
             &mut arguments.frames,
         ];
         for (field, text) in fields.into_iter().zip(&texts) {
             let was = std::mem::replace(field, text.clone());
             if text.len() % 2 == 0 { *field = was; }
         }
+        arguments.strategy = Some(strategy);
         arguments.pictures = Some(texts[7].clone());
         arguments.birds_eye = Some(texts[8].clone());
         if let Err(UsageError(message)) = arguments.options() {

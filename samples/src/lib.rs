@@ -9,8 +9,10 @@
 pub mod args;
 pub mod choices;
 pub mod compare;
+pub mod eyes;
 pub mod measurement;
 pub mod memory;
+pub mod moving;
 pub mod options;
 pub mod outputs;
 pub mod picture;

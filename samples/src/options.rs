@@ -3,10 +3,20 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::choices::{CameraPath, Costs, DeviceChoice, Predicates, Scene, Validation, Verify};
 use crate::strategy::Strategy;
+
+/// A strategy that does not run, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct LeftOut {
+    /// Its name.
+    pub strategy: String,
+    /// Why it cannot run here.
+    pub reason: String,
+}
 
 /// The most objects a scene may have.
 pub const MAX_OBJECTS: u32 = render::scene::MAX_OBJECTS;
@@ -14,6 +24,8 @@ pub const MAX_OBJECTS: u32 = render::scene::MAX_OBJECTS;
 pub const MAX_FRAMES: u32 = 1_000_000;
 /// The most frames that may be in flight.
 pub const MAX_FRAMES_IN_FLIGHT: u32 = 4;
+/// The most eyes that may look.
+pub const MAX_VIEWS: u32 = 2;
 /// How many pictures of frames a walk leaves where `--pictures` does not say.
 pub const DEFAULT_PICTURES: u32 = 4;
 
@@ -48,12 +60,18 @@ pub struct Options {
     pub seed: u64,
     /// How the camera moves.
     pub path: CameraPath,
+    /// How many eyes look: 1, or a pair side by side; the frame has at least a column for each.
+    pub views: u32,
+    /// How many objects of a hundred move: 0 to 100.
+    pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].
     pub frames: u32,
     /// Size of the frames; the device may have a lower limit.
     pub size: FrameSize,
     /// What is compared: at least one, each once, in the order asked for.
     pub strategies: Vec<Strategy>,
+    /// Those among all of them that cannot be here.
+    pub left_out: Vec<LeftOut>,
     /// Which frames are compared with plain frustum culling.
     pub verify: Verify,
     /// How many frames the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].

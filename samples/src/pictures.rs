@@ -4,10 +4,12 @@ use std::path::Path;
 
 use cull::Strategy;
 use gpu::Readback;
+use render::Renderer;
 use render::scene::CameraPath;
-use render::{FrameRequest, Renderer, ViewHistory};
 
 use crate::Options;
+use crate::eyes::Eyes;
+use crate::moving::Moving;
 use crate::picture::write_png;
 use crate::run::RunError;
 
@@ -24,48 +26,49 @@ const SETTLING_FRAMES: u32 = 60;
 pub fn write(
     renderer: &mut Renderer,
     path: &CameraPath,
+    moving: &mut Moving,
     options: &Options,
     folder: &Path,
 ) -> Result<(), RunError> {
-    // The ideal knows what is visible of the walk's own frames only, and draws the same picture.
-    let mut products = options.strategies.iter().filter(|strategy| **strategy != Strategy::Ideal);
-    let strategy = products.next_back().copied().unwrap_or(Strategy::Antumbra);
     let picture = Readback::new(renderer.device(), renderer.size())?;
     let save = |name: String| {
         write_png(&folder.join(name), options.size, picture.rgba8()).map_err(RunError::machine)
     };
     for frame in options.picture_frames() {
-        walk_to(renderer, path, strategy, frame, WARM_UP_FRAMES, &picture)?;
+        walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &picture)?;
         save(format!("frame_{frame:05}.png"))?;
     }
     if let Some(frame) = options.birds_eye {
-        let mut history = walk_to(renderer, path, strategy, frame, SETTLING_FRAMES, &picture)?;
+        let mut eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &picture)?;
         save(format!("birds_eye_{frame:05}_seen.png"))?;
-        let view = renderer.view_of(&path.camera(frame));
-        let moment = renderer.moment(&mut history, view)?;
-        renderer.birds_eye(&moment, &picture)?;
-        save(format!("birds_eye_{frame:05}.png"))?;
+        if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
+            let moment = renderer.moment(history, view)?;
+            renderer.birds_eye(&moment, &picture)?;
+            save(format!("birds_eye_{frame:05}.png"))?;
+        }
     }
     Ok(())
 }
 
-/// Walks with a fresh history to `frame`, whose picture is over when this returns.
+/// Walks with fresh histories to `frame`, whose picture is over when this returns.
 fn walk_to(
     renderer: &mut Renderer,
     path: &CameraPath,
-    strategy: Strategy,
+    moving: &mut Moving,
+    options: &Options,
     frame: u32,
     warm_up: u32,
     picture: &Readback,
-) -> Result<ViewHistory, RunError> {
-    let mut history = renderer.new_view()?;
+) -> Result<Eyes, RunError> {
+    // The ideal knows what is visible of the walk's own frames only, and draws the same picture.
+    let mut products = options.strategies.iter().filter(|strategy| **strategy != Strategy::Ideal);
+    let strategy = products.next_back().copied().unwrap_or(Strategy::Antumbra);
+    let mut eyes = Eyes::new(renderer, options.views)?;
     for walked in frame.saturating_sub(warm_up)..=frame {
-        let request = FrameRequest {
-            picture: (walked == frame).then_some(picture),
-            ..FrameRequest::new(strategy, path.camera(walked))
-        };
-        renderer.render(&mut history, &request)?;
+        moving.show(renderer, walked)?;
+        let picture = (walked == frame).then_some(picture);
+        eyes.render(renderer, strategy, &path.camera(walked), &[], picture)?;
     }
     renderer.device().drain().map_err(RunError::from)?;
-    Ok(history)
+    Ok(eyes)
 }

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::options::LeftOut;
 use crate::outputs::{WriteError, replace_file};
 use crate::provenance::Provenance;
 use crate::statistics::{Summary, kept, paired_ratio, ratio};
@@ -21,6 +22,12 @@ pub struct Report {
     pub scene: SceneReport,
     /// Name of the camera's path.
     pub path: String,
+    /// How many eyes looked, side by side in one frame; counts are those of all together.
+    pub views: u32,
+    /// How many objects of a hundred were asked to move.
+    pub moving_percent: u32,
+    /// How many objects moved, came or went.
+    pub moving_objects: u64,
     /// Timed frames of each strategy.
     pub frames: u32,
     /// Width and height of the frames in pixels.
@@ -37,6 +44,8 @@ pub struct Report {
     pub memory: MemoryReport,
     /// How long the preparations took.
     pub build_ms: BuildReport,
+    /// Strategies that could not run, and why.
+    pub left_out: Vec<LeftOut>,
     /// One entry a strategy, in the order asked for.
     pub runs: Vec<RunReport>,
     /// "A/B": median frame time of A over that of B, for every ordered pair.

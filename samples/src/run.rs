@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use cull::Hierarchy;
+use cull::{Hierarchy, Strategy};
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication};
 use render::{Costs, Renderer, RendererOptions, ShaderSet, object_bounds, scene};
 use thiserror::Error;
 
 use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation};
-use crate::options::UsageError;
+use crate::moving::Moving;
+use crate::options::{LeftOut, UsageError};
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::report::{
@@ -69,7 +70,11 @@ impl From<render::Error> for RunError {
         match error {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_) | render::Error::Scene(_) => Self::user(error),
-            render::Error::Hierarchy(_) | render::Error::NoVisibleSet => Self::machine(error),
+            render::Error::Hierarchy(_)
+            | render::Error::NoVisibleSet
+            | render::Error::OldVisibleSet
+            | render::Error::Area { .. }
+            | render::Error::Change { .. } => Self::machine(error),
         }
     }
 }
@@ -175,13 +180,16 @@ fn walk_on(
     let mut renderer =
         Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?)?;
     let upload_ms = clock.lap_ms();
+    let (strategies, left_out) = able(&renderer, options)?;
+    let mut moving = Moving::new(&scene, options.moving_percent, options.seed)?;
     if options.time_passes {
         renderer.time_passes()?;
     }
 
-    let runs = Walk::new(&mut renderer, &path, options)?.run(progress)?;
+    let options = &Options { strategies, left_out, ..options.clone() };
+    let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress)?;
     if let Some(folder) = &options.output {
-        pictures::write(&mut renderer, &path, options, folder)?;
+        pictures::write(&mut renderer, &path, &mut moving, options, folder)?;
     }
     let adapter = device.adapter();
     Ok(Report {
@@ -198,6 +206,9 @@ fn walk_on(
             seed: options.seed,
         },
         path: options.path.to_string(),
+        views: options.views,
+        moving_percent: options.moving_percent,
+        moving_objects: moving.movers() as u64,
         frames: options.frames,
         size: [options.size.width, options.size.height],
         frames_in_flight: options.frames_in_flight,
@@ -215,9 +226,34 @@ fn walk_on(
         },
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
+        left_out: options.left_out.clone(),
         provenance: Provenance::of_this_process(),
         runs,
     })
+}
+
+/// The strategies that the device has everything for, and the others.
+///
+/// # Errors
+/// The first reason, if it has what it takes for none.
+fn able(renderer: &Renderer, options: &Options) -> Result<(Vec<Strategy>, Vec<LeftOut>), RunError> {
+    let mut able = Vec::new();
+    let mut left_out = options.left_out.clone();
+    let mut first_reason = None;
+    for strategy in &options.strategies {
+        match renderer.supports(*strategy) {
+            Ok(()) => able.push(*strategy),
+            Err(error) => {
+                let (strategy, reason) = (strategy.name().to_owned(), error.to_string());
+                left_out.push(LeftOut { strategy, reason });
+                first_reason.get_or_insert(error);
+            }
+        }
+    }
+    match first_reason {
+        Some(error) if able.is_empty() => Err(error.into()),
+        _ => Ok((able, left_out)),
+    }
 }
 
 /// Every measured cost by its name.

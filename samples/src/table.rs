@@ -4,6 +4,7 @@ use std::fmt::{Display, Write};
 
 use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 
+use crate::options::LeftOut;
 use crate::report::{Report, RunReport};
 use crate::statistics::Summary;
 
@@ -57,7 +58,7 @@ fn head(report: &Report) -> String {
     let Report { device, scene, size: [width, height], .. } = report;
     format!(
         "{} ({}, Vulkan {}), hidden draws skipped by {}\n\
-         {} of {} objects, {} triangles, seed {}; path {}, {} frames of {width}x{height}, {} in flight",
+         {} of {} objects, {} triangles, seed {}; path {}, {} frames of {width}x{height}, {} in flight{}",
         device.name,
         device.driver,
         device.api,
@@ -69,7 +70,24 @@ fn head(report: &Report) -> String {
         report.path,
         report.frames,
         report.frames_in_flight,
+        more_lines(report),
     )
+}
+
+/// Lines of their own where several eyes look, something moves, or a strategy cannot run.
+fn more_lines(report: &Report) -> String {
+    let mut lines = String::new();
+    if report.views > 1 {
+        lines += &format!("\n{} eyes side by side, half of the frame each", report.views);
+    }
+    if report.moving_percent > 0 {
+        let moving = count(Some(report.moving_objects));
+        lines += &format!("\n{moving} of the objects move ({} %)", report.moving_percent);
+    }
+    for LeftOut { strategy, reason } in &report.left_out {
+        lines += &format!("\nwithout {strategy}: {reason}");
+    }
+    lines
 }
 
 /// A sentence for each pair, in the order of the runs.

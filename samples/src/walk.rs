@@ -6,11 +6,13 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use cull::{FrameId, Strategy};
 use gpu::{Device, Readback};
 use render::scene::CameraPath;
-use render::{FrameRequest, Renderer, ViewHistory, VisibleSet};
+use render::{Renderer, VisibleSet};
 
 use crate::Options;
 use crate::choices::Verify;
+use crate::eyes::Eyes;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
+use crate::moving::Moving;
 use crate::progress::Progress;
 use crate::report::RunReport;
 use crate::run::RunError;
@@ -22,21 +24,23 @@ pub struct Walk<'a> {
     renderer: &'a mut Renderer,
     device: Device,
     path: &'a CameraPath,
+    moving: &'a mut Moving,
+    views: u32,
     verify: Verify,
     frames_in_flight: usize,
     schedule: Schedule,
     runs: Vec<Run>,
-    reference: ViewHistory,
+    reference: Eyes,
     references: BTreeMap<u32, Vec<u8>>,
     pictures: Vec<Readback>,
     // What owns a pixel in each frame, for `ideal`.
-    visible_sets: BTreeMap<u32, VisibleSet>,
+    visible_sets: BTreeMap<u32, Vec<VisibleSet>>,
 }
 
 /// One strategy on its way.
 struct Run {
     strategy: Strategy,
-    history: ViewHistory,
+    eyes: Eyes,
     measurement: RunMeasurement,
 }
 
@@ -55,18 +59,21 @@ impl<'a> Walk<'a> {
     pub fn new(
         renderer: &'a mut Renderer,
         path: &'a CameraPath,
+        moving: &'a mut Moving,
         options: &Options,
     ) -> Result<Self, RunError> {
         let run = |&strategy| -> Result<Run, RunError> {
-            let history = renderer.new_view()?;
-            Ok(Run { strategy, history, measurement: RunMeasurement::new(strategy) })
+            let eyes = Eyes::new(renderer, options.views)?;
+            Ok(Run { strategy, eyes, measurement: RunMeasurement::new(strategy) })
         };
         Ok(Self {
             runs: options.strategies.iter().map(run).collect::<Result<_, _>>()?,
-            reference: renderer.new_view()?,
+            reference: Eyes::new(renderer, options.views)?,
             device: renderer.device().clone(),
             renderer,
             path,
+            moving,
+            views: options.views,
             verify: options.verify,
             frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
             schedule: Schedule::new(options.frames, options.strategies.len()),
@@ -82,11 +89,11 @@ impl<'a> Walk<'a> {
             return Ok(());
         }
         progress.stage("finding out what is visible in each frame");
-        let mut history = self.renderer.new_view()?;
+        let mut eyes = Eyes::new(self.renderer, self.views)?;
         let frames: BTreeSet<u32> = self.schedule.steps().map(|step| step.frame).collect();
         for frame in frames {
-            let set = self.renderer.visible_set(&mut history, &self.path.camera(frame))?;
-            self.visible_sets.insert(frame, set);
+            let sets = eyes.visible_sets(self.renderer, &self.path.camera(frame))?;
+            self.visible_sets.insert(frame, sets);
         }
         Ok(())
     }
@@ -121,18 +128,17 @@ impl<'a> Walk<'a> {
         let mut walked = Vec::with_capacity(turn.len());
         let mut clock = Stopwatch::start();
         for step in turn {
+            let moved = self.moving.show(self.renderer, step.frame)?;
             let place = frames.iter().position(|frame| step.timed && *frame == step.frame);
-            let request = FrameRequest {
-                visible: self.visible_sets.get(&step.frame),
-                picture: place.and_then(|place| self.pictures.get(place)),
-                ..FrameRequest::new(run.strategy, self.path.camera(step.frame))
-            };
+            let picture = place.and_then(|place| self.pictures.get(place));
+            let camera = self.path.camera(step.frame);
+            let visible = self.visible_sets.get(&step.frame).map_or(&[][..], Vec::as_slice);
             let waits = self.device.wait_counts().other;
-            let report = self.renderer.render(&mut run.history, &request)?;
+            let report = run.eyes.render(self.renderer, run.strategy, &camera, visible, picture)?;
             let measurement = FrameMeasurement {
                 // From submit to submit: in a full pipeline, the time a frame takes.
                 frame_ms: clock.lap_ms(),
-                cpu_ms: report.cpu.as_secs_f64() * 1e3,
+                cpu_ms: (moved + report.cpu).as_secs_f64() * 1e3,
                 tests: report.tests.into(),
                 queries: report.queries.into(),
                 predicated_draws: report.predicated_draws.into(),
@@ -144,7 +150,7 @@ impl<'a> Walk<'a> {
                 blocking_waits: self.device.wait_counts().other - waits,
                 ..FrameMeasurement::default()
             };
-            let frame = run.history.plan().frame;
+            let frame = run.eyes.frame();
             walked.push(Walked { frame, timed: step.timed, measurement });
             // A slot's times are those of its frame before: of this turn, once all were used.
             if step.timed && walked.len() > self.frames_in_flight {
@@ -153,7 +159,7 @@ impl<'a> Walk<'a> {
             }
             progress.frame_done(run.strategy.name());
         }
-        self.renderer.drain(&mut run.history)?;
+        run.eyes.drain(self.renderer)?;
         book(run, walked);
         for (picture, frame) in self.pictures.iter().zip(&frames) {
             let reference = self.references.get(frame).map_or(&[][..], Vec::as_slice);
@@ -171,13 +177,11 @@ impl<'a> Walk<'a> {
         self.references.clear();
         let picture = Readback::new(&self.device, self.renderer.size())?;
         for &frame in frames {
-            let request = FrameRequest {
-                picture: Some(&picture),
-                ..FrameRequest::new(Strategy::Frustum, self.path.camera(frame))
-            };
-            self.renderer.render(&mut self.reference, &request)?;
-            self.renderer.drain(&mut self.reference)?;
-            self.references.insert(frame, picture.rgba8().to_vec());
+            self.moving.show(self.renderer, frame)?;
+            let (camera, picture) = (self.path.camera(frame), Some(&picture));
+            self.reference.render(self.renderer, Strategy::Frustum, &camera, &[], picture)?;
+            self.reference.drain(self.renderer)?;
+            self.references.insert(frame, picture.map_or(&[][..], Readback::rgba8).to_vec());
         }
         Ok(())
     }
@@ -185,10 +189,10 @@ impl<'a> Walk<'a> {
 
 /// Adds what the answers told to the frames of a turn, and the frames to the run.
 fn book(run: &mut Run, mut walked: Vec<Walked>) {
-    for outcome in run.history.take_outcomes() {
+    for outcome in run.eyes.take_outcomes() {
         if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
-            walked.measurement.draws = outcome.draws;
-            walked.measurement.triangles = outcome.triangles;
+            walked.measurement.draws += outcome.draws;
+            walked.measurement.triangles += outcome.triangles;
         }
     }
     for Walked { timed, measurement, .. } in walked {

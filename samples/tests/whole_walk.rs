@@ -14,26 +14,30 @@ const FRAMES: u64 = 12;
 const SIZE: [u32; 2] = [96, 64];
 
 /// Walks through a small city on `device`, every frame compared, and returns the report.
-fn walk(scratch: &Scratch, device: &str) -> Value {
+fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     let output = walkthrough(
         &scratch.0,
         &[
-            "--scene=city",
-            "--objects=1000",
-            "--seed=5",
-            "--path=street",
-            "--frames=12",
-            "--size=96x64",
-            "--strategy=frustum,antumbra",
-            "--verify=every",
-            "--validation=sync",
-            "--frames-in-flight=3",
-            "--out=pictures",
-            "--pictures=3",
-            "--report=report.json",
-            "--device",
-            device,
-        ],
+            &[
+                "--scene=city",
+                "--objects=1000",
+                "--seed=5",
+                "--path=street",
+                "--frames=12",
+                "--size=96x64",
+                "--strategy=frustum,antumbra",
+                "--verify=every",
+                "--validation=sync",
+                "--frames-in-flight=3",
+                "--out=pictures",
+                "--pictures=3",
+                "--report=report.json",
+                "--device",
+                device,
+            ],
+            more,
+        ]
+        .concat(),
     )
     .output()
     .expect("it starts");
@@ -149,15 +153,39 @@ fn decode(file: &Path) -> Vec<u8> {
 #[test]
 fn a_walk_on_lavapipe_is_exact_and_complete() {
     let scratch = Scratch::new("walk-lavapipe");
-    assert_report(&walk(&scratch, "llvmpipe"), "llvmpipe");
+    assert_report(&walk(&scratch, "llvmpipe", &[]), "llvmpipe");
     assert_pictures(&scratch);
 }
 
 #[test]
 fn a_walk_on_swiftshader_is_exact_and_complete() {
     let scratch = Scratch::new("walk-swiftshader");
-    assert_report(&walk(&scratch, "swiftshader"), "swiftshader");
+    assert_report(&walk(&scratch, "swiftshader", &[]), "swiftshader");
     assert_pictures(&scratch);
+}
+
+#[test]
+fn a_walk_in_which_much_moves_is_exact() {
+    for device in ["llvmpipe", "swiftshader"] {
+        let scratch = Scratch::new(&format!("moving-{device}"));
+        let report = walk(&scratch, device, &["--moving=40"]);
+        assert_report(&report, device);
+        assert_eq!(report["moving_percent"], 40);
+        let moving = number(&report["moving_objects"]);
+        assert!((350.0..=450.0).contains(&moving), "{moving} objects");
+        assert_pictures(&scratch);
+    }
+}
+
+#[test]
+fn a_walk_with_two_eyes_is_exact() {
+    for (device, moving) in [("llvmpipe", "--moving=20"), ("swiftshader", "--moving=0")] {
+        let scratch = Scratch::new(&format!("views-{device}"));
+        let report = walk(&scratch, device, &["--views=2", moving]);
+        assert_report(&report, device);
+        assert_eq!(report["views"], 2);
+        assert_pictures(&scratch);
+    }
 }
 
 #[test]

@@ -13,7 +13,7 @@ use glam::Vec3;
 use gpu::{
     Access, Buffer, Device, FrameRing, MemoryBarrier, Place, QueryIndex, QueryRing, Target, vk,
 };
-use render::{ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ShaderSet};
+use render::{Area, ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ShaderSet};
 use tests::shapes::{DepthBoxes, box_at, proxy_pass};
 use tests::{Driver, run};
 
@@ -144,7 +144,7 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
                 queries.scope(commands, QueryIndex(test), |c| proxies.draw(c, test));
             }
         });
-        tester.record_grid(commands, &mut target);
+        tester.record_grid(commands, &mut target, Area::of(&view));
         // In two parts, as two rounds would.
         let half = count / 2;
         for (first, count) in [(0, half), (half, count - half)] {

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::hierarchy::MAX_COORDINATE;
+
 /// An axis-aligned bounding box in world space (metres).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
@@ -63,10 +65,35 @@ impl Aabb {
         other.min.cmpge(self.min).all() && other.max.cmple(self.max).all()
     }
 
+    /// True if there is nothing in it, not even a point: a free leaf, or a node with no others.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.min.cmpgt(self.max).any()
+    }
+
+    /// Half of the surface (square metres); 0 for [`Aabb::EMPTY`].
+    #[must_use]
+    pub fn half_area(&self) -> f32 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        let size = self.max - self.min;
+        size.dot(Vec3::new(size.y, size.z, size.x))
+    }
+
     /// True if all six coordinates are numbers and none is infinite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.min.is_finite() && self.max.is_finite()
+    }
+
+    /// True if an object can have this box: finite, not [empty](Aabb::is_empty), and no coordinate
+    /// beyond [`MAX_COORDINATE`].
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        self.is_finite()
+            && self.largest_coordinate() <= MAX_COORDINATE
+            && self.min.cmple(self.max).all()
     }
 
     /// The largest coordinate without its sign: what single-precision rounding is relative to.
@@ -94,6 +121,9 @@ mod tests {
         let unit = Aabb::new(Vec3::ZERO, Vec3::ONE);
         assert_eq!(Aabb::EMPTY.union(&unit), unit);
         assert!(!Aabb::EMPTY.is_finite());
+        assert!(Aabb::EMPTY.is_empty() && !unit.is_empty());
+        assert!(!Aabb::new(Vec3::ONE, Vec3::ONE).is_empty(), "a point is something");
+        assert_eq!((Aabb::EMPTY.half_area(), unit.half_area()), (0.0, 3.0));
         assert_eq!(unit.distance_squared(Vec3::splat(0.5)), 0.0);
         assert_eq!(unit.distance_squared(Vec3::new(3.0, 0.5, 0.5)), 4.0);
         assert_eq!(unit.enlarged(1.0).half_extent(), Vec3::splat(1.5));

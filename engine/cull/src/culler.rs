@@ -143,12 +143,13 @@ impl Culler {
     }
 
     /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that
-    /// fit nothing (another generation, a frame to come, older than what is known) are ignored.
+    /// fit nothing (a node that stood for something else, a frame to come, older than what is known)
+    /// are ignored.
     pub fn ingest(&mut self, hierarchy: &Hierarchy, answers: impl IntoIterator<Item = Answer>) {
         self.history.adopt(hierarchy);
         let now = self.stamp(self.frame).unwrap_or(Stamp::NEVER);
         for Answer { tag, samples } in answers {
-            if tag.generation != hierarchy.generation() || tag.frame > self.frame {
+            if !hierarchy.is_same_since(tag.node, tag.generation) || tag.frame > self.frame {
                 continue;
             }
             let Some(asked) = self.stamp(tag.frame) else {
@@ -231,7 +232,7 @@ impl Culler {
         }
         for [leaf, top] in &self.scratch.assumed {
             let due = now.plus(self.rng.between(1, policy.retest_max));
-            self.history.assume_visible(*leaf, *top, now, due, &policy);
+            self.history.assume_visible(&hierarchy.topology, *leaf, *top, now, due, &policy);
         }
         for test in &self.scratch.tests {
             let node = NodeId(test.node);
@@ -244,7 +245,7 @@ impl Culler {
                 leaves.count = 0;
                 self.history.doubt(test.node, contained(test.node));
             } else {
-                self.history.closed(test.node);
+                self.history.closed(&hierarchy.topology, test.node);
                 if self.abilities.parts && leaves.count >= policy.parts_leaves {
                     kind = QueryKind::Parts;
                 }

@@ -69,9 +69,12 @@ impl Frustum {
     }
 
     /// Tests a box against the planes in `mask`; also says which planes its parts have to be
-    /// tested against.
+    /// tested against. An [empty](Aabb::is_empty) box is outside of everything.
     #[must_use]
     pub fn classify(&self, bounds: &Aabb, mask: PlaneMask) -> (Containment, PlaneMask) {
+        if bounds.is_empty() {
+            return (Containment::Outside, PlaneMask(0));
+        }
         if mask.is_inside() {
             return (Containment::Inside, mask);
         }
@@ -138,6 +141,14 @@ mod tests {
         let wall = Aabb::new(Vec3::new(21.0, -1.0, -20.0), Vec3::new(22.0, 1.0, -1.0));
         let (containment, _) = looking_down_z().classify(&wall, PlaneMask::ALL);
         assert_eq!(containment, Containment::Outside);
+    }
+
+    #[test]
+    fn nothing_is_never_inside() {
+        for mask in [PlaneMask::ALL, PlaneMask(0)] {
+            let (containment, _) = looking_down_z().classify(&Aabb::EMPTY, mask);
+            assert_eq!(containment, Containment::Outside);
+        }
     }
 
     #[test]

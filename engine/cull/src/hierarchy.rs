@@ -2,15 +2,20 @@
 //! one contiguous range of leaves.
 
 mod build;
+mod changes;
+mod journal;
+mod occupancy;
 mod refit;
+mod restructure;
 mod topology;
-
-use std::sync::Arc;
+mod wear;
 
 use thiserror::Error;
 
 use crate::bounds::Aabb;
 use crate::ids::{Generation, LeafIndex, LeafRange, NodeId, ObjectId};
+pub use changes::HierarchyWork;
+pub(crate) use journal::{Change, FREE_LEAF, NEW_LEAF, Restructured};
 pub(crate) use topology::{NO_NODE, Topology};
 
 /// Largest coordinate that a box may have (metres), so that squares of distances stay finite.
@@ -41,26 +46,43 @@ pub enum HierarchyError {
         /// How many there were.
         count: usize,
     },
-    /// An object that the hierarchy was not built with.
-    #[error("object {} is not in the hierarchy: rebuild it when objects are added", object.0)]
+    /// An object that the hierarchy was not built with, or that was removed.
+    #[error(
+        "object {} is not in the hierarchy: insert it, or rebuild the hierarchy with it", object.0
+    )]
     UnknownObject {
         /// The object.
         object: ObjectId,
     },
+    /// There is an object in every leaf.
+    #[error(
+        "the hierarchy has no free leaf: remove an object first, or build it with empty boxes as \
+         room for more"
+    )]
+    NoFreeLeaf,
 }
 
 /// A bounding-volume hierarchy over the boxes of objects.
+///
+/// An object whose box is [`Aabb::EMPTY`] is none: its leaf is free, room for one that is
+/// [inserted](Hierarchy::insert) later.
 ///
 /// Ids of nodes that are not in the hierarchy are answered as if the node were empty; no accessor
 /// panics.
 #[derive(Clone, Debug)]
 pub struct Hierarchy {
-    /// Shared with the cullers, which carry their history across a rebuild with it.
-    pub(crate) topology: Arc<Topology>,
-    bounds: Vec<Aabb>,
+    pub(crate) topology: Topology,
+    nodes: refit::Nodes,
     generation: Generation,
-    revision: u64,
+    /// Since which generation each node is what it is.
+    births: Vec<Generation>,
+    journal: journal::Journal,
+    worn: restructure::Worn,
     refit_scratch: refit::Scratch,
+    search: occupancy::Search,
+    /// Subtrees to rebuild; kept to allocate nothing.
+    chosen: Vec<u32>,
+    work: HierarchyWork,
 }
 
 impl Hierarchy {
@@ -71,67 +93,41 @@ impl Hierarchy {
     /// [`HierarchyError::TooMany`].
     pub fn build(boxes: &[Aabb]) -> Result<Self, HierarchyError> {
         let topology = build::topology(boxes)?;
-        let bounds = build::node_bounds(&topology, boxes);
+        let nodes = refit::Nodes::new(&topology, boxes);
+        let generation = Generation(0);
         Ok(Self {
-            topology: Arc::new(topology),
-            bounds,
-            generation: Generation(0),
-            revision: 0,
+            births: vec![generation; topology.nodes.len()],
+            topology,
+            nodes,
+            generation,
+            journal: journal::Journal::default(),
+            worn: restructure::Worn::default(),
             refit_scratch: refit::Scratch::default(),
+            search: occupancy::Search::default(),
+            chosen: Vec::new(),
+            work: HierarchyWork::default(),
         })
     }
 
-    /// Builds anew, for instance after objects were added, removed, or moved so far that the old
-    /// shape is a bad one. Cullers notice by themselves and carry their history over by object:
-    /// an object keeps its id, or its history is that of the object that had the id before.
-    ///
-    /// # Errors
-    /// As [`Hierarchy::build`]; the hierarchy is then unchanged.
-    pub fn rebuild(&mut self, boxes: &[Aabb]) -> Result<Generation, HierarchyError> {
-        let generation = Generation(self.generation.0.wrapping_add(1));
-        let revision = self.revision.wrapping_add(1);
-        *self = Self { generation, revision, ..Self::build(boxes)? };
-        Ok(generation)
-    }
-
-    /// Moves objects: sets their boxes and updates the boxes of their ancestors and no others.
-    ///
-    /// # Errors
-    /// [`HierarchyError::BadBox`] or [`HierarchyError::UnknownObject`] for the first object that
-    /// cannot be moved; those before it have been, and the hierarchy is consistent.
-    pub fn refit(
-        &mut self,
-        moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
-    ) -> Result<(), HierarchyError> {
-        self.revision = self.revision.wrapping_add(1);
-        refit::refit(&self.topology, &mut self.bounds, &mut self.refit_scratch, moved)
-    }
-
-    /// How often it was rebuilt.
+    /// How often some node came to stand for something else.
     #[must_use]
     pub fn generation(&self) -> Generation {
         self.generation
     }
 
-    /// Counts the calls that may have changed a box: for copies of the boxes kept elsewhere.
-    #[must_use]
-    pub fn revision(&self) -> u64 {
-        self.revision
-    }
-
     /// The node above all others; `None` if there are no objects.
     #[must_use]
     pub fn root(&self) -> Option<NodeId> {
-        (!self.bounds.is_empty()).then_some(NodeId(0))
+        (!self.nodes.bounds.is_empty()).then_some(NodeId(0))
     }
 
     /// How many nodes there are: twice the objects less one.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.bounds.len()
+        self.nodes.bounds.len()
     }
 
-    /// The object of each leaf, in depth-first order.
+    /// The object of each leaf, in depth-first order; the id that is free where the leaf is.
     #[must_use]
     pub fn leaf_objects(&self) -> &[ObjectId] {
         &self.topology.leaf_objects
@@ -144,16 +140,23 @@ impl Hierarchy {
         Some(self.leaves(NodeId(node)).first)
     }
 
+    /// True if an object is there.
+    #[must_use]
+    pub fn contains(&self, object: ObjectId) -> bool {
+        refit::occupied(&self.topology, &self.nodes, object).is_ok()
+    }
+
     /// The node of an object's leaf.
     #[must_use]
     pub fn node_of(&self, object: ObjectId) -> Option<NodeId> {
         self.topology.object_nodes.get(object.0 as usize).map(|node| NodeId(*node))
     }
 
-    /// The box around everything under a node; [`Aabb::EMPTY`] for a foreign id.
+    /// The box around everything under a node; [`Aabb::EMPTY`] if there is nothing, or for a foreign
+    /// id.
     #[must_use]
     pub fn bounds(&self, node: NodeId) -> Aabb {
-        self.bounds.get(node.0 as usize).copied().unwrap_or(Aabb::EMPTY)
+        self.nodes.bounds.get(node.0 as usize).copied().unwrap_or(Aabb::EMPTY)
     }
 
     /// The leaves under a node; none for a foreign id.
@@ -190,39 +193,11 @@ impl Hierarchy {
 
 /// Whether a box can be part of a hierarchy.
 fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
-    let usable = bounds.is_finite()
-        && bounds.largest_coordinate() <= MAX_COORDINATE
-        && bounds.min.cmple(bounds.max).all();
-    if usable {
+    if bounds.is_usable() {
         return Ok(());
     }
     Err(HierarchyError::BadBox {
         object: ObjectId(u32::try_from(object).unwrap_or(u32::MAX)),
         bounds: *bounds,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec3;
-
-    #[test]
-    fn whatever_may_change_a_box_is_another_revision() {
-        let unit = Aabb::new(Vec3::ZERO, Vec3::ONE);
-        let mut hierarchy = Hierarchy::build(&[unit, unit]).unwrap();
-        let mut revisions = vec![hierarchy.revision()];
-        hierarchy.refit([(ObjectId(1), unit.enlarged(1.0))]).unwrap();
-        revisions.push(hierarchy.revision());
-        // The object before the bad one has been moved.
-        let moves = [(ObjectId(0), unit.enlarged(2.0)), (ObjectId(2), unit)];
-        assert!(hierarchy.refit(moves).is_err());
-        revisions.push(hierarchy.revision());
-        hierarchy.rebuild(&[unit]).unwrap();
-        revisions.push(hierarchy.revision());
-        revisions.dedup();
-        assert_eq!(revisions.len(), 4);
-        assert!(hierarchy.rebuild(&[Aabb::EMPTY]).is_err());
-        assert_eq!(revisions.last(), Some(&hierarchy.revision()), "nothing has changed");
-    }
 }

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-/// An object of the scene: its position in the slice of boxes the hierarchy was built from.
+/// An object of the scene: its position in the slice of boxes the hierarchy was built from. When an
+/// object is gone, its id is given to one that comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectId(pub u32);
 
-/// A node of one [generation](Generation) of a hierarchy, numbered in depth-first pre-order.
+/// A node of a hierarchy at one [generation](Generation), numbered in depth-first pre-order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(pub u32);
 
@@ -54,6 +55,7 @@ impl LeafRange {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FrameId(pub u64);
 
-/// Counts the rebuilds of a hierarchy; node ids of different generations have nothing in common.
+/// Counts the changes after which some nodes of a hierarchy stand for something else than before:
+/// rebuilds of all or of a part, and leaves that another object moved into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Generation(pub u32);

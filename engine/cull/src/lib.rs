@@ -89,7 +89,7 @@ pub use costs::{BadCost, CostTable, SceneCosts};
 pub use culler::{Culler, NodeState};
 pub use frustum::{Containment, Frustum, PlaneMask};
 pub use governor::{CheapestTester, FrameContents, Governor, Judgement, Question};
-pub use hierarchy::{Hierarchy, HierarchyError, MAX_COORDINATE, MAX_OBJECTS};
+pub use hierarchy::{Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use margin::Margin;
 pub use plan::{Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester};

@@ -69,7 +69,8 @@ impl Margin {
     }
 
     /// The box to test in place of `bounds`, or `None` if it must count as visible, because the
-    /// eye is inside or some of the proxy is nearer than the near plane.
+    /// eye is inside or some of the proxy is nearer than the near plane. Nobody asks about an
+    /// [empty](Aabb::is_empty) box: it is in no frustum.
     #[must_use]
     pub fn proxy(&self, bounds: &Aabb) -> Option<Aabb> {
         let depth = self.forward.dot(bounds.centre() - self.eye);

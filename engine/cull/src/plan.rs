@@ -187,3 +187,25 @@ pub struct PlanStats {
     /// How often the allowed size of tested nodes was raised to make do with fewer tests.
     pub coarsened: u32,
 }
+
+impl std::ops::AddAssign for PlanStats {
+    /// Of several plans together; `coarsened` and `retest_interval_frames` are the largest.
+    fn add_assign(&mut self, other: Self) {
+        self.nodes_visited += other.nodes_visited;
+        self.frontier += other.frontier;
+        self.tested_leaves = self.tested_leaves.saturating_add(other.tested_leaves);
+        self.unknown += other.unknown;
+        self.probes += other.probes;
+        self.own_boxes += other.own_boxes;
+        self.behind += other.behind;
+        self.visible += other.visible;
+        self.too_near += other.too_near;
+        self.untested_by_cost += other.untested_by_cost;
+        self.retest_interval_frames = self.retest_interval_frames.max(other.retest_interval_frames);
+        self.expected_saving_ns += other.expected_saving_ns;
+        self.rounds_for_compute += other.rounds_for_compute;
+        self.occluders += other.occluders;
+        self.over_budget += other.over_budget;
+        self.coarsened = self.coarsened.max(other.coarsened);
+    }
+}

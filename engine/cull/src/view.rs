@@ -25,6 +25,8 @@ pub struct View {
     pub tan_half: [f32; 2],
     /// Size of the image (pixels).
     pub size: [u32; 2],
+    /// Where the image lies in a larger picture: its upper left corner (pixels). Decides nothing here.
+    pub origin: [u32; 2],
     /// What is seen at all.
     pub frustum: Frustum,
     /// The proxies of boxes in this view.
@@ -60,6 +62,7 @@ impl View {
             near,
             tan_half,
             size: [width, height],
+            origin: [0, 0],
             frustum: Frustum::new(eye, [right, up, forward], tan_half, near),
             margin: Margin::new(eye, forward, near, footprint, sub_pixel_bits),
         }

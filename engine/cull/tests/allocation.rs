@@ -29,6 +29,7 @@ fn steady_frames_do_not_allocate() {
     let mut culler = Culler::new(Policy::default());
     let mut plan = FramePlan::default();
     let mut answers = Vec::new();
+    let mut reordered = Vec::new();
     let camera = Camera {
         eye: Vec3::new(75.0, 1.0, 10.0),
         forward: Vec3::NEG_Z,
@@ -38,6 +39,9 @@ fn steady_frames_do_not_allocate() {
     };
     let mut frame = || {
         hierarchy.refit([(ObjectId(7), boxes[8]), (ObjectId(7), boxes[7])]).unwrap();
+        hierarchy.remove(ObjectId(9)).unwrap();
+        hierarchy.insert(boxes[9]).unwrap();
+        hierarchy.restructure(&mut reordered);
         culler.ingest(&hierarchy, answers.drain(..));
         let view = View::new(&camera, [320, 180], 8);
         culler.plan(&hierarchy, Strategy::Antumbra, &view, 1_000, &mut plan);
@@ -50,7 +54,8 @@ fn steady_frames_do_not_allocate() {
         );
         plan.tests.len()
     };
-    for _ in 0..400 {
+    // Until the journal of changes is full and drops its oldest.
+    for _ in 0..6_000 {
         frame();
     }
     let region = Region::new(GLOBAL);

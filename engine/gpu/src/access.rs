@@ -15,6 +15,8 @@ pub enum Access {
     IndirectRead,
     /// Read as the predicate of conditional rendering.
     PredicateRead,
+    /// Storage buffer read by a vertex shader.
+    VertexRead,
     /// Storage buffer read by a compute shader.
     ComputeRead,
     /// Storage buffer written by a compute shader.
@@ -31,12 +33,13 @@ pub enum Access {
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 11] = [
+    pub const ALL: [Access; 12] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
         Access::IndirectRead,
         Access::PredicateRead,
+        Access::VertexRead,
         Access::ComputeRead,
         Access::ComputeWrite,
         Access::FragmentWrite,
@@ -65,6 +68,7 @@ impl Access {
                 none,
                 L::UNDEFINED,
             ),
+            Access::VertexRead => (S::VERTEX_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED),
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, none, L::GENERAL),
             Access::ComputeWrite => {
                 (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, A::SHADER_STORAGE_WRITE, L::GENERAL)

@@ -35,9 +35,24 @@ pub(crate) struct Recording(pub(crate) u64);
 pub struct RenderTarget {
     pub(crate) colour: vk::ImageView,
     pub(crate) depth: vk::ImageView,
+    pub(crate) origin: [u32; 2],
     pub(crate) size: [u32; 2],
     /// The colour and depth to start from; `None` goes on from what is there.
     pub clear: Option<([f32; 4], f32)>,
+}
+
+impl RenderTarget {
+    /// Only `size` pixels from `origin` on (from the upper left), cut to what is there: nothing
+    /// outside is drawn to or cleared.
+    #[must_use]
+    pub fn within(mut self, origin: [u32; 2], size: [u32; 2]) -> Self {
+        for side in 0..2 {
+            let start = origin[side].min(self.size[side]);
+            self.origin[side] += start;
+            self.size[side] = size[side].min(self.size[side] - start);
+        }
+        self
+    }
 }
 
 impl Commands {
@@ -146,7 +161,7 @@ impl Commands {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Draws to a colour and a depth image; viewport and scissor cover all of it.
+    /// Draws to a colour and a depth image; viewport and scissor cover all of the target's area.
     pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
         let load = match target.clear {
             Some(_) => vk::AttachmentLoadOp::CLEAR,
@@ -167,14 +182,19 @@ impl Commands {
             .clear_value(vk::ClearValue {
                 depth_stencil: vk::ClearDepthStencilValue { depth: depth_clear, stencil: 0 },
             });
-        let [width, height] = target.size;
-        let area = vk::Rect2D { extent: vk::Extent2D { width, height }, ..Default::default() };
+        let ([x, y], [width, height]) = (target.origin, target.size);
+        let area = vk::Rect2D {
+            offset: vk::Offset2D { x: x as i32, y: y as i32 },
+            extent: vk::Extent2D { width, height },
+        };
         let info = vk::RenderingInfo::default()
             .render_area(area)
             .layer_count(1)
             .color_attachments(&colour)
             .depth_attachment(&depth);
         let viewport = vk::Viewport {
+            x: x as f32,
+            y: y as f32,
             width: width as f32,
             height: height as f32,
             max_depth: 1.0,

@@ -80,9 +80,26 @@ impl<T: Copy> PartDraws<T> {
 
     /// The draws of `range` have changed: every slot writes them anew when it is next used.
     pub fn changed(&mut self, range: DrawRange) {
+        // Beyond that, one copy of everything is less work than all these.
+        const MOST_RANGES: usize = 1 << 10;
         for slot in self.slots.iter_mut().filter(|slot| slot.memory.is_some()) {
-            slot.changed.push(range);
+            let is_full = slot.changed.len() == MOST_RANGES;
+            match slot.changed.last_mut() {
+                Some(last) if last.first.saturating_add(last.count) == range.first => {
+                    last.count = last.count.saturating_add(range.count);
+                }
+                _ if is_full => {
+                    slot.changed.clear();
+                    slot.changed.push(DrawRange { first: 0, count: self.draw_count });
+                }
+                _ => slot.changed.push(range),
+            }
         }
+    }
+
+    /// All draws have changed.
+    pub fn all_changed(&mut self) {
+        self.changed(DrawRange { first: 0, count: self.draw_count });
     }
 
     /// Gives `listed` the list of every frame that is home, oldest first. Never waits.
@@ -148,15 +165,14 @@ impl<T: Copy> PartDraws<T> {
                 if !slot.tested.is_empty() {
                     match memory.switched_on() {
                         SwitchedOn::These(numbers) => {
-                            for number in numbers {
-                                off(DrawRange { first: *number, count: 1 }, &memory.draws)?;
-                            }
+                            let ranges =
+                                numbers.iter().map(|first| DrawRange { first: *first, count: 1 });
+                            slot.changed.extend(ranges);
                         }
-                        SwitchedOn::TooMany(_) => {
-                            slot.tested.iter().try_for_each(|range| off(*range, &memory.draws))?;
-                        }
+                        SwitchedOn::TooMany(_) => slot.changed.extend(&slot.tested),
                     }
                 }
+                join(&mut slot.changed);
                 for range in slot.changed.drain(..) {
                     off(range, &memory.draws)?;
                 }
@@ -199,6 +215,20 @@ impl<T: Copy> PartDraws<T> {
     }
 }
 
+/// Sorts ranges and makes one of those that meet: no draw is written twice, which would need a barrier
+/// in between.
+fn join(ranges: &mut Vec<DrawRange>) {
+    let end = |range: &DrawRange| range.first.saturating_add(range.count);
+    ranges.sort_unstable_by_key(|range| range.first);
+    ranges.dedup_by(|next, kept| {
+        let meets = next.first <= end(kept);
+        if meets {
+            kept.count = end(kept).max(end(next)) - kept.first;
+        }
+        meets
+    });
+}
+
 /// What the fragments of boxes write.
 #[derive(Debug, Clone, Copy)]
 pub struct Parts {
@@ -239,5 +269,22 @@ impl PartMemory {
             Some(numbers) => SwitchedOn::These(numbers),
             None => SwitchedOn::TooMany(*count),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_that_meet_are_written_once() {
+        let range = |first, count| DrawRange { first, count };
+        let mut ranges =
+            vec![range(9, 2), range(3, 1), range(4, 3), range(5, 1), range(9, 1), range(20, 1)];
+        join(&mut ranges);
+        assert_eq!(ranges, [range(3, 4), range(9, 2), range(20, 1)]);
+        let mut all = vec![range(7, 1), range(0, 30), range(30, 0)];
+        join(&mut all);
+        assert_eq!(all, [range(0, 30)]);
     }
 }

@@ -117,16 +117,30 @@ impl Target {
         RenderTarget {
             colour: self.colour.view,
             depth: self.depth.view,
+            origin: [0, 0],
             size: self.size,
             clear: clear.map(|colour| (colour, FAR)),
         }
     }
 
-    /// Copies the depth image to `to`: 32-bit floats, rows from the top without gaps, an
-    /// [`Access::CopyWrite`]. Too small a slice gets nothing. To draw on, prepare the target again.
-    pub fn copy_depth_to(&mut self, commands: &Commands, to: BufferSlice) {
-        let [width, height] = self.size;
-        if to.size_bytes < u64::from(width) * u64::from(height) * 4 {
+    /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`: 32-bit
+    /// floats, rows from the top without gaps, an [`Access::CopyWrite`]. Too small a slice gets
+    /// nothing, and nothing is copied of an area that is not within the image. To draw on, prepare the
+    /// target again.
+    pub fn copy_depth_to(
+        &mut self,
+        commands: &Commands,
+        origin: [u32; 2],
+        size: [u32; 2],
+        to: BufferSlice,
+    ) {
+        let [x, y] = origin;
+        let [width, height] = size;
+        let fits = |side: usize| {
+            u64::from(origin[side]) + u64::from(size[side]) <= u64::from(self.size[side])
+        };
+        let bytes = u64::from(width) * u64::from(height) * 4;
+        if bytes == 0 || to.size_bytes < bytes || !fits(0) || !fits(1) {
             return;
         }
         let aspect = vk::ImageAspectFlags::DEPTH;
@@ -140,8 +154,9 @@ impl Target {
                 layer_count: 1,
                 ..Default::default()
             })
+            .image_offset(vk::Offset3D { x: x as i32, y: y as i32, z: 0 })
             .image_extent(vk::Extent3D { width, height, depth: 1 });
-        // SAFETY: the slice holds the whole image, which is in the layout named.
+        // SAFETY: the slice holds the area, which lies within the image, in the layout named.
         unsafe {
             commands.device().raw().cmd_copy_image_to_buffer(
                 commands.raw(),

@@ -35,6 +35,8 @@ impl Renderer {
         let draws: Vec<_> = leaves.map(|leaf| geometry.draw(leaf)).collect();
 
         let mut frame = self.frames.begin()?;
+        let predicates = &self.passes.predicates;
+        geometry.bring(&mut frame, &self.hierarchy, predicates, &self.scatter)?;
         let uploads = frame.uploads();
         let visible = uploads.push(&draws)?;
         let io = OverlayIo {
@@ -58,6 +60,7 @@ impl Renderer {
         });
         passes.target.copy_to(commands, picture);
         frame.submit(None)?;
+        self.passes.geometry.submitted();
         Ok(self.device.drain()?)
     }
 

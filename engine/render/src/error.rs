@@ -17,6 +17,30 @@ pub enum Error {
         "the strategy `ideal` draws what is known to be visible: find it with `Renderer::visible_set` first"
     )]
     NoVisibleSet,
+    /// The strategy `ideal` with a set that was found before the scene changed.
+    #[error(
+        "the scene has changed since it was found out what is visible: find it again with `Renderer::visible_set`"
+    )]
+    OldVisibleSet,
+    /// A change of the scene that cannot be made.
+    #[error("change {index} of the scene cannot be made, those before it were: {reason}")]
+    Change {
+        /// Its place among the changes.
+        index: usize,
+        /// Why not, and what to do.
+        reason: String,
+    },
+    /// A view whose area is empty or not within the picture.
+    #[error(
+        "a view of {}x{} pixels at {}, {} is not within the picture of {}x{}: choose an area of at least a pixel inside",
+        area.size[0], area.size[1], area.origin[0], area.origin[1], picture[0], picture[1]
+    )]
+    Area {
+        /// As it was asked for.
+        area: crate::views::Area,
+        /// Size of the picture in pixels.
+        picture: [u32; 2],
+    },
     /// Shaders were asked for that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"

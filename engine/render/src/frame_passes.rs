@@ -3,7 +3,7 @@
 use cull::View;
 use gpu::{
     Access, BufferSlice, Commands, Frame, IndirectDraw, MemoryBarrier, Parts, Predicates,
-    QueryIndex, Readback, Reveal, Target, WordSource,
+    QueryIndex, Readback, RenderTarget, Reveal, Target, WordSource,
 };
 
 use crate::error::Error;
@@ -15,6 +15,7 @@ use crate::passes::{
 use crate::questions::{RoundQuestions, draw_range};
 use crate::scene::Light;
 use crate::view_history::ViewHistory;
+use crate::views::Area;
 
 /// Everything a frame of a scene is recorded with.
 pub(crate) struct FramePasses {
@@ -53,6 +54,7 @@ impl FrameIo {
         history.queries.begin(frame, &history.questions.query_tags)?;
         history.flags.begin(frame, history.questions.flag_tags.iter().copied())?;
         history.computed.begin(frame, history.questions.compute_tags.iter().copied())?;
+        history.follow_draws(geometry);
         let has_parts = |test: &&cull::ProxyTest| test.tag.kind == cull::QueryKind::Parts;
         let tested = history.plan.tests.iter().filter(has_parts).map(draw_range);
         let (frame_id, generation) = (history.plan.frame, history.generation);
@@ -83,7 +85,7 @@ impl FrameIo {
 }
 
 impl FramePasses {
-    /// Records the frame.
+    /// Records one view's frame.
     ///
     /// Each rendering draws what the tests before it revealed and the proxies that are tested next,
     /// so that a round costs one break and not two. Leaves below a node that showed in round `n`
@@ -104,7 +106,7 @@ impl FramePasses {
         self.target.prepare(commands);
         commands.pass("visible", |commands| {
             let [red, green, blue] = self.light.sky;
-            let from = self.target.render_target(Some([red, green, blue, 1.0]));
+            let from = self.target_of(view, Some([red, green, blue, 1.0]));
             commands.rendering(from, |commands| {
                 self.draw_visible(commands, history, view, io);
                 self.draw_proxies(commands, history, view, io, rounds.first());
@@ -121,7 +123,7 @@ impl FramePasses {
             });
             self.target.prepare(commands);
             commands.pass("revealed", |commands| {
-                commands.rendering(self.target.render_target(None), |commands| {
+                commands.rendering(self.target_of(view, None), |commands| {
                     self.draw_revealed(commands, history, view, io, known, before);
                     self.test_leaves(commands, history, view, io, known);
                     self.draw_proxies(commands, history, view, io, next);
@@ -140,6 +142,11 @@ impl FramePasses {
         });
     }
 
+    /// Where a view is drawn: its part of the target.
+    pub(crate) fn target_of(&self, view: &View, clear: Option<[f32; 4]>) -> RenderTarget {
+        self.target.render_target(clear).within(view.origin, view.size)
+    }
+
     /// Draws what is taken as visible: in one call from one that is asked about to the next.
     fn draw_visible(&self, commands: &Commands, history: &ViewHistory, view: &View, io: &FrameIo) {
         let plan = history.plan();
@@ -148,14 +155,16 @@ impl FramePasses {
         let mut drawn = 0;
         let mut draw_until = |end: u32| {
             if end > drawn {
-                commands.draw_indirect(io.visible.part(bytes(drawn), bytes(end - drawn)));
+                let draws = io.visible.part(bytes(drawn), bytes(end - drawn));
+                self.predicates.draw_always(commands, draws);
                 drawn = end;
             }
         };
         for (query, after) in (0..).zip(&plan.queried_after) {
             draw_until(*after);
             history.queries.scope(commands, QueryIndex(query), |commands| {
-                commands.draw_indirect(io.queried.part(bytes(query), DRAW_BYTES));
+                let draws = io.queried.part(bytes(query), DRAW_BYTES);
+                self.predicates.draw_always(commands, draws);
             });
         }
         draw_until(plan.draws.len() as u32);
@@ -202,7 +211,7 @@ impl FramePasses {
         };
         let target = &mut self.target;
         commands.pass("compute test", |commands| {
-            pass.record_grid(commands, target);
+            pass.record_grid(commands, target, Area::of(view));
             let count = tests.end - tests.start;
             pass.record_tests(commands, &ComputeTestIo { first: tests.start, count, ..io }, view);
         });

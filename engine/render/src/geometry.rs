@@ -1,22 +1,28 @@
 //! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of everything.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{Hierarchy, LeafIndex, LeafRange};
-use gpu::{Buffer, Device, IndirectDraw, vk};
+use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
+use glam::Affine3A;
+use gpu::{Buffer, Device, Frame, IndirectDraw, Predicates, vk};
 
+use crate::draw_changes::DrawChanges;
 use crate::error::Error;
-use crate::passes::ProxyBox;
-use crate::scene::{Scene, Vertex, unpack_unorm};
+use crate::leaf_counts::{Count, LeafCounts};
+use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
+use crate::scene::{Object, Scene, Vertex, bounds_of_transformed, unpack_unorm};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
+#[derive(Clone, Copy, Default, Pod, Zeroable)]
 struct Instance {
     rows: [[f32; 4]; 3],
     tint: [f32; 4],
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
+
+/// The mesh of an id without an object.
+const NO_MESH: u32 = u32::MAX;
 
 /// Meshes, instances and what the CPU must know to draw a leaf.
 pub(crate) struct Geometry {
@@ -26,9 +32,16 @@ pub(crate) struct Geometry {
     /// One box per leaf.
     pub(crate) leaf_boxes: Buffer,
     mesh_draws: Vec<IndirectDraw>,
+    mesh_bounds: Vec<Aabb>,
+    // By object.
+    object_meshes: Vec<u32>,
+    object_instances: Vec<Instance>,
+    // By leaf.
     leaf_meshes: Vec<u32>,
-    // Triangles of all leaves before each leaf: a range's triangles are one subtraction.
-    triangles_before: Vec<u64>,
+    leaf_counts: LeafCounts,
+    pub(crate) draw_changes: DrawChanges,
+    stale: Vec<LeafIndex>,
+    is_stale: Vec<bool>,
 }
 
 impl Geometry {
@@ -38,37 +51,23 @@ impl Geometry {
         hierarchy: &Hierarchy,
     ) -> Result<Self, Error> {
         let (vertices, indices, mesh_draws) = join_meshes(scene);
-        let objects = || hierarchy.leaf_objects().iter();
-        let object = |id: &cull::ObjectId| scene.objects.get(id.0 as usize);
-        let leaf_meshes: Vec<u32> = objects().filter_map(object).map(|o| o.mesh.0).collect();
-        let mut triangles = 0;
-        let mut triangles_before = Vec::with_capacity(leaf_meshes.len() + 1);
-        triangles_before.push(0);
-        for mesh in &leaf_meshes {
-            triangles +=
-                mesh_draws.get(*mesh as usize).map_or(0, |draw| draw.index_count / 3) as u64;
-            triangles_before.push(triangles);
+        let leaf_count = hierarchy.leaf_objects().len();
+        check_size(device, leaf_count)?;
+        let mut object_meshes = vec![NO_MESH; leaf_count];
+        let mut object_instances = vec![Instance::default(); leaf_count];
+        let places = object_meshes.iter_mut().zip(&mut object_instances);
+        for ((mesh, instance), object) in places.zip(&scene.objects) {
+            *mesh = object.mesh.0;
+            *instance = instance_of(object);
         }
-        let limit = device.adapter().limits.max_storage_buffer_range.into();
-        let instance_bytes = (leaf_meshes.len() * size_of::<Instance>()) as u64;
-        if instance_bytes > limit {
-            let most = limit / size_of::<Instance>() as u64;
-            let wanted = leaf_meshes.len() as u64;
-            let what = "the number of objects".to_owned();
-            return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
-        }
-        let instances: Vec<Instance> = objects()
-            .filter_map(object)
-            .map(|object| {
-                let matrix = object.transform.matrix3;
-                let at = object.transform.translation;
-                let row = |r: usize| {
-                    let row = matrix.row(r);
-                    [row.x, row.y, row.z, at[r]]
-                };
-                Instance { rows: [row(0), row(1), row(2)], tint: unpack_unorm(object.tint) }
-            })
-            .collect();
+        let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
+        let leaf_meshes: Vec<u32> =
+            by_leaf().map(|o| object_meshes.get(o).copied().unwrap_or(NO_MESH)).collect();
+        let instances: Vec<Instance> =
+            by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
+        let leaf_boxes: Vec<ProxyBox> =
+            hierarchy.leaf_objects().iter().map(|object| leaf_box(hierarchy, *object)).collect();
+        let counts = leaf_meshes.iter().map(|mesh| count_of(&mesh_draws, *mesh));
         let (vertex, index) =
             (vk::BufferUsageFlags::VERTEX_BUFFER, vk::BufferUsageFlags::INDEX_BUFFER);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -76,16 +75,22 @@ impl Geometry {
             vertices: device.upload("vertices", &vertices, vertex)?,
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
-            leaf_boxes: device.upload("leaf boxes", &leaf_boxes(hierarchy), storage)?,
+            leaf_boxes: device.upload("leaf boxes", &leaf_boxes, storage)?,
+            mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
+            leaf_counts: LeafCounts::new(counts),
+            draw_changes: DrawChanges::new(leaf_count),
             mesh_draws,
+            object_meshes,
+            object_instances,
             leaf_meshes,
-            triangles_before,
+            stale: Vec::new(),
+            is_stale: vec![false; leaf_count],
         })
     }
 
-    /// The draw of one leaf.
+    /// The draw of one leaf; of nothing where the leaf is free.
     pub(crate) fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
-        let mesh = self.leaf_meshes.get(leaf.0 as usize).copied().unwrap_or(u32::MAX);
+        let mesh = self.leaf_meshes.get(leaf.0 as usize).copied().unwrap_or(NO_MESH);
         let draw = self.mesh_draws.get(mesh as usize).copied().unwrap_or_default();
         IndirectDraw { first_instance: leaf.0, ..draw }
     }
@@ -95,18 +100,151 @@ impl Geometry {
         (0..self.leaf_meshes.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
     }
 
-    /// The triangles of a range of leaves.
-    pub(crate) fn triangles(&self, leaves: LeafRange) -> u64 {
-        let before = |leaf: u32| self.triangles_before.get(leaf as usize).copied().unwrap_or(0);
-        let end = leaves.first.0 + leaves.count;
-        before(end).saturating_sub(before(leaves.first.0))
+    /// The objects and triangles of a range of leaves.
+    pub(crate) fn count(&self, leaves: LeafRange) -> Count {
+        match (leaves.count, self.leaf_meshes.get(leaves.first.0 as usize)) {
+            (1, Some(mesh)) => count_of(&self.mesh_draws, *mesh),
+            _ => self.leaf_counts.of(leaves),
+        }
+    }
+
+    /// The box of an object that is somewhere else, if it is there and can be there.
+    pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
+        let mesh = self.object_meshes.get(object.0 as usize)?;
+        self.bounds_of(*mesh, transform)
+    }
+
+    /// The box of a mesh somewhere, if there is such a mesh and it can be there.
+    pub(crate) fn bounds_of(&self, mesh: u32, transform: &Affine3A) -> Option<Aabb> {
+        let bounds = bounds_of_transformed(self.mesh_bounds.get(mesh as usize)?, transform);
+        bounds.is_usable().then_some(bounds)
+    }
+
+    /// Moves an object. Its leaf must be [marked](Geometry::mark).
+    pub(crate) fn place(&mut self, object: ObjectId, transform: &Affine3A) {
+        if let Some(instance) = self.object_instances.get_mut(object.0 as usize) {
+            instance.rows = rows_of(transform);
+        }
+    }
+
+    /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
+    pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
+        let id = id.0 as usize;
+        let (Some(mesh), Some(instance)) =
+            (self.object_meshes.get_mut(id), self.object_instances.get_mut(id))
+        else {
+            return;
+        };
+        *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
+        *instance = object.map(instance_of).unwrap_or_default();
+    }
+
+    /// What the GPU has of a leaf is not what is there: the next frame brings it.
+    pub(crate) fn mark(&mut self, leaf: LeafIndex, object: ObjectId) {
+        let place = leaf.0 as usize;
+        let (Some(mesh), Some(is_stale), Some(now)) = (
+            self.leaf_meshes.get_mut(place),
+            self.is_stale.get_mut(place),
+            self.object_meshes.get(object.0 as usize).copied(),
+        ) else {
+            return;
+        };
+        let before = std::mem::replace(mesh, now);
+        if before != now {
+            let [before, now] = [before, now].map(|mesh| count_of(&self.mesh_draws, mesh));
+            self.leaf_counts.replace(place, before, now);
+            self.draw_changes.push(leaf);
+        }
+        if !std::mem::replace(is_stale, true) {
+            self.stale.push(leaf);
+        }
+    }
+
+    /// How many leaves the next frame brings to the GPU.
+    pub(crate) fn stale_count(&self) -> usize {
+        self.stale.len()
+    }
+
+    /// Records what brings the stale leaves to the GPU, before anything of `frame` reads them. They
+    /// stay stale until the frame was [submitted](Geometry::submitted): it may never be.
+    pub(crate) fn bring(
+        &self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+        predicates: &Predicates,
+        scatter: &ScatterPass,
+    ) -> Result<(), Error> {
+        if self.stale.is_empty() {
+            return Ok(());
+        }
+        let stale = || self.stale.iter();
+        let object = |leaf: &LeafIndex| {
+            let object = hierarchy.leaf_objects().get(leaf.0 as usize);
+            object.copied().unwrap_or(ObjectId(u32::MAX))
+        };
+        let instance = |leaf: &LeafIndex| {
+            let instance = self.object_instances.get(object(leaf).0 as usize);
+            instance.copied().unwrap_or_default()
+        };
+        let bounds = |leaf: &LeafIndex| leaf_box(hierarchy, object(leaf));
+        let uploads = frame.uploads();
+        let leaves = uploads.push_iter(stale().map(|leaf| leaf.0))?;
+        let instances = uploads.push_iter(stale().map(instance))?;
+        let draws = uploads.push_iter(stale().map(|leaf| self.draw(*leaf)))?;
+        let boxes = uploads.push_iter(stale().map(bounds))?;
+        let io = |elements, array| ScatterIo { leaves, elements, array };
+        let arrays = [
+            (io(instances, self.instances.whole()), size_of::<Instance>()),
+            (io(draws, predicates.draws()), size_of::<IndirectDraw>()),
+            (io(boxes, self.leaf_boxes.whole()), size_of::<ProxyBox>()),
+        ];
+        scatter.record(frame.commands(), self.stale.len() as u32, &arrays);
+        Ok(())
+    }
+
+    /// The frame that [`Geometry::bring`] recorded for is on its way.
+    pub(crate) fn submitted(&mut self) {
+        for leaf in self.stale.drain(..) {
+            if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
+                *is_stale = false;
+            }
+        }
     }
 }
 
-/// The box of each leaf, in their order.
-fn leaf_boxes(hierarchy: &Hierarchy) -> Vec<ProxyBox> {
-    let nodes = hierarchy.leaf_objects().iter().filter_map(|object| hierarchy.node_of(*object));
-    nodes.map(|node| ProxyBox::from(hierarchy.bounds(node))).collect()
+fn check_size(device: &Device, leaf_count: usize) -> Result<(), Error> {
+    let limit: u64 = device.adapter().limits.max_storage_buffer_range.into();
+    let (most, wanted) = (limit / size_of::<Instance>() as u64, leaf_count as u64);
+    if wanted > most {
+        let what = "the number of objects".to_owned();
+        return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
+    }
+    Ok(())
+}
+
+fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {
+    let draw = mesh_draws.get(mesh as usize);
+    draw.map_or(Count::default(), |draw| Count {
+        draws: 1,
+        triangles: u64::from(draw.index_count / 3),
+    })
+}
+
+fn instance_of(object: &Object) -> Instance {
+    Instance { rows: rows_of(&object.transform), tint: unpack_unorm(object.tint) }
+}
+
+fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
+    std::array::from_fn(|r| {
+        let row = transform.matrix3.row(r);
+        [row.x, row.y, row.z, transform.translation[r]]
+    })
+}
+
+/// The box of an object, not enlarged; turned inside out if it is not there.
+fn leaf_box(hierarchy: &Hierarchy, object: ObjectId) -> ProxyBox {
+    let node = hierarchy.node_of(object);
+    ProxyBox::from(node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node)))
 }
 
 /// All meshes in one vertex and one index buffer, so that any objects can share a draw call.

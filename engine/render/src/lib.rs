@@ -31,9 +31,11 @@
 
 mod birds_eye;
 mod calibration;
+mod draw_changes;
 mod error;
 mod frame_passes;
 mod geometry;
+mod leaf_counts;
 mod moment;
 mod passes;
 mod pyramid_frame;
@@ -42,7 +44,9 @@ mod questions;
 mod renderer;
 pub mod scene;
 mod shaders;
+mod update;
 mod view_history;
+mod views;
 mod visible_set;
 
 pub use calibration::Costs;
@@ -50,10 +54,12 @@ pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
     ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo,
-    OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass, PyramidLevel, PyramidPass, SeenIo,
-    SeenPass, pyramid_levels,
+    OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass, PyramidLevel, PyramidPass, ScatterIo,
+    ScatterPass, SeenIo, SeenPass, pyramid_levels,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use shaders::{SHADERS, Shader, ShaderSet};
+pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};
+pub use views::{Area, Eye, ViewsRequest};
 pub use visible_set::VisibleSet;

@@ -22,24 +22,20 @@ use gpu::{
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::passes::{
-    Counters, ListKind, Phase, ProxyBox, PyramidCullIo, PyramidCullPass, PyramidPass,
-};
+use crate::passes::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass, PyramidPass};
 use crate::pyramid_history::{COUNTER_BYTES, PyramidHistory};
 use crate::shaders::ShaderSet;
 use crate::view_history::ViewHistory;
+use crate::views::Area;
 
-/// What all views share: the passes, the boxes of the leaves, the list of draws.
+/// What all views share: the passes and the list of draws.
 pub(crate) struct PyramidFrame {
     pyramid: PyramidPass,
     cull: PyramidCullPass,
-    boxes: Buffer,
     list: Buffer,
     list_kind: ListKind,
     counters: Buffer,
     leaf_count: u32,
-    /// The boxes in `boxes`: the hierarchy's revision and whether there are any yet.
-    revision: Option<u64>,
 }
 
 /// What one frame is made from.
@@ -50,7 +46,6 @@ pub(crate) struct PyramidRequest<'a> {
 }
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
-const BOX_BYTES: u64 = size_of::<ProxyBox>() as u64;
 
 /// Storage buffers that the second phase reads and writes.
 const STORAGE_BUFFERS: u32 = 6;
@@ -94,37 +89,25 @@ impl PyramidFrame {
         Ok(Self {
             pyramid: PyramidPass::new(device, shaders, size)?,
             cull: PyramidCullPass::new(device, shaders)?,
-            boxes: buffer("leaf boxes", leaves * BOX_BYTES, to)?,
             list: buffer("pyramid draws", leaves * DRAW_BYTES, indirect)?,
             list_kind: if has_counts { ListKind::Compact } else { ListKind::EveryLeaf },
             counters: buffer("pyramid counters", COUNTER_BYTES, indirect | from | to)?,
             leaf_count,
-            revision: None,
         })
     }
 
-    /// Whether it has room for the leaves of `hierarchy`.
-    pub(crate) fn fits(&self, hierarchy: &Hierarchy) -> bool {
-        self.leaf_count as usize == hierarchy.leaf_objects().len()
-    }
-
-    /// Records a frame. If that frame is never submitted, the boxes are not where this thinks they
-    /// are: it must not be used again then.
+    /// Records a frame of one view.
     ///
     /// # Errors
     /// No memory.
     pub(crate) fn record(
-        &mut self,
+        &self,
         frame: &mut Frame<'_>,
         history: &mut ViewHistory,
         passes: &mut FramePasses,
         request: &PyramidRequest<'_>,
     ) -> Result<(), Error> {
         let kept = history.begin_pyramid(frame, request.hierarchy)?;
-        let boxes = match self.revision.replace(request.hierarchy.revision()) {
-            Some(revision) if revision == request.hierarchy.revision() => None,
-            _ => Some(frame.uploads().push_iter(leaf_boxes(request.hierarchy))?),
-        };
         let commands = frame.commands();
         // The frames before, on this view or another, may still read what is written here.
         let earlier = [Access::ComputeWrite, Access::IndirectRead, Access::CopyRead];
@@ -132,9 +115,6 @@ impl PyramidFrame {
         commands.barrier(between(&earlier, &[Access::CopyWrite]));
         kept.forget_unless_next(commands);
         commands.fill(self.counters.whole(), 0);
-        if let Some(boxes) = boxes {
-            commands.copy_buffer(boxes, self.boxes.whole());
-        }
         commands.barrier(between(
             &[Access::CopyWrite, Access::ComputeWrite],
             &[Access::ComputeRead, Access::ComputeWrite],
@@ -151,7 +131,7 @@ impl PyramidFrame {
         request: &PyramidRequest<'_>,
     ) {
         let io = PyramidCullIo {
-            boxes: self.boxes.whole(),
+            boxes: passes.geometry.leaf_boxes.whole(),
             leaves: passes.predicates.draws(),
             seen: kept.seen(),
             list: self.list.whole(),
@@ -166,12 +146,14 @@ impl PyramidFrame {
         });
         passes.target.prepare(commands);
         commands.pass("visible", |commands| {
-            commands.rendering(
-                passes.target.render_target(Some([red, green, blue, 1.0])),
-                |commands| self.draw(commands, passes, request.view, Phase::First),
-            );
+            let from = passes.target_of(request.view, Some([red, green, blue, 1.0]));
+            commands.rendering(from, |commands| {
+                self.draw(commands, passes, request.view, Phase::First);
+            });
         });
-        commands.pass("pyramid", |commands| self.pyramid.record(commands, &mut passes.target));
+        commands.pass("pyramid", |commands| {
+            self.pyramid.record(commands, &mut passes.target, Area::of(request.view));
+        });
         commands.pass("tests", |commands| {
             // The list of phase 1 has been drawn.
             let between = MemoryBarrier::between;
@@ -180,7 +162,7 @@ impl PyramidFrame {
         });
         passes.target.prepare(commands);
         commands.pass("revealed", |commands| {
-            commands.rendering(passes.target.render_target(None), |commands| {
+            commands.rendering(passes.target_of(request.view, None), |commands| {
                 self.draw(commands, passes, request.view, Phase::Second);
             });
         });
@@ -204,12 +186,4 @@ impl PyramidFrame {
             }
         }
     }
-}
-
-/// The box of each leaf, not enlarged.
-fn leaf_boxes(hierarchy: &Hierarchy) -> impl ExactSizeIterator<Item = ProxyBox> {
-    hierarchy.leaf_objects().iter().map(|object| {
-        let node = hierarchy.node_of(*object);
-        ProxyBox::from(node.map_or(cull::Aabb::EMPTY, |node| hierarchy.bounds(node)))
-    })
 }

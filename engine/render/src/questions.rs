@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
-use cull::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
+use cull::{FramePlan, LeafRange, ProxyTest, QueryKind, QueryTag, Tester};
 use gpu::{DrawRange, Predicated, Reveal, WordSource};
+
+use crate::geometry::Geometry;
+use crate::leaf_counts::Count;
 
 /// The decision that a test makes: its number among those that hang on words of one source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,22 +15,24 @@ pub(crate) struct Decision {
     pub(crate) number: u32,
 }
 
-/// What a flag is about.
+/// A question on its way: what was asked, by what means, and what its answer decides about, counted
+/// when it was asked, since the scene may change before the answer is home.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct FlagTag {
+pub(crate) struct Asked {
     pub(crate) tag: QueryTag,
     pub(crate) tester: Tester,
+    pub(crate) count: Count,
 }
 
 /// The layout of one frame's questions, kept to allocate nothing in the steady state.
 #[derive(Debug, Default)]
 pub(crate) struct Questions {
     /// What each query is about: first those on visible draws, then the tests by query.
-    pub(crate) query_tags: Vec<QueryTag>,
+    pub(crate) query_tags: Vec<Asked>,
     /// How many of the queries are on visible draws.
     pub(crate) own_draws: u32,
     /// What each flag is about: a place for every test if there are flags at all.
-    pub(crate) flag_tags: Vec<FlagTag>,
+    pub(crate) flag_tags: Vec<Asked>,
     /// The decision of each test.
     decisions: Vec<Decision>,
     pub(crate) rounds: Vec<RoundQuestions>,
@@ -36,7 +41,7 @@ pub(crate) struct Questions {
     flag_decides: Vec<Predicated>,
     compute_decides: Vec<Predicated>,
     /// What each word of the compute shader is about: a place for every test if there are any.
-    pub(crate) compute_tags: Vec<FlagTag>,
+    pub(crate) compute_tags: Vec<Asked>,
 }
 
 /// The questions of one round. Tests of one kind follow each other, the plan sees to that.
@@ -58,17 +63,23 @@ pub(crate) struct RoundQuestions {
 }
 
 impl Questions {
-    /// Lays out `plan`.
-    pub(crate) fn lay_out(&mut self, plan: &FramePlan) {
+    /// Lays out `plan` for a scene as it is now.
+    pub(crate) fn lay_out(&mut self, plan: &FramePlan, geometry: &Geometry) {
+        self.lay_out_counted(plan, |leaves| geometry.count(leaves));
+    }
+
+    fn lay_out_counted(&mut self, plan: &FramePlan, count: impl Fn(LeafRange) -> Count) {
         self.query_tags.clear();
-        self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| *tag));
+        // Drawn whatever the answer says: nothing hangs on it.
+        let own = |tag| Asked { tag, tester: Tester::Query, count: Count::default() };
+        self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| own(*tag)));
         self.own_draws = self.query_tags.len() as u32;
         self.query_decides.clear();
         self.query_decides.resize(self.query_tags.len(), Predicated::default());
         self.decisions.clear();
         self.rounds.clear();
         for round in &plan.rounds {
-            self.lay_out_round(plan, round.clone());
+            self.lay_out_round(plan, round.clone(), &count);
         }
         let decide = |(number, test): (u32, &ProxyTest)| {
             let word = match test.tester {
@@ -77,7 +88,7 @@ impl Questions {
             };
             predicated(test, word)
         };
-        let tag = |test: &ProxyTest| FlagTag { tag: test.tag, tester: test.tester };
+        let tag = |test: &ProxyTest| asked(test, &count);
         let lists = [
             (Tester::Flag, &mut self.flag_tags, &mut self.flag_decides),
             (Tester::Compute, &mut self.compute_tags, &mut self.compute_decides),
@@ -92,7 +103,12 @@ impl Questions {
         }
     }
 
-    fn lay_out_round(&mut self, plan: &FramePlan, tests: Range<usize>) {
+    fn lay_out_round(
+        &mut self,
+        plan: &FramePlan,
+        tests: Range<usize>,
+        count: &impl Fn(LeafRange) -> Count,
+    ) {
         let none = tests.start as u32..tests.start as u32;
         let first_query = self.query_tags.len() as u32;
         let mut round = RoundQuestions {
@@ -108,7 +124,7 @@ impl Questions {
             let decision = match test.tester {
                 Tester::Query => {
                     let query = self.query_tags.len() as u32;
-                    self.query_tags.push(test.tag);
+                    self.query_tags.push(asked(test, count));
                     self.query_decides.push(predicated(test, query));
                     extend(&mut round.queried_tests, number);
                     Decision { source: WordSource::Queries, number: query }
@@ -134,7 +150,7 @@ impl Questions {
 
     /// Nothing is asked.
     pub(crate) fn clear(&mut self) {
-        self.lay_out(&FramePlan::default());
+        self.lay_out_counted(&FramePlan::default(), |_| Count::default());
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -177,6 +193,10 @@ impl Questions {
 fn extend(range: &mut Range<u32>, by: u32) {
     let start = if range.start < range.end { range.start } else { by };
     *range = start..by + 1;
+}
+
+fn asked(test: &ProxyTest, count: impl Fn(LeafRange) -> Count) -> Asked {
+    Asked { tag: test.tag, tester: test.tester, count: count(test.leaves) }
 }
 
 /// The draws that a test decides about.

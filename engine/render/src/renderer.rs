@@ -1,6 +1,6 @@
 //! The renderer: one frame from top to bottom, from the answers of the past to the submit.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use cull::{
     Aabb, Abilities, Camera, CostTable, Culler, Hierarchy, Policy, SceneCosts, Strategy, View,
@@ -12,14 +12,16 @@ use gpu::{
 
 use crate::calibration::{self, Costs};
 use crate::error::Error;
-use crate::frame_passes::{FrameIo, FramePasses};
+use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
-use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass};
-use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
+use crate::passes::{LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
+use crate::pyramid_frame::PyramidFrame;
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
+use crate::update::UpdateScratch;
 use crate::view_history::ViewHistory;
-use crate::visible_set::{SeenLeaves, VisibleSet};
+use crate::views::{Area, Eye, ViewsRequest};
+use crate::visible_set::{Edition, SeenLeaves, VisibleSet};
 
 /// How to make a [`Renderer`].
 #[derive(Debug, Clone)]
@@ -38,6 +40,8 @@ pub struct RendererOptions {
     pub query_budget: usize,
     /// What things cost, so that nothing is tested at a loss.
     pub costs: Costs,
+    /// Room for objects that [come later](Renderer::update), beside the room of those that go.
+    pub spare_objects: usize,
 }
 
 impl Default for RendererOptions {
@@ -50,6 +54,7 @@ impl Default for RendererOptions {
             policy: Policy::default(),
             query_budget: 8192,
             costs: Costs::Ignored,
+            spare_objects: 0,
         }
     }
 }
@@ -76,7 +81,7 @@ impl FrameRequest<'_> {
     }
 }
 
-/// What is known of a frame when it is submitted.
+/// What is known of a frame when it is submitted; of all its views together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameReport {
     /// Its tick.
@@ -107,9 +112,12 @@ pub struct Renderer {
     pub(crate) birds_eye: Option<OverlayPass>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) pyramid: Option<PyramidFrame>,
-    pass_times: Vec<PassTime>,
+    pub(crate) edition: Edition,
+    pub(crate) update_scratch: UpdateScratch,
+    pub(crate) scatter: ScatterPass,
+    pub(crate) pass_times: Vec<PassTime>,
     policy: Policy,
-    query_budget: usize,
+    pub(crate) query_budget: usize,
     costs: Option<CostTable>,
 }
 
@@ -120,11 +128,14 @@ impl Renderer {
     /// A scene or size beyond the device's limits, no memory, a shader that does not compile, a
     /// failed call.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
-        let hierarchy = Hierarchy::build(&object_bounds(scene)?)?;
+        let mut bounds = object_bounds(scene)?;
+        bounds.resize(bounds.len().saturating_add(options.spare_objects), Aabb::EMPTY);
+        let hierarchy = Hierarchy::build(&bounds)?;
         Self::with_hierarchy(device, scene, hierarchy, options)
     }
 
-    /// Like [`Renderer::new`], with a hierarchy that is there already. Its objects are the scene's.
+    /// Like [`Renderer::new`], with a hierarchy that is there already. Its objects are the scene's;
+    /// free leaves behind them are room for more.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -144,6 +155,7 @@ impl Renderer {
         let proxies = ProxyPass::new(device, &shaders)?;
         let leaf_boxes = proxies.can_flag().then(|| LeafBoxPass::new(device, &shaders));
         let leaf_boxes = leaf_boxes.transpose()?;
+        let scatter = ScatterPass::new(device, &shaders)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let predicates = Predicates::new(device, options.predication, &geometry.draws(), slots)?;
@@ -168,6 +180,9 @@ impl Renderer {
             birds_eye: None,
             seen_leaves: None,
             pyramid: None,
+            edition: Edition::default(),
+            update_scratch: UpdateScratch::default(),
+            scatter,
             pass_times: Vec::new(),
             policy: options.policy,
             query_budget: options.query_budget,
@@ -184,7 +199,8 @@ impl Renderer {
         if let Some(Err(error)) = self.costs.map(|table| culler.govern(table, self.scene_costs())) {
             tracing::warn!("{error}");
         }
-        ViewHistory::new(&self.device, self.frames.frames_in_flight(), culler, &self.hierarchy)
+        let slots = self.frames.frames_in_flight();
+        ViewHistory::new(&self.device, slots, culler, &self.hierarchy, &self.passes.geometry)
     }
 
     /// What things cost on this device, as told or measured.
@@ -195,7 +211,8 @@ impl Renderer {
     fn scene_costs(&self) -> SceneCosts {
         let leaves = self.hierarchy.root().map(|root| self.hierarchy.leaves(root));
         let average = leaves.map(|leaves| {
-            self.passes.geometry.triangles(leaves) as f32 / leaves.count.max(1) as f32
+            let count = self.passes.geometry.count(leaves);
+            count.triangles as f32 / count.draws.max(1) as f32
         });
         SceneCosts { triangles_per_leaf: average.unwrap_or_default() }
     }
@@ -264,8 +281,7 @@ impl Renderer {
 
     /// The view of `camera` on this renderer's picture.
     pub fn view_of(&self, camera: &Camera) -> View {
-        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        View::new(camera, self.passes.target.size(), bits)
+        self.view_in(camera, Area { origin: [0, 0], size: self.size() })
     }
 
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
@@ -278,45 +294,10 @@ impl Renderer {
         history: &mut ViewHistory,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
-        self.supports(request.strategy)?;
-        let view = self.view_of(&request.camera);
-        let began = Instant::now();
-        let mut frame = self.frames.begin()?;
-        let waited = frame.waited();
-        self.pass_times.clear();
-        self.pass_times.extend_from_slice(frame.pass_times());
-
-        history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
-        let mut pyramid = None;
-        if request.strategy == Strategy::Pyramid {
-            let (hierarchy, picture) = (&self.hierarchy, request.picture);
-            let request = PyramidRequest { hierarchy, view: &view, picture };
-            // Kept only if the frame goes out: it believes in what it recorded.
-            let kept = self.pyramid.take().filter(|kept| kept.fits(hierarchy));
-            let kept = match kept {
-                Some(kept) => kept,
-                None => PyramidFrame::new(&self.device, &self.shaders, hierarchy, view.size)?,
-            };
-            pyramid.insert(kept).record(&mut frame, history, &mut self.passes, &request)?;
-        } else {
-            let (hierarchy, budget) = (&self.hierarchy, self.query_budget);
-            match (request.strategy, request.visible) {
-                (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
-                (Strategy::Ideal, Some(visible)) => history.decide_known(hierarchy, visible),
-                (strategy, _) => history.decide(hierarchy, strategy, &view, budget),
-            }
-            if self.passes.compute_test.is_none() && !history.questions.compute_tags.is_empty() {
-                let made = ComputeTest::new(&self.device, &self.shaders, view.size)?;
-                self.passes.compute_test = Some(made);
-            }
-            let io = FrameIo::write(&mut frame, history, &mut self.passes)?;
-            self.passes.record(frame.commands(), history, &view, &io, request.picture);
-        }
-
-        let tick = frame.submit(request.after)?;
-        self.pyramid = pyramid.or(self.pyramid.take());
-        history.submitted(tick, &self.passes.geometry);
-        Ok(report(history, tick, began.elapsed().saturating_sub(waited)))
+        let area = Area::whole(self.size());
+        let FrameRequest { strategy, camera, visible, picture, after } = *request;
+        let eye = Eye { history, camera, visible, area };
+        self.render_views(&mut [eye], &ViewsRequest { strategy, picture, after })
     }
 
     /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts
@@ -338,18 +319,4 @@ impl Renderer {
 pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
     scene.validate()?;
     Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
-}
-
-fn report(history: &ViewHistory, tick: Tick, cpu: Duration) -> FrameReport {
-    let predicated = history.plan().tests.iter().filter(|test| test.leaves.count > 0);
-    FrameReport {
-        tick,
-        cpu,
-        tests: history.plan().tests.len() as u32,
-        queries: history.plan().query_count() as u32,
-        predicated_draws: predicated.count() as u32,
-        oldest_answer_frames: history.answer_ages().max(),
-        youngest_answer_frames: history.answer_ages().min(),
-        plan: history.plan().stats,
-    }
 }

@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 15] = [
+pub const SHADERS: [Shader; 16] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -38,6 +38,7 @@ pub const SHADERS: [Shader; 15] = [
     shader!("pyramid_build.comp"),
     shader!("pyramid_first.comp"),
     shader!("pyramid_second.comp"),
+    shader!("scatter.comp"),
 ];
 
 /// The shaders a renderer is built from.

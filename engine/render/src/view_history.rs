@@ -13,8 +13,9 @@ use gpu::{
 
 use crate::error::Error;
 use crate::geometry::Geometry;
+use crate::leaf_counts::Count;
 use crate::pyramid_history::PyramidHistory;
-use crate::questions::{FlagTag, Questions};
+use crate::questions::{Asked, Questions};
 use crate::visible_set::VisibleSet;
 
 /// What a frame turned out to be, known once its answers are home.
@@ -24,19 +25,26 @@ pub struct FrameOutcome {
     pub frame: FrameId,
     /// Objects the GPU drew: those taken as visible and those whose proxy showed.
     pub draws: u64,
-    /// Triangles of those objects.
+    /// Triangles of those objects. Where leaves were drawn one by one, as many as they have when that
+    /// is known: if others moved in meanwhile, those count.
     pub triangles: u64,
     /// Objects among `draws` that were drawn because a proxy showed.
     pub revealed: u64,
+}
+
+/// An answer that is home, and what was drawn if it says that something shows.
+struct Answered {
+    answer: Answer,
+    count: Count,
 }
 
 /// One view of a scene: its culler, its queries in flight, and the plan of its newest frame.
 /// Several views may look at one scene; each has its own history.
 pub struct ViewHistory {
     pub(crate) culler: Culler,
-    pub(crate) queries: QueryRing<QueryTag>,
-    pub(crate) flags: FlagRing<FlagTag>,
-    pub(crate) computed: FlagRing<FlagTag>,
+    pub(crate) queries: QueryRing<Asked>,
+    pub(crate) flags: FlagRing<Asked>,
+    pub(crate) computed: FlagRing<Asked>,
     pub(crate) parts: PartDraws<(FrameId, Generation)>,
     pub(crate) plan: FramePlan,
     /// That of the hierarchy that the plan is for.
@@ -45,7 +53,9 @@ pub struct ViewHistory {
     pyramid: Option<PyramidHistory>,
     frames_in_flight: usize,
     device: Device,
-    answers: Vec<Answer>,
+    /// Up to which change of a draw `parts` knows the draws.
+    seen_changes: u64,
+    answers: Vec<Answered>,
     behind: Vec<QueryTag>,
     newest: Vec<Answer>,
     pending: VecDeque<FrameOutcome>,
@@ -58,6 +68,7 @@ impl ViewHistory {
         frames_in_flight: usize,
         culler: Culler,
         hierarchy: &Hierarchy,
+        geometry: &Geometry,
     ) -> Result<Self, Error> {
         let leaves = hierarchy.leaf_objects().len() as u32;
         Ok(Self {
@@ -72,6 +83,7 @@ impl ViewHistory {
             pyramid: None,
             frames_in_flight,
             device: device.clone(),
+            seen_changes: geometry.draw_changes.count(),
             answers: Vec::new(),
             behind: Vec::new(),
             newest: Vec::new(),
@@ -92,22 +104,22 @@ impl ViewHistory {
 
     /// Picks up every answer that is home and lets the history move on. Never waits.
     pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
-        self.collect(completed, hierarchy);
+        self.collect(completed, hierarchy, geometry);
         let Self { culler, pyramid, answers, newest: kept, pending, outcomes, .. } = self;
-        for answer in answers.iter().filter(|answer| answer.samples > 0) {
+        for Answered { answer, count } in answers.iter().filter(|home| home.answer.samples > 0) {
             let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
             let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
             if let Some(outcome) = outcome.filter(|_| is_drawn) {
-                let leaves = hierarchy.leaves(answer.tag.node);
-                outcome.draws += u64::from(leaves.count);
-                outcome.revealed += u64::from(leaves.count);
-                outcome.triangles += geometry.triangles(leaves);
+                outcome.draws += count.draws;
+                outcome.revealed += count.draws;
+                outcome.triangles += count.triangles;
             }
         }
-        let mut newest = answers.iter().map(|answer| answer.tag.frame).max();
+        let answers = answers.iter().map(|home| home.answer);
+        let mut newest = answers.clone().map(|answer| answer.tag.frame).max();
         if let Some(newest) = newest {
             kept.clear();
-            kept.extend(answers.iter().filter(|answer| answer.tag.frame == newest));
+            kept.extend(answers.clone().filter(|answer| answer.tag.frame == newest));
         }
         while let Some(counts) = pyramid.as_mut().and_then(|kept| kept.take_counts(completed)) {
             newest = newest.max(Some(counts.frame));
@@ -124,18 +136,22 @@ impl ViewHistory {
                 outcomes.push(outcome);
             }
         }
-        culler.ingest(hierarchy, answers.iter().copied());
+        culler.ingest(hierarchy, answers);
     }
 
     /// Gathers the answers that are home, those of older frames first, and in a frame those for the
     /// parts of a node after the node's.
-    fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy) {
+    fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
         let Self { queries, flags, computed, parts, answers, behind, .. } = self;
         answers.clear();
         behind.clear();
-        queries.collect(completed, |tag, samples| answers.push(Answer { tag, samples }));
+        let answered = |asked: &Asked, samples| Answered {
+            answer: Answer { tag: asked.tag, samples },
+            count: asked.count,
+        };
+        queries.collect(completed, |asked, samples| answers.push(answered(&asked, samples)));
         flags.collect(completed, |tags, words| {
-            let answer = |(number, flag): (usize, &FlagTag)| {
+            let answer = |(number, flag): (usize, &Asked)| {
                 let word = |number: usize| words.get(number).copied();
                 let samples = match flag.tester {
                     Tester::Flag => word(number),
@@ -146,39 +162,57 @@ impl ViewHistory {
                     }),
                     Tester::Query | Tester::Compute => None,
                 };
-                samples.map(|samples| Answer { tag: flag.tag, samples })
+                samples.map(|samples| answered(flag, samples))
             };
             answers.extend(tags.iter().enumerate().filter_map(answer));
         });
         computed.collect(completed, |tags, words| {
-            let mine = tags.iter().zip(words).filter(|(flag, _)| flag.tester == Tester::Compute);
-            answers.extend(mine.map(|(flag, word)| Answer { tag: flag.tag, samples: *word }));
+            let mine = tags.iter().zip(words).filter(|(asked, _)| asked.tester == Tester::Compute);
+            answers.extend(mine.map(|(asked, word)| answered(asked, *word)));
         });
         parts.collect(completed, |(frame, generation), switched_on| match switched_on {
             SwitchedOn::These(leaves) => {
-                let node = |leaf: &u32| hierarchy.leaf_objects().get(*leaf as usize);
-                let nodes = leaves.iter().filter_map(node).filter_map(|id| hierarchy.node_of(*id));
-                let kind = QueryKind::Part;
-                answers.extend(nodes.map(|node| Answer {
-                    tag: QueryTag { node, generation, frame, kind },
-                    samples: 1,
+                answers.extend(leaves.iter().filter_map(|leaf| {
+                    // If the leaf was dealt out anew since, its node is younger than the answer.
+                    let object = hierarchy.leaf_objects().get(*leaf as usize)?;
+                    let (node, kind) = (hierarchy.node_of(*object)?, QueryKind::Part);
+                    let answer =
+                        Answer { tag: QueryTag { node, generation, frame, kind }, samples: 1 };
+                    let leaf = LeafRange { first: LeafIndex(*leaf), count: 1 };
+                    Some(Answered { answer, count: geometry.count(leaf) })
                 }));
                 answers.extend(behind.iter().filter(|tag| tag.frame == frame).map(|tag| {
                     let range = hierarchy.leaves(tag.node);
                     let shows = leaves.iter().any(|leaf| range.contains(LeafIndex(*leaf)));
-                    Answer { tag: *tag, samples: u32::from(shows) }
+                    let answer = Answer { tag: *tag, samples: u32::from(shows) };
+                    Answered { answer, count: Count::default() }
                 }));
             }
             // Which of the leaves showed is not known: the nodes answer for all of them.
             SwitchedOn::TooMany(_) => {
-                let of_frame = answers.iter_mut().filter(|answer| answer.tag.frame == frame);
-                for answer in of_frame.filter(|answer| answer.tag.kind == QueryKind::Parts) {
-                    answer.tag.kind = QueryKind::Proxy;
+                let tags = answers.iter_mut().map(|home| &mut home.answer.tag);
+                let of_frame = tags.filter(|tag| tag.frame == frame);
+                for tag in of_frame.filter(|tag| tag.kind == QueryKind::Parts) {
+                    tag.kind = QueryKind::Proxy;
                 }
             }
         });
-        answers
-            .sort_unstable_by_key(|answer| (answer.tag.frame, answer.tag.kind == QueryKind::Part));
+        // Fragments list leaves as they come: sorted, so that equal frames have equal answers.
+        answers.sort_unstable_by_key(|Answered { answer: Answer { tag, .. }, .. }| {
+            (tag.frame, tag.kind == QueryKind::Part, tag.node)
+        });
+    }
+
+    /// Brings the copies of draws up to date with a scene that changed.
+    pub(crate) fn follow_draws(&mut self, geometry: &Geometry) {
+        let changes = &geometry.draw_changes;
+        match changes.since(self.seen_changes) {
+            Some(leaves) => {
+                leaves.for_each(|leaf| self.parts.changed(DrawRange { first: leaf.0, count: 1 }));
+            }
+            None => self.parts.all_changed(),
+        }
+        self.seen_changes = changes.count();
     }
 
     /// All answers to the newest frame that has any.
@@ -189,20 +223,21 @@ impl ViewHistory {
     /// The age in frames of each answer used for the newest plan.
     pub(crate) fn answer_ages(&self) -> impl Iterator<Item = u64> {
         let now = self.plan.frame.0;
-        self.answers.iter().map(move |answer| now.saturating_sub(answer.tag.frame.0))
+        self.answers.iter().map(move |home| now.saturating_sub(home.answer.tag.frame.0))
     }
 
     /// Plans the next frame and lays out what it asks.
     pub(crate) fn decide(
         &mut self,
         hierarchy: &Hierarchy,
+        geometry: &Geometry,
         strategy: Strategy,
         view: &View,
         query_budget: usize,
     ) {
         self.culler.plan(hierarchy, strategy, view, query_budget, &mut self.plan);
         self.generation = hierarchy.generation();
-        self.questions.lay_out(&self.plan);
+        self.questions.lay_out(&self.plan, geometry);
     }
 
     /// Plans a frame of which it is known what is visible.
@@ -247,8 +282,9 @@ impl ViewHistory {
         let mut outcome =
             FrameOutcome { frame: self.plan.frame, draws: 0, triangles: 0, revealed: 0 };
         for first in taken {
-            outcome.draws += 1;
-            outcome.triangles += geometry.triangles(LeafRange { first, count: 1 });
+            let count = geometry.count(LeafRange { first, count: 1 });
+            outcome.draws += count.draws;
+            outcome.triangles += count.triangles;
         }
         let is_counted_on_gpu =
             self.pyramid.as_mut().is_some_and(|kept| kept.submitted(tick, outcome.frame));

@@ -9,20 +9,38 @@ use gpu::{Access, Buffer, Device, MemoryBarrier, Place, vk};
 
 use crate::error::Error;
 use crate::passes::{SeenIo, SeenPass};
-use crate::renderer::{FrameRequest, Renderer};
+use crate::renderer::Renderer;
 use crate::shaders::ShaderSet;
 use crate::view_history::ViewHistory;
+use crate::views::{Area, Eye, ViewsRequest};
 
 /// The leaves that own at least one pixel of a frame, nearest first.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct VisibleSet {
     leaves: Vec<LeafIndex>,
+    /// The scene as it was then.
+    edition: Edition,
+}
+
+/// Counts the changes of a scene: what is visible of one edition is not what is of another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Edition(u64);
+
+impl Edition {
+    pub(crate) fn advance(&mut self) {
+        self.0 = self.0.wrapping_add(1);
+    }
 }
 
 impl VisibleSet {
     /// The leaves, nearest first.
     pub fn leaves(&self) -> &[LeafIndex] {
         &self.leaves
+    }
+
+    /// Whether it is of the scene as it is in this edition.
+    pub(crate) fn is_of(&self, edition: Edition) -> bool {
+        self.edition == edition
     }
 }
 
@@ -49,7 +67,7 @@ impl SeenLeaves {
 }
 
 impl Renderer {
-    /// Finds the objects that own a pixel seen from `camera`. Waits for the GPU, twice: a yardstick
+    /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice: a yardstick
     /// for measurements, not for a frame loop. `history` is a view kept for this, so that it learns
     /// along the path.
     ///
@@ -59,13 +77,16 @@ impl Renderer {
         &mut self,
         history: &mut ViewHistory,
         camera: &Camera,
+        area: Area,
     ) -> Result<VisibleSet, Error> {
         if self.seen_leaves.is_none() {
             let leaves = self.hierarchy.leaf_objects().len();
             self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
         }
-        self.render(history, &FrameRequest::new(Strategy::Antumbra, *camera))?;
-        let view = self.view_of(camera);
+        let eye = Eye { history: &mut *history, camera: *camera, visible: None, area };
+        let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
+        self.render_views(&mut [eye], &request)?;
+        let view = self.view_in(camera, area);
         let moment = self.moment(history, view)?;
         let drawn = moment.drawn.iter();
         let drawn: Vec<LeafIndex> = drawn
@@ -81,7 +102,7 @@ impl Renderer {
             let (near, far) = (self.distance_squared(*a, eye), self.distance_squared(*b, eye));
             near.total_cmp(&far).then(a.cmp(b))
         });
-        Ok(VisibleSet { leaves })
+        Ok(VisibleSet { leaves, edition: self.edition })
     }
 
     /// From `eye` to the box of a leaf.
@@ -104,7 +125,7 @@ impl Renderer {
             commands.fill(words, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
-            let from = passes.target.render_target(Some([0.0; 4]));
+            let from = passes.target_of(view, Some([0.0; 4]));
             commands.rendering(from, |commands| {
                 passes.opaque.bind(commands, &passes.opaque_io(), view, &passes.light);
                 if !leaves.is_empty() {

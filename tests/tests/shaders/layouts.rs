@@ -133,6 +133,12 @@ fn the_compute_tester_reads_boxes_and_depths_and_writes_words() {
 }
 
 #[test]
+fn scattering_knows_only_words() {
+    let words = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("scatter.comp"), (vec![words(0), words(1), words(2)], 8));
+}
+
+#[test]
 fn push_constants_fit_every_device() {
     // Vulkan promises 128 bytes (specification, "Required Limits").
     let folder = crate::folder();

@@ -1,18 +1,37 @@
-//! The records of all nodes, and how they survive a rebuild of the hierarchy.
+//! The records of all nodes, and how they follow a hierarchy that changes.
 
 use std::sync::Arc;
 
 use super::record::{Doubt, NodeState, Record, Stamp};
 use crate::frustum::Containment;
-use crate::hierarchy::{Hierarchy, Topology};
+use crate::hierarchy::{Change, FREE_LEAF, Hierarchy, NEW_LEAF, Restructured, Topology};
+use crate::ids::Generation;
 use crate::policy::Policy;
 use crate::rng::SplitMix64;
 
-/// One record a node, of the generation whose topology is kept here.
-#[derive(Debug, Default)]
+/// One record a node, as the nodes were in the generation that is kept here.
+#[derive(Debug)]
 pub(super) struct History {
     records: Vec<Record>,
-    topology: Arc<Topology>,
+    generation: Generation,
+    /// Which hierarchy it is about.
+    identity: Option<Arc<()>>,
+    /// Records of the leaves of a part that is carried over.
+    leaves: Vec<Record>,
+    /// Records of its nodes; none where there are only free leaves.
+    carried: Vec<Option<Record>>,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self {
+            records: Vec::new(),
+            generation: Generation(0),
+            identity: None,
+            leaves: Vec::new(),
+            carried: Vec::new(),
+        }
+    }
 }
 
 impl History {
@@ -52,6 +71,7 @@ impl History {
     /// visible until its own draw is tested, and what is above it up to `top` as open.
     pub(super) fn assume_visible(
         &mut self,
+        topology: &Topology,
         leaf: u32,
         top: u32,
         now: Stamp,
@@ -72,7 +92,7 @@ impl History {
         }
         let mut node = leaf;
         while node != top {
-            let Some(links) = self.topology.nodes.get(node as usize) else { return };
+            let Some(links) = topology.nodes.get(node as usize) else { return };
             node = links.parent;
             let Some(record) = self.record_mut(node) else { return };
             if record.state == NodeState::Visible && record.visited == now {
@@ -113,8 +133,8 @@ impl History {
 
     /// An open node is tested as one from now on: it counts as hidden for as long as its parts, until
     /// the answer comes.
-    pub(super) fn closed(&mut self, node: u32) {
-        let Some(links) = self.topology.nodes.get(node as usize) else {
+    pub(super) fn closed(&mut self, topology: &Topology, node: u32) {
+        let Some(links) = topology.nodes.get(node as usize) else {
             return;
         };
         if links.is_leaf() || self.record(node).state != NodeState::Visible {
@@ -130,44 +150,89 @@ impl History {
     }
 
     /// Follows the hierarchy to its present generation. Objects keep what was known of them; a new
-    /// inner node is hidden if all below it is, and visible if something is.
+    /// inner node is hidden if all below it is, and visible if something is. Of another hierarchy,
+    /// and of one that is too far ahead, nothing is known.
     pub(super) fn adopt(&mut self, hierarchy: &Hierarchy) {
-        if Arc::ptr_eq(&self.topology, &hierarchy.topology) {
+        let (journal, generation) = (hierarchy.journal(), hierarchy.generation());
+        let is_same = self.identity.as_ref().is_some_and(|i| Arc::ptr_eq(i, journal.identity()));
+        if is_same && self.generation == generation {
             return;
         }
-        let new = &hierarchy.topology;
-        let mut records = vec![Record::default(); new.nodes.len()];
-        self.copy_leaves(new, &mut records);
-        // Children follow their parents.
-        for (node, links) in new.nodes.iter().enumerate().rev() {
-            if !links.is_leaf() {
-                let [left, right] = links.children(node as u32);
-                records[node] = above(&records[left as usize], &records[right as usize]);
-            }
+        let is_ahead = self.generation > generation;
+        match journal.since(self.generation).filter(|_| is_same && !is_ahead) {
+            Some(changes) => changes.for_each(|change| self.follow(change)),
+            None => self.records.clear(),
         }
-        self.records = records;
-        self.topology = Arc::clone(new);
+        if self.records.len() != hierarchy.node_count() {
+            self.records.clear();
+            self.records.resize(hierarchy.node_count(), Record::default());
+        }
+        self.generation = generation;
+        if !is_same {
+            self.identity = Some(Arc::clone(journal.identity()));
+        }
     }
 
-    /// Gives every object's new leaf its record: that of the topmost hidden node that it was
-    /// under, since nothing below such a node is kept up to date, or else its own.
-    fn copy_leaves(&self, new: &Topology, records: &mut [Record]) {
-        let old = &self.topology;
+    fn follow(&mut self, change: &Change) {
+        match change {
+            Change::Recycled(node) => {
+                if let Some(record) = self.record_mut(*node) {
+                    *record = Record::default();
+                }
+            }
+            Change::Restructured(change) => self.carry_over(change),
+        }
+    }
+
+    /// Deals the records of a subtree out to the nodes that take its place.
+    fn carry_over(&mut self, change: &Restructured) {
+        self.collect_leaves(change);
+        let Self { records, leaves, carried, .. } = self;
+        carried.clear();
+        carried.resize(change.after.len(), None);
+        // Children follow their parents.
+        let mut moved_from = change.moved_from.iter().rev();
+        for (node, leaf_count) in change.after.iter().enumerate().rev() {
+            carried[node] = if *leaf_count == 1 {
+                match moved_from.next() {
+                    Some(&FREE_LEAF) => None,
+                    Some(&NEW_LEAF) | None => Some(Record::default()),
+                    Some(&leaf) => Some(leaves.get(leaf as usize).copied().unwrap_or_default()),
+                }
+            } else {
+                let left = carried.get(node + 1).copied().flatten();
+                let beside = change.after.get(node + 1).map_or(0, |leaves| 2 * *leaves as usize);
+                let right = carried.get(node + beside).copied().flatten();
+                match (left, right) {
+                    (Some(left), Some(right)) => Some(above(&left, &right)),
+                    (one, other) => one.or(other),
+                }
+            };
+        }
+        let carried = carried.iter().map(|record| record.unwrap_or_default());
+        if change.before.len() == change.after.len() {
+            let places = records.iter_mut().skip(change.root as usize);
+            places.zip(carried).for_each(|(place, record)| *place = record);
+        } else {
+            records.clear();
+            records.extend(carried);
+        }
+    }
+
+    /// What was known of each leaf of a subtree before it changed: the record of the topmost hidden
+    /// node that it was under, since nothing below such a node is kept up to date, or else its own.
+    fn collect_leaves(&mut self, change: &Restructured) {
+        self.leaves.clear();
         let mut node = 0;
-        while let Some(links) = old.nodes.get(node as usize) {
-            let record = self.record(node);
-            let is_hidden = record.state == NodeState::Hidden;
-            if !links.is_leaf() && !is_hidden {
+        while let Some(leaf_count) = change.before.get(node) {
+            let record = self.record(change.root + node as u32);
+            if *leaf_count > 1 && record.state != NodeState::Hidden {
                 node += 1;
                 continue;
             }
-            let first = links.first_leaf as usize;
-            for object in &old.leaf_objects[first..first + links.leaf_count as usize] {
-                if let Some(leaf) = new.object_nodes.get(object.0 as usize) {
-                    records[*leaf as usize] = record;
-                }
-            }
-            node = links.end(node);
+            let leaves = *leaf_count as usize;
+            self.leaves.resize(self.leaves.len() + leaves, record);
+            node += 2 * leaves - 1;
         }
     }
 }

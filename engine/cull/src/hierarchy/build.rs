@@ -20,31 +20,83 @@ const JITTER_OF_SCENE: f32 = 1.0 / (1 << 20) as f32;
 /// The same relative to the box itself, for boxes that are large against their distance.
 const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
 
-/// The shape of a good hierarchy over `boxes`.
+/// The shape of a good hierarchy over `boxes`. What is [empty](Aabb::EMPTY) is a free leaf: those lie
+/// together in a balanced subtree beside the rest, the last of the leaves.
 pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     check_count(boxes.len())?;
+    let mut occupied = Vec::with_capacity(boxes.len());
+    let mut free = Vec::new();
     for (object, bounds) in boxes.iter().enumerate() {
-        check(object, bounds)?;
+        if *bounds == Aabb::EMPTY {
+            free.push(object as u32);
+        } else {
+            check(object, bounds)?;
+            occupied.push(object as u32);
+        }
     }
     if boxes.is_empty() {
         return Ok(Topology::default());
     }
-    let count = boxes.len() as u32;
+    let mut nodes = balanced(&free);
+    let spare_root = (!free.is_empty()).then_some(0);
+    let root = cluster(boxes, occupied, &mut nodes);
+    let root = match (root, spare_root) {
+        (Some(left), Some(right)) => {
+            nodes.push(Split::Inner(left, right));
+            nodes.len() as u32 - 1
+        }
+        (Some(root), None) | (None, Some(root)) => root,
+        (None, None) => 0,
+    };
+    Ok(Topology::linearise(root, boxes.len(), |node| nodes[node as usize]))
+}
+
+/// A balanced tree over leaves that need no order; node 0 is its root.
+fn balanced(objects: &[u32]) -> Vec<Split> {
+    let mut nodes = Vec::new();
+    let mut waiting = Vec::new();
+    if !objects.is_empty() {
+        nodes.push(Split::Inner(0, 0));
+        waiting.push((0, objects));
+    }
+    while let Some((node, objects)) = waiting.pop() {
+        nodes[node] = match objects {
+            [object] => Split::Leaf(ObjectId(*object)),
+            _ => {
+                let (left, right) = objects.split_at(objects.len() / 2);
+                let child = nodes.len();
+                nodes.extend([Split::Inner(0, 0); 2]);
+                waiting.extend([(child, left), (child + 1, right)]);
+                Split::Inner(child as u32, child as u32 + 1)
+            }
+        };
+    }
+    nodes
+}
+
+/// Appends the clustered tree over the `occupied` of `boxes` to `nodes`; answers its root.
+fn cluster(boxes: &[Aabb], occupied: Vec<u32>, nodes: &mut Vec<Split>) -> Option<u32> {
+    if occupied.is_empty() {
+        return None;
+    }
+    let present: Vec<Aabb> = occupied.iter().map(|object| boxes[*object as usize]).collect();
     let tree = PlocBuilder::new().build(
         PlocSearchDistance::Medium,
-        &distinct(boxes),
-        (0..count).collect(),
+        &distinct(&present),
+        (0..present.len() as u32).collect(),
         SortPrecision::U64,
         0,
     );
-    Ok(Topology::linearise(0, boxes.len(), |node| {
-        let node = &tree.nodes[node as usize];
+    let root = nodes.len() as u32;
+    nodes.extend(tree.nodes.iter().map(|node| {
         if node.is_leaf() {
-            Split::Leaf(ObjectId(tree.primitive_indices[node.first_index as usize]))
+            let place = tree.primitive_indices[node.first_index as usize];
+            Split::Leaf(ObjectId(occupied[place as usize]))
         } else {
-            Split::Inner(node.first_index, node.first_index + 1)
+            Split::Inner(root + node.first_index, root + node.first_index + 1)
         }
-    }))
+    }));
+    Some(root)
 }
 
 fn check_count(count: usize) -> Result<(), HierarchyError> {
@@ -71,21 +123,6 @@ fn distinct(boxes: &[Aabb]) -> Vec<obvhs::aabb::Aabb> {
             obvhs::aabb::Aabb::new(Vec3A::from(min - jitter()), Vec3A::from(max + jitter()))
         })
         .collect()
-}
-
-/// The box of every node, from those of the objects.
-pub(super) fn node_bounds(topology: &Topology, boxes: &[Aabb]) -> Vec<Aabb> {
-    let mut bounds = vec![Aabb::EMPTY; topology.nodes.len()];
-    // Children follow their parents.
-    for (node, links) in topology.nodes.iter().enumerate().rev() {
-        bounds[node] = if links.is_leaf() {
-            boxes[topology.leaf_objects[links.first_leaf as usize].0 as usize]
-        } else {
-            let [left, right] = links.children(node as u32);
-            bounds[left as usize].union(&bounds[right as usize])
-        };
-    }
-    bounds
 }
 
 #[cfg(test)]

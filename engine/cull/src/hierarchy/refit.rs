@@ -1,9 +1,64 @@
 //! Moves boxes in a hierarchy whose shape stays: only ancestors of what moved are touched.
 
 use super::topology::{NO_NODE, Topology};
+use super::wear::Wear;
 use super::{HierarchyError, check};
 use crate::bounds::Aabb;
 use crate::ids::ObjectId;
+
+/// What every node knows of the objects under it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nodes {
+    pub(super) bounds: Vec<Aabb>,
+    /// Leaves without an object.
+    pub(super) free: Vec<u32>,
+    pub(super) wear: Wear,
+}
+
+impl Nodes {
+    /// For a hierarchy that was just built over `boxes`.
+    pub(super) fn new(topology: &Topology, boxes: &[Aabb]) -> Self {
+        let count = topology.nodes.len();
+        let mut nodes =
+            Self { bounds: vec![Aabb::EMPTY; count], free: vec![0; count], wear: Wear::new(count) };
+        for (object, bounds) in topology.object_nodes.iter().zip(boxes) {
+            nodes.place(*object, *bounds);
+        }
+        nodes.build(topology, 0);
+        nodes
+    }
+
+    /// Computes everything in a subtree from the boxes of its leaves, and calls it well built.
+    pub(super) fn build(&mut self, topology: &Topology, root: u32) {
+        let Some(links) = topology.nodes.get(root as usize) else {
+            return;
+        };
+        // Children follow their parents.
+        for node in (root..links.end(root)).rev() {
+            if !topology.nodes[node as usize].is_leaf() {
+                self.update(topology, node);
+            }
+            self.wear.reset(node, &self.bounds[node as usize]);
+        }
+    }
+
+    /// Sets the box of a leaf.
+    pub(super) fn place(&mut self, node: u32, bounds: Aabb) {
+        self.bounds[node as usize] = bounds;
+        self.free[node as usize] = u32::from(bounds.is_empty());
+        self.wear.update_leaf(node);
+    }
+
+    /// Computes an inner node from its children.
+    pub(super) fn update(&mut self, topology: &Topology, node: u32) {
+        let children = topology.nodes[node as usize].children(node);
+        let [left, right] = children.map(|child| child as usize);
+        let bounds = self.bounds[left].union(&self.bounds[right]);
+        self.bounds[node as usize] = bounds;
+        self.free[node as usize] = self.free[left] + self.free[right];
+        self.wear.update(node, &bounds, children);
+    }
+}
 
 /// Kept between refits so that moving objects does not allocate.
 #[derive(Clone, Debug, Default)]
@@ -14,23 +69,25 @@ pub(super) struct Scratch {
     is_stale: Vec<bool>,
 }
 
-/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first.
+/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first. Tells
+/// `touched` every ancestor.
 pub(super) fn refit(
     topology: &Topology,
-    bounds: &mut [Aabb],
+    nodes: &mut Nodes,
     scratch: &mut Scratch,
     moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
+    mut touched: impl FnMut(&Nodes, u32),
 ) -> Result<(), HierarchyError> {
-    scratch.is_stale.resize(bounds.len(), false);
+    scratch.is_stale.resize(nodes.bounds.len(), false);
     let outcome = moved
         .into_iter()
-        .try_for_each(|(object, target)| place(topology, bounds, scratch, object, target));
+        .try_for_each(|(object, target)| place(topology, nodes, scratch, object, target));
     // In pre-order children have larger numbers than their parents.
     scratch.stale.sort_unstable_by(|a, b| b.cmp(a));
     for node in scratch.stale.drain(..) {
-        let [left, right] = topology.nodes[node as usize].children(node);
-        bounds[node as usize] = bounds[left as usize].union(&bounds[right as usize]);
+        nodes.update(topology, node);
         scratch.is_stale[node as usize] = false;
+        touched(nodes, node);
     }
     outcome
 }
@@ -38,17 +95,14 @@ pub(super) fn refit(
 /// Sets the box of one object and marks its ancestors up to the first that is marked.
 fn place(
     topology: &Topology,
-    bounds: &mut [Aabb],
+    nodes: &mut Nodes,
     scratch: &mut Scratch,
     object: ObjectId,
     target: Aabb,
 ) -> Result<(), HierarchyError> {
     check(object.0 as usize, &target)?;
-    let node = *topology
-        .object_nodes
-        .get(object.0 as usize)
-        .ok_or(HierarchyError::UnknownObject { object })?;
-    bounds[node as usize] = target;
+    let node = occupied(topology, nodes, object)?;
+    nodes.place(node, target);
     let mut parent = topology.nodes[node as usize].parent;
     while parent != NO_NODE && !scratch.is_stale[parent as usize] {
         scratch.is_stale[parent as usize] = true;
@@ -56,4 +110,15 @@ fn place(
         parent = topology.nodes[parent as usize].parent;
     }
     Ok(())
+}
+
+/// The node of an object that is there.
+pub(super) fn occupied(
+    topology: &Topology,
+    nodes: &Nodes,
+    object: ObjectId,
+) -> Result<u32, HierarchyError> {
+    let node = topology.object_nodes.get(object.0 as usize).copied();
+    node.filter(|node| nodes.free[*node as usize] == 0)
+        .ok_or(HierarchyError::UnknownObject { object })
 }

@@ -34,12 +34,13 @@ impl Links {
 }
 
 /// What a foreign tree says about one of its nodes, while it is brought into order.
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum Split {
     Leaf(ObjectId),
     Inner(u32, u32),
 }
 
-/// All nodes and the order of the objects. Never changes: a rebuild makes a new one.
+/// All nodes and the order of the objects.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Topology {
     pub(crate) nodes: Vec<Links>,

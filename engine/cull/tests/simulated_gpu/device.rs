@@ -163,6 +163,9 @@ impl Device {
         leaf: LeafIndex,
     ) -> u32 {
         let object = hierarchy.leaf_objects()[leaf.0 as usize].0;
+        if solids.solids[object as usize].is_empty() {
+            return 0;
+        }
         self.drawn.push(object);
         let (solid, shift) = (&solids.solids[object as usize], solids.shifts[object as usize]);
         self.image.draw(view, solid, shift)

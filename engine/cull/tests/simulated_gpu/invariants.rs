@@ -106,10 +106,11 @@ fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
 /// In 64 bits and without any allowance: no plane of the frustum has the whole box outside.
 fn meets_frustum(hierarchy: &Hierarchy, view: &View, leaf: usize) -> bool {
     let object = hierarchy.leaf_objects()[leaf];
-    let corners = hierarchy
-        .bounds(hierarchy.node_of(object).unwrap())
-        .corners()
-        .map(|corner| corner.as_dvec3() - view.eye.as_dvec3());
+    let bounds = hierarchy.bounds(hierarchy.node_of(object).unwrap());
+    if bounds.is_empty() {
+        return false;
+    }
+    let corners = bounds.corners().map(|corner| corner.as_dvec3() - view.eye.as_dvec3());
     let [right, up, forward] = [view.right, view.up, view.forward].map(|axis| axis.as_dvec3());
     let [tan_x, tan_y] = view.tan_half.map(f64::from);
     let reaches = |normal: glam::DVec3, offset: f64| {

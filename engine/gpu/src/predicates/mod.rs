@@ -150,6 +150,8 @@ pub struct Predicates {
     predication: Predication,
     draws: Buffer,
     writer: Option<ComputePipeline>,
+    // Counts only: a word that is as large as a count may be.
+    all: Option<Buffer>,
     lanes: [Lane; WordSource::ALL.len()],
 }
 
@@ -201,16 +203,25 @@ impl Predicates {
             }
         };
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
+        let all = match predication {
+            Predication::Counts => {
+                let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
+                Some(device.upload("all draws", &most, vk::BufferUsageFlags::INDIRECT_BUFFER)?)
+            }
+            _ => None,
+        };
         Ok(Self {
             device: device.clone(),
             predication,
+            all,
             draws: device.upload("indirect draws", draws, usage)?,
             writer,
             lanes: std::array::from_fn(|_| Lane::new(frames_in_flight)),
         })
     }
 
-    /// All draws in GPU memory. [`Predication::Instances`] changes their instance counts.
+    /// All draws in GPU memory, to be changed between frames. [`Predication::Instances`] changes
+    /// their instance counts.
     pub fn draws(&self) -> BufferSlice {
         self.draws.whole()
     }
@@ -282,6 +293,19 @@ impl Predicates {
             &[Access::ComputeWrite, Access::ComputeRead],
             &[Access::IndirectRead, Access::CopyWrite, Access::CopyRead, Access::FragmentWrite],
         ));
+    }
+
+    /// Draws all of `draws`, whatever any word says. Where some draws are counted these are, too:
+    /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in
+    /// the command buffer.
+    pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
+        let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
+        match &self.all {
+            Some(all) if draws.size_bytes / DRAW_BYTES <= limit => {
+                commands.draw_indirect_count(draws, all.whole());
+            }
+            _ => commands.draw_indirect(draws),
+        }
     }
 
     /// Draws the range of a decision if its word is not zero.

@@ -18,6 +18,7 @@ use crate::scene::{
     pack_unorm,
 };
 use crate::shaders::ShaderSet;
+use crate::views::Area;
 
 /// So many of something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -323,7 +324,8 @@ impl<'a> Bench<'a> {
                     _ => (1, batch.count),
                 };
                 for _ in 0..grids {
-                    compute.record_grid(commands, &mut self.passes.target);
+                    let area = Area::whole(self.passes.target.size());
+                    compute.record_grid(commands, &mut self.passes.target, area);
                     let words = self.words.whole();
                     let tests = ComputeTestIo { boxes: io.small, words, first: 0, count };
                     let again = [Access::ComputeWrite];

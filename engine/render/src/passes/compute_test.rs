@@ -16,6 +16,7 @@ use gpu::{
 
 use crate::error::Error;
 use crate::shaders::ShaderSet;
+use crate::views::Area;
 
 /// Pixels along each side of a cell, as in the shaders.
 const CELL: u32 = 8;
@@ -32,7 +33,6 @@ pub struct ComputeTest {
     test_pipeline: ComputePipeline,
     depths: Buffer,
     grid: Buffer,
-    size: [u32; 2],
     reach_pixels: f32,
     most_groups: u32,
 }
@@ -75,7 +75,7 @@ struct TestConstants {
 const _: () = assert!(size_of::<GridConstants>() == 8 && size_of::<TestConstants>() == 72);
 
 impl ComputeTest {
-    /// Compiles the passes for targets of `size` pixels.
+    /// Compiles the passes for areas of up to `size` pixels.
     ///
     /// # Errors
     /// A picture whose depth is larger than a storage buffer may be, no memory, a failed call.
@@ -104,25 +104,24 @@ impl ComputeTest {
             test_pipeline: pipeline("compute test", "compute_test.comp", 4, test_bytes)?,
             depths: buffer("tested depth", size, vk::BufferUsageFlags::TRANSFER_DST)?,
             grid: buffer("depth grid", cells, vk::BufferUsageFlags::empty())?,
-            size,
             reach_pixels: snapping + SLACK_PIXELS,
             most_groups: limits.max_compute_work_group_count[0].max(1),
         })
     }
 
-    /// Takes the depth of `target` as it is now, which has the size that was given to
-    /// [`ComputeTest::new`], for all tests until the next call. Outside of rendering; to draw on,
-    /// prepare the target again.
-    pub fn record_grid(&self, commands: &Commands, target: &mut Target) {
+    /// Takes the depth of `target` as it is now in `area`, which is no larger in either direction than
+    /// was given to [`ComputeTest::new`], for all tests until the next call. Outside of rendering; to
+    /// draw on, prepare the target again.
+    pub fn record_grid(&self, commands: &Commands, target: &mut Target, area: Area) {
         let between = MemoryBarrier::between;
         // The tests before, of this frame or another, have read what is written here.
         commands
             .barrier(between(&[Access::ComputeRead], &[Access::CopyWrite, Access::ComputeWrite]));
-        target.copy_depth_to(commands, self.depths.whole());
+        target.copy_depth_to(commands, area.origin, area.size, self.depths.whole());
         commands.barrier(between(&[Access::CopyWrite], &[Access::ComputeRead]));
         commands.bind_compute(&self.grid_pipeline, &[self.depths.whole(), self.grid.whole()]);
-        commands.push_compute_constants(&self.grid_pipeline, &GridConstants { size: self.size });
-        let cells = self.size.map(|side| side.div_ceil(CELL));
+        commands.push_compute_constants(&self.grid_pipeline, &GridConstants { size: area.size });
+        let cells = area.size.map(|side| side.div_ceil(CELL));
         // At most a quarter of the bytes of a storage buffer over 64 cells over 64 pixels: far below
         // any limit of workgroups.
         commands.dispatch([(cells[0] * cells[1]).div_ceil(GRID_GROUP), 1, 1]);
@@ -145,7 +144,7 @@ impl ComputeTest {
     }
 
     fn constants(&self, view: &View) -> TestConstants {
-        let pixel = |axis: usize| 2.0 * view.tan_half[axis] / self.size[axis] as f32;
+        let pixel = |axis: usize| 2.0 * view.tan_half[axis] / view.size[axis] as f32;
         TestConstants {
             eye: view.eye.to_array(),
             near: view.near,
@@ -155,7 +154,7 @@ impl ComputeTest {
             reach_pixels: self.reach_pixels,
             down: (view.up * -pixel(1)).to_array(),
             unused: 0,
-            size: self.size,
+            size: view.size,
         }
     }
 }

@@ -7,6 +7,7 @@ mod overlay;
 mod proxy;
 mod pyramid;
 mod pyramid_cull;
+mod scatter;
 mod seen;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
@@ -16,4 +17,5 @@ pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};
 pub use proxy::{ProxyBox, ProxyIo, ProxyPass};
 pub use pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
 pub(crate) use pyramid_cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
+pub use scatter::{ScatterIo, ScatterPass};
 pub use seen::{SeenIo, SeenPass};

@@ -12,6 +12,7 @@ use gpu::{
 
 use crate::error::Error;
 use crate::shaders::ShaderSet;
+use crate::views::Area;
 
 /// Levels that one dispatch builds.
 const LEVELS_A_DISPATCH: usize = 3;
@@ -39,23 +40,19 @@ impl PyramidLevel {
 
 /// The levels over a picture of `size` pixels, which is level 0. Each has half of the texels of the
 /// one before in both directions, rounded up; the last has at most 4x4.
-pub fn pyramid_levels(size: [u32; 2]) -> Vec<PyramidLevel> {
-    let mut level = PyramidLevel { start: 0, size: size.map(|side| side.max(1)) };
-    let mut levels = vec![level];
-    while level.size.into_iter().any(|side| side > LAST_SIDE) {
-        level = PyramidLevel {
+pub fn pyramid_levels(size: [u32; 2]) -> impl Iterator<Item = PyramidLevel> + Clone {
+    let base = PyramidLevel { start: 0, size: size.map(|side| side.max(1)) };
+    std::iter::successors(Some(base), |level| {
+        level.size.into_iter().any(|side| side > LAST_SIDE).then(|| PyramidLevel {
             start: level.start + level.texels(),
             size: level.size.map(|side| side.div_ceil(2)),
-        };
-        levels.push(level);
-    }
-    levels
+        })
+    })
 }
 
 /// Builds the depth pyramid of a target. Owns the buffer it lies in.
 pub struct PyramidPass {
     pipeline: ComputePipeline,
-    levels: Vec<PyramidLevel>,
     depths: Buffer,
 }
 
@@ -71,13 +68,12 @@ struct Constants {
 const _: () = assert!(size_of::<Constants>() == 16);
 
 impl PyramidPass {
-    /// Compiles the pass for targets of `size` pixels.
+    /// Compiles the pass for areas of up to `size` pixels.
     ///
     /// # Errors
     /// A pyramid that is larger than a storage buffer may be, no memory, a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
-        let levels = pyramid_levels(size);
-        let size_bytes = 4 * levels.iter().map(|level| level.texels()).sum::<u64>();
+        let size_bytes = 4 * pyramid_levels(size).map(PyramidLevel::texels).sum::<u64>();
         let limit = device.adapter().limits.max_storage_buffer_range.into();
         if size_bytes > limit {
             let what = "the depth pyramid in bytes".to_owned();
@@ -90,35 +86,29 @@ impl PyramidPass {
         let shader = shaders.find("pyramid_build.comp")?;
         Ok(Self {
             pipeline: ComputePipeline::new(device, "pyramid build", shader, storage)?,
-            levels,
             depths: Buffer::new(device, "depth pyramid", size_bytes, usage, Place::Device)?,
         })
     }
 
-    /// Where its levels lie in [`PyramidPass::depths`].
-    pub fn levels(&self) -> &[PyramidLevel] {
-        &self.levels
-    }
-
-    /// All levels, a 32-bit float a texel.
+    /// All levels, a 32-bit float a texel; [`pyramid_levels`] says where they lie.
     pub fn depths(&self) -> BufferSlice {
         self.depths.whole()
     }
 
-    /// Builds all levels from the depth of `target` as it is now, which has the size that was given to
-    /// [`PyramidPass::new`]. Outside of rendering. Compute shaders, and copies, may read
+    /// Builds all levels from the depth of `target` as it is now in `area`, which is no larger in
+    /// either direction than was given to [`PyramidPass::new`]. Outside of rendering. Compute shaders, and copies, may read
     /// [`PyramidPass::depths`] after it.
-    pub fn record(&self, commands: &Commands, target: &mut Target) {
+    pub fn record(&self, commands: &Commands, target: &mut Target, area: Area) {
         let between = MemoryBarrier::between;
         // Whoever read or copied the pyramid of the frame before.
         let earlier = [Access::ComputeRead, Access::ComputeWrite, Access::CopyRead];
         commands.barrier(between(&earlier, &[Access::CopyWrite, Access::ComputeWrite]));
-        target.copy_depth_to(commands, self.depths.whole());
+        target.copy_depth_to(commands, area.origin, area.size, self.depths.whole());
         let readable = [Access::ComputeRead, Access::ComputeWrite, Access::CopyRead];
         commands.barrier(between(&[Access::CopyWrite], &readable));
-        for below in (0..self.levels.len()).step_by(LEVELS_A_DISPATCH) {
-            let Some(level) = self.levels.get(below) else { break };
-            let above = (self.levels.len() - 1 - below).min(LEVELS_A_DISPATCH);
+        let levels = pyramid_levels(area.size);
+        for (number, level) in levels.clone().enumerate().step_by(LEVELS_A_DISPATCH) {
+            let above = levels.clone().skip(number + 1).take(LEVELS_A_DISPATCH).count();
             if above == 0 {
                 break;
             }
@@ -145,14 +135,14 @@ mod tests {
 
     #[test]
     fn levels_follow_each_other_and_end_at_four() {
-        let sizes = |size| pyramid_levels(size).iter().map(|level| level.size).collect::<Vec<_>>();
+        let sizes = |size| pyramid_levels(size).map(|level| level.size).collect::<Vec<_>>();
         assert_eq!(sizes([1, 1]), [[1, 1]]);
         assert_eq!(sizes([4, 4]), [[4, 4]]);
         assert_eq!(sizes([5, 1]), [[5, 1], [3, 1]]);
         assert_eq!(sizes([333, 7])[..3], [[333, 7], [167, 4], [84, 2]]);
         assert_eq!(sizes([1280, 720]).last(), Some(&[3, 2]));
         for size in [[1, 1], [9, 4], [333, 7], [641, 363], [4096, 4096]] {
-            let levels = pyramid_levels(size);
+            let levels: Vec<PyramidLevel> = pyramid_levels(size).collect();
             for pair in levels.windows(2) {
                 assert_eq!(pair[1].start, pair[0].start + pair[0].texels());
             }
@@ -162,7 +152,7 @@ mod tests {
     #[test]
     fn every_rectangle_fits_in_some_level_and_is_covered_there() {
         for size in [1, 2, 3, 5, 8, 31, 100, 333] {
-            let levels = pyramid_levels([size, 1]);
+            let levels: Vec<PyramidLevel> = pyramid_levels([size, 1]).collect();
             for first in 0..size {
                 for last in first..size {
                     let fits = |level: &usize| (last >> level) - (first >> level) < LAST_SIDE;

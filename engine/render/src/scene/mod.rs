@@ -9,12 +9,13 @@ mod builder;
 mod city;
 mod field;
 mod mesh;
+mod motion;
 mod path;
 mod random;
 #[cfg(test)]
 mod tests;
 
-use cull::Aabb;
+use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Mat3A, Vec3, Vec3A, vec3, vec3a};
 
 pub use city::city;
@@ -22,6 +23,7 @@ pub use field::field;
 pub use mesh::{
     Mesh, MeshId, Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal, unpack_unorm,
 };
+pub use motion::{Cast, Motion, MotionError};
 pub use path::{CameraPath, EYE_HEIGHT_M, FOV_Y_RAD, NEAR_M, PathKind};
 
 /// The most objects that a generated scene can have.
@@ -39,6 +41,9 @@ pub enum SceneError {
         /// The number that was asked for.
         asked: u32,
     },
+    /// A motion that cannot be made.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// A name that no camera path has.
     #[error("there is no camera path named \"{name}\": choose street, fly or cut")]
     UnknownPath {
@@ -80,6 +85,28 @@ pub struct Object {
     /// Linear red, green, blue as unorm8x4, red in the lowest byte; alpha has no meaning. See
     /// [`Vertex::colour`].
     pub tint: u32,
+}
+
+/// Something that happens to an object between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObjectChange {
+    /// It is somewhere else.
+    Move {
+        /// The object.
+        object: ObjectId,
+        /// Where it is now.
+        transform: Affine3A,
+    },
+    /// It is gone; its id may be given to another.
+    Remove {
+        /// The object.
+        object: ObjectId,
+    },
+    /// It was not there before. The update says which id it gets.
+    Add {
+        /// What comes. Its mesh is one of the scene's.
+        object: Object,
+    },
 }
 
 /// One directional light, and what comes from everywhere else. All colours are linear.
@@ -166,19 +193,7 @@ impl Scene {
     /// that order never lies outside; one that is transformed in another order, or with fused
     /// multiplication, may by the last place.
     pub fn bounds_of(&self, object: &Object) -> Option<Aabb> {
-        let bounds = self.mesh_of(object)?.bounds;
-        let transform = &object.transform;
-        let extremes = |column: Vec3A, low: f32, high: f32| {
-            let (a, b) = (column * low, column * high);
-            (a.min(b), a.max(b))
-        };
-        let x = extremes(transform.matrix3.x_axis, bounds.min.x, bounds.max.x);
-        let y = extremes(transform.matrix3.y_axis, bounds.min.y, bounds.max.y);
-        let z = extremes(transform.matrix3.z_axis, bounds.min.z, bounds.max.z);
-        Some(Aabb {
-            min: (x.0 + y.0 + z.0 + transform.translation).into(),
-            max: (x.1 + y.1 + z.1 + transform.translation).into(),
-        })
+        Some(bounds_of_transformed(&self.mesh_of(object)?.bounds, &object.transform))
     }
 
     /// How many triangles its objects have together.
@@ -223,6 +238,21 @@ impl Scene {
             }
         }
         Ok(())
+    }
+}
+
+/// The box around a transformed box; [`Scene::bounds_of`] says how exact it is.
+pub(crate) fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
+    let extremes = |column: Vec3A, low: f32, high: f32| {
+        let (a, b) = (column * low, column * high);
+        (a.min(b), a.max(b))
+    };
+    let x = extremes(transform.matrix3.x_axis, bounds.min.x, bounds.max.x);
+    let y = extremes(transform.matrix3.y_axis, bounds.min.y, bounds.max.y);
+    let z = extremes(transform.matrix3.z_axis, bounds.min.z, bounds.max.z);
+    Aabb {
+        min: (x.0 + y.0 + z.0 + transform.translation).into(),
+        max: (x.1 + y.1 + z.1 + transform.translation).into(),
     }
 }
 

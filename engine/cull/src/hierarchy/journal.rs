@@ -1,0 +1,121 @@
+//! What happened to the nodes, for those who remember something of them: cullers read on where they
+//! stopped, each at its own pace, so several views can share one hierarchy.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::ids::Generation;
+
+/// A leaf of a [`Restructured`] subtree that had no place before: nothing is known of its object.
+pub(crate) const NEW_LEAF: u32 = u32::MAX;
+
+/// A leaf without an object.
+pub(crate) const FREE_LEAF: u32 = u32::MAX - 1;
+
+/// One change of what nodes stand for.
+#[derive(Clone, Debug)]
+pub(crate) enum Change {
+    /// The leaf that is this node holds another object from now on.
+    Recycled(u32),
+    /// The nodes of a subtree were dealt out anew.
+    Restructured(Box<Restructured>),
+}
+
+/// A subtree before and after. A tree in depth-first pre-order is told by the leaf counts of its
+/// nodes alone: the left child of node `i` is `i + 1`, the right one `i` plus twice its leaves.
+#[derive(Clone, Debug)]
+pub(crate) struct Restructured {
+    /// The topmost node; the others follow it.
+    pub(crate) root: u32,
+    pub(crate) before: Vec<u32>,
+    pub(crate) after: Vec<u32>,
+    /// For each leaf, counted from the subtree's first, where its object's leaf was before;
+    /// [`NEW_LEAF`] or [`FREE_LEAF`] if it was nowhere.
+    pub(crate) moved_from: Vec<u32>,
+}
+
+/// The changes of late, each with the generation it began. Bounded: who reads too seldom has to
+/// start from nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Journal {
+    /// Tells one hierarchy from another.
+    identity: Arc<()>,
+    changes: VecDeque<(Generation, Change)>,
+    /// Words held by `changes`.
+    words: usize,
+    /// The newest generation whose change was dropped.
+    dropped: Option<Generation>,
+}
+
+impl Journal {
+    /// Whose journal it is: compare with [`Arc::ptr_eq`].
+    pub(crate) fn identity(&self) -> &Arc<()> {
+        &self.identity
+    }
+
+    /// Notes a change, and drops the oldest until no more than `most_words` are held, or one.
+    pub(super) fn push(&mut self, generation: Generation, change: Change, most_words: usize) {
+        self.words += words(&change);
+        self.changes.push_back((generation, change));
+        while self.words > most_words && self.changes.len() > 1 {
+            let Some((oldest, change)) = self.changes.pop_front() else {
+                return;
+            };
+            self.words -= words(&change);
+            self.dropped = Some(oldest);
+        }
+    }
+
+    /// Forgets all changes: whoever reads next has to start from nothing.
+    pub(super) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// What changed after `generation`, the oldest first; `None` if not all of it is held.
+    pub(crate) fn since(&self, generation: Generation) -> Option<impl Iterator<Item = &Change>> {
+        if self.dropped.is_some_and(|dropped| dropped > generation) {
+            return None;
+        }
+        let first = self.changes.partition_point(|(began, _)| *began <= generation);
+        Some(self.changes.range(first..).map(|(_, change)| change))
+    }
+}
+
+fn words(change: &Change) -> usize {
+    const ENTRY_WORDS: usize = 6;
+    match change {
+        Change::Recycled(_) => ENTRY_WORDS,
+        Change::Restructured(change) => {
+            ENTRY_WORDS + change.before.len() + change.after.len() + change.moved_from.len()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn nodes(journal: &Journal, generation: u32) -> Option<Vec<u32>> {
+        let changes = journal.since(Generation(generation))?;
+        Some(
+            changes
+                .map(|change| match change {
+                    Change::Recycled(node) => *node,
+                    Change::Restructured(change) => change.root,
+                })
+                .collect(),
+        )
+    }
+
+    #[test]
+    fn readers_go_on_where_they_stopped_or_are_told_that_they_cannot() {
+        let mut journal = Journal::default();
+        for generation in 1..=6 {
+            journal.push(Generation(generation), Change::Recycled(10 * generation), 24);
+        }
+        assert_eq!(nodes(&journal, 6), Some(vec![]));
+        assert_eq!(nodes(&journal, 4), Some(vec![50, 60]));
+        assert_eq!(nodes(&journal, 2), Some(vec![30, 40, 50, 60]));
+        assert_eq!(nodes(&journal, 1), None, "generation 2 was dropped");
+    }
+}

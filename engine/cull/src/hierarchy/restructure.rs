@@ -1,0 +1,136 @@
+//! Rebuilds single subtrees in place: n leaves always have 2n - 1 nodes, in depth-first pre-order, so
+//! that a subtree keeps its range of nodes and its range of leaves however it is built.
+
+use super::HierarchyError;
+use super::build;
+use super::journal::{FREE_LEAF, Restructured};
+use super::refit::Nodes;
+use super::topology::{Links, NO_NODE, Topology};
+use super::wear::LEAVES_MIN;
+use crate::bounds::Aabb;
+use crate::ids::ObjectId;
+
+/// Subtrees that were found worn and wait for their rebuild.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Worn {
+    candidates: Vec<u32>,
+    /// Whether a node is among them.
+    is_candidate: Vec<bool>,
+    /// Area saved for each leaf that is rebuilt, of every candidate.
+    ranked: Vec<(f32, u32)>,
+}
+
+impl Worn {
+    /// Notes a node that was refitted if it may be worth a rebuild of at most `most_leaves`.
+    pub(super) fn consider(
+        &mut self,
+        topology: &Topology,
+        nodes: &Nodes,
+        node: u32,
+        most_leaves: u32,
+    ) {
+        let leaves = topology.nodes[node as usize].leaf_count;
+        if !(LEAVES_MIN..=most_leaves).contains(&leaves) {
+            return;
+        }
+        self.is_candidate.resize(nodes.bounds.len(), false);
+        let is_known = self.is_candidate[node as usize];
+        if !is_known && nodes.wear.excess(node, &nodes.bounds[node as usize]).is_some() {
+            self.is_candidate[node as usize] = true;
+            self.candidates.push(node);
+        }
+    }
+
+    /// Fills `chosen` with the subtrees whose rebuild saves the most area a leaf, of no more than
+    /// `budget` leaves together. Some may lie in others: ask again before rebuilding each.
+    pub(super) fn choose(
+        &mut self,
+        topology: &Topology,
+        nodes: &Nodes,
+        budget: u32,
+        chosen: &mut Vec<u32>,
+    ) {
+        self.ranked.clear();
+        self.candidates.retain(|node| {
+            let excess = nodes.wear.excess(*node, &nodes.bounds[*node as usize]);
+            if let Some(excess) = excess {
+                let leaves = topology.nodes[*node as usize].leaf_count;
+                self.ranked.push((excess / leaves as f32, *node));
+            }
+            self.is_candidate[*node as usize] = excess.is_some();
+            excess.is_some()
+        });
+        self.ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut left = budget;
+        for (_, node) in &self.ranked {
+            let leaves = topology.nodes[*node as usize].leaf_count;
+            if leaves <= left {
+                left -= leaves;
+                chosen.push(*node);
+            }
+        }
+    }
+}
+
+/// Builds the subtree of `root` anew from the boxes of its leaves, and brings the sums above it up to
+/// date.
+pub(super) fn rebuild_subtree(
+    topology: &mut Topology,
+    nodes: &mut Nodes,
+    root: u32,
+) -> Result<Restructured, HierarchyError> {
+    let top = topology.nodes[root as usize];
+    let first = top.first_leaf as usize;
+    let leaves = first..first + top.leaf_count as usize;
+    let objects: Vec<ObjectId> = topology.leaf_objects[leaves].to_vec();
+    let node_of = |object: &ObjectId| topology.object_nodes[object.0 as usize] as usize;
+    let boxes: Vec<Aabb> = objects.iter().map(|object| nodes.bounds[node_of(object)]).collect();
+    let built = build::topology(&boxes)?;
+    let subtree = root as usize..top.end(root) as usize;
+    let before = topology.nodes[subtree].iter().map(|links| links.leaf_count).collect();
+    let change = Restructured {
+        root,
+        before,
+        after: built.nodes.iter().map(|links| links.leaf_count).collect(),
+        moved_from: built.leaf_objects.iter().map(|object| moved_from(&boxes, *object)).collect(),
+    };
+    splice(topology, root, &top, &built, &objects);
+    for (local, bounds) in built.object_nodes.iter().zip(&boxes) {
+        nodes.place(root + local, *bounds);
+    }
+    nodes.build(topology, root);
+    let mut above = top.parent;
+    while above != NO_NODE {
+        nodes.update(topology, above);
+        above = topology.nodes[above as usize].parent;
+    }
+    Ok(change)
+}
+
+/// In a subtree, objects are numbered by the leaves they had before.
+fn moved_from(boxes: &[Aabb], object: ObjectId) -> u32 {
+    let is_free = boxes.get(object.0 as usize).is_none_or(Aabb::is_empty);
+    if is_free { FREE_LEAF } else { object.0 }
+}
+
+/// Replaces the links below `root`, which was `top`, by those of `built`, whose objects are numbered
+/// as in `objects`.
+fn splice(topology: &mut Topology, root: u32, top: &Links, built: &Topology, objects: &[ObjectId]) {
+    for (node, links) in (root..).zip(&built.nodes) {
+        let inside = |local: u32, outside: u32| {
+            if local == NO_NODE { outside } else { local + root }
+        };
+        topology.nodes[node as usize] = Links {
+            right: inside(links.right, NO_NODE),
+            parent: inside(links.parent, top.parent),
+            first_leaf: top.first_leaf + links.first_leaf,
+            leaf_count: links.leaf_count,
+            level: top.level + links.level,
+        };
+    }
+    for (leaf, local) in (top.first_leaf as usize..).zip(&built.leaf_objects) {
+        let object = objects[local.0 as usize];
+        topology.leaf_objects[leaf] = object;
+        topology.object_nodes[object.0 as usize] = root + built.object_nodes[local.0 as usize];
+    }
+}

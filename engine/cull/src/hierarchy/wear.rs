@@ -1,0 +1,119 @@
+//! When a subtree that was refitted again and again is worth building anew.
+//!
+//! The measure is the surface-area cost (Goldsmith and Salmon 1987, "Automatic Creation of Object
+//! Hierarchies for Ray Tracing"): the areas of all inner nodes over that of the topmost. It does not
+//! change when a subtree moves or grows as a whole, and grows when its parts drift apart or one of
+//! them leaves. A subtree is worn when its cost is well above that after its last build.
+
+use crate::bounds::Aabb;
+
+/// How much a cost may grow before the subtree counts as worn. Boxes of moving things breathe: below
+/// this a rebuild would come back frame after frame and gain nothing.
+const GROWTH: f32 = 1.4;
+
+/// The least cost to compare with: that of a node alone. A subtree that was built without objects
+/// has none.
+const LEAST_COST: f32 = 1.0;
+
+/// Fewer leaves can hardly be arranged better.
+pub(super) const LEAVES_MIN: u32 = 4;
+
+/// Leaves that one update may rebuild without being asked: a fraction of a millisecond of work.
+pub(super) const LEAVES_PER_UPDATE: u32 = 1024;
+
+/// A whole hierarchy up to this many leaves is rebuilt within an update where that is needed: tens of
+/// milliseconds at worst, and seldom, since a rebuild resets the measure.
+pub(super) const LEAVES_OF_WHOLE: u32 = 1 << 15;
+
+/// The areas under every node.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wear {
+    /// The areas of all inner nodes of a subtree together.
+    areas: Vec<f32>,
+    /// The cost of a subtree when it was last built.
+    built: Vec<f32>,
+}
+
+impl Wear {
+    /// For `nodes` nodes; every one must be [updated](Wear::update), then [reset](Wear::reset).
+    pub(super) fn new(nodes: usize) -> Self {
+        Self { areas: vec![0.0; nodes], built: vec![0.0; nodes] }
+    }
+
+    /// Computes the areas under an inner node from those under its children.
+    pub(super) fn update(&mut self, node: u32, bounds: &Aabb, children: [u32; 2]) {
+        let [left, right] = children.map(|child| self.areas[child as usize]);
+        self.areas[node as usize] = bounds.half_area() + left + right;
+    }
+
+    /// A leaf has no areas under it.
+    pub(super) fn update_leaf(&mut self, node: u32) {
+        self.areas[node as usize] = 0.0;
+    }
+
+    /// The subtree of a node is as good as it gets.
+    pub(super) fn reset(&mut self, node: u32, bounds: &Aabb) {
+        self.built[node as usize] = self.cost(node, bounds);
+    }
+
+    fn cost(&self, node: u32, bounds: &Aabb) -> f32 {
+        let area = bounds.half_area();
+        if area > 0.0 { self.areas[node as usize] / area } else { 0.0 }
+    }
+
+    /// The area (square metres) that a rebuild of the subtree is likely to save; `None` if it is not
+    /// worn.
+    pub(super) fn excess(&self, node: u32, bounds: &Aabb) -> Option<f32> {
+        let built = self.built[node as usize].max(LEAST_COST);
+        let is_worn = self.cost(node, bounds) > GROWTH * built;
+        is_worn.then(|| self.areas[node as usize] - built * bounds.half_area())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    /// Four leaves under nodes 1 and 4 under node 0.
+    fn worn([left, right]: [Aabb; 2], wear: &mut Wear) -> (Aabb, Option<f32>) {
+        wear.update(1, &left, [2, 3]);
+        wear.update(4, &right, [5, 6]);
+        let both = left.union(&right);
+        wear.update(0, &both, [1, 4]);
+        (both, wear.excess(0, &both))
+    }
+
+    fn cube(x: f32, size: f32) -> Aabb {
+        Aabb::new(Vec3::X * x, Vec3::X * x + size)
+    }
+
+    #[test]
+    fn moving_and_growing_as_a_whole_is_no_wear() {
+        let mut wear = Wear::new(7);
+        let (both, _) = worn([cube(0.0, 1.0), cube(2.0, 1.0)], &mut wear);
+        wear.reset(0, &both);
+        assert_eq!(worn([cube(50.0, 1.0), cube(52.0, 1.0)], &mut wear).1, None);
+        assert_eq!(worn([cube(0.0, 10.0), cube(20.0, 10.0)], &mut wear).1, None);
+    }
+
+    #[test]
+    fn parts_that_mingle_are_wear_until_the_next_build() {
+        let mut wear = Wear::new(7);
+        let (both, _) = worn([cube(0.0, 1.0), cube(20.0, 1.0)], &mut wear);
+        wear.reset(0, &both);
+        let mingled = [cube(0.0, 1.0).union(&cube(20.0, 1.0)); 2];
+        let (both, excess) = worn(mingled, &mut wear);
+        assert!(excess.is_some_and(|area| area > both.half_area()), "{excess:?}");
+        wear.reset(0, &both);
+        assert_eq!(wear.excess(0, &both), None);
+    }
+
+    #[test]
+    fn what_has_no_objects_is_not_worn() {
+        let mut wear = Wear::new(7);
+        let (both, excess) = worn([Aabb::EMPTY; 2], &mut wear);
+        assert_eq!((both, excess), (Aabb::EMPTY, None));
+    }
+}

@@ -1,0 +1,306 @@
+//! A hierarchy whose objects move, come and go: always well formed, always tight, at a cost that is
+//! that of the changes.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+use antumbra_cull::{Aabb, Hierarchy, HierarchyError, LeafIndex, LeafRange, NodeId, ObjectId};
+use glam::Vec3;
+use proptest::prelude::*;
+
+/// Every node is tight around the boxes of its leaves, and subtrees are contiguous.
+fn check(hierarchy: &Hierarchy, boxes: &[Aabb]) {
+    assert_eq!(hierarchy.node_count(), 2 * boxes.len() - 1);
+    for (object, bounds) in boxes.iter().enumerate() {
+        let object = ObjectId(object as u32);
+        assert_eq!(hierarchy.bounds(hierarchy.node_of(object).unwrap()), *bounds);
+        let leaf = hierarchy.leaf_of(object).unwrap();
+        assert_eq!(hierarchy.leaf_objects()[leaf.0 as usize], object);
+    }
+    let free = boxes.iter().filter(|bounds| bounds.is_empty()).count();
+    assert_eq!(hierarchy.free_leaves(), free);
+    for node in (0..hierarchy.node_count() as u32).map(NodeId) {
+        let range = hierarchy.leaves(node);
+        let Some([left, right]) = hierarchy.children(node) else {
+            assert_eq!(range.count, 1);
+            continue;
+        };
+        let union = hierarchy.bounds(left).union(&hierarchy.bounds(right));
+        assert_eq!(hierarchy.bounds(node), union);
+        let [first, second] = [left, right].map(|child| hierarchy.leaves(child));
+        assert_eq!(first.first, range.first);
+        assert_eq!(second.first, LeafIndex(first.first.0 + first.count));
+        assert_eq!(first.count + second.count, range.count);
+        for child in [left, right] {
+            assert_eq!(hierarchy.parent(child), Some(node));
+            assert_eq!(hierarchy.level(child), hierarchy.level(node) + 1);
+        }
+    }
+}
+
+fn any_box() -> impl Strategy<Value = Aabb> {
+    ([-60.0_f32..60.0, -60.0..60.0, -60.0..60.0], [0.0_f32..9.0, 0.0..9.0, 0.0..9.0]).prop_map(
+        |(min, size)| {
+            Aabb::new(Vec3::from_array(min), Vec3::from_array(min) + Vec3::from_array(size))
+        },
+    )
+}
+
+#[derive(Clone, Debug)]
+enum Step {
+    Move(prop::sample::Index, Aabb),
+    Remove(prop::sample::Index),
+    Insert(Aabb),
+    Restructure,
+    Rebuild,
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    let index = any::<prop::sample::Index>;
+    prop_oneof![
+        5 => (index(), any_box()).prop_map(|(index, target)| Step::Move(index, target)),
+        3 => index().prop_map(Step::Remove),
+        3 => any_box().prop_map(Step::Insert),
+        3 => Just(Step::Restructure),
+        1 => Just(Step::Rebuild),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 500,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn whatever_happens_the_tree_is_well_formed_and_tight(
+        mut boxes in prop::collection::vec(
+            prop_oneof![4 => any_box(), 1 => Just(Aabb::EMPTY)], 1..50,
+        ),
+        steps in prop::collection::vec(step(), 1..40),
+    ) {
+        let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+        check(&hierarchy, &boxes);
+        for step in steps {
+            match step {
+                Step::Move(index, target) => {
+                    let object = ObjectId(index.index(boxes.len()) as u32);
+                    let there = &mut boxes[object.0 as usize];
+                    let outcome = hierarchy.refit([(object, target)]);
+                    if there.is_empty() {
+                        prop_assert_eq!(outcome, Err(HierarchyError::UnknownObject { object }));
+                    } else {
+                        *there = target;
+                    }
+                }
+                Step::Remove(index) => {
+                    let object = ObjectId(index.index(boxes.len()) as u32);
+                    let outcome = hierarchy.remove(object);
+                    prop_assert_eq!(outcome.is_ok(), !boxes[object.0 as usize].is_empty());
+                    boxes[object.0 as usize] = Aabb::EMPTY;
+                }
+                Step::Insert(bounds) => {
+                    let before = hierarchy.generation();
+                    match hierarchy.insert(bounds) {
+                        Ok(object) => {
+                            prop_assert!(boxes[object.0 as usize].is_empty());
+                            boxes[object.0 as usize] = bounds;
+                            let node = hierarchy.node_of(object).unwrap();
+                            prop_assert!(!hierarchy.is_same_since(node, before));
+                            let now = hierarchy.generation();
+                            prop_assert!(hierarchy.is_same_since(node, now));
+                        }
+                        Err(error) => {
+                            prop_assert_eq!(error, HierarchyError::NoFreeLeaf);
+                            prop_assert!(boxes.iter().all(|bounds| !bounds.is_empty()));
+                        }
+                    }
+                }
+                Step::Restructure => hierarchy.restructure(&mut Vec::new()),
+                Step::Rebuild => {
+                    hierarchy.rebuild(&boxes).unwrap();
+                }
+            }
+            check(&hierarchy, &boxes);
+        }
+    }
+}
+
+/// A grid of small boxes in rows of 64.
+fn grid(count: usize) -> Vec<Aabb> {
+    (0..count)
+        .map(|number| {
+            let corner = Vec3::new((number % 64) as f32, 0.0, (number / 64) as f32) * 4.0;
+            Aabb::new(corner, corner + 1.0)
+        })
+        .collect()
+}
+
+fn lifted(bounds: &Aabb, height: f32) -> Aabb {
+    Aabb::new(bounds.min + Vec3::Y * height, bounds.max + Vec3::Y * height)
+}
+
+#[test]
+fn a_refit_touches_the_ancestors_of_what_moved_and_no_more() {
+    for count in [1_000_usize, 10_000, 100_000] {
+        let boxes = grid(count);
+        let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+        let levels = count.ilog2() as u64;
+        for moved in [1_usize, 10, 100] {
+            let before = hierarchy.work();
+            let step = count / moved;
+            let moves =
+                (0..moved).map(|n| (ObjectId((n * step) as u32), lifted(&boxes[n * step], 0.1)));
+            hierarchy.refit(moves).unwrap();
+            let work = hierarchy.work();
+            assert_eq!(work.placed_leaves - before.placed_leaves, moved as u64);
+            let refitted = work.refitted_nodes - before.refitted_nodes;
+            assert!(refitted <= moved as u64 * 2 * levels, "{refitted} of {moved} in {count}");
+        }
+        let before = hierarchy.work();
+        let object = ObjectId(7);
+        hierarchy.remove(object).unwrap();
+        hierarchy.insert(boxes[7]).unwrap();
+        assert!(hierarchy.work().refitted_nodes - before.refitted_nodes <= 4 * levels);
+    }
+}
+
+/// The areas of all inner nodes over that of the root: what a ray or a frustum pays.
+fn cost(hierarchy: &Hierarchy) -> f32 {
+    let inner = (0..hierarchy.node_count() as u32)
+        .map(NodeId)
+        .filter(|node| hierarchy.children(*node).is_some());
+    let areas: f32 = inner.map(|node| hierarchy.bounds(node).half_area()).sum();
+    areas / hierarchy.bounds(NodeId(0)).half_area()
+}
+
+#[test]
+fn worn_parts_are_rebuilt_a_bounded_number_of_leaves_at_a_time() {
+    let mut boxes = grid(40_000);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    let good = cost(&hierarchy);
+    // Under each of twenty nodes the objects change seats.
+    let seats = boxes.clone();
+    let nodes = (0..hierarchy.node_count() as u32).map(NodeId);
+    let parts = nodes.map(|node| hierarchy.leaves(node)).filter(|l| (200..400).contains(&l.count));
+    for part in parts.step_by(5).take(20) {
+        let objects = &hierarchy.leaf_objects()[part.indices()];
+        for (number, object) in objects.iter().enumerate() {
+            let other = objects[(number * 77 + 5) % objects.len()];
+            boxes[object.0 as usize] = seats[other.0 as usize];
+        }
+    }
+    let moved = boxes.iter().enumerate().map(|(o, bounds)| (ObjectId(o as u32), *bounds));
+    hierarchy.refit(moved).unwrap();
+    let worn = cost(&hierarchy);
+    assert!(worn > 1.1 * good, "{good} {worn}");
+    let mut reordered: Vec<LeafRange> = Vec::new();
+    let mut updates = 0;
+    loop {
+        let before = hierarchy.work().rebuilt_leaves;
+        reordered.clear();
+        hierarchy.restructure(&mut reordered);
+        let rebuilt = hierarchy.work().rebuilt_leaves - before;
+        assert!(rebuilt <= 1024, "{rebuilt} leaves at once");
+        assert_eq!(rebuilt, reordered.iter().map(|range| u64::from(range.count)).sum::<u64>());
+        updates += 1;
+        if rebuilt == 0 || updates > 200 {
+            break;
+        }
+    }
+    let mended = cost(&hierarchy);
+    println!("good {good}, worn {worn}, mended {mended} after {updates} updates");
+    assert!(mended < good + 0.3 * (worn - good), "{good} {worn} {mended}");
+    assert!((2..200).contains(&updates), "{updates}: it comes to rest");
+    check(&hierarchy, &boxes);
+}
+
+#[test]
+fn a_worn_whole_is_rebuilt_if_it_is_small() {
+    let mut boxes = grid(3_000);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    let good = cost(&hierarchy);
+    let seats = boxes.clone();
+    for number in 0..3_000 {
+        boxes[number] = seats[number * 1_009 % 3_000];
+    }
+    let moved = boxes.iter().enumerate().map(|(o, bounds)| (ObjectId(o as u32), *bounds));
+    hierarchy.refit(moved).unwrap();
+    assert!(hierarchy.is_worn());
+    let mut reordered = Vec::new();
+    hierarchy.restructure(&mut reordered);
+    assert_eq!(reordered, [hierarchy.leaves(NodeId(0))]);
+    assert!(!hierarchy.is_worn() && cost(&hierarchy) < 1.1 * good);
+    check(&hierarchy, &boxes);
+}
+
+#[test]
+fn who_comes_gets_the_leaf_that_fits_so_that_coming_and_going_wears_nothing() {
+    let mut boxes = grid(3_000);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    let good = cost(&hierarchy);
+    let mut away: Vec<Aabb> = Vec::new();
+    for round in 0..2_000_usize {
+        let object = round * 1_237 % 3_000;
+        if !boxes[object].is_empty() {
+            hierarchy.remove(ObjectId(object as u32)).unwrap();
+            away.push(std::mem::replace(&mut boxes[object], Aabb::EMPTY));
+        }
+        if away.len() > 20 {
+            let bounds = away.swap_remove(round * 7 % away.len());
+            let object = hierarchy.insert(bounds).unwrap();
+            boxes[object.0 as usize] = bounds;
+        }
+    }
+    check(&hierarchy, &boxes);
+    assert!(cost(&hierarchy) < 1.1 * good && !hierarchy.is_worn(), "{good} {}", cost(&hierarchy));
+}
+
+#[test]
+fn a_free_leaf_is_found_however_many_there_are() {
+    let mut boxes = grid(20_000);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    for object in (0..20_000).step_by(2) {
+        hierarchy.remove(ObjectId(object)).unwrap();
+        boxes[object as usize] = Aabb::EMPTY;
+    }
+    // So far away that no leaf fits better than another.
+    for number in 0..500 {
+        let bounds = lifted(&grid(500)[number], 1.0e6);
+        let object = hierarchy.insert(bounds).unwrap();
+        assert!(boxes[object.0 as usize].is_empty());
+        boxes[object.0 as usize] = bounds;
+    }
+    check(&hierarchy, &boxes);
+}
+
+#[test]
+fn nothing_and_everything_gone_are_no_special_cases() {
+    let mut nothing = Hierarchy::build(&[]).unwrap();
+    nothing.restructure(&mut Vec::new());
+    assert_eq!(nothing.insert(grid(1)[0]), Err(HierarchyError::NoFreeLeaf));
+    let object = ObjectId(0);
+    assert_eq!(nothing.remove(object), Err(HierarchyError::UnknownObject { object }));
+
+    let mut boxes = grid(50);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    for object in 0..50 {
+        hierarchy.remove(ObjectId(object)).unwrap();
+        boxes[object as usize] = Aabb::EMPTY;
+        hierarchy.restructure(&mut Vec::new());
+    }
+    check(&hierarchy, &boxes);
+    assert!(hierarchy.bounds(NodeId(0)).is_empty());
+    hierarchy.rebuild(&boxes).unwrap();
+    for bounds in grid(50) {
+        let object = hierarchy.insert(bounds).unwrap();
+        boxes[object.0 as usize] = bounds;
+        hierarchy.restructure(&mut Vec::new());
+    }
+    check(&hierarchy, &boxes);
+    assert_eq!(hierarchy.free_leaves(), 0);
+}

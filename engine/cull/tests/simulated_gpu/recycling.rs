@@ -1,0 +1,218 @@
+//! What survives when nodes come to stand for something else, and what must not.
+
+use antumbra_cull::{
+    Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, LeafRange, NodeId, NodeState, ObjectId,
+    Policy, QueryKind, QueryTag, Strategy, View,
+};
+use glam::Vec3;
+
+use crate::random::Random;
+use crate::scene::city;
+use crate::walk::{BUDGET, SIZE, Walk};
+
+const STREET: Camera = Camera {
+    eye: Vec3::new(-1.0, 1.7, 30.0),
+    forward: Vec3::NEG_Z,
+    up: Vec3::Y,
+    fov_y: 1.0,
+    near: 0.1,
+};
+
+fn settled_city() -> Walk {
+    let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
+    walk.steps(&STREET, 80);
+    walk
+}
+
+fn leaf_state(culler: &Culler, hierarchy: &Hierarchy, object: ObjectId) -> NodeState {
+    culler.state(hierarchy.node_of(object).unwrap())
+}
+
+/// An object that the walk has seen, in a state.
+fn an_object(walk: &Walk, state: NodeState) -> ObjectId {
+    let objects = walk.hierarchy.leaf_objects().iter().copied();
+    let mut found = objects.filter(|o| leaf_state(&walk.culler, &walk.hierarchy, *o) == state);
+    found.next().expect("an object in this state")
+}
+
+/// A plan for what is there, without looking at its answers.
+fn plan_once(culler: &mut Culler, hierarchy: &Hierarchy) {
+    let view = View::new(&STREET, SIZE, 8);
+    culler.plan(hierarchy, Strategy::Antumbra, &view, BUDGET, &mut FramePlan::default());
+}
+
+#[test]
+fn a_recycled_id_inherits_neither_history_nor_answers() {
+    for state in [NodeState::Visible, NodeState::Hidden] {
+        let mut walk = settled_city();
+        let old = an_object(&walk, state);
+        let node = walk.hierarchy.node_of(old).unwrap();
+        let before = QueryTag {
+            node,
+            generation: walk.hierarchy.generation(),
+            frame: walk.culler.frame(),
+            kind: QueryKind::OwnDraw,
+        };
+        let far_away = Aabb::new(Vec3::splat(300.0), Vec3::splat(301.0));
+        walk.hierarchy.remove(old).unwrap();
+        let new = walk.hierarchy.insert(far_away).unwrap();
+        assert_eq!(new, old, "the only free id");
+        for samples in [0, 9] {
+            walk.culler.ingest(&walk.hierarchy, [Answer { tag: before, samples }]);
+            assert_eq!(walk.culler.state(node), NodeState::Unknown);
+        }
+        // What is asked from now on counts.
+        plan_once(&mut walk.culler, &walk.hierarchy);
+        let after = QueryTag {
+            generation: walk.hierarchy.generation(),
+            frame: walk.culler.frame(),
+            ..before
+        };
+        walk.culler.ingest(&walk.hierarchy, [Answer { tag: after, samples: 3 }]);
+        assert_eq!(walk.culler.state(node), NodeState::Visible);
+    }
+}
+
+#[test]
+fn answers_about_other_nodes_count_across_a_recycling() {
+    let mut walk = settled_city();
+    let (gone, other) = (an_object(&walk, NodeState::Hidden), an_object(&walk, NodeState::Visible));
+    let asked = QueryTag {
+        node: walk.hierarchy.node_of(other).unwrap(),
+        generation: walk.hierarchy.generation(),
+        frame: walk.culler.frame(),
+        kind: QueryKind::OwnDraw,
+    };
+    let bounds = walk.hierarchy.bounds(walk.hierarchy.node_of(gone).unwrap());
+    walk.hierarchy.remove(gone).unwrap();
+    walk.hierarchy.insert(bounds).unwrap();
+    walk.culler.ingest(&walk.hierarchy, [Answer { tag: asked, samples: 0 }]);
+    assert_eq!(leaf_state(&walk.culler, &walk.hierarchy, other), NodeState::Hidden);
+}
+
+/// Shakes the objects around the camera until a part of the tree is rebuilt that holds one that is
+/// visible; answers the part.
+fn mingle(walk: &mut Walk, states: &[NodeState]) -> LeafRange {
+    let count = walk.scene.bounds.len();
+    let mut reordered = Vec::new();
+    let mut random = Random::new(9);
+    let is_near = |o: &usize| walk.scene.bounds[*o].distance_squared(STREET.eye) < 400.0;
+    let some: Vec<usize> = (0..count).filter(is_near).collect();
+    let is_seen = |walk: &Walk, part: &LeafRange| {
+        let mut objects = walk.hierarchy.leaf_objects()[part.indices()].iter();
+        objects.any(|object| states[object.0 as usize] == NodeState::Visible)
+    };
+    for _ in 0..100 {
+        for object in &some {
+            let offset = random.point(-6.0, 6.0).with_y(0.0);
+            let bounds = walk.scene.bounds[*object];
+            let moved = Aabb::new(bounds.min + offset, bounds.max + offset);
+            walk.scene.bounds[*object] = moved;
+            walk.scene.solids[*object] = moved;
+            walk.hierarchy.refit([(ObjectId(*object as u32), moved)]).unwrap();
+        }
+        walk.hierarchy.restructure(&mut reordered);
+        let is_fit = |part: &&LeafRange| (part.count as usize) < count && is_seen(walk, part);
+        if let Some(part) = reordered.iter().find(is_fit) {
+            return *part;
+        }
+        reordered.clear();
+    }
+    panic!("no part was rebuilt");
+}
+
+fn is_under_hidden(walk: &Walk, object: ObjectId) -> bool {
+    let mut above = walk.hierarchy.parent(walk.hierarchy.node_of(object).unwrap());
+    while let Some(node) = above {
+        if walk.culler.state(node) == NodeState::Hidden {
+            return true;
+        }
+        above = walk.hierarchy.parent(node);
+    }
+    false
+}
+
+#[test]
+fn a_rebuilt_part_keeps_what_is_known_of_objects() {
+    let mut walk = settled_city();
+    let states = |walk: &Walk| -> Vec<NodeState> {
+        let objects = (0..walk.scene.bounds.len()).map(|object| ObjectId(object as u32));
+        objects.map(|object| leaf_state(&walk.culler, &walk.hierarchy, object)).collect()
+    };
+    let before = states(&walk);
+    let was_under_hidden: Vec<bool> =
+        (0..before.len()).map(|object| is_under_hidden(&walk, ObjectId(object as u32))).collect();
+    let generation = walk.hierarchy.generation();
+    let inside = mingle(&mut walk, &before);
+    assert!(walk.hierarchy.generation() > generation);
+    walk.culler.ingest(&walk.hierarchy, []);
+    let after = states(&walk);
+    let mut carried = 0;
+    for (object, (before, after)) in before.iter().zip(&after).enumerate() {
+        let leaf = walk.hierarchy.leaf_of(ObjectId(object as u32)).unwrap();
+        // Under a hidden node leaves are not kept up to date: there they take what the node is.
+        let is_kept = before == after || (was_under_hidden[object] && *after == NodeState::Hidden);
+        assert!(is_kept, "object {object}: {before:?} became {after:?}");
+        carried += u32::from(inside.contains(leaf) && *after == NodeState::Visible);
+    }
+    assert!(carried > 0, "the part held something visible");
+    // Answers from before are about other nodes, where the part was rebuilt, and only there.
+    let nodes = (0..walk.hierarchy.node_count() as u32).map(NodeId);
+    for node in nodes {
+        let leaves = walk.hierarchy.leaves(node);
+        let is_inside = inside.contains(leaves.first) && leaves.count <= inside.count;
+        if is_inside {
+            assert!(!walk.hierarchy.is_same_since(node, generation), "{node:?}");
+        }
+    }
+    let root = walk.hierarchy.root().unwrap();
+    assert!(walk.hierarchy.is_same_since(root, generation), "the rest is what it was");
+    walk.steps(&STREET, 3);
+    assert!(walk.is_exact(&STREET));
+}
+
+#[test]
+fn a_culler_that_paused_for_long_starts_from_nothing() {
+    let mut walk = settled_city();
+    let object = ObjectId(0);
+    let bounds = walk.scene.bounds[0];
+    let mut present = walk.culler_clone_that_follows();
+    for _ in 0..20_000 {
+        walk.hierarchy.remove(object).unwrap();
+        walk.hierarchy.insert(bounds).unwrap();
+        present.ingest(&walk.hierarchy, []);
+    }
+    walk.culler.ingest(&walk.hierarchy, []);
+    let known = |culler: &Culler| {
+        let nodes = 0..walk.hierarchy.node_count() as u32;
+        nodes.filter(|node| culler.state(NodeId(*node)) != NodeState::Unknown).count()
+    };
+    assert_eq!(known(&walk.culler), 0);
+    assert!(known(&present) > 10, "who keeps up keeps what it knows");
+    walk.step(&STREET);
+    assert!(walk.is_exact(&STREET));
+}
+
+#[test]
+fn another_hierarchy_is_not_taken_for_the_first() {
+    let mut walk = settled_city();
+    walk.hierarchy = Hierarchy::build(&walk.scene.bounds).unwrap();
+    walk.culler.ingest(&walk.hierarchy, []);
+    let nodes = 0..walk.hierarchy.node_count() as u32;
+    assert!(nodes.map(NodeId).all(|node| walk.culler.state(node) == NodeState::Unknown));
+}
+
+impl Walk {
+    /// A second view of the same that has seen the same.
+    fn culler_clone_that_follows(&self) -> Culler {
+        let mut twin = Self {
+            scene: crate::scene::Scene::solid(self.scene.bounds.clone()),
+            hierarchy: self.hierarchy.clone(),
+            culler: Culler::new(Policy::default()),
+            device: crate::device::Device::new(SIZE, 8, crate::device::Mishaps::none(2), 1),
+            plan: FramePlan::default(),
+        };
+        twin.steps(&STREET, 80);
+        twin.culler
+    }
+}

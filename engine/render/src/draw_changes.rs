@@ -1,0 +1,62 @@
+//! Which leaves have another draw than before, for views that keep copies of the draws: each reads on
+//! where it stopped.
+
+use std::collections::VecDeque;
+
+use cull::LeafIndex;
+
+/// The latest leaves whose draw changed, numbered from the first there ever was.
+#[derive(Debug)]
+pub(crate) struct DrawChanges {
+    leaves: VecDeque<LeafIndex>,
+    /// How many came before `leaves`.
+    dropped: u64,
+    most: usize,
+}
+
+impl DrawChanges {
+    /// Keeps as many as there are leaves: who missed more copies all of them anew.
+    pub(crate) fn new(leaf_count: usize) -> Self {
+        const MOST_MIN: usize = 1 << 10;
+        Self { leaves: VecDeque::new(), dropped: 0, most: leaf_count.max(MOST_MIN) }
+    }
+
+    pub(crate) fn push(&mut self, leaf: LeafIndex) {
+        if self.leaves.len() == self.most {
+            self.leaves.pop_front();
+            self.dropped += 1;
+        }
+        self.leaves.push_back(leaf);
+    }
+
+    /// How many there have been.
+    pub(crate) fn count(&self) -> u64 {
+        self.dropped + self.leaves.len() as u64
+    }
+
+    /// Those after the first `seen`; `None` if not all of them are kept.
+    pub(crate) fn since(&self, seen: u64) -> Option<impl Iterator<Item = LeafIndex>> {
+        let first = usize::try_from(seen.checked_sub(self.dropped)?).ok()?;
+        Some(self.leaves.iter().skip(first).copied())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn readers_go_on_where_they_stopped_or_are_told_that_they_cannot() {
+        let mut changes = DrawChanges::new(0);
+        let since = |changes: &DrawChanges, seen| {
+            changes.since(seen).map(|leaves| leaves.map(|leaf| leaf.0).collect::<Vec<_>>())
+        };
+        assert_eq!(since(&changes, 0), Some(vec![]));
+        (0..1023).for_each(|leaf| changes.push(LeafIndex(leaf)));
+        assert_eq!(since(&changes, 1021), Some(vec![1021, 1022]));
+        (1023..1026).for_each(|leaf| changes.push(LeafIndex(leaf)));
+        assert_eq!((changes.count(), since(&changes, 1026)), (1026, Some(vec![])));
+        assert_eq!(since(&changes, 2).map(|leaves| leaves[0]), Some(2));
+        assert_eq!(since(&changes, 1), None, "leaf 1 was dropped");
+    }
+}

@@ -1,0 +1,107 @@
+//! How many objects and triangles a range of leaves holds, while leaves change: a tree of partial sums
+//! (Fenwick 1994, "A New Data Structure for Cumulative Frequency Tables").
+
+use cull::LeafRange;
+
+/// Objects and triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Count {
+    pub(crate) draws: u64,
+    pub(crate) triangles: u64,
+}
+
+/// The counts of all leaves. Changing one and summing a range take the logarithm of their number.
+#[derive(Debug, Default)]
+pub(crate) struct LeafCounts {
+    /// Entry i - 1 is the sum of the leaves before i, as many as the lowest set bit of i says.
+    sums: Vec<Count>,
+}
+
+impl LeafCounts {
+    pub(crate) fn new(counts: impl Iterator<Item = Count>) -> Self {
+        let mut sums: Vec<Count> = counts.collect();
+        for place in 1..=sums.len() {
+            let above = place + lowest_bit(place);
+            let sum = sums[place - 1];
+            if let Some(above) = sums.get_mut(above - 1) {
+                above.draws += sum.draws;
+                above.triangles += sum.triangles;
+            }
+        }
+        Self { sums }
+    }
+
+    /// Replaces the count of a leaf.
+    pub(crate) fn replace(&mut self, leaf: usize, before: Count, now: Count) {
+        let mut place = leaf + 1;
+        while let Some(sum) = self.sums.get_mut(place - 1) {
+            sum.draws = sum.draws + now.draws - before.draws;
+            sum.triangles = sum.triangles + now.triangles - before.triangles;
+            place += lowest_bit(place);
+        }
+    }
+
+    /// The sum of a range of leaves.
+    pub(crate) fn of(&self, leaves: LeafRange) -> Count {
+        let range = leaves.indices();
+        let (before, end) = (self.before(range.start), self.before(range.end));
+        Count {
+            draws: end.draws.saturating_sub(before.draws),
+            triangles: end.triangles.saturating_sub(before.triangles),
+        }
+    }
+
+    fn before(&self, leaf: usize) -> Count {
+        let mut count = Count::default();
+        let mut place = leaf.min(self.sums.len());
+        while place > 0 {
+            let sum = self.sums[place - 1];
+            count.draws += sum.draws;
+            count.triangles += sum.triangles;
+            place -= lowest_bit(place);
+        }
+        count
+    }
+}
+
+const fn lowest_bit(place: usize) -> usize {
+    place & place.wrapping_neg()
+}
+
+#[cfg(test)]
+mod tests {
+    use cull::LeafIndex;
+
+    use super::*;
+
+    #[test]
+    fn sums_are_those_of_the_leaves_after_any_change() {
+        for leaves in 0..40_usize {
+            let count = |n: usize| Count { draws: n as u64 % 3, triangles: n as u64 * 17 % 101 };
+            let mut truth: Vec<Count> = (0..leaves).map(count).collect();
+            let mut counts = LeafCounts::new(truth.iter().copied());
+            for change in 0..20 {
+                for first in 0..=leaves {
+                    for end in first..=leaves {
+                        let range = LeafRange {
+                            first: LeafIndex(first as u32),
+                            count: (end - first) as u32,
+                        };
+                        let sum =
+                            truth[first..end].iter().fold(Count::default(), |sum, leaf| Count {
+                                draws: sum.draws + leaf.draws,
+                                triangles: sum.triangles + leaf.triangles,
+                            });
+                        assert_eq!(counts.of(range), sum, "{first}..{end} of {leaves}");
+                    }
+                }
+                if leaves > 0 {
+                    let leaf = change * 7 % leaves;
+                    let now = count(change * 31 + 5);
+                    counts.replace(leaf, truth[leaf], now);
+                    truth[leaf] = now;
+                }
+            }
+        }
+    }
+}

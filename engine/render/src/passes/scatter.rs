@@ -1,0 +1,71 @@
+//! The scatter pass: brings per-leaf arrays on the GPU up to date where leaves changed, at a cost that
+//! is that of the changes.
+
+use bytemuck::{Pod, Zeroable};
+use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
+
+use crate::error::Error;
+use crate::shaders::ShaderSet;
+
+/// Writes elements of arrays that have one element per leaf.
+pub struct ScatterPass {
+    pipeline: ComputePipeline,
+}
+
+/// Reads leaves and elements; writes the array.
+#[derive(Clone, Copy)]
+pub struct ScatterIo {
+    /// The leaf of each new element: one word each.
+    pub leaves: BufferSlice,
+    /// The new elements, in the same order.
+    pub elements: BufferSlice,
+    /// All elements, by leaf.
+    pub array: BufferSlice,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    element_words: u32,
+    word_count: u32,
+}
+
+const GROUP_THREADS: u32 = 64;
+
+/// More groups than this do not make it faster; every device allows 65535.
+const GROUPS_MAX: u32 = 4096;
+
+/// What may look at a per-leaf array.
+const USES: [Access; 4] =
+    [Access::VertexRead, Access::IndirectRead, Access::ComputeRead, Access::ComputeWrite];
+
+impl ScatterPass {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let storage = StorageLayout { buffers: 3, push_bytes: size_of::<Constants>() as u32 };
+        let name = "scatter.comp";
+        Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
+    }
+
+    /// Writes `count` new elements into each array; the second of a pair is the size of an element,
+    /// whole words. What is recorded before, in this frame or an earlier one, still reads the old
+    /// elements: one queue runs them all, so an execution barrier is enough.
+    pub fn record(&self, commands: &Commands, count: u32, arrays: &[(ScatterIo, usize)]) {
+        commands.pass("scatter", |commands| {
+            commands.barrier(MemoryBarrier::between(&USES, &[Access::ComputeWrite]));
+            for (io, element_bytes) in arrays {
+                let element_words = (*element_bytes / size_of::<u32>()) as u32;
+                let word_count = count.saturating_mul(element_words);
+                commands.bind_compute(&self.pipeline, &[io.leaves, io.elements, io.array]);
+                let constants = Constants { element_words, word_count };
+                commands.push_compute_constants(&self.pipeline, &constants);
+                let groups = word_count.div_ceil(GROUP_THREADS).clamp(1, GROUPS_MAX);
+                commands.dispatch([groups, 1, 1]);
+            }
+            commands.barrier(MemoryBarrier::between(&[Access::ComputeWrite], &USES));
+        });
+    }
+}

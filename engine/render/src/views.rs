@@ -1,0 +1,210 @@
+//! Several views of one scene in one frame: each has its own eye, its own history and its own part of
+//! the picture.
+//!
+//! Views share the scene, the hierarchy and the submit, and no answers. What one eye of a stereo pair
+//! found hidden the other may see past an edge, so an answer of the one is never exact for the other;
+//! and as a guess it would cost a test all the same, since what is hidden is tested in every frame.
+
+use std::time::Instant;
+
+use cull::{Camera, Strategy, View};
+use gpu::{Device, Readback, Tick, Timeline};
+
+use crate::error::Error;
+use crate::frame_passes::FrameIo;
+use crate::passes::ComputeTest;
+use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
+use crate::renderer::{FrameReport, Renderer};
+use crate::view_history::ViewHistory;
+use crate::visible_set::VisibleSet;
+
+/// A part of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Area {
+    /// Its upper left corner (pixels from that of the picture).
+    pub origin: [u32; 2],
+    /// Its width and height (pixels).
+    pub size: [u32; 2],
+}
+
+impl Area {
+    /// All of a picture of `size` pixels.
+    pub fn whole(size: [u32; 2]) -> Self {
+        Self { origin: [0, 0], size }
+    }
+
+    /// Where a view is drawn.
+    pub fn of(view: &View) -> Self {
+        Self { origin: view.origin, size: view.size }
+    }
+
+    /// Parts of equal width side by side, from the left, that cover a picture of `size` pixels: they
+    /// differ by a pixel where it cannot be divided. Parts that get no pixel have a width of 0.
+    pub fn side_by_side(size: [u32; 2], count: u32) -> impl Iterator<Item = Self> {
+        let [width, height] = size;
+        let edge =
+            move |part: u32| (u64::from(width) * u64::from(part) / u64::from(count.max(1))) as u32;
+        (0..count).map(move |part| Self {
+            origin: [edge(part), 0],
+            size: [edge(part + 1) - edge(part), height],
+        })
+    }
+}
+
+/// One view of a frame.
+pub struct Eye<'a> {
+    /// What it saw so far. Every eye needs one of its own, the same in each frame.
+    pub history: &'a mut ViewHistory,
+    /// Where it is. Its angle of sight is that of the height of `area`.
+    pub camera: Camera,
+    /// What owns a pixel, for [`Strategy::Ideal`], which knows nothing else.
+    pub visible: Option<&'a VisibleSet>,
+    /// Where its image goes: at least a pixel, within the picture. Where areas overlap, later eyes
+    /// replace what earlier ones drew.
+    pub area: Area,
+}
+
+/// What is wanted of a frame of several views.
+#[derive(Clone, Copy)]
+pub struct ViewsRequest<'a> {
+    /// Who decides what to draw.
+    pub strategy: Strategy,
+    /// Where to copy the picture, if it is wanted. What no eye covers holds anything.
+    pub picture: Option<&'a Readback>,
+    /// The frame starts on the GPU once this tick of a host's timeline is reached.
+    pub after: Option<(&'a Timeline, Tick)>,
+}
+
+impl Renderer {
+    /// Renders one frame of several views, one after the other, and submits them together. Waits for
+    /// the frame that used this slot N frames ago, and for nothing else.
+    ///
+    /// # Errors
+    /// An area that is not in the picture; no memory, a lost device, a frame that takes too long.
+    pub fn render_views(
+        &mut self,
+        eyes: &mut [Eye<'_>],
+        request: &ViewsRequest<'_>,
+    ) -> Result<FrameReport, Error> {
+        self.supports(request.strategy)?;
+        for eye in eyes.iter() {
+            self.check_area(eye.area)?;
+        }
+        let began = Instant::now();
+        self.prepare(request.strategy)?;
+        let mut frame = self.frames.begin()?;
+        let waited = frame.waited();
+        self.pass_times.clear();
+        self.pass_times.extend_from_slice(frame.pass_times());
+
+        let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
+        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
+        let last = eyes.len().saturating_sub(1);
+        for (number, Eye { history, camera, visible, area }) in eyes.iter_mut().enumerate() {
+            let view = &view_in(&self.device, camera, *area);
+            // The picture is whole after the last view.
+            let picture = request.picture.filter(|_| number == last);
+            history.ingest(self.device.completed()?, hierarchy, &passes.geometry);
+            if let (Strategy::Pyramid, Some(pyramid)) = (request.strategy, &self.pyramid) {
+                let request = PyramidRequest { hierarchy, view, picture };
+                pyramid.record(&mut frame, history, passes, &request)?;
+                continue;
+            }
+            match (request.strategy, *visible) {
+                (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
+                (Strategy::Ideal, Some(visible)) if !visible.is_of(self.edition) => {
+                    return Err(Error::OldVisibleSet);
+                }
+                (Strategy::Ideal, Some(visible)) => history.decide_known(hierarchy, visible),
+                (strategy, _) => {
+                    let geometry = &passes.geometry;
+                    history.decide(hierarchy, geometry, strategy, view, self.query_budget);
+                }
+            }
+            if passes.compute_test.is_none() && !history.questions.compute_tags.is_empty() {
+                let size = passes.target.size();
+                passes.compute_test = Some(ComputeTest::new(&self.device, &self.shaders, size)?);
+            }
+            let io = FrameIo::write(&mut frame, history, passes)?;
+            passes.record(frame.commands(), history, view, &io, picture);
+        }
+
+        let tick = frame.submit(request.after)?;
+        self.passes.geometry.submitted();
+        let mut report = FrameReport { tick, ..FrameReport::default() };
+        for Eye { history, .. } in eyes.iter_mut() {
+            history.submitted(tick, &self.passes.geometry);
+            report.add(history);
+        }
+        report.cpu = began.elapsed().saturating_sub(waited);
+        Ok(report)
+    }
+
+    /// Makes what only some strategies need, for the first frame that does.
+    fn prepare(&mut self, strategy: Strategy) -> Result<(), Error> {
+        if strategy == Strategy::Pyramid && self.pyramid.is_none() {
+            let size = self.size();
+            let made = PyramidFrame::new(&self.device, &self.shaders, &self.hierarchy, size)?;
+            self.pyramid = Some(made);
+        }
+        Ok(())
+    }
+
+    /// The view of `camera` in a part of this renderer's picture.
+    pub fn view_in(&self, camera: &Camera, area: Area) -> View {
+        view_in(&self.device, camera, area)
+    }
+
+    fn check_area(&self, area: Area) -> Result<(), Error> {
+        let picture = self.size();
+        let fits = |side: usize| {
+            let end = u64::from(area.origin[side]) + u64::from(area.size[side]);
+            area.size[side] > 0 && end <= u64::from(picture[side])
+        };
+        if fits(0) && fits(1) { Ok(()) } else { Err(Error::Area { area, picture }) }
+    }
+}
+
+fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
+    let bits = device.adapter().limits.sub_pixel_precision_bits;
+    View { origin: area.origin, ..View::new(camera, area.size, bits) }
+}
+
+impl FrameReport {
+    /// Adds what a view did.
+    fn add(&mut self, history: &ViewHistory) {
+        let plan = history.plan();
+        let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0);
+        self.tests += plan.tests.len() as u32;
+        self.queries += plan.query_count() as u32;
+        self.predicated_draws += predicated.count() as u32;
+        self.plan += plan.stats;
+        // No age is less than any, so the larger of two is the older one that there is.
+        self.oldest_answer_frames = self.oldest_answer_frames.max(history.answer_ages().max());
+        let youngest = self.youngest_answer_frames.into_iter().chain(history.answer_ages().min());
+        self.youngest_answer_frames = youngest.min();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_side_by_side_cover_the_picture() {
+        for width in 0..20 {
+            for count in 1..5 {
+                let areas: Vec<Area> = Area::side_by_side([width, 7], count).collect();
+                let mut next = 0;
+                for area in &areas {
+                    assert_eq!((area.origin, area.size[1]), ([next, 0], 7));
+                    assert!(area.size[0].abs_diff(width / count) <= 1);
+                    next += area.size[0];
+                }
+                assert_eq!((areas.len() as u32, next), (count, width));
+            }
+        }
+        let whole = Area { origin: [0, 0], size: [9, 4] };
+        assert!(Area::side_by_side([9, 4], 1).eq([whole]));
+    }
+}

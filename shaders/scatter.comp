@@ -1,0 +1,22 @@
+// Writes new elements over old ones of an array that holds one element per leaf.
+#version 460
+
+layout(local_size_x = 64) in;
+
+layout(std430, binding = 0) readonly buffer Leaves { uint leaves[]; };
+layout(std430, binding = 1) readonly buffer Elements { uint elements[]; };
+layout(std430, binding = 2) writeonly buffer Array { uint array[]; };
+
+layout(push_constant) uniform Constants {
+    uint element_words;
+    uint word_count; // of all elements together
+};
+
+void main() {
+    // As many threads as there are groups for; neighbours write neighbouring words.
+    uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+    for (uint word = gl_GlobalInvocationID.x; word < word_count; word += stride) {
+        uint leaf = leaves[word / element_words];
+        array[leaf * element_words + word % element_words] = elements[word];
+    }
+}
