@@ -8,13 +8,16 @@
 )]
 
 mod device;
+mod dialogue;
 mod exactness;
 mod governor;
 mod image;
 mod invariants;
 mod knowledge;
+mod next_frame;
 mod random;
 mod rest;
 mod scene;
+mod talk;
 mod walk;
 mod work;
