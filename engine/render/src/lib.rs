@@ -31,6 +31,7 @@
 
 mod birds_eye;
 mod calibration;
+mod dialogue_frame;
 mod error;
 mod frame_passes;
 mod geometry;

@@ -3,7 +3,8 @@
 use std::time::{Duration, Instant};
 
 use cull::{
-    Aabb, Abilities, Camera, CostTable, Culler, Hierarchy, Policy, SceneCosts, Strategy, View,
+    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, DialogueStats, Hierarchy, Policy,
+    SceneCosts, Strategy, View,
 };
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
@@ -11,6 +12,7 @@ use gpu::{
 };
 
 use crate::calibration::{self, Costs};
+use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
 use crate::error::Error;
 use crate::frame_passes::{FrameIo, FramePasses};
 use crate::geometry::Geometry;
@@ -34,7 +36,9 @@ pub struct RendererOptions {
     pub shaders: Option<ShaderSet>,
     /// How visibility is decided.
     pub policy: Policy,
-    /// The most occlusion queries a frame may use. What cannot be asked is drawn.
+    /// How the methods of the literature work that wait for answers.
+    pub dialogue: DialogueOptions,
+    /// The most occlusion queries a frame of ours may use. What cannot be asked is drawn.
     pub query_budget: usize,
     /// What things cost, so that nothing is tested at a loss.
     pub costs: Costs,
@@ -48,6 +52,7 @@ impl Default for RendererOptions {
             predication: None,
             shaders: None,
             policy: Policy::default(),
+            dialogue: DialogueOptions::default(),
             query_budget: 8192,
             costs: Costs::Ignored,
         }
@@ -81,12 +86,15 @@ impl FrameRequest<'_> {
 pub struct FrameReport {
     /// Its tick.
     pub tick: Tick,
-    /// Time the CPU spent in the engine, without the wait for the slot.
+    /// Time the CPU spent in the engine, without waits.
     pub cpu: Duration,
     /// Proxies tested, by whatever means.
     pub tests: u32,
     /// Occlusion queries.
     pub queries: u32,
+    /// How often the CPU waited for an answer within the frame: never, but with the strategies that
+    /// are a dialogue ([`Strategy::is_dialogue`]).
+    pub waits: u32,
     /// Ranges of draws under a predicate.
     pub predicated_draws: u32,
     /// Age in frames of the answers that came home for this frame; `None` if none did.
@@ -107,6 +115,8 @@ pub struct Renderer {
     pub(crate) birds_eye: Option<OverlayPass>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) pyramid: Option<PyramidFrame>,
+    dialogue: Option<DialogueFrame>,
+    dialogue_options: DialogueOptions,
     pass_times: Vec<PassTime>,
     policy: Policy,
     query_budget: usize,
@@ -168,6 +178,8 @@ impl Renderer {
             birds_eye: None,
             seen_leaves: None,
             pyramid: None,
+            dialogue: None,
+            dialogue_options: options.dialogue,
             pass_times: Vec::new(),
             policy: options.policy,
             query_budget: options.query_budget,
@@ -214,11 +226,13 @@ impl Renderer {
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing.
     pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
+        let precise = self.device.capabilities().has(Optional::PreciseQueries);
         let missing = match strategy {
             Strategy::AntumbraFlags if !self.abilities().flags => Optional::FragmentStores,
             Strategy::Ideal if !self.device.capabilities().has(Optional::FragmentStores) => {
                 Optional::FragmentStores
             }
+            Strategy::Coherent if self.counts_samples() && !precise => Optional::PreciseQueries,
             _ => return Ok(()),
         };
         Err(gpu::Error::Unsupported {
@@ -227,6 +241,11 @@ impl Renderer {
             wanted: strategy.name(),
         }
         .into())
+    }
+
+    /// Whether a dialogue goes by numbers of samples.
+    fn counts_samples(&self) -> bool {
+        self.dialogue_options.coherent.visibility_threshold_samples > 0
     }
 
     /// The device it draws on.
@@ -269,7 +288,7 @@ impl Renderer {
     }
 
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
-    /// and for nothing else.
+    /// and for nothing else, unless the strategy is a dialogue ([`Strategy::is_dialogue`]).
     ///
     /// # Errors
     /// No memory, a lost device, a frame that takes too long; [`Error::NoVisibleSet`].
@@ -282,13 +301,13 @@ impl Renderer {
         let view = self.view_of(&request.camera);
         let began = Instant::now();
         let mut frame = self.frames.begin()?;
-        let waited = frame.waited();
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
 
         history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
-        let mut pyramid = None;
-        if request.strategy == Strategy::Pyramid {
+        let strategy = request.strategy;
+        let (mut pyramid, mut told) = (None, None);
+        if strategy == Strategy::Pyramid {
             let (hierarchy, picture) = (&self.hierarchy, request.picture);
             let request = PyramidRequest { hierarchy, view: &view, picture };
             // Kept only if the frame goes out: it believes in what it recorded.
@@ -298,9 +317,19 @@ impl Renderer {
                 None => PyramidFrame::new(&self.device, &self.shaders, hierarchy, view.size)?,
             };
             pyramid.insert(kept).record(&mut frame, history, &mut self.passes, &request)?;
+        } else if strategy.is_dialogue() {
+            let made = match self.dialogue.take() {
+                Some(made) => made,
+                None => DialogueFrame::new(&self.device, &self.shaders, self.dialogue_options)?,
+            };
+            let (hierarchy, view) = (&self.hierarchy, &view);
+            let (picture, after) = (request.picture, request.after);
+            let request = DialogueRequest { hierarchy, strategy, view, picture, after };
+            let made = self.dialogue.insert(made);
+            told = Some(made.record(&mut frame, history, &mut self.passes, &request)?);
         } else {
             let (hierarchy, budget) = (&self.hierarchy, self.query_budget);
-            match (request.strategy, request.visible) {
+            match (strategy, request.visible) {
                 (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
                 (Strategy::Ideal, Some(visible)) => history.decide_known(hierarchy, visible),
                 (strategy, _) => history.decide(hierarchy, strategy, &view, budget),
@@ -313,10 +342,12 @@ impl Renderer {
             self.passes.record(frame.commands(), history, &view, &io, request.picture);
         }
 
+        let (waited, waits) = (frame.waited(), frame.waits());
         let tick = frame.submit(request.after)?;
         self.pyramid = pyramid.or(self.pyramid.take());
         history.submitted(tick, &self.passes.geometry);
-        Ok(report(history, tick, began.elapsed().saturating_sub(waited)))
+        let cpu = began.elapsed().saturating_sub(waited);
+        Ok(FrameReport { waits, ..report(history, tick, cpu, told) })
     }
 
     /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts
@@ -340,13 +371,23 @@ pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
     Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
 }
 
-fn report(history: &ViewHistory, tick: Tick, cpu: Duration) -> FrameReport {
+fn report(
+    history: &ViewHistory,
+    tick: Tick,
+    cpu: Duration,
+    told: Option<DialogueStats>,
+) -> FrameReport {
     let predicated = history.plan().tests.iter().filter(|test| test.leaves.count > 0);
+    let (tests, queries) = match told {
+        Some(told) => (told.boxes, told.boxes + told.own_draws),
+        None => (history.plan().tests.len() as u32, history.plan().query_count() as u32),
+    };
     FrameReport {
         tick,
         cpu,
-        tests: history.plan().tests.len() as u32,
-        queries: history.plan().query_count() as u32,
+        tests,
+        queries,
+        waits: 0,
         predicated_draws: predicated.count() as u32,
         oldest_answer_frames: history.answer_ages().max(),
         youngest_answer_frames: history.answer_ages().min(),

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Spirv,
     StorageLayout, VertexLayout, vk,
 };
 
@@ -45,12 +45,29 @@ impl OpaquePass {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::with_fragments(device, shaders, "opaque", Some(shaders.find("opaque.frag")?))
+    }
+
+    /// Compiles a pass that writes the same depth to the bit, and no colour.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn depth_only(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::with_fragments(device, shaders, "opaque depth", None)
+    }
+
+    fn with_fragments(
+        device: &Device,
+        shaders: &ShaderSet,
+        name: &str,
+        fragment: Option<&Spirv>,
+    ) -> Result<Self, Error> {
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
-                name: "opaque",
+                name,
                 vertex: shaders.find("opaque.vert")?,
-                fragment: Some(shaders.find("opaque.frag")?),
+                fragment,
                 vertices: VertexLayout {
                     stride_bytes: size_of::<Vertex>() as u32,
                     attributes: &[
@@ -63,7 +80,7 @@ impl OpaquePass {
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 cull: vk::CullModeFlags::BACK,
                 depth: DepthMode::TestAndWrite,
-                blend: Blend::Opaque,
+                blend: if fragment.is_some() { Blend::Opaque } else { Blend::NoColour },
             },
         )?;
         Ok(Self { pipeline })
