@@ -92,7 +92,6 @@ fn coherent_is_exact_with_all_options() {
         let plain = CoherentOptions::default();
         for options in [
             CoherentOptions { leaf_test: LeafTest::Box, ..plain },
-            CoherentOptions { first_pass: FirstPass::DepthOnly, ..plain },
             CoherentOptions { assumed_visible_frames: 0, ..plain },
             CoherentOptions { tests_per_submit: 1, draws_per_submit: 1, ..plain },
             CoherentOptions { tests_per_submit: 10_000, draws_per_submit: 10_000, ..plain },
@@ -102,6 +101,21 @@ fn coherent_is_exact_with_all_options() {
                 let found = walk_with(device, &scene, path, 12, &renderer, Strategy::Coherent);
                 check(&found, &format!("{options:?} {path}"));
             }
+        }
+    });
+}
+
+#[test]
+fn a_depth_only_first_pass_gives_the_same_picture() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(500);
+        for path in [PathKind::Street, PathKind::Cut] {
+            let first_pass = FirstPass::DepthOnly;
+            let options = coherent(CoherentOptions { first_pass, ..Default::default() });
+            let found = walk_with(device, &scene, path, 12, &options, Strategy::Coherent);
+            // Faces of one object that have the same depth at a pixel: the last wins, not the first.
+            assert!(found.pixels_wrong <= 12 * 160 * 90 / 10_000, "{path}: {found:?}");
+            assert!(found.draws[1] < found.draws[0], "{path}: {found:?}");
         }
     });
 }
@@ -260,7 +274,8 @@ fn passes_are_timed_by_their_labels() {
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
-        let cameras: Vec<_> = (0..6).map(|frame| path.camera(frame)).collect();
+        // Nothing is known in the only frame of each slot whose times come home.
+        let cameras: Vec<_> = (0..3).map(|frame| path.camera(frame)).collect();
         frame_loop(&mut renderer, &mut view, Strategy::Coherent, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         let batches = labels.iter().filter(|label| **label == "batch").count();

@@ -48,8 +48,13 @@ impl DialogueHistory {
 /// What all views share.
 pub(crate) struct DialogueFrame {
     options: DialogueOptions,
-    /// Where the batches draw the depth only.
-    depth: Option<OpaquePass>,
+    depth_first: Option<DepthFirst>,
+}
+
+/// Where the batches draw the depth only.
+struct DepthFirst {
+    depth: OpaquePass,
+    colour: OpaquePass,
 }
 
 /// What one frame is made from.
@@ -84,9 +89,14 @@ impl DialogueFrame {
         shaders: &ShaderSet,
         options: DialogueOptions,
     ) -> Result<Self, Error> {
-        let has_depth = options.coherent.first_pass == FirstPass::DepthOnly;
-        let depth = has_depth.then(|| OpaquePass::depth_only(device, shaders)).transpose()?;
-        Ok(Self { options, depth })
+        let depth_first = match options.coherent.first_pass {
+            FirstPass::Shaded => None,
+            FirstPass::DepthOnly => Some(DepthFirst {
+                depth: OpaquePass::depth_only(device, shaders)?,
+                colour: OpaquePass::colour_only(device, shaders)?,
+            }),
+        };
+        Ok(Self { options, depth_first })
     }
 
     /// Records a frame up to its last batch, which is not sent off yet.
@@ -162,7 +172,8 @@ impl DialogueFrame {
             let from = from.map(|[red, green, blue]| [red, green, blue, 1.0]);
             commands.rendering(passes.target.render_target(from), |commands| {
                 if !batch.draws.is_empty() {
-                    let opaque = self.depth_of(request.strategy).unwrap_or(&passes.opaque);
+                    let depth_first = self.depth_first(request.strategy);
+                    let opaque = depth_first.map_or(&passes.opaque, |passes| &passes.depth);
                     opaque.bind(commands, &passes.opaque_io(), request.view, &passes.light);
                     draw(commands, &batch.draws, io.draws, queries, counting);
                 }
@@ -179,9 +190,8 @@ impl DialogueFrame {
         });
     }
 
-    /// The pass that batches draw with, if it is the depth only.
-    fn depth_of(&self, strategy: Strategy) -> Option<&OpaquePass> {
-        self.depth.as_ref().filter(|_| strategy == Strategy::Coherent)
+    fn depth_first(&self, strategy: Strategy) -> Option<&DepthFirst> {
+        self.depth_first.as_ref().filter(|_| strategy == Strategy::Coherent)
     }
 
     /// Draws the picture if there is only its depth so far, and copies it if it is wanted.
@@ -192,25 +202,20 @@ impl DialogueFrame {
         passes: &mut FramePasses,
         request: &DialogueRequest<'_>,
     ) -> Result<(), Error> {
-        let is_shaded = self.depth_of(request.strategy).is_none();
-        let geometry = &passes.geometry;
-        let draws = match is_shaded || drawn.is_empty() {
-            true => None,
-            false => {
-                let draws = drawn.iter().map(|leaf| geometry.draw(*leaf));
-                Some(frame.uploads().push_iter(draws)?)
-            }
-        };
-        let commands = frame.commands();
-        if let Some(draws) = draws {
+        if let Some(DepthFirst { colour, .. }) = self.depth_first(request.strategy) {
+            let geometry = &passes.geometry;
+            let draws = drawn.iter().map(|leaf| geometry.draw(*leaf));
+            let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
+            let commands = frame.commands();
             passes.target.prepare(commands);
             commands.pass("shaded", |commands| {
                 commands.rendering(passes.target.render_target(None), |commands| {
-                    passes.opaque.bind(commands, &passes.opaque_io(), request.view, &passes.light);
+                    colour.bind(commands, &passes.opaque_io(), request.view, &passes.light);
                     commands.draw_indirect(draws);
                 });
             });
         }
+        let commands = frame.commands();
         if let Some(picture) = request.picture {
             commands.pass("read back", |commands| passes.target.copy_to(commands, picture));
         }

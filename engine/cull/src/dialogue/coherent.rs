@@ -37,6 +37,8 @@ pub enum FirstPass {
     #[default]
     Shaded,
     /// The depth only; the picture is drawn at the end of the frame, when all is known (6.5.3).
+    /// Where faces of one object have equal depth at a pixel, the last one then wins, and else the
+    /// first.
     DepthOnly,
 }
 

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Spirv,
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     StorageLayout, VertexLayout, vk,
 };
 
@@ -14,6 +14,13 @@ use crate::shaders::ShaderSet;
 /// Draws opaque objects, nearer ones win.
 pub struct OpaquePass {
     pipeline: GraphicsPipeline,
+}
+
+/// What a pass writes.
+enum Kind {
+    Whole,
+    Depth,
+    Colour,
 }
 
 /// Reads vertices, indices and instances; writes the colour and depth that are being rendered to.
@@ -45,23 +52,32 @@ impl OpaquePass {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::with_fragments(device, shaders, "opaque", Some(shaders.find("opaque.frag")?))
+        Self::of_kind(device, shaders, Kind::Whole)
     }
 
-    /// Compiles a pass that writes the same depth to the bit, and no colour.
+    /// Compiles a pass that writes the same depth, to the bit, and no colour.
     ///
     /// # Errors
     /// A failed call.
     pub fn depth_only(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::with_fragments(device, shaders, "opaque depth", None)
+        Self::of_kind(device, shaders, Kind::Depth)
     }
 
-    fn with_fragments(
-        device: &Device,
-        shaders: &ShaderSet,
-        name: &str,
-        fragment: Option<&Spirv>,
-    ) -> Result<Self, Error> {
+    /// Compiles a pass that gives what [`OpaquePass::depth_only`] drew its colour.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn colour_only(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Colour)
+    }
+
+    fn of_kind(device: &Device, shaders: &ShaderSet, kind: Kind) -> Result<Self, Error> {
+        let fragment = shaders.find("opaque.frag")?;
+        let (name, fragment, depth, blend) = match kind {
+            Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
+            Kind::Depth => ("opaque depth", None, DepthMode::TestAndWrite, Blend::NoColour),
+            Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
+        };
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
@@ -79,8 +95,8 @@ impl OpaquePass {
                 storage: StorageLayout { buffers: 1, push_bytes: size_of::<Constants>() as u32 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 cull: vk::CullModeFlags::BACK,
-                depth: DepthMode::TestAndWrite,
-                blend: if fragment.is_some() { Blend::Opaque } else { Blend::NoColour },
+                depth,
+                blend,
             },
         )?;
         Ok(Self { pipeline })
