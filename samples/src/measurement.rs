@@ -109,6 +109,7 @@ impl RunMeasurement {
             retest_interval_frames: count(|frame| frame.retest_interval_frames),
             expected_saving_ns: count(|frame| frame.expected_saving_ns),
             result_age_frames: AgeReport { median: median_count(ages()), max: ages().max() },
+            waits: count(|frame| frame.blocking_waits),
             blocking_waits: timed_waits + self.untimed_blocking_waits,
             frames_timed: u64::try_from(self.frames.len()).unwrap_or(u64::MAX),
             frames_verified: self.frames_verified,
@@ -146,7 +147,7 @@ mod tests {
         let report = run.report();
         assert_eq!(report.draws, Some(7));
         assert_eq!(report.result_age_frames, AgeReport { median: Some(1), max: Some(3) });
-        assert_eq!(report.blocking_waits, 3);
+        assert_eq!((report.waits, report.blocking_waits), (Some(0), 3));
         assert_eq!((report.frames_timed, report.frames_verified), (3, 2));
         assert_eq!(report.pixels_wrong, Some(4));
         assert_eq!(report.passes_ms["visible"].median, Some(3.0));

@@ -144,6 +144,8 @@ pub struct RunReport {
     pub passes_ms: BTreeMap<String, Summary>,
     /// How old the results were that came home.
     pub result_age_frames: AgeReport,
+    /// Waits for answers within a frame.
+    pub waits: Option<u64>,
     /// Waits of the frame loop, in all frames together, other than for a frame's own slot.
     pub blocking_waits: u64,
     /// How many frames the times and counts come from.

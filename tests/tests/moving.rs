@@ -22,7 +22,10 @@ use tests::{Driver, run, run_on_all};
 const SIZE: [u32; 2] = [240, 135];
 
 /// Every exact strategy that asks or decides in another way than the device's best.
-const TESTERS: [Strategy; 4] = [
+const TESTERS: [Strategy; 7] = [
+    Strategy::Batched,
+    Strategy::StopAndWait,
+    Strategy::Coherent,
     Strategy::Pyramid,
     Strategy::AntumbraQueries,
     Strategy::AntumbraFlags,
@@ -66,7 +69,8 @@ impl Moving {
             render(renderer, &mut view, strategy, camera, &picture);
             pictures.push(picture);
         }
-        assert_eq!(renderer.device().wait_counts().other, waits, "nothing but slots is waited for");
+        let waited = renderer.device().wait_counts().other - waits;
+        assert_eq!(waited > 0, strategy.is_dialogue(), "{strategy} waited for {waited} answers");
         renderer.drain(&mut view).unwrap();
         let draws = view.take_outcomes().map(|outcome| outcome.draws).sum();
         (pictures, draws)

@@ -89,7 +89,8 @@ fn check_pair_with(
                 picture
             })
             .collect();
-        assert_eq!(renderer.device().wait_counts().other, waits);
+        let waited = renderer.device().wait_counts().other - waits;
+        assert_eq!(waited > 0, strategy.is_dialogue(), "{strategy} waited for {waited} answers");
         let mut draws = 0;
         for view in &mut views {
             renderer.drain(view).unwrap();
@@ -120,6 +121,10 @@ fn a_stereo_pair_is_exact_with_every_tester() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1_000);
         for strategy in [
+            Strategy::Naive,
+            Strategy::Batched,
+            Strategy::StopAndWait,
+            Strategy::Coherent,
             Strategy::Pyramid,
             Strategy::AntumbraQueries,
             Strategy::AntumbraFlags,

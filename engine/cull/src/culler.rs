@@ -16,6 +16,7 @@ use crate::frustum::PlaneMask;
 use crate::governor::Governor;
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, LeafIndex, NodeId};
+use crate::next_frame::NextFrame;
 use crate::plan::{
     Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester,
 };
@@ -42,6 +43,7 @@ pub struct Culler {
     policy: Policy,
     abilities: Abilities,
     history: History,
+    next_frame: NextFrame,
     scratch: Scratch,
     grouping: Grouping,
     fronts: Vec<Front>,
@@ -75,6 +77,7 @@ impl Culler {
             policy,
             abilities,
             history: History::default(),
+            next_frame: NextFrame::default(),
             scratch: Scratch::default(),
             grouping: Grouping::default(),
             fronts: Vec::new(),
@@ -133,6 +136,7 @@ impl Culler {
     /// ignored. After a change that makes the past worthless, such as a new scene.
     pub fn forget(&mut self) {
         self.history.forget();
+        self.next_frame.forget();
         self.epoch = self.frame.0;
         self.turned = Stamp::NEVER;
         self.forward = None;
@@ -155,6 +159,7 @@ impl Culler {
             let Some(asked) = self.stamp(tag.frame) else {
                 continue;
             };
+            self.next_frame.take(hierarchy, &tag, samples);
             let record = self.history.record(tag.node.0);
             if let Some(governor) = self.governor.as_mut().filter(|_| record.answered < asked) {
                 governor.learn(tag.kind, record.state, record.doubt, samples > 0);
@@ -186,6 +191,9 @@ impl Culler {
         self.history.adopt(hierarchy);
         self.watch(view, now);
         plan.clear(self.frame);
+        if strategy == Strategy::NextFrame {
+            return self.next_frame.plan(hierarchy, view, plan);
+        }
         let tester = self.tester(strategy);
         let policy = self.tune(strategy, &mut plan.stats);
         let mut walk = Walk {
@@ -193,11 +201,12 @@ impl Culler {
             view,
             policy: &policy,
             knowledge: match strategy {
-                Strategy::Frustum | Strategy::Pyramid | Strategy::Ideal => Knowledge::Ignored,
                 Strategy::Antumbra
                 | Strategy::AntumbraQueries
                 | Strategy::AntumbraFlags
                 | Strategy::AntumbraCompute => Knowledge::Used(&self.history),
+                // Those that decide elsewhere get what they start from.
+                _ => Knowledge::Ignored,
             },
             now,
             can_flag: tester != Tester::Query,
@@ -302,7 +311,13 @@ impl Culler {
     /// The constants for the next frame.
     fn tune(&mut self, strategy: Strategy, stats: &mut PlanStats) -> Policy {
         self.tuned = self.policy;
-        let knows = !matches!(strategy, Strategy::Frustum | Strategy::Pyramid | Strategy::Ideal);
+        let knows = matches!(
+            strategy,
+            Strategy::Antumbra
+                | Strategy::AntumbraQueries
+                | Strategy::AntumbraFlags
+                | Strategy::AntumbraCompute
+        );
         if let Some(governor) = self.governor.as_mut().filter(|_| knows) {
             governor.begin_frame(self.visible);
             self.tuned = governor.tuned(&self.policy);

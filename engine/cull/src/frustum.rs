@@ -18,7 +18,7 @@ pub enum Containment {
 }
 
 /// The planes that a box still has to be tested against.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PlaneMask(u8);
 
 impl PlaneMask {

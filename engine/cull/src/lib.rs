@@ -16,6 +16,7 @@
 //!   proxy must be, and why that is enough.
 //! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once a frame.
 //! - [`Governor`]: leaves out tests that cost more than they save, by the prices of a [`CostTable`].
+//! - [`Dialogue`]: the methods of the literature that wait for answers within the frame, to compare with.
 //! - [`Policy`]: all constants. They change costs, never the image.
 //!
 //! # Example
@@ -72,11 +73,14 @@ mod bounds;
 mod camera;
 mod costs;
 mod culler;
+mod dialogue;
+mod front_to_back;
 mod frustum;
 mod governor;
 mod hierarchy;
 mod ids;
 mod margin;
+mod next_frame;
 mod plan;
 mod policy;
 mod rng;
@@ -87,6 +91,10 @@ pub use bounds::Aabb;
 pub use camera::Camera;
 pub use costs::{BadCost, CostTable, SceneCosts};
 pub use culler::{Culler, NodeState};
+pub use dialogue::{
+    Batch, BatchDraw, BatchTest, BatchedOptions, CoherentOptions, Conversation, Dialogue,
+    DialogueOptions, DialogueStats, FirstPass, LeafTest, Step, TestAnswer, TestToken,
+};
 pub use frustum::{Containment, Frustum, PlaneMask};
 pub use governor::{CheapestTester, FrameContents, Governor, Judgement, Question};
 pub use hierarchy::{Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS};

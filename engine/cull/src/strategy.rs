@@ -1,16 +1,28 @@
-//! The ways to decide what to draw that share this crate's traversal.
+//! The ways to decide what to draw, by name.
 
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
-/// A way to decide what to draw. All share one traversal and one history, so that they can be
-/// switched from frame to frame.
+/// A way to decide what to draw. They can be switched from frame to frame; those called
+/// `antumbra` share one traversal and one history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Strategy {
     /// View-frustum culling only: the baseline and the reference image.
     Frustum,
+    /// A query an object, and a wait for each (GPU Gems, 29.2).
+    Naive,
+    /// A query an object, behind some large occluders, and a wait for all (GPU Gems, 29.3).
+    Batched,
+    /// A query an object that is read in a later frame and decides about that one (GPU Gems, 29.4).
+    /// Never waits, and is not exact: what shows itself is missing until its answer is home.
+    NextFrame,
+    /// The hierarchy from the root down, with a wait at each node (GPU Gems 2, 6.3).
+    StopAndWait,
+    /// Coherent hierarchical culling as published, with several submits in a frame and answers
+    /// that are read between them (GPU Gems 2, 6.4 and 6.5).
+    Coherent,
     /// Two phases against a depth pyramid, all on the GPU: draws what was visible in the last frame,
     /// then what turns out to be (the way of the engines niagara and Bevy).
     Pyramid,
@@ -39,8 +51,13 @@ pub struct UnknownStrategy {
 
 impl Strategy {
     /// Every strategy, the baseline first.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 12] = [
         Self::Frustum,
+        Self::Naive,
+        Self::Batched,
+        Self::NextFrame,
+        Self::StopAndWait,
+        Self::Coherent,
         Self::Pyramid,
         Self::Antumbra,
         Self::AntumbraQueries,
@@ -54,6 +71,11 @@ impl Strategy {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Frustum => "frustum",
+            Self::Naive => "naive",
+            Self::Batched => "batched",
+            Self::NextFrame => "next_frame",
+            Self::StopAndWait => "stop_and_wait",
+            Self::Coherent => "coherent",
             Self::Pyramid => "pyramid",
             Self::Antumbra => "antumbra",
             Self::AntumbraQueries => "antumbra_queries",
@@ -67,7 +89,12 @@ impl Strategy {
     #[must_use]
     pub const fn is_exact(self) -> bool {
         match self {
+            Self::NextFrame => false,
             Self::Frustum
+            | Self::Naive
+            | Self::Batched
+            | Self::StopAndWait
+            | Self::Coherent
             | Self::Pyramid
             | Self::Antumbra
             | Self::AntumbraQueries
@@ -75,6 +102,12 @@ impl Strategy {
             | Self::AntumbraCompute
             | Self::Ideal => true,
         }
+    }
+
+    /// True if it needs answers before a frame can go on: a [`Dialogue`](crate::Dialogue) and no plan.
+    #[must_use]
+    pub const fn is_dialogue(self) -> bool {
+        matches!(self, Self::Naive | Self::Batched | Self::StopAndWait | Self::Coherent)
     }
 }
 
@@ -105,6 +138,6 @@ mod tests {
             assert_eq!(strategy.to_string(), strategy.name());
         }
         let refused = "Frustrum".parse::<Strategy>().unwrap_err().to_string();
-        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, pyramid, antumbra"));
+        assert!(refused.contains("`Frustrum`") && refused.contains("frustum, naive, batched"));
     }
 }

@@ -13,6 +13,7 @@ use crate::capabilities::Optional;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
+use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
 use crate::timing::PassTimer;
 
@@ -67,6 +68,17 @@ impl Commands {
         timer: Option<Rc<PassTimer>>,
     ) -> Self {
         let (device, recording) = (device.clone(), device.next_recording());
+        Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
+    }
+
+    /// Goes on with the same recording in another command buffer, once this one is sent off.
+    pub(crate) fn next_piece(
+        &self,
+        raw: vk::CommandBuffer,
+        descriptors: vk::DescriptorPool,
+    ) -> Self {
+        let (device, timer) = (self.device.clone(), self.timer.clone());
+        let recording = self.recording;
         Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
     }
 
@@ -442,10 +454,23 @@ impl Commands {
     }
 
     /// Records what `record` draws under an occlusion query.
-    pub(crate) fn query(&self, pool: vk::QueryPool, query: QueryIndex, record: impl FnOnce(&Self)) {
+    pub(crate) fn query(
+        &self,
+        pool: vk::QueryPool,
+        query: QueryIndex,
+        counting: Counting,
+        record: impl FnOnce(&Self),
+    ) {
         let raw = self.device.raw();
-        // SAFETY: the query was reset at the start of this frame and is used once in it.
-        unsafe { raw.cmd_begin_query(self.raw, pool, query.0, vk::QueryControlFlags::empty()) };
+        let is_precise = counting == Counting::Samples
+            && self.device.capabilities().has(Optional::PreciseQueries);
+        let flags = match is_precise {
+            true => vk::QueryControlFlags::PRECISE,
+            false => vk::QueryControlFlags::empty(),
+        };
+        // SAFETY: the query was reset earlier in this frame and is used once in it; precise ones are
+        // asked for only where the feature is on.
+        unsafe { raw.cmd_begin_query(self.raw, pool, query.0, flags) };
         record(self);
         // SAFETY: closes the query opened above.
         unsafe { raw.cmd_end_query(self.raw, pool, query.0) };

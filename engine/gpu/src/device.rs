@@ -39,7 +39,7 @@ impl Default for DeviceOptions {
 pub struct WaitCounts {
     /// Waits for a frame slot's own tick of N frames ago: what bounds the frames in flight.
     pub slot: u64,
-    /// All others: loading, draining. In a frame loop, each of them is a stall.
+    /// All others: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is a stall.
     pub other: u64,
 }
 
@@ -47,6 +47,7 @@ pub struct WaitCounts {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum WaitFor {
     Slot,
+    Answer,
     Transfer,
     Drain,
 }
@@ -192,6 +193,7 @@ impl Device {
     pub(crate) fn wait(&self, tick: Tick, reason: WaitFor) -> Result<(), Error> {
         let (counter, what) = match reason {
             WaitFor::Slot => (&self.shared.slot_waits, "a frame"),
+            WaitFor::Answer => (&self.shared.other_waits, "what a frame was asked"),
             WaitFor::Transfer => (&self.shared.other_waits, "a transfer"),
             WaitFor::Drain => (&self.shared.other_waits, "the work in flight"),
         };

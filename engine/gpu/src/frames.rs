@@ -1,4 +1,4 @@
-//! The frame ring: N frames in flight, each with its slot; the only wait of a frame loop is here.
+//! The frame ring: N frames in flight, each with its slot; the waits of a frame loop are here.
 
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -22,8 +22,12 @@ pub struct SlotIndex(pub usize);
 
 struct Slot {
     device: Device,
+    name: String,
     pool: vk::CommandPool,
-    descriptors: vk::DescriptorPool,
+    /// One command buffer a piece of the frame; most frames are of one piece.
+    pieces: Vec<vk::CommandBuffer>,
+    piece: usize,
+    descriptors: Vec<vk::DescriptorPool>,
     commands: Commands,
     uploads: Uploads,
     timer: Option<Rc<PassTimer>>,
@@ -43,12 +47,15 @@ pub struct Frame<'ring> {
     ring: &'ring mut FrameRing,
     slot: SlotIndex,
     waited: Duration,
+    waits: u32,
 }
 
 /// Storage-buffer sets a frame may bind; a frame binds a few per pass.
 const DESCRIPTOR_SETS: u32 = 256;
 /// Storage buffers over all those sets.
 const DESCRIPTORS: u32 = 1024;
+/// So many pieces of a frame share those sets, then the next ones get others.
+const PIECES_PER_DESCRIPTOR_POOL: usize = 32;
 
 impl FrameRing {
     /// A ring of `frames_in_flight` slots (at least one), without timing.
@@ -106,7 +113,7 @@ impl FrameRing {
         let waited = began.elapsed();
         self.device.free_retired()?;
         slot.restart()?;
-        Ok(Frame { ring: self, slot: SlotIndex(index), waited })
+        Ok(Frame { ring: self, slot: SlotIndex(index), waited, waits: 0 })
     }
 }
 
@@ -121,9 +128,12 @@ impl Slot {
         Ok(Self {
             device: device.clone(),
             pool,
-            descriptors,
+            pieces: vec![buffer],
+            piece: 0,
+            descriptors: vec![descriptors],
             commands: Commands::for_frame(device, buffer, descriptors, None),
             uploads: Uploads::new(device, &name),
+            name,
             timer: None,
             pass_times: Vec::new(),
             tick: Tick::ZERO,
@@ -137,8 +147,10 @@ impl Slot {
         unsafe {
             raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
                 .called("vkResetCommandPool")?;
-            raw.reset_descriptor_pool(self.descriptors, vk::DescriptorPoolResetFlags::empty())
-                .called("vkResetDescriptorPool")?;
+            for pool in &self.descriptors {
+                raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty())
+                    .called("vkResetDescriptorPool")?;
+            }
         }
         if let Some(timer) = &self.timer
             && self.tick > Tick::ZERO
@@ -146,14 +158,38 @@ impl Slot {
             timer.read(&mut self.pass_times);
         }
         self.uploads.reset()?;
-        let (buffer, descriptors) = (self.commands.raw(), self.descriptors);
-        begin_commands(&self.device, buffer)?;
+        self.piece = 0;
+        let (buffer, descriptors) = self.begin_piece()?;
         let timer = self.timer.clone();
         self.commands = Commands::for_frame(&self.device, buffer, descriptors, timer);
         if let Some(timer) = &self.timer {
             timer.reset(&self.commands);
         }
         Ok(())
+    }
+
+    /// Begins the command buffer of the piece whose turn it is, made when it is first needed.
+    fn begin_piece(&mut self) -> Result<(vk::CommandBuffer, vk::DescriptorPool), Error> {
+        if self.piece == self.pieces.len() {
+            let name = format!("{}, piece {}", self.name, self.piece);
+            self.pieces.push(allocate_commands(&self.device, self.pool, &name)?);
+        }
+        let pool = self.piece / PIECES_PER_DESCRIPTOR_POOL;
+        if pool == self.descriptors.len() {
+            let name = format!("{}, descriptors {pool}", self.name);
+            self.descriptors.push(create_descriptor_pool(&self.device, &name)?);
+        }
+        let (buffer, descriptors) = (self.pieces[self.piece], self.descriptors[pool]);
+        begin_commands(&self.device, buffer)?;
+        Ok((buffer, descriptors))
+    }
+
+    /// Sends off what is recorded.
+    fn submit(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+        self.commands.check()?;
+        end_commands(&self.device, self.commands.raw())?;
+        self.tick = self.device.submit(self.commands.raw(), after)?;
+        Ok(self.tick)
     }
 }
 
@@ -172,7 +208,9 @@ fn create_descriptor_pool(device: &Device, name: &str) -> Result<vk::DescriptorP
 
 impl Drop for Slot {
     fn drop(&mut self) {
-        self.device.retire(Garbage::DescriptorPool(self.descriptors));
+        for pool in &self.descriptors {
+            self.device.retire(Garbage::DescriptorPool(*pool));
+        }
         self.device.retire(Garbage::CommandPool(self.pool));
     }
 }
@@ -183,9 +221,15 @@ impl Frame<'_> {
         self.slot
     }
 
-    /// How long [`FrameRing::begin`] waited for the frame that used this slot before.
+    /// How long [`FrameRing::begin`] waited for the frame that used this slot before, and
+    /// [`Frame::wait`] for this one.
     pub fn waited(&self) -> Duration {
         self.waited
+    }
+
+    /// How often [`Frame::wait`] had to wait.
+    pub fn waits(&self) -> u32 {
+        self.waits
     }
 
     /// What this frame records into.
@@ -203,6 +247,39 @@ impl Frame<'_> {
         &self.ring.slots[self.slot.0].pass_times
     }
 
+    /// Sends off what is recorded so far and goes on with the same frame in another command buffer.
+    /// Not inside of a pass. The first piece starts once `after`, if given, is reached.
+    ///
+    /// # Errors
+    /// What failed while recording, or a failed call.
+    pub fn flush(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+        let slot = &mut self.ring.slots[self.slot.0];
+        let tick = slot.submit(after)?;
+        slot.piece += 1;
+        let (buffer, descriptors) = slot.begin_piece()?;
+        slot.commands = slot.commands.next_piece(buffer, descriptors);
+        Ok(tick)
+    }
+
+    /// Waits until `tick` of a piece that was flushed is over, within the device's bound. For methods
+    /// that cannot go on without an answer: it counts as [`crate::WaitCounts::other`].
+    ///
+    /// # Errors
+    /// [`Error::Timeout`], a failed call.
+    pub fn wait(&mut self, tick: Tick) -> Result<(), Error> {
+        let device = &self.ring.device;
+        // What was never submitted would be waited for in vain.
+        let tick = tick.min(self.ring.slots[self.slot.0].tick);
+        if device.completed()? >= tick {
+            return Ok(());
+        }
+        let began = Instant::now();
+        self.waits += 1;
+        let over = device.wait(tick, WaitFor::Answer);
+        self.waited += began.elapsed();
+        over
+    }
+
     /// Submits the frame and returns its tick. It starts on the GPU once `after`, if given, is
     /// reached; the CPU does not wait.
     ///
@@ -210,15 +287,12 @@ impl Frame<'_> {
     /// What failed while recording, or a failed call.
     pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
-        slot.commands.check()?;
         if let Some(timer) = &slot.timer {
             timer.read_back(&slot.commands);
             let visible = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
             slot.commands.barrier(visible);
         }
-        end_commands(&slot.device, slot.commands.raw())?;
-        slot.tick = slot.device.submit(slot.commands.raw(), after)?;
-        let tick = slot.tick;
+        let tick = slot.submit(after)?;
         self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
         Ok(tick)
     }

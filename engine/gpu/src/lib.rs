@@ -4,9 +4,10 @@
 //! thing each, give it a debug name, free it when the GPU is done with it, and leave deciding to
 //! the caller. What is worth reading first:
 //!
-//! - [`FrameRing`]: N frames in flight, the only wait of a frame loop.
+//! - [`FrameRing`]: N frames in flight, the waits of a frame loop.
 //! - [`QueryRing`]: occlusion queries whose answers come home through mapped memory, tagged with
 //!   whatever the caller wants back, without a blocking call.
+//! - [`QueryPages`]: queries of a frame that is sent off in pieces and reads its answers in between.
 //! - [`Predicates`]: draws that the GPU skips by itself, with conditional rendering or without.
 //! - [`Access`]: named accesses, from which every barrier of the engine is computed.
 //!
@@ -48,6 +49,7 @@ mod part_draws;
 mod pipeline;
 mod pipeline_cache;
 mod predicates;
+mod query_pages;
 mod query_ring;
 mod shader;
 mod target;
@@ -78,6 +80,7 @@ pub use pipeline::{
 pub use predicates::{
     BOX_VERTICES, DrawRange, IndirectDraw, Predicated, Predicates, Predication, Reveal, WordSource,
 };
+pub use query_pages::{Counting, QueryPages};
 pub use query_ring::{QueryIndex, QueryRing};
 pub use shader::Spirv;
 #[cfg(feature = "shader-compiler")]

@@ -17,6 +17,7 @@ use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::frames::Frame;
+use crate::query_pages::Counting;
 use crate::timeline::Tick;
 
 /// A query of the frame being recorded.
@@ -122,7 +123,7 @@ impl<T: Copy> QueryRing<T> {
     pub fn scope(&self, commands: &Commands, query: QueryIndex, record: impl FnOnce(&Commands)) {
         match self.current() {
             Some((queries, tags)) if (query.0 as usize) < tags.len() => {
-                commands.query(queries.pool, query, record);
+                commands.query(queries.pool, query, Counting::Some, record);
             }
             // Not begun for this frame: draw without asking.
             _ => record(commands),

@@ -31,7 +31,7 @@ pub(crate) struct PassTimer {
 }
 
 /// More passes than this in a frame go untimed.
-const PASSES: u32 = 32;
+const PASSES: u32 = 512;
 
 impl PassTimer {
     pub(crate) fn new(device: &Device, name: &str) -> Result<Self, Error> {

@@ -117,6 +117,14 @@ impl FramePasses {
             let before = step.checked_sub(1).and_then(|round| rounds.get(round));
             let before = before.filter(|round| round.has_parts);
             let (known, next) = (rounds.get(step), rounds.get(step + 1));
+            if let (Some(last), None, None) = (known, next, before)
+                && history.questions.is_for_later(last)
+            {
+                commands.pass("answers", |commands| {
+                    history.queries.resolve(commands, last.queries.clone());
+                });
+                break;
+            }
             self.test_by_compute(commands, view, io, known);
             commands.pass("answers", |commands| {
                 self.resolve(commands, history, known, before);

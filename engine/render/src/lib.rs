@@ -31,6 +31,7 @@
 
 mod birds_eye;
 mod calibration;
+mod dialogue_frame;
 mod draw_changes;
 mod error;
 mod frame_passes;

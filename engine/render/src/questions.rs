@@ -179,6 +179,14 @@ impl Questions {
         })
     }
 
+    /// Whether nothing of this frame hangs on a round of queries: only later frames want to know.
+    pub(crate) fn is_for_later(&self, round: &RoundQuestions) -> bool {
+        let decides = |reveal| self.revealing(Some(round), reveal).next().is_some();
+        round.queries.len() == round.tests.len()
+            && !decides(Reveal::Whole)
+            && !decides(Reveal::Parts)
+    }
+
     /// The decisions that are made once the proxies of `round` were drawn.
     pub(crate) fn made(&self, round: &RoundQuestions) -> Vec<(WordSource, Range<u32>)> {
         let lanes = [

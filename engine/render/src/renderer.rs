@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use cull::{
-    Aabb, Abilities, Camera, CostTable, Culler, Hierarchy, Policy, SceneCosts, Strategy, View,
+    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, Hierarchy, Policy, SceneCosts,
+    Strategy, View,
 };
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
@@ -11,6 +12,7 @@ use gpu::{
 };
 
 use crate::calibration::{self, Costs};
+use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
@@ -36,7 +38,9 @@ pub struct RendererOptions {
     pub shaders: Option<ShaderSet>,
     /// How visibility is decided.
     pub policy: Policy,
-    /// The most occlusion queries a frame may use. What cannot be asked is drawn.
+    /// How the methods of the literature work that wait for answers.
+    pub dialogue: DialogueOptions,
+    /// The most occlusion queries a frame of ours may use. What cannot be asked is drawn.
     pub query_budget: usize,
     /// What things cost, so that nothing is tested at a loss.
     pub costs: Costs,
@@ -52,6 +56,7 @@ impl Default for RendererOptions {
             predication: None,
             shaders: None,
             policy: Policy::default(),
+            dialogue: DialogueOptions::default(),
             query_budget: 8192,
             costs: Costs::Ignored,
             spare_objects: 0,
@@ -86,12 +91,15 @@ impl FrameRequest<'_> {
 pub struct FrameReport {
     /// Its tick.
     pub tick: Tick,
-    /// Time the CPU spent in the engine, without the wait for the slot.
+    /// Time the CPU spent in the engine, without waits.
     pub cpu: Duration,
     /// Proxies tested, by whatever means.
     pub tests: u32,
     /// Occlusion queries.
     pub queries: u32,
+    /// How often the CPU waited for an answer within the frame: never, but with the strategies that
+    /// are a dialogue ([`Strategy::is_dialogue`]).
+    pub waits: u32,
     /// Ranges of draws under a predicate.
     pub predicated_draws: u32,
     /// Age in frames of the answers that came home for this frame; `None` if none did.
@@ -112,6 +120,8 @@ pub struct Renderer {
     pub(crate) birds_eye: Option<OverlayPass>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) pyramid: Option<PyramidFrame>,
+    pub(crate) dialogue: Option<DialogueFrame>,
+    pub(crate) dialogue_options: DialogueOptions,
     pub(crate) edition: Edition,
     pub(crate) update_scratch: UpdateScratch,
     pub(crate) scatter: ScatterPass,
@@ -180,6 +190,8 @@ impl Renderer {
             birds_eye: None,
             seen_leaves: None,
             pyramid: None,
+            dialogue: None,
+            dialogue_options: options.dialogue,
             edition: Edition::default(),
             update_scratch: UpdateScratch::default(),
             scatter,
@@ -231,11 +243,13 @@ impl Renderer {
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing.
     pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
+        let precise = self.device.capabilities().has(Optional::PreciseQueries);
         let missing = match strategy {
             Strategy::AntumbraFlags if !self.abilities().flags => Optional::FragmentStores,
             Strategy::Ideal if !self.device.capabilities().has(Optional::FragmentStores) => {
                 Optional::FragmentStores
             }
+            Strategy::Coherent if self.counts_samples() && !precise => Optional::PreciseQueries,
             _ => return Ok(()),
         };
         Err(gpu::Error::Unsupported {
@@ -244,6 +258,11 @@ impl Renderer {
             wanted: strategy.name(),
         }
         .into())
+    }
+
+    /// Whether a dialogue goes by numbers of samples.
+    fn counts_samples(&self) -> bool {
+        self.dialogue_options.coherent.visibility_threshold_samples > 0
     }
 
     /// The device it draws on.
@@ -285,7 +304,7 @@ impl Renderer {
     }
 
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
-    /// and for nothing else.
+    /// and for nothing else, unless the strategy is a dialogue ([`Strategy::is_dialogue`]).
     ///
     /// # Errors
     /// No memory, a lost device, a frame that takes too long; [`Error::NoVisibleSet`].

@@ -11,6 +11,7 @@ use gpu::{
     WordSource,
 };
 
+use crate::dialogue_frame::DialogueHistory;
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::leaf_counts::Count;
@@ -50,9 +51,10 @@ pub struct ViewHistory {
     /// That of the hierarchy that the plan is for.
     pub(crate) generation: Generation,
     pub(crate) questions: Questions,
+    pub(crate) dialogue: Option<DialogueHistory>,
     pyramid: Option<PyramidHistory>,
-    frames_in_flight: usize,
-    device: Device,
+    pub(crate) frames_in_flight: usize,
+    pub(crate) device: Device,
     /// Up to which change of a draw `parts` knows the draws.
     seen_changes: u64,
     answers: Vec<Answered>,
@@ -80,6 +82,7 @@ impl ViewHistory {
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
             questions: Questions::default(),
+            dialogue: None,
             pyramid: None,
             frames_in_flight,
             device: device.clone(),
@@ -247,12 +250,12 @@ impl ViewHistory {
         self.questions.clear();
     }
 
-    /// Begins a frame that the GPU decides about: an empty plan without questions.
-    pub(crate) fn begin_pyramid(
+    /// Begins a frame that is not planned here: an empty plan without questions.
+    pub(crate) fn begin_unplanned(
         &mut self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
-    ) -> Result<&mut PyramidHistory, Error> {
+    ) -> Result<(), Error> {
         self.culler.plan_known(hierarchy, &[], &mut self.plan);
         self.generation = hierarchy.generation();
         self.questions.clear();
@@ -262,6 +265,16 @@ impl ViewHistory {
         let nothing = std::iter::empty::<DrawRange>();
         let no_draw = |_| IndirectDraw::default();
         self.parts.begin(frame, (self.plan.frame, self.generation), nothing, no_draw)?;
+        Ok(())
+    }
+
+    /// Begins a frame that the GPU decides about.
+    pub(crate) fn begin_pyramid(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+    ) -> Result<&mut PyramidHistory, Error> {
+        self.begin_unplanned(frame, hierarchy)?;
         let kept = match self.pyramid.take() {
             Some(kept) => kept,
             None => PyramidHistory::new(&self.device, hierarchy, self.frames_in_flight)?,

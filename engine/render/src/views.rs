@@ -10,6 +10,7 @@ use std::time::Instant;
 use cull::{Camera, Strategy, View};
 use gpu::{Device, Readback, Tick, Timeline};
 
+use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
 use crate::error::Error;
 use crate::frame_passes::FrameIo;
 use crate::passes::ComputeTest;
@@ -93,12 +94,12 @@ impl Renderer {
         let began = Instant::now();
         self.prepare(request.strategy)?;
         let mut frame = self.frames.begin()?;
-        let waited = frame.waited();
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
 
         let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
+        let mut report = FrameReport::default();
         let last = eyes.len().saturating_sub(1);
         for (number, Eye { history, camera, visible, area }) in eyes.iter_mut().enumerate() {
             let view = &view_in(&self.device, camera, *area);
@@ -108,6 +109,14 @@ impl Renderer {
             if let (Strategy::Pyramid, Some(pyramid)) = (request.strategy, &self.pyramid) {
                 let request = PyramidRequest { hierarchy, view, picture };
                 pyramid.record(&mut frame, history, passes, &request)?;
+                continue;
+            }
+            if let (true, Some(dialogue)) = (request.strategy.is_dialogue(), &self.dialogue) {
+                let ViewsRequest { strategy, after, .. } = *request;
+                let request = DialogueRequest { hierarchy, strategy, view, picture, after };
+                let stats = dialogue.record(&mut frame, history, passes, &request)?;
+                report.tests += stats.boxes;
+                report.queries += stats.boxes + stats.own_draws;
                 continue;
             }
             match (request.strategy, *visible) {
@@ -129,9 +138,11 @@ impl Renderer {
             passes.record(frame.commands(), history, view, &io, picture);
         }
 
+        let waited = frame.waited();
+        report.waits = frame.waits();
         let tick = frame.submit(request.after)?;
+        report.tick = tick;
         self.passes.geometry.submitted();
-        let mut report = FrameReport { tick, ..FrameReport::default() };
         for Eye { history, .. } in eyes.iter_mut() {
             history.submitted(tick, &self.passes.geometry);
             report.add(history);
@@ -146,6 +157,10 @@ impl Renderer {
             let size = self.size();
             let made = PyramidFrame::new(&self.device, &self.shaders, &self.hierarchy, size)?;
             self.pyramid = Some(made);
+        }
+        if strategy.is_dialogue() && self.dialogue.is_none() {
+            let options = self.dialogue_options;
+            self.dialogue = Some(DialogueFrame::new(&self.device, &self.shaders, options)?);
         }
         Ok(())
     }

@@ -8,15 +8,18 @@
 )]
 
 mod device;
+mod dialogue;
 mod exactness;
 mod governor;
 mod image;
 mod invariants;
 mod knowledge;
 mod moving;
+mod next_frame;
 mod random;
 mod recycling;
 mod rest;
 mod scene;
+mod talk;
 mod walk;
 mod work;

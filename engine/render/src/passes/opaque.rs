@@ -16,6 +16,13 @@ pub struct OpaquePass {
     pipeline: GraphicsPipeline,
 }
 
+/// What a pass writes.
+enum Kind {
+    Whole,
+    Depth,
+    Colour,
+}
+
 /// Reads vertices, indices and instances; writes the colour and depth that are being rendered to.
 #[derive(Clone, Copy)]
 pub struct OpaqueIo {
@@ -45,12 +52,38 @@ impl OpaquePass {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Whole)
+    }
+
+    /// Compiles a pass that writes the same depth, to the bit, and no colour.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn depth_only(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Depth)
+    }
+
+    /// Compiles a pass that gives what [`OpaquePass::depth_only`] drew its colour.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn colour_only(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Colour)
+    }
+
+    fn of_kind(device: &Device, shaders: &ShaderSet, kind: Kind) -> Result<Self, Error> {
+        let fragment = shaders.find("opaque.frag")?;
+        let (name, fragment, depth, blend) = match kind {
+            Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
+            Kind::Depth => ("opaque depth", None, DepthMode::TestAndWrite, Blend::NoColour),
+            Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
+        };
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
-                name: "opaque",
+                name,
                 vertex: shaders.find("opaque.vert")?,
-                fragment: Some(shaders.find("opaque.frag")?),
+                fragment,
                 vertices: VertexLayout {
                     stride_bytes: size_of::<Vertex>() as u32,
                     attributes: &[
@@ -62,8 +95,8 @@ impl OpaquePass {
                 storage: StorageLayout { buffers: 1, push_bytes: size_of::<Constants>() as u32 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 cull: vk::CullModeFlags::BACK,
-                depth: DepthMode::TestAndWrite,
-                blend: Blend::Opaque,
+                depth,
+                blend,
             },
         )?;
         Ok(Self { pipeline })

@@ -1,0 +1,146 @@
+//! The executor of a dialogue: submits, waits and polls as the renderer does, with all mishaps.
+
+use antumbra_cull::{
+    Aabb, Batch, Conversation, DialogueStats, Hierarchy, LeafIndex, Step, TestAnswer, TestToken,
+    View,
+};
+
+use crate::device::Solids;
+use crate::image::Image;
+use crate::random::Random;
+
+/// What can happen to an answer inside of a frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Trouble {
+    /// How often one must come back before an answer is home, without waiting for it.
+    pub polls: usize,
+    pub lost: f32,
+    pub twice: f32,
+}
+
+pub struct Talk {
+    pub image: Image,
+    /// Leaves drawn by the last frame, in order.
+    pub drawn: Vec<LeafIndex>,
+    /// The tokens asked by the last frame in the order of their execution, and with which submit.
+    pub asked: Vec<(TestToken, usize)>,
+    submits: usize,
+    pub trouble: Trouble,
+    random: Random,
+    sub_pixel_step: f64,
+    under_way: Vec<UnderWay>,
+}
+
+/// An answer that is not home.
+#[derive(Clone, Copy)]
+struct UnderWay {
+    polls: usize,
+    submit: usize,
+    answer: TestAnswer,
+}
+
+/// More steps than any scene of these tests needs.
+const STEPS: usize = 20_000;
+
+impl Talk {
+    pub fn new(size: [u32; 2], sub_pixel_bits: u32, trouble: Trouble, seed: u64) -> Self {
+        Self {
+            image: Image::new(size),
+            drawn: Vec::new(),
+            asked: Vec::new(),
+            submits: 0,
+            trouble,
+            random: Random::new(seed),
+            sub_pixel_step: 0.5_f64.powi(sub_pixel_bits as i32),
+            under_way: Vec::new(),
+        }
+    }
+
+    /// A whole frame.
+    pub fn frame(
+        &mut self,
+        conversation: &mut Conversation<'_>,
+        view: &View,
+        hierarchy: &Hierarchy,
+        solids: &Solids<'_>,
+    ) -> DialogueStats {
+        self.image.clear();
+        self.drawn.clear();
+        self.asked.clear();
+        self.under_way.clear();
+        let (mut batch, mut home) = (Batch::default(), Vec::new());
+        for _ in 0..STEPS {
+            let step = conversation.next(&home, &mut batch);
+            self.submits += 1;
+            self.execute(&batch, view, hierarchy, solids);
+            match step {
+                Step::Done => return conversation.stats(),
+                Step::Submit => self.poll(),
+                Step::Wait(token) => self.wait(token),
+            }
+            home = self.collect();
+        }
+        panic!("the conversation does not end");
+    }
+
+    fn execute(&mut self, batch: &Batch, view: &View, hierarchy: &Hierarchy, solids: &Solids<'_>) {
+        for draw in &batch.draws {
+            let object = hierarchy.leaf_objects()[draw.leaf.0 as usize].0 as usize;
+            self.drawn.push(draw.leaf);
+            let samples = self.image.draw(view, &solids.solids[object], solids.shifts[object]);
+            if let Some(token) = draw.token {
+                self.answer(token, samples);
+            }
+        }
+        for test in &batch.tests {
+            let samples = self.test(view, &test.bounds);
+            self.answer(test.token, samples);
+        }
+    }
+
+    fn test(&mut self, view: &View, bounds: &Aabb) -> u32 {
+        let step = self.sub_pixel_step as f32;
+        let shift = [0, 1].map(|_| f64::from(self.random.between(-step, step)));
+        self.image.test(view, bounds, shift)
+    }
+
+    fn answer(&mut self, token: TestToken, samples: u32) {
+        self.asked.push((token, self.submits));
+        let copies = match () {
+            () if self.random.chance(self.trouble.lost) => 0,
+            () if self.random.chance(self.trouble.twice) => 2,
+            () => 1,
+        };
+        for copy in 0..copies {
+            let (polls, submit) = (self.trouble.polls * (1 + copy), self.submits);
+            self.under_way.push(UnderWay { polls, submit, answer: TestAnswer { token, samples } });
+        }
+    }
+
+    fn poll(&mut self) {
+        for it in &mut self.under_way {
+            it.polls = it.polls.saturating_sub(1);
+        }
+    }
+
+    /// All that was submitted with a question or before is home.
+    fn wait(&mut self, token: TestToken) {
+        let asked = self.asked.iter().find(|(asked, _)| *asked == token);
+        let submit = asked.expect("only what was asked is waited for").1;
+        for it in self.under_way.iter_mut().filter(|it| it.submit <= submit) {
+            it.polls = 0;
+        }
+    }
+
+    /// What is home, in random order.
+    fn collect(&mut self) -> Vec<TestAnswer> {
+        let is_home = |it: &UnderWay| it.polls == 0;
+        let mut home: Vec<_> =
+            self.under_way.iter().filter(|it| is_home(it)).map(|it| it.answer).collect();
+        self.under_way.retain(|it| !is_home(it));
+        for position in (1..home.len()).rev() {
+            home.swap(position, self.random.below(position + 1));
+        }
+        home
+    }
+}
