@@ -190,7 +190,7 @@ impl Governor {
         let frames = if best.is_nan() { f64::from(least) } else { best };
         // A price that makes even the calm tests too rare to matter makes all tests too dear.
         let frames = if calm >= f64::from(NEVER_FRAMES) { calm } else { frames.min(calm) };
-        frames.clamp(f64::from(least), f64::from(u32::MAX / 4)) as u32
+        frames.max(f64::from(least)).min(f64::from(u32::MAX / 4)) as u32
     }
 
     /// The constants of `policy` as they are best now.

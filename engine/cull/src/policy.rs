@@ -15,6 +15,9 @@ pub struct Policy {
     /// hidden for long will stay so for long; doubling lets the frontier of a still camera shrink
     /// to the logarithm of the scene.
     pub growth_frames: u32,
+    /// The most leaves that a node may have to be tested as one, however long it was hidden: if it
+    /// shows, each of them is tested in that frame, and noted when the answer is home.
+    pub shared_leaves: u32,
     /// Leaves that a node may have to be tested as one where it sticks out of the frustum while
     /// the view turns: what lies outside was not observed, however long its neighbours are known.
     pub edge_leaves: u32,
@@ -114,6 +117,7 @@ impl Default for Policy {
             unknown_leaves_far: 128,
             unknown_angle: 0.1,
             growth_frames: 6,
+            shared_leaves: 16_384,
             edge_leaves: 64,
             turning_frames: 8,
             turning_sine: 0.004,

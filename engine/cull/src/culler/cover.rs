@@ -7,11 +7,14 @@
 //!
 //! Rounding is paid for by the margin of the proxy behind: its outline is a quarter of a pixel and
 //! more wider than the samples of its object, and its nearest depth as much nearer (see
-//! [`Margin`](crate::Margin)); the proxy in front loses less to the sub-pixel grid.
+//! [`Margin`](crate::Margin)); the proxy in front loses less to the sub-pixel grid. But the outline
+//! of what is in front is computed here and drawn there, each with its own rounding, and the nearer
+//! it is the more pixels that is: only boxes of which it is at most a sixteenth are in front.
 
 use glam::Vec2;
 
 use crate::bounds::Aabb;
+use crate::margin::rounding;
 use crate::plan::{ProxyTest, QueryKind, Tester};
 use crate::policy::Policy;
 use crate::view::View;
@@ -68,7 +71,7 @@ pub(super) fn share_answers(
             continue;
         }
         let area = seen.area();
-        if area >= least_area {
+        if area >= least_area && outline.is_sharp(&test.bounds, nearest, view) {
             let front = Front {
                 test: number,
                 outline,
@@ -149,6 +152,17 @@ impl Outline {
         hull
     }
 
+    /// Whether rounding moves it by little where it is computed and where it is drawn; `nearest` is the
+    /// depth of the nearest corner.
+    fn is_sharp(&self, bounds: &Aabb, nearest: f32, view: &View) -> bool {
+        const MOST_PIXELS: f32 = 1.0 / 16.0;
+        // Beyond, a pixel's fractions are lost, and a product of two such no longer tells sides.
+        const FARTHEST_PIXELS: f32 = 32_768.0;
+        let pixels_per_metre = view.size[1] as f32 / (2.0 * view.tan_half[1] * nearest);
+        rounding(bounds, view.eye) * pixels_per_metre <= MOST_PIXELS
+            && self.points().all(|point| point.abs().max_element() <= FARTHEST_PIXELS)
+    }
+
     fn turns_right(&self, point: Vec2) -> bool {
         let [before, last] = [self.corners[self.count - 2], self.corners[self.count - 1]];
         (last - before).perp_dot(point - last) <= 0.0
@@ -199,5 +213,60 @@ impl Outline {
                 let edge = to - from;
                 edge.perp_dot(point - from) >= -ALLOWED_PIXELS * edge.length()
             })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, Vec3};
+
+    use super::*;
+    use crate::camera::Camera;
+    use crate::rng::SplitMix64;
+
+    /// Where a point is on the screen, in pixels, without much rounding.
+    fn exactly(point: Vec3, view: &View) -> DVec2 {
+        let offset = point.as_dvec3() - view.eye.as_dvec3();
+        let along = |axis: Vec3| offset.dot(axis.as_dvec3());
+        let [x, y] = [along(view.right), -along(view.up)];
+        let [tan_x, tan_y] = view.tan_half.map(f64::from);
+        let [width, height] = view.size.map(f64::from);
+        let at = DVec2::new(x / tan_x, y / tan_y) / along(view.forward);
+        (at + 1.0) * 0.5 * DVec2::new(width, height)
+    }
+
+    #[test]
+    fn only_sharp_outlines_are_in_front_wherever_the_world_is() {
+        let mut rng = SplitMix64::new(7);
+        let mut between = |low: f32, high: f32| {
+            low + (high - low) * (rng.between(0, 1 << 20) as f32 / (1 << 20) as f32)
+        };
+        let (mut sharp, mut blunt) = (0, 0);
+        for _ in 0..20_000 {
+            let home = 10.0_f32.powf(between(0.0, 5.0));
+            let eye = Vec3::new(home, between(-1.0, 1.0) * home, between(-1.0, 1.0) * home);
+            let forward = Vec3::new(between(-1.0, 1.0), between(-1.0, 1.0), between(-1.0, 1.0));
+            let camera = Camera { eye, forward, up: Vec3::Y, fov_y: 1.0, near: 0.01 };
+            let view = View::new(&camera, [1280, 720], 8);
+            let size = 10.0_f32.powf(between(-1.0, 2.0));
+            let aside = view.right * between(-1.0, 1.0) + view.up * between(-1.0, 1.0);
+            let distance = size * between(0.5, 8.0);
+            let centre = eye + (view.forward + aside) * distance;
+            let half = Vec3::new(between(0.1, 1.0), between(0.1, 1.0), between(0.1, 1.0)) * size;
+            let bounds = Aabb::new(centre - half, centre + half);
+            let Some((outline, [nearest, _])) = Outline::of(&bounds, &view) else { continue };
+            if nearest < view.near || !outline.is_sharp(&bounds, nearest, &view) {
+                blunt += 1;
+                continue;
+            }
+            sharp += 1;
+            let corners = bounds.corners().map(|corner| exactly(corner, &view));
+            for point in outline.points() {
+                let away = corners.iter().map(|corner| corner.distance(point.as_dvec2()));
+                let away = away.fold(f64::INFINITY, f64::min);
+                assert!(away <= 1.0 / 16.0, "{away} pixels at {home} m from the origin");
+            }
+        }
+        assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
     }
 }

@@ -79,7 +79,7 @@ impl History {
         policy: &Policy,
     ) {
         // Long streaks make for long intervals, and this one makes the next test one of its own draw.
-        let streak = (policy.own_box_streak + 1).min(u8::MAX.into()) as u8;
+        let streak = policy.own_box_streak.saturating_add(1).min(u8::MAX.into()) as u8;
         if let Some(record) = self.record_mut(leaf) {
             if record.state != NodeState::Hidden {
                 record.state = NodeState::Visible;

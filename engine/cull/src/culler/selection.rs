@@ -77,9 +77,12 @@ impl Scratch {
         economy: Option<&Economy<'_>>,
         stats: &mut PlanStats,
     ) -> bool {
+        // Then everything there can be is small enough to be tested as one.
+        const MOST_ATTEMPTS: u32 = 16;
         loop {
             walk.run(self, stats);
-            let is_last = budget == 0 || walk.coarseness >= walk.policy.coarsen_attempts;
+            let is_last =
+                budget == 0 || walk.coarseness >= walk.policy.coarsen_attempts.min(MOST_ATTEMPTS);
             let wished = budget.min(walk.policy.tests_wished as usize);
             if is_last || self.frontier().count() <= wished {
                 break;

@@ -199,7 +199,8 @@ impl Walk<'_> {
             return self.can_flag;
         }
         let diagonal = 2.0 * turn.bounds.half_extent().length();
-        let is_turn_of_draw = u32::from(record.streak) % (self.policy.own_box_streak + 1) == 1;
+        let is_turn_of_draw =
+            u32::from(record.streak) % self.policy.own_box_streak.saturating_add(1) == 1;
         // Where the box promised too much before, it would again.
         record.flips == 0
             && !is_turn_of_draw
@@ -218,7 +219,7 @@ impl Walk<'_> {
 
     /// Neighbours take turns. What is on its way may be asked again: that costs little.
     fn is_own_box_due(&self, turn: &Turn) -> bool {
-        let interval = self.policy.own_box_frames + (turn.node & 1);
+        let interval = self.policy.own_box_frames.saturating_add(turn.node & 1);
         turn.record.streak == 0 || self.now.since(turn.record.answered) >= interval
     }
 
@@ -287,6 +288,7 @@ impl Walk<'_> {
         if self.is_turning && !turn.mask.is_inside() {
             allowed = allowed.min(self.policy.edge_leaves.into());
         }
+        allowed = allowed.min(self.policy.shared_leaves.into());
         u64::from(turn.leaf_count) <= self.coarse(allowed) || self.is_small(turn)
     }
 

@@ -36,6 +36,8 @@ struct World {
     budget: usize,
     moving: bool,
     rebuilding: bool,
+    /// Whether the policy is one that nobody would choose.
+    is_extreme: bool,
 }
 
 impl World {
@@ -51,6 +53,7 @@ impl World {
             budget: [0, 3, 12, 10_000, 10_000, 10_000][random.below(6)],
             moving: random.chance(0.4),
             rebuilding: random.chance(0.3),
+            is_extreme: false,
             scene,
             random,
         }
@@ -63,7 +66,10 @@ impl World {
             1 => 40,
             _ => Policy::default().tests_wished,
         };
-        let policy = Policy { seed, tests_wished, ..Policy::default() };
+        let mut policy = Policy { seed, tests_wished, ..Policy::default() };
+        if self.is_extreme {
+            policy = extreme_policy(&mut self.random, policy);
+        }
         let is_rough = self.random.chance(0.7);
         let table = self.random.chance(0.3).then(|| random_prices(&mut self.random));
         let mut runs = Vec::new();
@@ -112,6 +118,100 @@ impl World {
     fn solids(&self) -> Solids<'_> {
         Solids { solids: &self.scene.solids, shifts: &self.scene.shifts }
     }
+}
+
+/// A policy in which each constant may be the least or the most there is.
+fn extreme_policy(random: &mut Random, usual: Policy) -> Policy {
+    let mut policy = usual;
+    let Policy {
+        unknown_leaves,
+        unknown_leaves_far,
+        unknown_angle,
+        growth_frames,
+        shared_leaves,
+        edge_leaves,
+        turning_frames,
+        turning_sine,
+        stale_frames,
+        open_frames,
+        open_jitter,
+        open_levels,
+        open_leaves,
+        open_levels_max,
+        retest_first,
+        retest_max,
+        retest_spread,
+        retest_gate,
+        own_box_angle,
+        own_box_frames,
+        own_box_streak,
+        flip_frames,
+        flip_retest_max,
+        probe_retry,
+        probe_backoff,
+        probes_min,
+        tests_per_probe,
+        occluders,
+        cut_share,
+        cut_tests,
+        rounds_calm,
+        rounds_cut,
+        rounds_compute_calm,
+        rounds_compute_cut,
+        round_tests_min,
+        parts_leaves,
+        front_area,
+        fronts,
+        leaves_behind,
+        tests_wished,
+        coarsen_attempts,
+        seed: _,
+    } = &mut policy;
+    for number in [
+        unknown_leaves,
+        unknown_leaves_far,
+        growth_frames,
+        shared_leaves,
+        edge_leaves,
+        turning_frames,
+        stale_frames,
+        open_frames,
+        open_jitter,
+        open_levels,
+        open_leaves,
+        open_levels_max,
+        retest_first,
+        retest_max,
+        retest_spread,
+        retest_gate,
+        own_box_frames,
+        own_box_streak,
+        flip_frames,
+        flip_retest_max,
+        probe_retry,
+        probe_backoff,
+        probes_min,
+        tests_per_probe,
+        occluders,
+        cut_share,
+        cut_tests,
+        rounds_calm,
+        rounds_cut,
+        rounds_compute_calm,
+        rounds_compute_cut,
+        round_tests_min,
+        parts_leaves,
+        fronts,
+        leaves_behind,
+        tests_wished,
+        coarsen_attempts,
+    ] {
+        *number = [0, 1, u32::MAX, *number, *number, *number][random.below(6)];
+    }
+    for number in [unknown_angle, turning_sine, own_box_angle, front_area] {
+        *number = [0.0, f32::NAN, f32::INFINITY, *number, *number][random.below(5)];
+    }
+    policy
 }
 
 /// Prices from nothing to more than anything is worth, each by itself.
@@ -166,7 +266,10 @@ impl Checked {
 
 /// Runs one seed.
 fn verify(seed: u64) -> Checked {
-    let mut world = World::new(seed);
+    verify_world(seed, World::new(seed))
+}
+
+fn verify_world(seed: u64, mut world: World) -> Checked {
     let mut runs = world.runs(seed);
     let mut truth = Image::new(SIZE);
     let mut checked = Checked { runs: runs.len() as u64, ..Checked::default() };
@@ -222,7 +325,18 @@ fn nothing_visible_is_ever_missing() {
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }
 
-/// The test above must be able to fail: drawing every second object only is noticed.
+#[test]
+fn no_policy_loses_anything_or_panics() {
+    let mut checked = Checked::default();
+    for seed in 0..200 {
+        let world = World { is_extreme: true, ..World::new(seed) };
+        checked = checked.and(verify_world(seed, world));
+    }
+    let [frustum, ours] = checked.drawn;
+    assert!(ours < frustum, "nothing was culled: {ours} of {frustum}");
+}
+
+/// That test must be able to fail: drawing every second object only is noticed.
 #[test]
 fn missing_objects_are_noticed() {
     let mut noticed = 0;
