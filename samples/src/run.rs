@@ -73,6 +73,9 @@ impl From<render::Error> for RunError {
             render::Error::Hierarchy(_)
             | render::Error::NoVisibleSet
             | render::Error::OldVisibleSet
+            | render::Error::ForeignView
+            | render::Error::ForeignHierarchy { .. }
+            | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
             | render::Error::Change { .. } => Self::machine(error),
         }

@@ -7,11 +7,13 @@
     reason = "a test fails by panicking"
 )]
 
-use cull::{ObjectId, Strategy};
+use cull::{Aabb, Camera, ObjectId, Strategy};
+use glam::Vec3;
 use gpu::Readback;
 use render::scene::{CameraPath, ObjectChange, PathKind};
 use render::{Area, FrameRequest, Renderer, RendererOptions};
 use tests::run_on_all;
+use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, pixels_that_differ};
 
 const SIZE: [u32; 2] = [160, 90];
@@ -69,5 +71,47 @@ fn the_ideal_without_a_set_is_refused() {
         let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
         assert!(refused.contains("has changed"), "{refused}");
         renderer.drain(&mut view).unwrap();
+    });
+}
+
+/// More boxes show at once than the list of switched-on draws holds, in layers, so that tests answer
+/// for each other: the set is whole all the same.
+#[test]
+fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
+    run_on_all(|device| {
+        const COLUMNS: usize = 96;
+        let boxes: Vec<Aabb> = (0..COLUMNS * 54 * 3)
+            .map(|number| {
+                let (layer, place) = (number / (COLUMNS * 54), number % (COLUMNS * 54));
+                let [x, y] = [(place % COLUMNS) as f32 - 47.5, (place / COLUMNS) as f32 - 26.5];
+                let depth = 30.0 + 9.0 * layer as f32 + 0.001 * (place % 7) as f32;
+                let spread = 0.6 * depth / 30.0;
+                let centre = Vec3::new(x * spread, y * spread, -depth);
+                // Some of the first layer are walls, in front of many.
+                let is_wall = layer == 0 && place % 191 == 0;
+                box_at(centre, Vec3::new(0.2, 0.2, 0.1) * if is_wall { 8.0 } else { 1.0 })
+            })
+            .collect();
+        let scene = box_scene(&boxes);
+        let size = [384, 216];
+        let options = RendererOptions { size, ..Default::default() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut finder = renderer.new_view().unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
+        let camera = Camera { fov_y: 1.0, ..square_camera() };
+        let set = renderer.visible_set(&mut finder, &camera, Area::whole(size)).unwrap();
+        assert!(set.leaves().len() > gpu::LISTED_DRAWS, "only {} show", set.leaves().len());
+        assert!(finder.plan().stats.behind > 0, "no test answered for another");
+        for (strategy, picture) in [(Strategy::Frustum, &expected), (Strategy::Ideal, &got)] {
+            let request = FrameRequest {
+                visible: Some(&set),
+                picture: Some(picture),
+                ..FrameRequest::new(strategy, camera)
+            };
+            renderer.render(&mut view, &request).unwrap();
+        }
+        renderer.drain(&mut view).unwrap();
+        assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0);
     });
 }

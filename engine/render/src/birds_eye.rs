@@ -22,6 +22,7 @@ impl Renderer {
     /// # Errors
     /// No memory, a shader that does not compile, a failed call.
     pub fn birds_eye(&mut self, moment: &Moment, picture: &Readback) -> Result<(), Error> {
+        self.check_picture(picture)?;
         if self.birds_eye.is_none() {
             self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
         }

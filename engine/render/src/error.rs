@@ -22,6 +22,30 @@ pub enum Error {
         "the scene has changed since it was found out what is visible: find it again with `Renderer::visible_set`"
     )]
     OldVisibleSet,
+    /// A view that another renderer made.
+    #[error(
+        "this view was made by another renderer: each renderer draws the views of its own `Renderer::new_view`"
+    )]
+    ForeignView,
+    /// A hierarchy that was not built over the scene's objects.
+    #[error(
+        "the hierarchy is not that of the scene: object {} is not where the scene has it; build it from `object_bounds`", object.0
+    )]
+    ForeignHierarchy {
+        /// The first object that is not in its box, or is in the hierarchy only.
+        object: cull::ObjectId,
+    },
+    /// Room for a picture of another size.
+    #[error(
+        "the picture wanted is {}x{} pixels, the one drawn {}x{}: make the `Readback` with `Renderer::size`",
+        wanted[0], wanted[1], drawn[0], drawn[1]
+    )]
+    PictureSize {
+        /// Size of what was to hold it in pixels.
+        wanted: [u32; 2],
+        /// Size of the picture in pixels.
+        drawn: [u32; 2],
+    },
     /// A change of the scene that cannot be made.
     #[error("change {index} of the scene cannot be made, those before it were: {reason}")]
     Change {

@@ -13,7 +13,8 @@ pub struct Moment {
     pub frame: FrameId,
     /// The view it was seen from.
     pub view: View,
-    /// The leaves that were drawn.
+    /// The leaves that were drawn, where the CPU is told: not after a frame of
+    /// [`Strategy::Pyramid`](cull::Strategy::Pyramid).
     pub drawn: Vec<LeafRange>,
     /// The frontier nodes that stayed hidden: box and level in the hierarchy.
     pub hidden: Vec<(Aabb, u32)>,

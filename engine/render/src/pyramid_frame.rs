@@ -61,22 +61,9 @@ impl PyramidFrame {
         hierarchy: &Hierarchy,
         size: [u32; 2],
     ) -> Result<Self, Error> {
+        Self::check(device, hierarchy, size)?;
         let limits = &device.adapter().limits;
-        if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
-            return Err(gpu::Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: "six storage buffers a shader stage",
-                wanted: "the pyramid strategy",
-            }
-            .into());
-        }
         let leaf_count = hierarchy.leaf_objects().len() as u32;
-        let most = u64::from(limits.max_compute_work_group_count[0]) * 64;
-        if u64::from(leaf_count) > most {
-            let what = "the number of objects for the pyramid strategy".to_owned();
-            let wanted = leaf_count.into();
-            return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
-        }
         let has_counts = device.capabilities().has(Optional::DrawIndirectCount)
             && leaf_count <= limits.max_draw_indirect_count;
         let (storage, indirect) =
@@ -94,6 +81,34 @@ impl PyramidFrame {
             counters: buffer("pyramid counters", COUNTER_BYTES, indirect | from | to)?,
             leaf_count,
         })
+    }
+
+    /// Whether the device has what it takes for the leaves of `hierarchy` and pictures of `size`.
+    ///
+    /// # Errors
+    /// What is missing or too large.
+    pub(crate) fn check(
+        device: &Device,
+        hierarchy: &Hierarchy,
+        size: [u32; 2],
+    ) -> Result<(), Error> {
+        let limits = &device.adapter().limits;
+        if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
+            return Err(gpu::Error::Unsupported {
+                device: device.adapter().name.clone(),
+                missing: "six storage buffers a shader stage",
+                wanted: "the pyramid strategy",
+            }
+            .into());
+        }
+        let leaf_count = hierarchy.leaf_objects().len() as u32;
+        let most = u64::from(limits.max_compute_work_group_count[0]) * 64;
+        if u64::from(leaf_count) > most {
+            let what = "the number of objects for the pyramid strategy".to_owned();
+            let wanted = leaf_count.into();
+            return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
+        }
+        PyramidPass::check(device, size)
     }
 
     /// Records a frame of one view.

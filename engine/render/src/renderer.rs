@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use cull::{
-    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, Hierarchy, Policy, SceneCosts,
-    Strategy, View,
+    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId, Policy,
+    SceneCosts, Strategy, View,
 };
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
@@ -16,12 +16,12 @@ use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
-use crate::passes::{LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
+use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::pyramid_frame::PyramidFrame;
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
 use crate::update::UpdateScratch;
-use crate::view_history::ViewHistory;
+use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
 use crate::visible_set::{Edition, SeenLeaves, VisibleSet};
 
@@ -30,7 +30,8 @@ use crate::visible_set::{Edition, SeenLeaves, VisibleSet};
 pub struct RendererOptions {
     /// Size of the picture in pixels.
     pub size: [u32; 2],
-    /// Frames that may be on their way to the GPU at once, 1 to 4.
+    /// Frames that may be on their way to the GPU at once; 0 counts as 1, and more than 4 only
+    /// make answers older.
     pub frames_in_flight: usize,
     /// How hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
@@ -112,6 +113,7 @@ pub struct FrameReport {
 
 /// A scene on a device, and everything to draw it with.
 pub struct Renderer {
+    pub(crate) id: RendererId,
     pub(crate) device: Device,
     pub(crate) frames: FrameRing,
     pub(crate) hierarchy: Hierarchy,
@@ -166,6 +168,7 @@ impl Renderer {
         let leaf_boxes = proxies.can_flag().then(|| LeafBoxPass::new(device, &shaders));
         let leaf_boxes = leaf_boxes.transpose()?;
         let scatter = ScatterPass::new(device, &shaders)?;
+        check_hierarchy(scene, &hierarchy)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let predicates = Predicates::new(device, options.predication, &geometry.draws(), slots)?;
@@ -180,8 +183,10 @@ impl Renderer {
             leaf_boxes,
             light,
         };
+        let id = RendererId::new();
         let costs = calibration::cost_table(options.costs, device, &shaders, &mut passes);
         Ok(Self {
+            id,
             device: device.clone(),
             frames: FrameRing::new(device, slots)?,
             hierarchy,
@@ -192,7 +197,7 @@ impl Renderer {
             pyramid: None,
             dialogue: None,
             dialogue_options: options.dialogue,
-            edition: Edition::default(),
+            edition: Edition::first(id),
             update_scratch: UpdateScratch::default(),
             scatter,
             pass_times: Vec::new(),
@@ -211,8 +216,7 @@ impl Renderer {
         if let Some(Err(error)) = self.costs.map(|table| culler.govern(table, self.scene_costs())) {
             tracing::warn!("{error}");
         }
-        let slots = self.frames.frames_in_flight();
-        ViewHistory::new(&self.device, slots, culler, &self.hierarchy, &self.passes.geometry)
+        ViewHistory::new(self, culler)
     }
 
     /// What things cost on this device, as told or measured.
@@ -233,16 +237,27 @@ impl Renderer {
     fn abilities(&self) -> Abilities {
         Abilities {
             flags: self.passes.proxies.can_flag(),
-            compute: true,
+            compute: ComputeTest::check(&self.device, self.size()).is_ok(),
             parts: self.passes.leaf_boxes.is_some(),
         }
     }
 
-    /// Whether the device has what `strategy` needs.
+    /// Refuses a view of another renderer.
+    pub(crate) fn check_view(&self, history: &ViewHistory) -> Result<(), Error> {
+        if history.renderer == self.id { Ok(()) } else { Err(Error::ForeignView) }
+    }
+
+    /// Whether the device has what `strategy` needs, for this scene and size.
     ///
     /// # Errors
-    /// [`gpu::Error::Unsupported`], with the name of what is missing.
+    /// [`gpu::Error::Unsupported`], with the name of what is missing; [`gpu::Error::TooLarge`], with
+    /// the limit.
     pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
+        match strategy {
+            Strategy::Pyramid => PyramidFrame::check(&self.device, &self.hierarchy, self.size())?,
+            Strategy::AntumbraCompute => ComputeTest::check(&self.device, self.size())?,
+            _ => {}
+        }
         let precise = self.device.capabilities().has(Optional::PreciseQueries);
         let missing = match strategy {
             Strategy::AntumbraFlags if !self.abilities().flags => Optional::FragmentStores,
@@ -323,8 +338,9 @@ impl Renderer {
     /// as a blocking wait.
     ///
     /// # Errors
-    /// A lost device, or a frame that takes too long.
+    /// A view of another renderer, a lost device, or a frame that takes too long.
     pub fn drain(&mut self, history: &mut ViewHistory) -> Result<(), Error> {
+        self.check_view(history)?;
         self.device.drain()?;
         history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
         Ok(())
@@ -338,4 +354,21 @@ impl Renderer {
 pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
     scene.validate()?;
     Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
+}
+
+/// Refuses a hierarchy that is not over the objects of `scene`, each in a box that holds it.
+fn check_hierarchy(scene: &Scene, hierarchy: &Hierarchy) -> Result<(), Error> {
+    let bounds = object_bounds(scene)?;
+    let leaves = hierarchy.leaf_objects().len() as u32;
+    let ids = (0..leaves.max(bounds.len() as u32)).map(ObjectId);
+    let is_right = |id: &ObjectId| match bounds.get(id.0 as usize) {
+        Some(bounds) => {
+            hierarchy.node_of(*id).is_some_and(|node| hierarchy.bounds(node).contains(bounds))
+        }
+        None => !hierarchy.contains(*id),
+    };
+    match ids.into_iter().find(|id| !is_right(id)) {
+        Some(object) => Err(Error::ForeignHierarchy { object }),
+        None => Ok(()),
+    }
 }

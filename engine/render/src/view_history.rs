@@ -1,6 +1,7 @@
 //! One view of a scene with its own visibility history: what was asked, what came home.
 
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{
     Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafRange, QueryKind,
@@ -17,6 +18,7 @@ use crate::geometry::Geometry;
 use crate::leaf_counts::Count;
 use crate::pyramid_history::PyramidHistory;
 use crate::questions::{Asked, Questions};
+use crate::renderer::Renderer;
 use crate::visible_set::VisibleSet;
 
 /// What a frame turned out to be, known once its answers are home.
@@ -39,9 +41,22 @@ struct Answered {
     count: Count,
 }
 
+/// Which renderer a view is of: its rings, its draws and what it knows fit no other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct RendererId(u64);
+
+impl RendererId {
+    /// One that no other renderer of the process has.
+    pub(crate) fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
 /// One view of a scene: its culler, its queries in flight, and the plan of its newest frame.
 /// Several views may look at one scene; each has its own history.
 pub struct ViewHistory {
+    pub(crate) renderer: RendererId,
     pub(crate) culler: Culler,
     pub(crate) queries: QueryRing<Asked>,
     pub(crate) flags: FlagRing<Asked>,
@@ -58,22 +73,22 @@ pub struct ViewHistory {
     /// Up to which change of a draw `parts` knows the draws.
     seen_changes: u64,
     answers: Vec<Answered>,
-    behind: Vec<QueryTag>,
+    behind: Vec<Asked>,
     newest: Vec<Answer>,
     pending: VecDeque<FrameOutcome>,
-    outcomes: Vec<FrameOutcome>,
+    outcomes: VecDeque<FrameOutcome>,
 }
 
+/// Outcomes that are kept for who asks seldom, or never.
+const OUTCOMES_KEPT: usize = 1024;
+
 impl ViewHistory {
-    pub(crate) fn new(
-        device: &Device,
-        frames_in_flight: usize,
-        culler: Culler,
-        hierarchy: &Hierarchy,
-        geometry: &Geometry,
-    ) -> Result<Self, Error> {
+    pub(crate) fn new(renderer: &Renderer, culler: Culler) -> Result<Self, Error> {
+        let Renderer { device, hierarchy, .. } = renderer;
+        let frames_in_flight = renderer.frames.frames_in_flight();
         let leaves = hierarchy.leaf_objects().len() as u32;
         Ok(Self {
+            renderer: renderer.id,
             culler,
             queries: QueryRing::new(device, frames_in_flight, "occlusion queries")?,
             flags: FlagRing::new(device, frames_in_flight, WordSource::Fragments, "proxy flags"),
@@ -86,12 +101,12 @@ impl ViewHistory {
             pyramid: None,
             frames_in_flight,
             device: device.clone(),
-            seen_changes: geometry.draw_changes.count(),
+            seen_changes: renderer.passes.geometry.draw_changes.count(),
             answers: Vec::new(),
             behind: Vec::new(),
             newest: Vec::new(),
             pending: VecDeque::new(),
-            outcomes: Vec::new(),
+            outcomes: VecDeque::new(),
         })
     }
 
@@ -100,8 +115,15 @@ impl ViewHistory {
         &self.plan
     }
 
-    /// Takes the outcomes of the frames whose answers came home since the last call.
-    pub fn take_outcomes(&mut self) -> std::vec::Drain<'_, FrameOutcome> {
+    /// Forgets everything that was seen; the next frame starts like the first. After a change that
+    /// makes the past worthless, such as a jump to another place.
+    pub fn forget(&mut self) {
+        self.culler.forget();
+    }
+
+    /// Takes the outcomes of the frames whose answers came home since the last call: the latest
+    /// 1024, if there are more.
+    pub fn take_outcomes(&mut self) -> std::collections::vec_deque::Drain<'_, FrameOutcome> {
         self.outcomes.drain(..)
     }
 
@@ -136,7 +158,7 @@ impl ViewHistory {
         }
         if let Some(newest) = newest {
             while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
-                outcomes.push(outcome);
+                keep_latest(outcomes, outcome);
             }
         }
         culler.ingest(hierarchy, answers);
@@ -160,7 +182,7 @@ impl ViewHistory {
                     Tester::Flag => word(number),
                     // Behind a box that shows, the leaves answer for their node, below.
                     Tester::Behind(front) => word(front as usize).filter(|word| {
-                        behind.extend((*word != 0).then_some(flag.tag));
+                        behind.extend((*word != 0).then_some(*flag));
                         *word == 0
                     }),
                     Tester::Query | Tester::Compute => None,
@@ -184,15 +206,18 @@ impl ViewHistory {
                     let leaf = LeafRange { first: LeafIndex(*leaf), count: 1 };
                     Some(Answered { answer, count: geometry.count(leaf) })
                 }));
-                answers.extend(behind.iter().filter(|tag| tag.frame == frame).map(|tag| {
-                    let range = hierarchy.leaves(tag.node);
-                    let shows = leaves.iter().any(|leaf| range.contains(LeafIndex(*leaf)));
-                    let answer = Answer { tag: *tag, samples: u32::from(shows) };
-                    Answered { answer, count: Count::default() }
-                }));
+                answers.extend(behind.iter().filter(|asked| asked.tag.frame == frame).map(
+                    |asked| {
+                        let range = hierarchy.leaves(asked.tag.node);
+                        let shows = leaves.iter().any(|leaf| range.contains(LeafIndex(*leaf)));
+                        answered(asked, u32::from(shows))
+                    },
+                ));
             }
             // Which of the leaves showed is not known: the nodes answer for all of them.
             SwitchedOn::TooMany(_) => {
+                let asked = behind.iter().filter(|asked| asked.tag.frame == frame);
+                answers.extend(asked.map(|asked| answered(asked, 1)));
                 let tags = answers.iter_mut().map(|home| &mut home.answer.tag);
                 let of_frame = tags.filter(|tag| tag.frame == frame);
                 for tag in of_frame.filter(|tag| tag.kind == QueryKind::Parts) {
@@ -302,9 +327,16 @@ impl ViewHistory {
         let is_counted_on_gpu =
             self.pyramid.as_mut().is_some_and(|kept| kept.submitted(tick, outcome.frame));
         if self.questions.is_empty() && !is_counted_on_gpu {
-            self.outcomes.push(outcome);
+            keep_latest(&mut self.outcomes, outcome);
         } else {
             self.pending.push_back(outcome);
         }
     }
+}
+
+fn keep_latest(outcomes: &mut VecDeque<FrameOutcome>, outcome: FrameOutcome) {
+    if outcomes.len() == OUTCOMES_KEPT {
+        outcomes.pop_front();
+    }
+    outcomes.push_back(outcome);
 }

@@ -81,7 +81,8 @@ impl Renderer {
     /// the frame that used this slot N frames ago, and for nothing else.
     ///
     /// # Errors
-    /// An area that is not in the picture; no memory, a lost device, a frame that takes too long.
+    /// A strategy that the device has not what it takes for; a view of another renderer; an area that
+    /// is not in the picture; a picture of another size; no memory, a lost device, a frame that takes too long.
     pub fn render_views(
         &mut self,
         eyes: &mut [Eye<'_>],
@@ -89,8 +90,10 @@ impl Renderer {
     ) -> Result<FrameReport, Error> {
         self.supports(request.strategy)?;
         for eye in eyes.iter() {
+            self.check_view(eye.history)?;
             self.check_area(eye.area)?;
         }
+        request.picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         let began = Instant::now();
         self.prepare(request.strategy)?;
         let mut frame = self.frames.begin()?;
@@ -168,6 +171,11 @@ impl Renderer {
     /// The view of `camera` in a part of this renderer's picture.
     pub fn view_in(&self, camera: &Camera, area: Area) -> View {
         view_in(&self.device, camera, area)
+    }
+
+    pub(crate) fn check_picture(&self, picture: &Readback) -> Result<(), Error> {
+        let (wanted, drawn) = (picture.size(), self.size());
+        if wanted == drawn { Ok(()) } else { Err(Error::PictureSize { wanted, drawn }) }
     }
 
     fn check_area(&self, area: Area) -> Result<(), Error> {

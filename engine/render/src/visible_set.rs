@@ -11,24 +11,31 @@ use crate::error::Error;
 use crate::passes::{SeenIo, SeenPass};
 use crate::renderer::Renderer;
 use crate::shaders::ShaderSet;
-use crate::view_history::ViewHistory;
+use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
 
 /// The leaves that own at least one pixel of a frame, nearest first.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleSet {
     leaves: Vec<LeafIndex>,
     /// The scene as it was then.
     edition: Edition,
 }
 
-/// Counts the changes of a scene: what is visible of one edition is not what is of another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Edition(u64);
+/// Counts the changes of a renderer's scene: what is visible of one edition is not what is of another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Edition {
+    renderer: RendererId,
+    changes: u64,
+}
 
 impl Edition {
+    pub(crate) fn first(renderer: RendererId) -> Self {
+        Self { renderer, changes: 0 }
+    }
+
     pub(crate) fn advance(&mut self) {
-        self.0 = self.0.wrapping_add(1);
+        self.changes = self.changes.wrapping_add(1);
     }
 }
 
@@ -93,7 +100,10 @@ impl Renderer {
             .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex))
             .collect();
         self.draw_seen(&moment.view, &drawn)?;
-        let Some(seen) = &self.seen_leaves else { return Ok(VisibleSet::default()) };
+        let edition = self.edition;
+        let Some(seen) = &self.seen_leaves else {
+            return Ok(VisibleSet { leaves: Vec::new(), edition });
+        };
         let words = seen.readback.read::<u32>(0..self.hierarchy.leaf_objects().len());
         let is_seen = |leaf: &LeafIndex| words.get(leaf.0 as usize).is_some_and(|word| *word != 0);
         let mut leaves: Vec<LeafIndex> = drawn.into_iter().filter(is_seen).collect();
@@ -102,7 +112,7 @@ impl Renderer {
             let (near, far) = (self.distance_squared(*a, eye), self.distance_squared(*b, eye));
             near.total_cmp(&far).then(a.cmp(b))
         });
-        Ok(VisibleSet { leaves, edition: self.edition })
+        Ok(VisibleSet { leaves, edition })
     }
 
     /// From `eye` to the box of a leaf.

@@ -74,26 +74,25 @@ struct TestConstants {
 
 const _: () = assert!(size_of::<GridConstants>() == 8 && size_of::<TestConstants>() == 72);
 
+fn bytes_of([width, height]: [u32; 2]) -> u64 {
+    4 * u64::from(width) * u64::from(height)
+}
+
 impl ComputeTest {
     /// Compiles the passes for areas of up to `size` pixels.
     ///
     /// # Errors
     /// A picture whose depth is larger than a storage buffer may be, no memory, a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
+        Self::check(device, size)?;
         let limits = &device.adapter().limits;
-        let bytes = |[width, height]: [u32; 2]| 4 * u64::from(width) * u64::from(height);
-        let limit = limits.max_storage_buffer_range.into();
-        if bytes(size) > limit {
-            let what = "the depth for the compute tester in bytes".to_owned();
-            return Err(gpu::Error::TooLarge { what, wanted: bytes(size), limit }.into());
-        }
         let pipeline = |name, shader, buffers, push_bytes: usize| {
             let storage = StorageLayout { buffers, push_bytes: push_bytes as u32 };
             ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let buffer = |name, size, usage| {
-            Buffer::new(device, name, bytes(size), storage | usage, Place::Device)
+            Buffer::new(device, name, bytes_of(size), storage | usage, Place::Device)
         };
         let cells = size.map(|side| side.div_ceil(CELL));
         let grid_bytes = size_of::<GridConstants>();
@@ -107,6 +106,20 @@ impl ComputeTest {
             reach_pixels: snapping + SLACK_PIXELS,
             most_groups: limits.max_compute_work_group_count[0].max(1),
         })
+    }
+
+    /// Whether the device can test in areas of up to `size` pixels.
+    ///
+    /// # Errors
+    /// A picture whose depth is larger than a storage buffer may be.
+    pub fn check(device: &Device, size: [u32; 2]) -> Result<(), Error> {
+        let (wanted, limit) =
+            (bytes_of(size), device.adapter().limits.max_storage_buffer_range.into());
+        if wanted > limit {
+            let what = "the depth for the compute tester in bytes".to_owned();
+            return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
+        }
+        Ok(())
     }
 
     /// Takes the depth of `target` as it is now in `area`, which is no larger in either direction than

@@ -50,6 +50,10 @@ pub fn pyramid_levels(size: [u32; 2]) -> impl Iterator<Item = PyramidLevel> + Cl
     })
 }
 
+fn bytes_of(size: [u32; 2]) -> u64 {
+    4 * pyramid_levels(size).map(PyramidLevel::texels).sum::<u64>()
+}
+
 /// Builds the depth pyramid of a target. Owns the buffer it lies in.
 pub struct PyramidPass {
     pipeline: ComputePipeline,
@@ -73,12 +77,8 @@ impl PyramidPass {
     /// # Errors
     /// A pyramid that is larger than a storage buffer may be, no memory, a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
-        let size_bytes = 4 * pyramid_levels(size).map(PyramidLevel::texels).sum::<u64>();
-        let limit = device.adapter().limits.max_storage_buffer_range.into();
-        if size_bytes > limit {
-            let what = "the depth pyramid in bytes".to_owned();
-            return Err(gpu::Error::TooLarge { what, wanted: size_bytes, limit }.into());
-        }
+        Self::check(device, size)?;
+        let size_bytes = bytes_of(size);
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST
             | vk::BufferUsageFlags::TRANSFER_SRC;
@@ -88,6 +88,20 @@ impl PyramidPass {
             pipeline: ComputePipeline::new(device, "pyramid build", shader, storage)?,
             depths: Buffer::new(device, "depth pyramid", size_bytes, usage, Place::Device)?,
         })
+    }
+
+    /// Whether the device can hold the pyramid of an area of `size` pixels.
+    ///
+    /// # Errors
+    /// A pyramid that is larger than a storage buffer may be.
+    pub fn check(device: &Device, size: [u32; 2]) -> Result<(), Error> {
+        let (wanted, limit) =
+            (bytes_of(size), device.adapter().limits.max_storage_buffer_range.into());
+        if wanted > limit {
+            let what = "the depth pyramid in bytes".to_owned();
+            return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
+        }
+        Ok(())
     }
 
     /// All levels, a 32-bit float a texel; [`pyramid_levels`] says where they lie.
