@@ -20,7 +20,7 @@ pub struct BatchedOptions {
 
 impl Default for BatchedOptions {
     fn default() -> Self {
-        Self { occluder_angle: 0.5, tests_per_submit: 256 }
+        Self { occluder_angle: 0.75, tests_per_submit: 256 }
     }
 }
 
