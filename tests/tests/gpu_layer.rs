@@ -7,6 +7,11 @@
     reason = "a test fails by panicking"
 )]
 
+#[path = "gpu_layer/lifetimes.rs"]
+mod lifetimes;
+#[path = "gpu_layer/misuse.rs"]
+mod misuse;
+
 use std::time::Duration;
 
 use glam::Vec3;
@@ -162,33 +167,6 @@ fn a_wait_has_a_bound() {
         gate.signal(Tick(1)).unwrap();
     }
     assert_eq!(instance.validation_log().drain(), []);
-}
-
-#[test]
-fn what_is_dropped_lives_until_its_tick() {
-    run_on_all(|device| {
-        let gate = Timeline::new(device, "gate").unwrap();
-        let mut ring = FrameRing::new(device, 2).unwrap();
-        let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
-        let from = device.upload("from", &[5u32; 1024], usage).unwrap();
-        let to = Buffer::new(device, "to", 4096, usage, Place::ReadBack).unwrap();
-        // The upload's staging memory retired for the submit after it.
-        ring.begin().unwrap().submit(None).unwrap();
-        device.drain().unwrap();
-        let (_, in_use) = device.memory_bytes();
-        let frame = ring.begin().unwrap();
-        frame.commands().copy_buffer(from.whole(), to.whole());
-        frame.submit(Some((&gate, Tick(1)))).unwrap();
-        drop(from);
-        ring.begin().unwrap().submit(None).unwrap();
-        assert_eq!((device.retired(), device.memory_bytes().1), (1, in_use));
-        gate.signal(Tick(1)).unwrap();
-        device.drain().unwrap();
-        assert_eq!(to.read::<u32>(0..1024), [5; 1024]);
-        // Retired for the submit after it, which is over as well.
-        assert_eq!(device.retired(), 0);
-        assert!(device.memory_bytes().1 < in_use);
-    });
 }
 
 #[test]

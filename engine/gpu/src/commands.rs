@@ -10,6 +10,7 @@ use bytemuck::Pod;
 use crate::access::{LayoutChange, MemoryBarrier};
 use crate::buffer::BufferSlice;
 use crate::capabilities::Optional;
+use crate::deletion::Recording;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
@@ -26,10 +27,6 @@ pub struct Commands {
     timer: Option<Rc<PassTimer>>,
     failed: Cell<Option<(&'static str, vk::Result)>>,
 }
-
-/// Tells one recording from all others of its device, of reused command buffers too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Recording(pub(crate) u64);
 
 /// What a render pass draws to.
 #[derive(Debug, Clone, Copy)]
@@ -57,17 +54,14 @@ impl RenderTarget {
 }
 
 impl Commands {
-    pub(crate) fn new(device: &Device, raw: vk::CommandBuffer) -> Self {
-        Self::for_frame(device, raw, vk::DescriptorPool::null(), None)
-    }
-
-    pub(crate) fn for_frame(
+    pub(crate) fn new(
         device: &Device,
         raw: vk::CommandBuffer,
+        recording: Recording,
         descriptors: vk::DescriptorPool,
         timer: Option<Rc<PassTimer>>,
     ) -> Self {
-        let (device, recording) = (device.clone(), device.next_recording());
+        let device = device.clone();
         Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
     }
 
@@ -77,9 +71,7 @@ impl Commands {
         raw: vk::CommandBuffer,
         descriptors: vk::DescriptorPool,
     ) -> Self {
-        let (device, timer) = (self.device.clone(), self.timer.clone());
-        let recording = self.recording;
-        Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
+        Self::new(&self.device, raw, self.recording, descriptors, self.timer.clone())
     }
 
     pub(crate) fn raw(&self) -> vk::CommandBuffer {

@@ -5,8 +5,8 @@ use gpu_allocator::MemoryLocation;
 
 use crate::access::{Access, LayoutChange};
 use crate::buffer::{Buffer, BufferSlice, Place, allocate, free};
-use crate::commands::{Commands, Recording, RenderTarget};
-use crate::deletion::Garbage;
+use crate::commands::{Commands, RenderTarget};
+use crate::deletion::{Garbage, Recording};
 use crate::device::Device;
 use crate::error::{Called, Error};
 
