@@ -208,6 +208,9 @@ impl Device {
         commands: vk::CommandBuffer,
         after: Option<(&Timeline, Tick)>,
     ) -> Result<Tick, Error> {
+        if after.is_some_and(|(timeline, _)| !timeline.is_of(self)) {
+            return Err(Error::WrongCommands("they wait for a timeline of another device"));
+        }
         let queue = lock(&self.shared.queue);
         let tick = self.submitted().next();
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
@@ -259,6 +262,11 @@ impl Device {
 
     pub(crate) fn raw(&self) -> &ash::Device {
         &self.shared.raw
+    }
+
+    /// Whether both are the same device.
+    pub(crate) fn is(&self, other: &Device) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared)
     }
 
     pub(crate) fn queue_family(&self) -> u32 {

@@ -3,6 +3,7 @@
 use ash::vk;
 use bytemuck::Pod;
 
+use crate::access::{Access, MemoryBarrier};
 use crate::buffer::{Buffer, Place};
 use crate::commands::Commands;
 use crate::deletion::{Garbage, Recording};
@@ -44,7 +45,11 @@ impl Device {
             }
             let offset = (piece * piece_bytes) as u64;
             let to = buffer.whole().part(offset, data.len() as u64);
-            self.run_once("upload", |commands| commands.copy_buffer(staging.whole(), to))?;
+            self.run_once("upload", |commands| {
+                commands.copy_buffer(staging.whole(), to);
+                // Waiting for the tick shows the GPU nothing: later submits use it without a barrier.
+                commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+            })?;
         }
         Ok(buffer)
     }
