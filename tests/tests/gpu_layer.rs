@@ -11,6 +11,8 @@
 mod lifetimes;
 #[path = "gpu_layer/misuse.rs"]
 mod misuse;
+#[path = "gpu_layer/predicates.rs"]
+mod predicates;
 
 use std::time::Duration;
 

@@ -33,6 +33,10 @@ pub struct Machine {
     pub has_no_devices: bool,
     /// What every device lacks.
     pub lacks: Option<Required>,
+    /// No device has conditional rendering.
+    pub is_unconditional: bool,
+    /// The most draws that a device draws or counts at once.
+    pub most_draws: Option<u32>,
     /// What fails.
     pub faults: Vec<Fault>,
 }

@@ -205,6 +205,9 @@ unsafe extern "system" fn properties(
         if lacks(Required::Vulkan13) {
             (*properties).api_version = vk::make_api_version(0, 1, 2, 200);
         }
+        if let Some(most) = machine(|machine| machine.most_draws) {
+            (*properties).limits.max_draw_indirect_count = most;
+        }
     }
 }
 
@@ -226,6 +229,13 @@ unsafe extern "system" fn features(
         let mut next = (*features).p_next.cast::<vk::BaseOutStructure<'_>>();
         while let Some(structure) = next.as_mut() {
             match structure.s_type {
+                vk::StructureType::PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT => {
+                    let conditional =
+                        &mut *next.cast::<vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'_>>();
+                    if machine(|machine| machine.is_unconditional) {
+                        conditional.conditional_rendering = vk::FALSE;
+                    }
+                }
                 vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_2_FEATURES => {
                     let more = &mut *next.cast::<vk::PhysicalDeviceVulkan12Features<'_>>();
                     if lacks(Required::TimelineSemaphore) {

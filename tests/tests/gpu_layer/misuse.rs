@@ -27,7 +27,7 @@ impl Lists {
         Self {
             words: device.upload("words", &[0u32, 9], usage).unwrap(),
             decided: device.upload("decided", &[[0u32, 5, 0, 1], [5, 2, 0, 0]], usage).unwrap(),
-            counts: Buffer::new(device, "counts", 8, usage, Place::Device).unwrap(),
+            counts: Buffer::new(device, "counts", 16, usage, Place::Device).unwrap(),
         }
     }
 
@@ -41,7 +41,7 @@ fn commands_that_run_once_bind_what_they_read() {
     run_on_all(|device| {
         let (pipeline, lists) = (compute(device), Lists::new(device));
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let home = Buffer::new(device, "home", 8, usage, Place::ReadBack).unwrap();
+        let home = Buffer::new(device, "home", 16, usage, Place::ReadBack).unwrap();
         let between = MemoryBarrier::between;
         let record = |commands: &Commands| {
             commands.bind_compute(&pipeline, &lists.slices());
@@ -52,7 +52,8 @@ fn commands_that_run_once_bind_what_they_read() {
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         };
         device.run_once("counts", record).unwrap();
-        assert_eq!(home.read::<u32>(0..2), [5, 0]);
+        // Of the range, and of the command for its boxes.
+        assert_eq!(home.read::<u32>(0..4), [5, 1, 0, 0]);
     });
 }
 
