@@ -17,7 +17,9 @@ use gpu::{
     Adapter, Device, DeviceOptions, Error, IndirectDraw, Instance, Predicates, Predication,
     Readback, Required,
 };
-use machine::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_START, Fault, Machine, calls};
+use machine::{
+    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START, Fault, Machine, calls,
+};
 use render::scene::{CameraPath, PathKind, Scene, city};
 use render::{FrameRequest, Renderer, RendererOptions};
 use tests::{Driver, instance_with, take_turn};
@@ -104,6 +106,30 @@ fn draw_counts_are_taken_where_they_hold_all_draws() {
         assert!(error.contains("101") && error.contains("at most 100"), "{error}");
         assert_eq!(instance.validation_log().drain(), []);
     }
+}
+
+#[test]
+fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
+    let folder = std::env::temp_dir().join(format!("antumbra-kept-{}", std::process::id()));
+    let file = folder.join("pipelines.bin");
+    let instance = instance_with(Machine::default().entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let options = DeviceOptions { pipeline_cache: Some(file.clone()), ..Default::default() };
+    drop(Device::new(&instance, &adapter, &options).unwrap());
+    let stored = std::fs::read(&file).unwrap();
+    for &call in CALLS_THAT_SAVE {
+        // Sometimes the size is told and the data is not.
+        for number in 0..calls(call) {
+            let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+            let fault = Fault { call, fails: number..usize::MAX, code };
+            Machine { faults: vec![fault], ..Machine::default() }.install();
+            drop(Device::new(&instance, &adapter, &options).unwrap());
+            assert!(calls(call) > number, "{call:?} is never called");
+            assert!(std::fs::read(&file).unwrap() == stored, "the file has changed");
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(instance.validation_log().drain(), []);
 }
 
 #[test]

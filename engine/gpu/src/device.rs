@@ -20,7 +20,7 @@ use crate::timeline::{Tick, Timeline, create_semaphore};
 #[derive(Debug, Clone)]
 pub struct DeviceOptions {
     /// Where compiled pipelines are kept between runs; `None` keeps none. A file that belongs to
-    /// another device or driver is ignored and replaced.
+    /// another device or driver, or is damaged, is ignored and replaced.
     pub pipeline_cache: Option<PathBuf>,
     /// The bound of every wait. A frame that takes longer is an error, not a hang.
     pub wait_bound: Duration,
@@ -439,7 +439,7 @@ fn equip(
     })
     .map_err(Error::Allocator)?;
     let timeline = create_semaphore(raw)?;
-    match PipelineCache::open(raw, options.pipeline_cache.clone()) {
+    match PipelineCache::open(instance, adapter, raw, options.pipeline_cache.clone()) {
         Ok(pipeline_cache) => Ok((timeline, allocator, pipeline_cache)),
         Err(error) => {
             // SAFETY: just made, used by nobody.

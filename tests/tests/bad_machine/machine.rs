@@ -144,4 +144,4 @@ fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction
 mod replacements;
 
 use replacements::replacements;
-pub use replacements::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_START};
+pub use replacements::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START};

@@ -113,6 +113,11 @@ counted! { CALLS_THAT_RUN calls_that_run {
     device_wait_idle PFN_vkDeviceWaitIdle c"vkDeviceWaitIdle" (device: vk::Device);
 }}
 
+counted! { CALLS_THAT_SAVE calls_that_save {
+    pipeline_cache_data PFN_vkGetPipelineCacheData c"vkGetPipelineCacheData" (
+        device: vk::Device, cache: vk::PipelineCache, size: *mut usize, data: *mut c_void);
+}}
+
 counted! { CALLS_THAT_START calls_that_start {
     create_instance PFN_vkCreateInstance c"vkCreateInstance" (
         info: *const vk::InstanceCreateInfo<'_>, callbacks: Callbacks<'_>, made: *mut vk::Instance);
@@ -156,7 +161,8 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
             ),
         ]
     };
-    let counted = [calls_that_make(), calls_that_run(), calls_that_start()].concat();
+    let counted =
+        [calls_that_make(), calls_that_run(), calls_that_save(), calls_that_start()].concat();
     that_lie.into_iter().chain(counted).collect()
 }
 
