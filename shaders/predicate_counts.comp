@@ -1,4 +1,5 @@
-// Turns the word of each decision into a draw count: 0 if nothing showed, else the whole range.
+// Turns the word of each decision into two draw counts: 0 if nothing showed, else the whole range and
+// the one command that draws its boxes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "predicate.glsl"
@@ -20,5 +21,7 @@ void main() {
     }
     uint decision = first + gl_GlobalInvocationID.x;
     Decided range = decided[decision];
-    counts[decision] = words[range.word] != 0 ? range.count : 0;
+    uint shown = words[range.word] != 0 ? range.count : 0;
+    counts[2 * decision] = shown;
+    counts[2 * decision + 1] = min(shown, 1);
 }

@@ -13,8 +13,13 @@ use std::time::Duration;
 
 use ash::vk;
 use cull::Strategy;
-use gpu::{Adapter, Device, DeviceOptions, Error, Instance, Predication, Readback, Required};
-use machine::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_START, Fault, Machine, calls};
+use gpu::{
+    Adapter, Device, DeviceOptions, Error, IndirectDraw, Instance, Predicates, Predication,
+    Readback, Required,
+};
+use machine::{
+    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START, Fault, Machine, calls,
+};
 use render::scene::{CameraPath, PathKind, Scene, city};
 use render::{FrameRequest, Renderer, RendererOptions};
 use tests::{Driver, instance_with, take_turn};
@@ -80,6 +85,51 @@ fn a_device_that_lacks_something_is_not_opened_either() {
     let opened = Device::new(&instance, &adapters[0], &DeviceOptions::default());
     let error = opened.err().expect("an error").to_string();
     assert!(error.contains("lacks multiDrawIndirect"), "{error}");
+}
+
+#[test]
+fn draw_counts_are_taken_where_they_hold_all_draws() {
+    for (is_unconditional, best) in [(true, Predication::Counts), (false, Predication::Conditional)]
+    {
+        let machine = Machine { most_draws: Some(100), is_unconditional, ..Machine::default() };
+        let instance = instance_with(machine.entry());
+        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        let predicates = |predication, draws| {
+            Predicates::new(&device, predication, &vec![IndirectDraw::default(); draws], 1)
+        };
+        let chosen = |draws| predicates(None, draws).unwrap().predication();
+        let fallback = if is_unconditional { Predication::Instances } else { best };
+        assert_eq!((chosen(100), chosen(101)), (best, fallback));
+        assert!(predicates(Some(Predication::Counts), 100).is_ok());
+        let error = predicates(Some(Predication::Counts), 101).err().expect("an error").to_string();
+        assert!(error.contains("101") && error.contains("at most 100"), "{error}");
+        assert_eq!(instance.validation_log().drain(), []);
+    }
+}
+
+#[test]
+fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
+    let folder = std::env::temp_dir().join(format!("antumbra-kept-{}", std::process::id()));
+    let file = folder.join("pipelines.bin");
+    let instance = instance_with(Machine::default().entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let options = DeviceOptions { pipeline_cache: Some(file.clone()), ..Default::default() };
+    drop(Device::new(&instance, &adapter, &options).unwrap());
+    let stored = std::fs::read(&file).unwrap();
+    for &call in CALLS_THAT_SAVE {
+        // Sometimes the size is told and the data is not.
+        for number in 0..calls(call) {
+            let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+            let fault = Fault { call, fails: number..usize::MAX, code };
+            Machine { faults: vec![fault], ..Machine::default() }.install();
+            drop(Device::new(&instance, &adapter, &options).unwrap());
+            assert!(calls(call) > number, "{call:?} is never called");
+            assert!(std::fs::read(&file).unwrap() == stored, "the file has changed");
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(instance.validation_log().drain(), []);
 }
 
 #[test]

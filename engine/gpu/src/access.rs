@@ -29,11 +29,13 @@ pub enum Access {
     Depth,
     /// Read by the CPU after the tick.
     HostRead,
+    /// Whatever it is: for what is loaded once and used in many ways.
+    Any,
 }
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 12] = [
+    pub const ALL: [Access; 13] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
@@ -46,6 +48,7 @@ impl Access {
         Access::Colour,
         Access::Depth,
         Access::HostRead,
+        Access::Any,
     ];
 
     /// The row of the table: stages, reads, writes, and the layout an image must have.
@@ -86,9 +89,11 @@ impl Access {
                 S::from_raw(S::EARLY_FRAGMENT_TESTS.as_raw() | S::LATE_FRAGMENT_TESTS.as_raw()),
                 A::DEPTH_STENCIL_ATTACHMENT_READ,
                 A::DEPTH_STENCIL_ATTACHMENT_WRITE,
-                L::DEPTH_ATTACHMENT_OPTIMAL,
+                // Not DEPTH_ATTACHMENT_OPTIMAL, which needs separateDepthStencilLayouts.
+                L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
             ),
             Access::HostRead => (S::HOST, A::HOST_READ, none, L::GENERAL),
+            Access::Any => (S::ALL_COMMANDS, A::MEMORY_READ, A::MEMORY_WRITE, L::GENERAL),
         };
         Row { stages, reads, writes, layout }
     }

@@ -1,4 +1,4 @@
-//! Recording: the few commands the engine uses, each in one place, each with its range checked.
+//! Recording: the few commands the engine uses, each in one place.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -7,14 +7,16 @@ use std::rc::Rc;
 use ash::vk;
 use bytemuck::Pod;
 
-use crate::access::{LayoutChange, MemoryBarrier};
+use crate::access::{Access, LayoutChange, MemoryBarrier};
 use crate::buffer::BufferSlice;
 use crate::capabilities::Optional;
+use crate::deletion::Recording;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
 use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
+use crate::target::RenderTarget;
 use crate::timing::PassTimer;
 
 /// A command buffer being recorded.
@@ -24,50 +26,27 @@ pub struct Commands {
     recording: Recording,
     descriptors: vk::DescriptorPool,
     timer: Option<Rc<PassTimer>>,
-    failed: Cell<Option<(&'static str, vk::Result)>>,
+    failed: Cell<Option<Failure>>,
 }
 
-/// Tells one recording from all others of its device, of reused command buffers too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Recording(pub(crate) u64);
-
-/// What a render pass draws to.
+/// Why a recording goes nowhere.
 #[derive(Debug, Clone, Copy)]
-pub struct RenderTarget {
-    pub(crate) colour: vk::ImageView,
-    pub(crate) depth: vk::ImageView,
-    pub(crate) origin: [u32; 2],
-    pub(crate) size: [u32; 2],
-    /// The colour and depth to start from; `None` goes on from what is there.
-    pub clear: Option<([f32; 4], f32)>,
-}
-
-impl RenderTarget {
-    /// Only `size` pixels from `origin` on (from the upper left), cut to what is there: nothing
-    /// outside is drawn to or cleared.
-    #[must_use]
-    pub fn within(mut self, origin: [u32; 2], size: [u32; 2]) -> Self {
-        for side in 0..2 {
-            let start = origin[side].min(self.size[side]);
-            self.origin[side] += start;
-            self.size[side] = size[side].min(self.size[side] - start);
-        }
-        self
-    }
+pub(crate) enum Failure {
+    /// A call failed.
+    Call(&'static str, vk::Result),
+    /// What was to be recorded is invalid.
+    Wrong(&'static str),
 }
 
 impl Commands {
-    pub(crate) fn new(device: &Device, raw: vk::CommandBuffer) -> Self {
-        Self::for_frame(device, raw, vk::DescriptorPool::null(), None)
-    }
-
-    pub(crate) fn for_frame(
+    pub(crate) fn new(
         device: &Device,
         raw: vk::CommandBuffer,
+        recording: Recording,
         descriptors: vk::DescriptorPool,
         timer: Option<Rc<PassTimer>>,
     ) -> Self {
-        let (device, recording) = (device.clone(), device.next_recording());
+        let device = device.clone();
         Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
     }
 
@@ -77,9 +56,7 @@ impl Commands {
         raw: vk::CommandBuffer,
         descriptors: vk::DescriptorPool,
     ) -> Self {
-        let (device, timer) = (self.device.clone(), self.timer.clone());
-        let recording = self.recording;
-        Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
+        Self::new(&self.device, raw, self.recording, descriptors, self.timer.clone())
     }
 
     pub(crate) fn raw(&self) -> vk::CommandBuffer {
@@ -98,7 +75,15 @@ impl Commands {
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self.failed.get() {
             None => Ok(()),
-            Some((call, code)) => Err(code).called(call),
+            Some(Failure::Call(call, code)) => Err(code).called(call),
+            Some(Failure::Wrong(what)) => Err(Error::WrongCommands(what)),
+        }
+    }
+
+    /// Makes [`Commands::check`] fail. Only the first failure counts: others may come of it.
+    pub(crate) fn fail(&self, failure: Failure) {
+        if self.is_sound() {
+            self.failed.set(Some(failure));
         }
     }
 
@@ -182,13 +167,13 @@ impl Commands {
         let (colour_clear, depth_clear) = target.clear.unwrap_or_default();
         let colour = [vk::RenderingAttachmentInfo::default()
             .image_view(target.colour)
-            .image_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+            .image_layout(Access::Colour.layout())
             .load_op(load)
             .store_op(vk::AttachmentStoreOp::STORE)
             .clear_value(vk::ClearValue { color: vk::ClearColorValue { float32: colour_clear } })];
         let depth = vk::RenderingAttachmentInfo::default()
             .image_view(target.depth)
-            .image_layout(vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL)
+            .image_layout(Access::Depth.layout())
             .load_op(load)
             .store_op(vk::AttachmentStoreOp::STORE)
             .clear_value(vk::ClearValue {
@@ -241,6 +226,10 @@ impl Commands {
         storage: &[BufferSlice],
     ) {
         let raw = self.device.raw();
+        if storage.len() != pipeline.buffers as usize {
+            self.fail(Failure::Wrong("a pipeline is bound with too many or too few buffers"));
+            return;
+        }
         // SAFETY: a live pipeline of the right kind.
         unsafe { raw.cmd_bind_pipeline(self.raw, point, pipeline.raw) };
         if storage.is_empty() {
@@ -250,11 +239,11 @@ impl Commands {
         let info = vk::DescriptorSetAllocateInfo::default()
             .descriptor_pool(self.descriptors)
             .set_layouts(&layouts);
-        // SAFETY: the pool belongs to this frame slot and was reset after its tick.
+        // SAFETY: the pool belongs to these commands, and was reset after the tick of earlier ones.
         let set = match unsafe { raw.allocate_descriptor_sets(&info) } {
             Ok(sets) => sets.first().copied().unwrap_or_default(),
             Err(code) => {
-                self.failed.set(Some(("vkAllocateDescriptorSets", code)));
+                self.fail(Failure::Call("vkAllocateDescriptorSets", code));
                 return;
             }
         };
@@ -295,8 +284,11 @@ impl Commands {
         stages: vk::ShaderStageFlags,
         constants: &T,
     ) {
-        debug_assert_eq!(size_of::<T>() as u32, pipeline.push_bytes);
         let bytes = bytemuck::bytes_of(constants);
+        if bytes.is_empty() || bytes.len() != pipeline.push_bytes as usize {
+            self.fail(Failure::Wrong("the push constants have another size than the pipeline's"));
+            return;
+        }
         // SAFETY: the layout has one range of this size for these stages.
         unsafe {
             self.device.raw().cmd_push_constants(self.raw, pipeline.layout, stages, 0, bytes);
@@ -388,14 +380,17 @@ impl Commands {
     }
 
     /// Draws as many of the commands in `draws` as the word in `count` says. The device has
-    /// [`Optional::DrawIndirectCount`], or the recording fails; `draws` holds no more commands than
-    /// its `maxDrawIndirectCount`.
+    /// [`Optional::DrawIndirectCount`] and `draws` holds no more commands than its
+    /// `maxDrawIndirectCount`, or the recording fails. The word is no larger than that either.
     pub fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
         if !self.device.capabilities().has(Optional::DrawIndirectCount) {
             let lacking = vk::Result::ERROR_FEATURE_NOT_PRESENT;
-            self.failed.set(Some(("vkCmdDrawIndexedIndirectCount", lacking)));
+            self.fail(Failure::Call("vkCmdDrawIndexedIndirectCount", lacking));
+        }
+        if most > self.device.adapter().limits.max_draw_indirect_count {
+            self.fail(Failure::Wrong("more draws under one count than the device takes"));
         }
         if !self.is_sound() {
             return;
@@ -414,8 +409,13 @@ impl Commands {
         }
     }
 
-    /// Runs a compute shader over `groups` workgroups.
+    /// Runs a compute shader over `groups` workgroups, which are within the device's
+    /// `maxComputeWorkGroupCount`, or the recording fails.
     pub fn dispatch(&self, groups: [u32; 3]) {
+        let most = self.device.adapter().limits.max_compute_work_group_count;
+        if groups.iter().zip(most).any(|(groups, most)| *groups > most) {
+            self.fail(Failure::Wrong("more workgroups than the device takes"));
+        }
         if self.is_sound() {
             // SAFETY: a compute pipeline is bound.
             unsafe { self.device.raw().cmd_dispatch(self.raw, groups[0], groups[1], groups[2]) };
@@ -468,8 +468,8 @@ impl Commands {
             true => vk::QueryControlFlags::PRECISE,
             false => vk::QueryControlFlags::empty(),
         };
-        // SAFETY: the query was reset earlier in this frame and is used once in it; precise ones are
-        // asked for only where the feature is on.
+        // SAFETY: the query was reset earlier in this frame and is used once in it, the callers keep
+        // count; precise ones are asked for only where the feature is on.
         unsafe { raw.cmd_begin_query(self.raw, pool, query.0, flags) };
         record(self);
         // SAFETY: closes the query opened above.

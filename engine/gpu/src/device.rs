@@ -10,8 +10,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::adapter::Adapter;
 use crate::capabilities::{Capabilities, Optional};
-use crate::commands::Recording;
-use crate::deletion::{DeletionQueue, Garbage};
+use crate::deletion::{DeletionQueue, Garbage, Recording};
 use crate::error::{Called, Error};
 use crate::instance::{Instance, InstanceShared};
 use crate::pipeline_cache::PipelineCache;
@@ -21,7 +20,7 @@ use crate::timeline::{Tick, Timeline, create_semaphore};
 #[derive(Debug, Clone)]
 pub struct DeviceOptions {
     /// Where compiled pipelines are kept between runs; `None` keeps none. A file that belongs to
-    /// another device or driver is ignored and replaced.
+    /// another device or driver, or is damaged, is ignored and replaced.
     pub pipeline_cache: Option<PathBuf>,
     /// The bound of every wait. A frame that takes longer is an error, not a hang.
     pub wait_bound: Duration,
@@ -71,7 +70,6 @@ struct DeviceShared {
     deletion: Mutex<DeletionQueue<Garbage>>,
     timeline: vk::Semaphore,
     submitted: AtomicU64,
-    recordings: AtomicU64,
     wait_bound: Duration,
     slot_waits: AtomicU64,
     other_waits: AtomicU64,
@@ -118,7 +116,6 @@ impl Device {
                 deletion: Mutex::new(DeletionQueue::new()),
                 timeline,
                 submitted: AtomicU64::new(0),
-                recordings: AtomicU64::new(0),
                 wait_bound: options.wait_bound,
                 slot_waits: AtomicU64::new(0),
                 other_waits: AtomicU64::new(0),
@@ -184,7 +181,7 @@ impl Device {
         })
     }
 
-    /// The number of dropped objects that wait for their tick.
+    /// The number of dropped objects that commands being recorded, or the GPU, may still use.
     pub fn retired(&self) -> usize {
         lock(&self.shared.deletion).len()
     }
@@ -211,6 +208,9 @@ impl Device {
         commands: vk::CommandBuffer,
         after: Option<(&Timeline, Tick)>,
     ) -> Result<Tick, Error> {
+        if after.is_some_and(|(timeline, _)| !timeline.is_of(self)) {
+            return Err(Error::WrongCommands("they wait for a timeline of another device"));
+        }
         let queue = lock(&self.shared.queue);
         let tick = self.submitted().next();
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
@@ -239,10 +239,15 @@ impl Device {
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
-    /// freed after the next submit.
+    /// freed when all of them are over, or given up.
     pub(crate) fn retire(&self, garbage: Garbage) {
         let mut deletion = lock(&self.shared.deletion);
-        deletion.retire(self.submitted().next(), garbage);
+        deletion.retire(self.submitted(), garbage);
+    }
+
+    /// Begins to record commands, which keep alive all that is dropped until the guard is.
+    pub(crate) fn open_recording(&self) -> OpenRecording {
+        OpenRecording { device: self.clone(), number: lock(&self.shared.deletion).open() }
     }
 
     /// Frees what was retired and is no longer in use.
@@ -259,9 +264,9 @@ impl Device {
         &self.shared.raw
     }
 
-    /// Each call another one.
-    pub(crate) fn next_recording(&self) -> Recording {
-        Recording(self.shared.recordings.fetch_add(1, Ordering::Relaxed))
+    /// Whether both are the same device.
+    pub(crate) fn is(&self, other: &Device) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared)
     }
 
     pub(crate) fn queue_family(&self) -> u32 {
@@ -292,6 +297,19 @@ impl Device {
             vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
         // SAFETY: a live object of this device. A name that cannot be set is no reason to stop.
         let _unnamed_is_fine = unsafe { debug.set_debug_utils_object_name(&info) };
+    }
+}
+
+/// Commands that are being recorded. Dropped after their last submit, or when there will be none.
+pub(crate) struct OpenRecording {
+    device: Device,
+    pub(crate) number: Recording,
+}
+
+impl Drop for OpenRecording {
+    fn drop(&mut self) {
+        let mut deletion = lock(&self.device.shared.deletion);
+        deletion.close(self.number, self.device.submitted());
     }
 }
 
@@ -354,9 +372,9 @@ impl Drop for DeviceShared {
         if let Err(code) = unsafe { self.raw.device_wait_idle() } {
             tracing::error!("vkDeviceWaitIdle failed with {code:?} while closing the device");
         }
-        let everything = Tick(self.submitted.load(Ordering::Acquire)).next();
         loop {
-            let retired = lock(&self.deletion).pop_over(everything);
+            // No recording is open: each holds the device.
+            let retired = lock(&self.deletion).pop_over(newest);
             let Some(garbage) = retired else { break };
             self.destroy(garbage);
         }
@@ -421,7 +439,7 @@ fn equip(
     })
     .map_err(Error::Allocator)?;
     let timeline = create_semaphore(raw)?;
-    match PipelineCache::open(raw, options.pipeline_cache.clone()) {
+    match PipelineCache::open(instance, adapter, raw, options.pipeline_cache.clone()) {
         Ok(pipeline_cache) => Ok((timeline, allocator, pipeline_cache)),
         Err(error) => {
             // SAFETY: just made, used by nobody.

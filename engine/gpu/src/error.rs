@@ -72,6 +72,9 @@ pub enum Error {
         /// The device's limit.
         limit: u64,
     },
+    /// Commands were recorded that no device could run. A mistake of the program that records them.
+    #[error("the commands recorded cannot be run: {0}; correct the program that records them")]
+    WrongCommands(&'static str),
     /// A Vulkan call failed.
     #[error("{call} failed with {code:?}{}", advice(*.code))]
     Vulkan {

@@ -8,8 +8,8 @@ use ash::vk;
 use crate::access::{Access, MemoryBarrier};
 use crate::capabilities::Optional;
 use crate::commands::Commands;
-use crate::deletion::Garbage;
-use crate::device::{Device, WaitFor};
+use crate::deletion::{Garbage, Recording};
+use crate::device::{Device, OpenRecording, WaitFor};
 use crate::error::{Called, Error};
 use crate::timeline::{Tick, Timeline};
 use crate::timing::{PassTime, PassTimer};
@@ -48,6 +48,8 @@ pub struct Frame<'ring> {
     slot: SlotIndex,
     waited: Duration,
     waits: u32,
+    /// Open over all pieces of the frame.
+    _recording: OpenRecording,
 }
 
 /// Storage-buffer sets a frame may bind; a frame binds a few per pass.
@@ -112,8 +114,9 @@ impl FrameRing {
         }
         let waited = began.elapsed();
         self.device.free_retired()?;
-        slot.restart()?;
-        Ok(Frame { ring: self, slot: SlotIndex(index), waited, waits: 0 })
+        let recording = self.device.open_recording();
+        slot.restart(recording.number)?;
+        Ok(Frame { ring: self, slot: SlotIndex(index), waited, waits: 0, _recording: recording })
     }
 }
 
@@ -131,7 +134,7 @@ impl Slot {
             pieces: vec![buffer],
             piece: 0,
             descriptors: vec![descriptors],
-            commands: Commands::for_frame(device, buffer, descriptors, None),
+            commands: Commands::new(device, buffer, Recording::default(), descriptors, None),
             uploads: Uploads::new(device, &name),
             name,
             timer: None,
@@ -141,7 +144,7 @@ impl Slot {
     }
 
     /// Makes the slot ready to record; its tick is over.
-    fn restart(&mut self) -> Result<(), Error> {
+    fn restart(&mut self, recording: Recording) -> Result<(), Error> {
         let raw = self.device.raw();
         // SAFETY: the slot's tick is over, so nothing of it is in use.
         unsafe {
@@ -161,7 +164,7 @@ impl Slot {
         self.piece = 0;
         let (buffer, descriptors) = self.begin_piece()?;
         let timer = self.timer.clone();
-        self.commands = Commands::for_frame(&self.device, buffer, descriptors, timer);
+        self.commands = Commands::new(&self.device, buffer, recording, descriptors, timer);
         if let Some(timer) = &self.timer {
             timer.reset(&self.commands);
         }
@@ -193,7 +196,10 @@ impl Slot {
     }
 }
 
-fn create_descriptor_pool(device: &Device, name: &str) -> Result<vk::DescriptorPool, Error> {
+pub(crate) fn create_descriptor_pool(
+    device: &Device,
+    name: &str,
+) -> Result<vk::DescriptorPool, Error> {
     let sizes = [vk::DescriptorPoolSize {
         ty: vk::DescriptorType::STORAGE_BUFFER,
         descriptor_count: DESCRIPTORS,

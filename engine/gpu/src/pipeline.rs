@@ -81,6 +81,7 @@ pub(crate) struct PipelineKind {
     pub(crate) raw: vk::Pipeline,
     pub(crate) layout: vk::PipelineLayout,
     pub(crate) storage: vk::DescriptorSetLayout,
+    pub(crate) buffers: u32,
     pub(crate) push_bytes: u32,
 }
 
@@ -148,6 +149,7 @@ impl PipelineKind {
             raw: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
             storage,
+            buffers: layout.buffers,
             push_bytes: layout.push_bytes,
         };
         let sets = [storage];

@@ -11,12 +11,13 @@ use ash::vk;
 
 use crate::access::{Access, MemoryBarrier};
 use crate::buffer::{Buffer, Place};
-use crate::commands::Commands;
+use crate::commands::{Commands, Failure};
 use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::frames::SlotIndex;
-use crate::query_ring::QueryIndex;
+use crate::query_ring::{NEVER_RECORDED, QueryIndex, RECORDED_TWICE};
+use crate::recorded::Recorded;
 
 /// What an answer says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub struct QueryPages {
     slots: Vec<Vec<Page>>,
     recording: usize,
     /// Queries of the frame being recorded.
-    used: u32,
+    recorded: Recorded,
     name: String,
 }
 
@@ -55,7 +56,7 @@ impl QueryPages {
             device: device.clone(),
             slots: (0..frames_in_flight.max(1)).map(|_| Vec::new()).collect(),
             recording: 0,
-            used: 0,
+            recorded: Recorded::default(),
             name: name.to_owned(),
         }
     }
@@ -63,7 +64,7 @@ impl QueryPages {
     /// Begins a frame in `slot`: its queries are numbered from 0.
     pub fn begin(&mut self, slot: SlotIndex) {
         self.recording = slot.0 % self.slots.len();
-        self.used = 0;
+        self.recorded.restart(0);
     }
 
     /// Takes `count` more queries, to be used in this piece. Outside of rendering.
@@ -71,10 +72,11 @@ impl QueryPages {
     /// # Errors
     /// No memory, or a failed call.
     pub fn take(&mut self, commands: &Commands, count: u32) -> Result<Range<u32>, Error> {
-        let taken = self.used..self.used.saturating_add(count);
+        let used = self.recorded.count();
+        let taken = used..used.saturating_add(count);
         let Some(pages) = self.slots.get_mut(self.recording) else { return Ok(taken) };
         // The pages that this frame comes to for the first time.
-        for number in self.used.div_ceil(PAGE)..taken.end.div_ceil(PAGE) {
+        for number in used.div_ceil(PAGE)..taken.end.div_ceil(PAGE) {
             if number as usize == pages.len() {
                 let name = format!("{} {}, page {number}", self.name, self.recording);
                 pages.push(Page::new(&self.device, &name)?);
@@ -85,11 +87,12 @@ impl QueryPages {
                 self.device.raw().cmd_reset_query_pool(commands.raw(), page.pool, 0, PAGE);
             }
         }
-        self.used = taken.end;
+        self.recorded.grow(taken.end);
         Ok(taken)
     }
 
-    /// Records what `record` draws under `query`, which is used once.
+    /// Records what `record` draws under `query`, which is used once: a second time makes the recording
+    /// fail.
     pub fn scope(
         &self,
         commands: &Commands,
@@ -98,6 +101,9 @@ impl QueryPages {
         record: impl FnOnce(&Commands),
     ) {
         match self.page(query.0) {
+            Some(_) if !self.recorded.note(query.0) => {
+                commands.fail(Failure::Wrong(RECORDED_TWICE));
+            }
             Some(page) => {
                 commands.query(page.pool, QueryIndex(query.0 % PAGE), counting, record);
             }
@@ -106,9 +112,13 @@ impl QueryPages {
         }
     }
 
-    /// Copies the results of `queries`, all of them recorded in this piece, to mapped memory.
-    /// Outside of rendering.
+    /// Copies the results of `queries`, all of them recorded in this frame, or the recording fails, to
+    /// mapped memory. Outside of rendering.
     pub fn read_back(&self, commands: &Commands, queries: Range<u32>) {
+        if !self.recorded.has_all(queries.clone()) {
+            commands.fail(Failure::Wrong(NEVER_RECORDED));
+            return;
+        }
         let mut first = queries.start;
         while first < queries.end {
             let last = queries.end.min((first / PAGE + 1) * PAGE);
@@ -146,7 +156,7 @@ impl QueryPages {
 
     fn page(&self, query: u32) -> Option<&Page> {
         let pages = self.slots.get(self.recording)?;
-        pages.get((query / PAGE) as usize).filter(|_| query < self.used)
+        pages.get((query / PAGE) as usize).filter(|_| query < self.recorded.count())
     }
 }
 

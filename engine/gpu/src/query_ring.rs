@@ -12,12 +12,13 @@ use ash::vk;
 
 use crate::access::{Access, MemoryBarrier};
 use crate::buffer::{Buffer, BufferSlice, Place};
-use crate::commands::Commands;
-use crate::deletion::Garbage;
+use crate::commands::{Commands, Failure};
+use crate::deletion::{Garbage, Recording};
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::frames::Frame;
 use crate::query_pages::Counting;
+use crate::recorded::Recorded;
 use crate::timeline::Tick;
 
 /// A query of the frame being recorded.
@@ -36,6 +37,9 @@ pub struct QueryRing<T> {
 struct QuerySlot<T> {
     queries: Option<Queries>,
     tags: Vec<T>,
+    // The recording that these queries are for, and which of them it has recorded.
+    recording: Recording,
+    recorded: Recorded,
     // The frame whose answers this slot holds; None while recording or after collecting.
     in_flight: Option<Tick>,
 }
@@ -50,6 +54,8 @@ struct Queries {
 }
 
 const FIRST_CAPACITY: u32 = 256;
+pub(crate) const RECORDED_TWICE: &str = "a query is used twice in a frame";
+pub(crate) const NEVER_RECORDED: &str = "the result is wanted of a query that was not recorded";
 const WORD_BYTES: u64 = 4;
 
 impl<T: Copy> QueryRing<T> {
@@ -58,7 +64,13 @@ impl<T: Copy> QueryRing<T> {
     /// # Errors
     /// None today; slots are made when they are first used.
     pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Result<Self, Error> {
-        let slot = || QuerySlot { queries: None, tags: Vec::new(), in_flight: None };
+        let slot = || QuerySlot {
+            queries: None,
+            tags: Vec::new(),
+            recording: Recording::default(),
+            recorded: Recorded::default(),
+            in_flight: None,
+        };
         Ok(Self {
             device: device.clone(),
             slots: (0..frames_in_flight.max(1)).map(|_| slot()).collect(),
@@ -109,6 +121,8 @@ impl<T: Copy> QueryRing<T> {
             slot.queries = None; // retired: the slot's own tick is over
             slot.queries = Some(Queries::new(&self.device, capacity, &name)?);
         }
+        slot.recording = frame.commands().recording();
+        slot.recorded.restart(wanted);
         if let Some(queries) = &slot.queries
             && wanted > 0
         {
@@ -119,11 +133,16 @@ impl<T: Copy> QueryRing<T> {
         Ok(())
     }
 
-    /// Records what `record` draws under `query`. Each query of a frame is recorded exactly once.
+    /// Records what `record` draws under `query`. Each query of a frame is recorded exactly once; a
+    /// second time makes the recording fail.
     pub fn scope(&self, commands: &Commands, query: QueryIndex, record: impl FnOnce(&Commands)) {
-        match self.current() {
-            Some((queries, tags)) if (query.0 as usize) < tags.len() => {
-                commands.query(queries.pool, query, Counting::Some, record);
+        match self.begun(commands) {
+            Some((queries, recorded)) if query.0 < recorded.count() => {
+                if recorded.note(query.0) {
+                    commands.query(queries.pool, query, Counting::Some, record);
+                } else {
+                    commands.fail(Failure::Wrong(RECORDED_TWICE));
+                }
             }
             // Not begun for this frame: draw without asking.
             _ => record(commands),
@@ -131,15 +150,19 @@ impl<T: Copy> QueryRing<T> {
     }
 
     /// Copies the results of queries `range` on the GPU to [`QueryRing::results`], one 32-bit word
-    /// each. All of them have been recorded; outside of rendering. A barrier from
-    /// [`Access::CopyWrite`] to the use must follow.
+    /// each. All of them have been recorded, or the recording fails; outside of rendering. A barrier
+    /// from [`Access::CopyWrite`] to the use must follow.
     pub fn resolve(&self, commands: &Commands, range: Range<u32>) {
-        let Some((queries, tags)) = self.current() else {
+        let Some((queries, recorded)) = self.begun(commands) else {
             return;
         };
-        let last = range.end.min(tags.len() as u32);
+        let last = range.end.min(recorded.count());
         let count = last.saturating_sub(range.start);
         if count == 0 {
+            return;
+        }
+        if !recorded.has_all(range.start..last) {
+            commands.fail(Failure::Wrong(NEVER_RECORDED));
             return;
         }
         let to = queries.results.whole();
@@ -186,6 +209,12 @@ impl<T: Copy> QueryRing<T> {
         if let Some(slot) = self.slots.get_mut(self.recording) {
             slot.in_flight = Some(tick);
         }
+    }
+
+    fn begun(&self, commands: &Commands) -> Option<(&Queries, &Recorded)> {
+        let slot = self.slots.get(self.recording)?;
+        let is_begun = slot.recording == commands.recording();
+        Some((slot.queries.as_ref().filter(|_| is_begun)?, &slot.recorded))
     }
 
     fn current(&self) -> Option<(&Queries, &[T])> {

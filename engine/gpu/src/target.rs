@@ -5,8 +5,8 @@ use gpu_allocator::MemoryLocation;
 
 use crate::access::{Access, LayoutChange};
 use crate::buffer::{Buffer, BufferSlice, Place, allocate, free};
-use crate::commands::{Commands, Recording, RenderTarget};
-use crate::deletion::Garbage;
+use crate::commands::Commands;
+use crate::deletion::{Garbage, Recording};
 use crate::device::Device;
 use crate::error::{Called, Error};
 
@@ -38,6 +38,31 @@ pub struct Target {
 pub struct Readback {
     buffer: Buffer,
     size: [u32; 2],
+}
+
+/// What a render pass draws to.
+#[derive(Debug, Clone, Copy)]
+pub struct RenderTarget {
+    pub(crate) colour: vk::ImageView,
+    pub(crate) depth: vk::ImageView,
+    pub(crate) origin: [u32; 2],
+    pub(crate) size: [u32; 2],
+    /// The colour and depth to start from; `None` goes on from what is there.
+    pub clear: Option<([f32; 4], f32)>,
+}
+
+impl RenderTarget {
+    /// Only `size` pixels from `origin` on (from the upper left), cut to what is there: nothing
+    /// outside is drawn to or cleared.
+    #[must_use]
+    pub fn within(mut self, origin: [u32; 2], size: [u32; 2]) -> Self {
+        for side in 0..2 {
+            let start = origin[side].min(self.size[side]);
+            self.origin[side] += start;
+            self.size[side] = size[side].min(self.size[side] - start);
+        }
+        self
+    }
 }
 
 impl Target {

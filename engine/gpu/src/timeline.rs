@@ -38,6 +38,10 @@ impl Timeline {
         Ok(Self { device: device.clone(), raw })
     }
 
+    pub(crate) fn is_of(&self, device: &Device) -> bool {
+        self.device.is(device)
+    }
+
     /// Signals `tick` from the CPU. Ticks must rise.
     ///
     /// # Errors

@@ -3,11 +3,13 @@
 use ash::vk;
 use bytemuck::Pod;
 
+use crate::access::{Access, MemoryBarrier};
 use crate::buffer::{Buffer, Place};
 use crate::commands::Commands;
-use crate::deletion::Garbage;
+use crate::deletion::{Garbage, Recording};
 use crate::device::{Device, WaitFor};
 use crate::error::{Called, Error};
+use crate::frames::create_descriptor_pool;
 
 /// Staging goes in pieces, so that a large scene needs no second copy of itself.
 const STAGING_BYTES: usize = 32 << 20;
@@ -43,7 +45,11 @@ impl Device {
             }
             let offset = (piece * piece_bytes) as u64;
             let to = buffer.whole().part(offset, data.len() as u64);
-            self.run_once("upload", |commands| commands.copy_buffer(staging.whole(), to))?;
+            self.run_once("upload", |commands| {
+                commands.copy_buffer(staging.whole(), to);
+                // Waiting for the tick shows the GPU nothing: later submits use it without a barrier.
+                commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+            })?;
         }
         Ok(buffer)
     }
@@ -51,24 +57,20 @@ impl Device {
     /// Records commands, submits them, and waits until they are over. For loading.
     ///
     /// # Errors
-    /// A failed call, or a timeout.
+    /// What failed while recording, a failed call, or a timeout.
     pub fn run_once(&self, name: &str, record: impl FnOnce(&Commands)) -> Result<(), Error> {
         let pool = create_command_pool(self, name)?;
-        let recorded = record_once(self, pool, name, record);
-        // The commands go with their pool; the tick of the submit keeps both alive.
-        self.retire_after(recorded, Garbage::CommandPool(pool))?;
-        self.wait(self.submitted(), WaitFor::Transfer)?;
+        let descriptors = create_descriptor_pool(self, name)
+            .inspect_err(|_| self.retire(Garbage::CommandPool(pool)))?;
+        let recording = self.open_recording();
+        let recorded = record_once(self, pool, name, recording.number, descriptors, record);
+        let submitted = recorded.and_then(|commands| self.submit(commands, None));
+        drop(recording);
+        // The commands go with their pool once the tick of the submit is over.
+        self.retire(Garbage::CommandPool(pool));
+        self.retire(Garbage::DescriptorPool(descriptors));
+        self.wait(submitted?, WaitFor::Transfer)?;
         self.free_retired()
-    }
-
-    fn retire_after(
-        &self,
-        recorded: Result<vk::CommandBuffer, Error>,
-        garbage: Garbage,
-    ) -> Result<(), Error> {
-        // Retired first: the deletion queue frees it after the next submit, which is this one.
-        self.retire(garbage);
-        self.submit(recorded?, None).map(|_| ())
     }
 }
 
@@ -116,11 +118,15 @@ fn record_once(
     device: &Device,
     pool: vk::CommandPool,
     name: &str,
+    recording: Recording,
+    descriptors: vk::DescriptorPool,
     record: impl FnOnce(&Commands),
 ) -> Result<vk::CommandBuffer, Error> {
     let buffer = allocate_commands(device, pool, name)?;
     begin_commands(device, buffer)?;
-    record(&Commands::new(device, buffer));
+    let commands = Commands::new(device, buffer, recording, descriptors, None);
+    record(&commands);
+    commands.check()?;
     end_commands(device, buffer)?;
     Ok(buffer)
 }

@@ -33,6 +33,10 @@ pub struct Machine {
     pub has_no_devices: bool,
     /// What every device lacks.
     pub lacks: Option<Required>,
+    /// No device has conditional rendering.
+    pub is_unconditional: bool,
+    /// The most draws that a device draws or counts at once.
+    pub most_draws: Option<u32>,
     /// What fails.
     pub faults: Vec<Fault>,
 }
@@ -140,4 +144,4 @@ fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction
 mod replacements;
 
 use replacements::replacements;
-pub use replacements::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_START};
+pub use replacements::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START};

@@ -113,6 +113,11 @@ counted! { CALLS_THAT_RUN calls_that_run {
     device_wait_idle PFN_vkDeviceWaitIdle c"vkDeviceWaitIdle" (device: vk::Device);
 }}
 
+counted! { CALLS_THAT_SAVE calls_that_save {
+    pipeline_cache_data PFN_vkGetPipelineCacheData c"vkGetPipelineCacheData" (
+        device: vk::Device, cache: vk::PipelineCache, size: *mut usize, data: *mut c_void);
+}}
+
 counted! { CALLS_THAT_START calls_that_start {
     create_instance PFN_vkCreateInstance c"vkCreateInstance" (
         info: *const vk::InstanceCreateInfo<'_>, callbacks: Callbacks<'_>, made: *mut vk::Instance);
@@ -156,7 +161,8 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
             ),
         ]
     };
-    let counted = [calls_that_make(), calls_that_run(), calls_that_start()].concat();
+    let counted =
+        [calls_that_make(), calls_that_run(), calls_that_save(), calls_that_start()].concat();
     that_lie.into_iter().chain(counted).collect()
 }
 
@@ -205,6 +211,9 @@ unsafe extern "system" fn properties(
         if lacks(Required::Vulkan13) {
             (*properties).api_version = vk::make_api_version(0, 1, 2, 200);
         }
+        if let Some(most) = machine(|machine| machine.most_draws) {
+            (*properties).limits.max_draw_indirect_count = most;
+        }
     }
 }
 
@@ -226,6 +235,13 @@ unsafe extern "system" fn features(
         let mut next = (*features).p_next.cast::<vk::BaseOutStructure<'_>>();
         while let Some(structure) = next.as_mut() {
             match structure.s_type {
+                vk::StructureType::PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT => {
+                    let conditional =
+                        &mut *next.cast::<vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'_>>();
+                    if machine(|machine| machine.is_unconditional) {
+                        conditional.conditional_rendering = vk::FALSE;
+                    }
+                }
                 vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_2_FEATURES => {
                     let more = &mut *next.cast::<vk::PhysicalDeviceVulkan12Features<'_>>();
                     if lacks(Required::TimelineSemaphore) {

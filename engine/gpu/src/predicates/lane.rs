@@ -16,7 +16,7 @@ pub(super) struct Lane {
     /// For the executors that turn words into counts.
     pub(super) on_gpu: Option<OnGpu>,
     slot: usize,
-    /// Draw counts: one buffer per frame slot.
+    /// Draw counts, of the range and of the command for its boxes: one buffer per frame slot.
     counts: Vec<Option<Buffer>>,
 }
 
@@ -52,6 +52,9 @@ struct BoxDraw {
 const BOX_DRAW_BYTES: u64 = size_of::<BoxDraw>() as u64;
 const _: () = assert!(size_of::<BoxDraw>() == size_of::<vk::DrawIndirectCommand>());
 
+/// Bytes of the two draw counts of a decision.
+const COUNTS_BYTES: u64 = 8;
+
 /// Vertices of the front of a box: three faces of two triangles.
 pub const BOX_VERTICES: u32 = 18;
 
@@ -74,11 +77,11 @@ impl Lane {
     pub(super) fn begin(
         &mut self,
         frame: &Frame<'_>,
-        words: Option<BufferSlice>,
+        words: BufferSlice,
         decided: impl ExactSizeIterator<Item = Predicated>,
     ) {
         self.slot = frame.slot().0 % self.counts.len();
-        self.words = words;
+        self.words = Some(words);
         self.decided.clear();
         self.decided.extend(decided);
         self.on_gpu = None;
@@ -113,7 +116,7 @@ impl Lane {
 
     /// Makes sure there is a count for each decision.
     pub(super) fn make_counts(&mut self, device: &Device) -> Result<(), Error> {
-        let wanted = self.decided.len().next_power_of_two() as u64 * 4;
+        let wanted = self.decided.len().next_power_of_two() as u64 * COUNTS_BYTES;
         let Some(counts) = self.counts.get_mut(self.slot) else { return Ok(()) };
         if counts.as_ref().is_none_or(|buffer| buffer.size_bytes() < wanted) {
             let usage =
@@ -125,5 +128,15 @@ impl Lane {
 
     pub(super) fn counts(&self) -> Option<BufferSlice> {
         self.counts.get(self.slot)?.as_ref().map(Buffer::whole)
+    }
+
+    /// How many draws of its range a decision draws.
+    pub(super) fn count(&self, decision: u32) -> Option<BufferSlice> {
+        Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES, 4))
+    }
+
+    /// 1 if the boxes of a decision are drawn, else 0.
+    pub(super) fn box_count(&self, decision: u32) -> Option<BufferSlice> {
+        Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES + 4, 4))
     }
 }

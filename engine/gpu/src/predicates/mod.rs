@@ -150,8 +150,8 @@ pub struct Predicates {
     predication: Predication,
     draws: Buffer,
     writer: Option<ComputePipeline>,
-    // Counts only: a word that is as large as a count may be.
-    all: Option<Buffer>,
+    // A word that lets everything be drawn: as a predicate, and as a draw count.
+    all: Buffer,
     lanes: [Lane; WordSource::ALL.len()],
 }
 
@@ -163,25 +163,18 @@ struct Decisions {
 }
 
 impl Predicates {
-    /// Uploads `draws` and prepares `predication` (the device's best if `None`).
+    /// Uploads `draws` and prepares `predication` (if `None`, the device's best for so many).
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the device lacks what `predication` needs; no memory; a failed
-    /// call.
+    /// [`Error::Unsupported`] when the device lacks what `predication` needs; [`Error::TooLarge`] for
+    /// more draws than it counts; no memory; a failed call.
     pub fn new(
         device: &Device,
         predication: Option<Predication>,
         draws: &[IndirectDraw],
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
-        let predication = predication.unwrap_or_else(|| Predication::best(device.capabilities()));
-        if let Some(lacking) = predication.needs().filter(|o| !device.capabilities().has(*o)) {
-            return Err(Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: lacking.name(),
-                wanted: "this way to skip hidden draws",
-            });
-        }
+        let predication = choose(device, predication, draws.len() as u64)?;
         let shader: Option<(&str, &[u8])> = match predication {
             Predication::Conditional => None,
             Predication::Counts => Some((
@@ -203,18 +196,21 @@ impl Predicates {
             }
         };
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
-        let all = match predication {
-            Predication::Counts => {
-                let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
-                Some(device.upload("all draws", &most, vk::BufferUsageFlags::INDIRECT_BUFFER)?)
-            }
-            _ => None,
-        };
+        let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
+        let mut all_usage = usage;
+        if device.conditional().is_some() {
+            all_usage |= vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
+        }
         Ok(Self {
             device: device.clone(),
             predication,
-            all,
-            draws: device.upload("indirect draws", draws, usage)?,
+            all: device.upload("all draws", &most, all_usage)?,
+            // Read back by whoever looks for what was decided.
+            draws: device.upload(
+                "indirect draws",
+                draws,
+                usage | vk::BufferUsageFlags::TRANSFER_SRC,
+            )?,
             writer,
             lanes: std::array::from_fn(|_| Lane::new(frames_in_flight)),
         })
@@ -232,7 +228,7 @@ impl Predicates {
     }
 
     /// Starts a frame: the decisions that hang on the words of `source`. Each source is begun once a
-    /// frame, without words if it writes none.
+    /// frame, without words if it writes none: what is unknown is drawn.
     ///
     /// # Errors
     /// No memory.
@@ -246,7 +242,10 @@ impl Predicates {
         let counts = self.predication == Predication::Counts;
         let device = &self.device;
         let Some(lane) = self.lanes.get_mut(source as usize) else { return Ok(()) };
-        lane.begin(frame, words, decided);
+        let has_words = words.is_some();
+        let decided = decided
+            .map(|decided| Predicated { word: decided.word * u32::from(has_words), ..decided });
+        lane.begin(frame, words.unwrap_or(self.all.whole()), decided);
         if self.writer.is_some() {
             lane.upload(frame, self.predication)?;
         }
@@ -275,18 +274,23 @@ impl Predicates {
             else {
                 continue;
             };
-            let count = range.end.saturating_sub(range.start);
             let lists = [words, on_gpu.decided, result, on_gpu.box_draws];
             commands.bind_compute(
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
-            commands.push_compute_constants(writer, &Decisions { first: range.start, count });
-            let groups = match self.predication {
-                Predication::Counts => count.div_ceil(64), // a thread per decision
-                _ => count,                                // a workgroup per decision
+            let per_group = match self.predication {
+                Predication::Counts => 64, // a thread per decision
+                _ => 1,                    // a workgroup per decision
             };
-            commands.dispatch([groups, 1, 1]);
+            let limits = &self.device.adapter().limits;
+            let most = limits.max_compute_work_group_count[0].max(1).saturating_mul(per_group);
+            let end = range.end.min(lane.decided.len() as u32);
+            for first in (range.start..end).step_by(most as usize) {
+                let count = most.min(end - first);
+                commands.push_compute_constants(writer, &Decisions { first, count });
+                commands.dispatch([count.div_ceil(per_group), 1, 1]);
+            }
         }
         // The next round writes other words of the buffers just read.
         commands.barrier(between(
@@ -300,9 +304,9 @@ impl Predicates {
     /// the command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
         let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
-        match &self.all {
-            Some(all) if draws.size_bytes / DRAW_BYTES <= limit => {
-                commands.draw_indirect_count(draws, all.whole());
+        match self.predication {
+            Predication::Counts if draws.size_bytes / DRAW_BYTES <= limit => {
+                commands.draw_indirect_count(draws, self.all.whole());
             }
             _ => commands.draw_indirect(draws),
         }
@@ -341,8 +345,8 @@ impl Predicates {
         match self.predication {
             Predication::Instances => commands.draw_indirect(draws),
             Predication::Counts => {
-                if let Some(counts) = lane.counts() {
-                    commands.draw_indirect_count(draws, counts.part(u64::from(decision) * 4, 4));
+                if let Some(count) = lane.count(decision) {
+                    commands.draw_indirect_count(draws, count);
                 }
             }
             Predication::Conditional => {
@@ -360,10 +364,9 @@ impl Predicates {
         };
         match (lane.on_gpu, self.predication) {
             (Some(on_gpu), Predication::Counts) => {
-                // Any count but 0 draws the one command there is. Not a plain indirect draw: Mesa
-                // 22.3's lavapipe goes on using the count of the last draw that had one.
-                if let Some(counts) = lane.counts() {
-                    let count = counts.part(u64::from(decision) * 4, 4);
+                // Not a plain indirect draw: Mesa 22.3's lavapipe goes on using the count of the last
+                // draw that had one.
+                if let Some(count) = lane.box_count(decision) {
                     commands.draw_unindexed_indirect_count(lane::box_draw(on_gpu, decision), count);
                 }
             }
@@ -382,7 +385,6 @@ impl Predicates {
         word: u32,
         record: impl FnOnce(&Commands),
     ) {
-        // No words, no answer: what is unknown is drawn.
         let (Some(conditional), Some(words)) = (self.device.conditional(), lane.words) else {
             record(commands);
             return;
@@ -405,6 +407,30 @@ impl Predicates {
     fn lane(&self, source: WordSource) -> &Lane {
         &self.lanes[source as usize]
     }
+}
+
+/// The executor for `draws` draws: the one wanted, else the best that the device has for so many. Any
+/// range may become one draw call, and a draw count is limited as a whole.
+fn choose(device: &Device, wanted: Option<Predication>, draws: u64) -> Result<Predication, Error> {
+    let capabilities = device.capabilities();
+    let limit = u64::from(device.adapter().limits.max_draw_indirect_count);
+    let is_too_much = |predication| predication == Predication::Counts && draws > limit;
+    let Some(wanted) = wanted else {
+        let best = Predication::best(capabilities);
+        return Ok(if is_too_much(best) { Predication::Instances } else { best });
+    };
+    if let Some(lacking) = wanted.needs().filter(|optional| !capabilities.has(*optional)) {
+        return Err(Error::Unsupported {
+            device: device.adapter().name.clone(),
+            missing: lacking.name(),
+            wanted: "this way to skip hidden draws",
+        });
+    }
+    if is_too_much(wanted) {
+        let what = "the number of draws under draw counts".to_owned();
+        return Err(Error::TooLarge { what, wanted: draws, limit });
+    }
+    Ok(wanted)
 }
 
 /// Storage buffers of the compute shader: words, what they decide, counts or draws, and box draws

@@ -1,0 +1,107 @@
+//! What is dropped is freed as soon as nothing can use it any more, and no sooner.
+
+use gpu::{Buffer, Device, FrameRing, Place, Tick, Timeline, vk};
+use tests::run_on_all;
+
+const BOTH_WAYS: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
+    vk::BufferUsageFlags::TRANSFER_SRC.as_raw() | vk::BufferUsageFlags::TRANSFER_DST.as_raw(),
+);
+
+fn sevens(device: &Device) -> Buffer {
+    device.upload("sevens", &[7u32; 1024], BOTH_WAYS).unwrap()
+}
+
+fn home(device: &Device) -> Buffer {
+    Buffer::new(device, "home", 4096, BOTH_WAYS, Place::ReadBack).unwrap()
+}
+
+#[test]
+fn what_is_dropped_lives_until_its_tick() {
+    run_on_all(|device| {
+        let gate = Timeline::new(device, "gate").unwrap();
+        let mut ring = FrameRing::new(device, 2).unwrap();
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
+        let from = device.upload("from", &[5u32; 1024], usage).unwrap();
+        let to = Buffer::new(device, "to", 4096, usage, Place::ReadBack).unwrap();
+        // The upload's staging memory has retired, too.
+        device.drain().unwrap();
+        let (_, in_use) = device.memory_bytes();
+        let frame = ring.begin().unwrap();
+        frame.commands().copy_buffer(from.whole(), to.whole());
+        frame.submit(Some((&gate, Tick(1)))).unwrap();
+        drop(from);
+        ring.begin().unwrap().submit(None).unwrap();
+        assert_eq!((device.retired(), device.memory_bytes().1), (1, in_use));
+        gate.signal(Tick(1)).unwrap();
+        device.drain().unwrap();
+        assert_eq!(to.read::<u32>(0..1024), [5; 1024]);
+        assert_eq!(device.retired(), 0);
+        assert!(device.memory_bytes().1 < in_use);
+    });
+}
+
+#[test]
+fn what_is_dropped_outlives_the_commands_being_recorded() {
+    run_on_all(|device| {
+        let (mut ring, mut other_ring) =
+            (FrameRing::new(device, 2).unwrap(), FrameRing::new(device, 1).unwrap());
+        let (from, to) = (sevens(device), home(device));
+        device.drain().unwrap();
+        assert_eq!(device.retired(), 0);
+        let frame = ring.begin().unwrap();
+        frame.commands().copy_buffer(from.whole(), to.whole());
+        drop(from);
+        // Other submits, and what they free, do not matter to this frame.
+        drop(device.upload("another", &[1u32; 1024], BOTH_WAYS).unwrap());
+        other_ring.begin().unwrap().submit(None).unwrap();
+        device.drain().unwrap();
+        assert!(device.retired() > 0, "freed under a recording");
+        frame.submit(None).unwrap();
+        device.drain().unwrap();
+        assert_eq!(to.read::<u32>(0..1024), [7; 1024]);
+        assert_eq!(device.retired(), 0);
+    });
+}
+
+#[test]
+fn all_pieces_of_a_frame_keep_alive_what_is_dropped() {
+    run_on_all(|device| {
+        let mut ring = FrameRing::new(device, 1).unwrap();
+        let (from, [first, second]) = (sevens(device), [home(device), home(device)]);
+        let mut frame = ring.begin().unwrap();
+        let slice = from.whole();
+        frame.commands().copy_buffer(slice, first.whole());
+        drop(from);
+        let piece = frame.flush(None).unwrap();
+        frame.wait(piece).unwrap();
+        device.run_once("another submit", |_| {}).unwrap();
+        frame.commands().copy_buffer(slice, second.whole());
+        frame.submit(None).unwrap();
+        device.drain().unwrap();
+        for home in [&first, &second] {
+            assert_eq!(home.read::<u32>(0..1024), [7; 1024]);
+        }
+        assert_eq!(device.retired(), 0);
+    });
+}
+
+#[test]
+fn a_frame_that_is_given_up_keeps_nothing_alive() {
+    run_on_all(|device| {
+        let mut ring = FrameRing::new(device, 1).unwrap();
+        let frame = ring.begin().unwrap();
+        drop(sevens(device));
+        drop(frame);
+        device.drain().unwrap();
+        assert_eq!(device.retired(), 0);
+    });
+}
+
+#[test]
+fn what_is_dropped_after_the_last_submit_needs_no_further_one() {
+    run_on_all(|device| {
+        drop(sevens(device));
+        device.drain().unwrap();
+        assert_eq!(device.retired(), 0);
+    });
+}

@@ -1,0 +1,130 @@
+//! What words decide, with every executor: nothing, everything, and more than one dispatch takes.
+
+use glam::Vec3;
+use gpu::{
+    Access, Buffer, Device, DrawRange, FlagRing, FrameRing, IndirectDraw, MemoryBarrier, Place,
+    Predicated, Predicates, Predication, QueryIndex, QueryRing, Reveal, Target, WordSource, vk,
+};
+use render::{ProxyBox, ProxyIo};
+use tests::run_on_all;
+use tests::shapes::{box_at, proxy_pass, square_view};
+
+const SOURCE: WordSource = WordSource::Fragments;
+
+fn executors(device: &Device) -> Vec<Predication> {
+    let all = [Predication::Conditional, Predication::Counts, Predication::Instances];
+    all.into_iter().filter(|p| Predicates::new(device, Some(*p), &[], 1).is_ok()).collect()
+}
+
+/// Whether two decisions draw something, one as a whole and one box by box, in frames with words that
+/// hide all and in frames without words.
+fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
+    let (proxies, view) = (proxy_pass(device), square_view(device, 64));
+    let mut target = Target::new(device, [64, 64], "target").unwrap();
+    let mut ring = FrameRing::new(device, 1).unwrap();
+    let mut queries = QueryRing::<(bool, bool)>::new(device, 1, "test").unwrap();
+    let mut flags = FlagRing::<()>::new(device, 1, SOURCE, "flags");
+    let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
+    let indices: Vec<u32> = (0..gpu::BOX_VERTICES).collect();
+    let indices = device.upload("indices", &indices, usage).unwrap();
+    let draw = |first_instance| IndirectDraw {
+        index_count: gpu::BOX_VERTICES,
+        instance_count: 1,
+        first_instance,
+        ..Default::default()
+    };
+    let mut predicates =
+        Predicates::new(device, Some(predication), &[draw(0), draw(1)], 1).unwrap();
+    let boxes = [-2.0, 2.0].map(|x| box_at(Vec3::new(x, 0.0, -5.0), Vec3::ONE)).map(ProxyBox::from);
+    let mut drawn = Vec::new();
+    for has_words in [true, false, true, false] {
+        let mut frame = ring.begin().unwrap();
+        queries.begin(&mut frame, &[(has_words, false), (has_words, true)]).unwrap();
+        flags.begin(&frame, std::iter::repeat_n((), 8)).unwrap();
+        let whole =
+            Predicated { word: 5, range: DrawRange { first: 0, count: 1 }, reveal: Reveal::Whole };
+        let parts =
+            Predicated { word: 7, range: DrawRange { first: 1, count: 1 }, reveal: Reveal::Parts };
+        let words = flags.words().filter(|_| has_words);
+        predicates.begin(&mut frame, SOURCE, words, [whole, parts].into_iter()).unwrap();
+        let boxes = frame.uploads().push(&boxes).unwrap();
+        let commands = frame.commands();
+        let cleared = MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]);
+        commands.barrier(cleared);
+        predicates.resolve(commands, &[(SOURCE, 0..2)]);
+        target.prepare(commands);
+        commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
+            proxies.bind(commands, &ProxyIo { boxes, flags: None }, &view);
+            commands.bind_geometry(indices.whole(), Some(indices.whole()));
+            queries.scope(commands, QueryIndex(0), |commands| {
+                predicates.draw(commands, SOURCE, 0);
+            });
+            queries.scope(commands, QueryIndex(1), |commands| {
+                predicates.draw_boxes(commands, SOURCE, 1);
+            });
+        });
+        queries.resolve(commands, 0..2);
+        queries.read_back(commands);
+        queries.submitted(frame.submit(None).unwrap());
+        device.drain().unwrap();
+        queries.collect(device.completed().unwrap(), |(has_words, is_boxes), samples| {
+            drawn.push((has_words, is_boxes, samples > 0));
+        });
+    }
+    drawn
+}
+
+#[test]
+fn what_nobody_answers_is_drawn() {
+    run_on_all(|device| {
+        for predication in executors(device) {
+            let drawn = drawn(device, predication);
+            assert_eq!(drawn.len(), 8);
+            for (has_words, is_boxes, is_drawn) in drawn {
+                let what = format!("{}, boxes: {is_boxes}", predication.name());
+                assert_eq!(is_drawn, !has_words, "{what}, words: {has_words}");
+            }
+        }
+    });
+}
+
+#[test]
+fn more_decisions_than_a_dispatch_has_workgroups() {
+    const COUNT: u32 = 70_000;
+    run_on_all(|device| {
+        let most = device.adapter().limits.max_compute_work_group_count[0];
+        assert!(COUNT > most, "nothing to split: {most}");
+        let mut ring = FrameRing::new(device, 1).unwrap();
+        let draws = vec![IndirectDraw { instance_count: 7, ..Default::default() }; COUNT as usize];
+        let mut predicates =
+            Predicates::new(device, Some(Predication::Instances), &draws, 1).unwrap();
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let words: Vec<u32> = (0..COUNT).map(|word| word % 3).collect();
+        let words = device.upload("words", &words, usage).unwrap();
+        let bytes = predicates.draws().size_bytes;
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        let home = Buffer::new(device, "home", bytes, usage, Place::ReadBack).unwrap();
+        let decided = (0..COUNT).map(|number| Predicated {
+            word: number,
+            range: DrawRange { first: number, count: 1 },
+            reveal: Reveal::Whole,
+        });
+        let mut frame = ring.begin().unwrap();
+        let decided: Vec<_> = decided.collect();
+        let words = Some(words.whole());
+        predicates.begin(&mut frame, SOURCE, words, decided.iter().copied()).unwrap();
+        let commands = frame.commands();
+        // Decisions that do not exist decide nothing.
+        predicates.resolve(commands, &[(SOURCE, 1..COUNT + 9)]);
+        commands.copy_buffer(predicates.draws(), home.whole());
+        commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
+        frame.submit(None).unwrap();
+        device.drain().unwrap();
+        let found = home.read::<IndirectDraw>(0..COUNT as usize);
+        assert_eq!(found.len(), COUNT as usize);
+        for (number, draw) in (0..).zip(found) {
+            let expected = if number == 0 { 7 } else { u32::from(number % 3 != 0) };
+            assert_eq!(draw.instance_count, expected, "{number}");
+        }
+    });
+}
