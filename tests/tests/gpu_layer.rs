@@ -11,6 +11,8 @@
 mod lifetimes;
 #[path = "gpu_layer/misuse.rs"]
 mod misuse;
+#[path = "gpu_layer/pass_times.rs"]
+mod pass_times;
 #[path = "gpu_layer/predicates.rs"]
 mod predicates;
 

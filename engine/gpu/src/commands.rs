@@ -94,13 +94,11 @@ impl Commands {
     }
 
     /// A pass: one label for the debugger and the log, and one timestamp pair when timing is on.
-    /// Not inside [`Commands::rendering`].
+    /// Not inside [`Commands::rendering`]. A pass within another one is timed with that.
     pub fn pass(&self, label: &'static str, record: impl FnOnce(&Self)) {
-        if let Some(timer) = &self.timer {
-            timer.begin(self, label);
-        }
+        let timer = self.timer.as_ref().filter(|timer| timer.begin(self, label));
         self.label(label, record);
-        if let Some(timer) = &self.timer {
+        if let Some(timer) = timer {
             timer.end(self);
         }
     }

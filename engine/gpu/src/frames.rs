@@ -32,6 +32,8 @@ struct Slot {
     uploads: Uploads,
     timer: Option<Rc<PassTimer>>,
     pass_times: Vec<PassTime>,
+    /// Whether the timer holds the times of a whole frame: one that was given up leaves none.
+    is_timed: bool,
     tick: Tick,
 }
 
@@ -83,6 +85,7 @@ impl FrameRing {
             });
         }
         for (index, slot) in self.slots.iter_mut().enumerate() {
+            slot.is_timed = false;
             slot.timer =
                 Some(Rc::new(PassTimer::new(&self.device, &format!("pass times {index}"))?));
         }
@@ -139,6 +142,7 @@ impl Slot {
             name,
             timer: None,
             pass_times: Vec::new(),
+            is_timed: false,
             tick: Tick::ZERO,
         })
     }
@@ -156,7 +160,7 @@ impl Slot {
             }
         }
         if let Some(timer) = &self.timer
-            && self.tick > Tick::ZERO
+            && std::mem::take(&mut self.is_timed)
         {
             timer.read(&mut self.pass_times);
         }
@@ -248,7 +252,8 @@ impl Frame<'_> {
         &mut self.ring.slots[self.slot.0].uploads
     }
 
-    /// The GPU times of the frame that used this slot before, N frames ago. Empty without timing.
+    /// The GPU times of the last whole frame that used this slot, N frames ago unless frames were given
+    /// up since. Empty without timing.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.ring.slots[self.slot.0].pass_times
     }
@@ -299,6 +304,7 @@ impl Frame<'_> {
             slot.commands.barrier(visible);
         }
         let tick = slot.submit(after)?;
+        slot.is_timed = slot.timer.is_some();
         self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
         Ok(tick)
     }

@@ -66,8 +66,14 @@ impl Instance {
     pub fn new(entry: ash::Entry, options: &InstanceOptions) -> Result<Self, Error> {
         require_1_3(&entry)?;
         let layers = wanted_layers(&entry, options.validation)?;
-        let extensions = wanted_extensions(&entry, options.validation)?;
-        let has_debug_utils = extensions.contains(&ext::debug_utils::NAME.as_ptr());
+        let has_debug_utils = has_debug_utils(&entry, options.validation)?;
+        let mut extensions = Vec::new();
+        if has_debug_utils {
+            extensions.push(ext::debug_utils::NAME.as_ptr());
+        }
+        if options.validation == Validation::Synchronization {
+            extensions.push(ext::validation_features::NAME.as_ptr());
+        }
         let log = Box::new(ValidationLog::default());
 
         let name =
@@ -175,8 +181,7 @@ fn wanted_layers(entry: &ash::Entry, validation: Validation) -> Result<Vec<*cons
     }
 }
 
-fn wanted_extensions(entry: &ash::Entry, validation: Validation) -> Result<Vec<*const i8>, Error> {
-    let mut wanted = Vec::new();
+fn has_debug_utils(entry: &ash::Entry, validation: Validation) -> Result<bool, Error> {
     // SAFETY: no contract beyond a loaded entry.
     let there = unsafe { entry.enumerate_instance_extension_properties(None) };
     let there = match there {
@@ -186,13 +191,6 @@ fn wanted_extensions(entry: &ash::Entry, validation: Validation) -> Result<Vec<*
         other => other.called("vkEnumerateInstanceExtensionProperties")?,
     };
     // The layer brings debug_utils along even where the loader has none.
-    if validation != Validation::Off
-        || there.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::debug_utils::NAME))
-    {
-        wanted.push(ext::debug_utils::NAME.as_ptr());
-    }
-    if validation == Validation::Synchronization {
-        wanted.push(ext::validation_features::NAME.as_ptr());
-    }
-    Ok(wanted)
+    Ok(validation != Validation::Off
+        || there.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::debug_utils::NAME)))
 }

@@ -126,7 +126,7 @@ impl QueryPages {
             let to = page.readback.whole();
             // WAIT is the GPU's own wait for its earlier commands, not the CPU's.
             let flags = vk::QueryResultFlags::WAIT;
-            // SAFETY: the queries were begun and ended in this command buffer; the buffer has a
+            // SAFETY: the queries were begun and ended earlier in this frame; the buffer has a
             // word for each.
             unsafe {
                 commands.device().raw().cmd_copy_query_pool_results(

@@ -169,7 +169,7 @@ impl<T: Copy> QueryRing<T> {
         let offset = u64::from(range.start) * WORD_BYTES;
         // WAIT is the GPU's own wait for its earlier commands, not the CPU's.
         let flags = vk::QueryResultFlags::WAIT;
-        // SAFETY: the queries were begun and ended in this command buffer; the buffer has a word
+        // SAFETY: the queries were begun and ended earlier in this frame; the buffer has a word
         // for each.
         unsafe {
             commands.device().raw().cmd_copy_query_pool_results(

@@ -1,6 +1,6 @@
 //! GPU time per pass: timestamps around each pass, read frames later from mapped memory.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 use ash::vk;
 
@@ -25,6 +25,7 @@ pub(crate) struct PassTimer {
     pool: vk::QueryPool,
     results: Buffer,
     labels: RefCell<Vec<&'static str>>,
+    is_inside: Cell<bool>,
     ns_per_step: f64,
     mask: u64,
     needs_full_barriers: bool,
@@ -51,13 +52,14 @@ impl PassTimer {
             pool,
             results,
             labels: RefCell::new(Vec::new()),
+            is_inside: Cell::new(false),
             ns_per_step: f64::from(adapter.limits.timestamp_period),
             mask: u64::MAX >> (64 - adapter.timestamp_bits.clamp(1, 64)),
             needs_full_barriers: adapter.is_software(),
         })
     }
 
-    /// The times of the slot's last frame, which is over.
+    /// The times of the slot's last frame, which was submitted and is over.
     pub(crate) fn read(&self, times: &mut Vec<PassTime>) {
         times.clear();
         let stamps = self.results.read::<u64>(0..2 * PASSES as usize);
@@ -70,21 +72,29 @@ impl PassTimer {
 
     pub(crate) fn reset(&self, commands: &Commands) {
         self.labels.borrow_mut().clear();
+        self.is_inside.set(false);
         // SAFETY: the slot's tick is over, so no query is in use.
         unsafe {
             self.device.raw().cmd_reset_query_pool(commands.raw(), self.pool, 0, 2 * PASSES);
         }
     }
 
-    pub(crate) fn begin(&self, commands: &Commands, label: &'static str) {
+    /// Begins a pass, unless it lies within another one.
+    pub(crate) fn begin(&self, commands: &Commands, label: &'static str) -> bool {
+        if self.is_inside.replace(true) {
+            return false;
+        }
         let mut labels = self.labels.borrow_mut();
         labels.push(label);
         if labels.len() <= PASSES as usize {
             self.stamp(commands, 2 * (labels.len() as u32 - 1));
         }
+        true
     }
 
+    /// Ends the pass that was begun.
     pub(crate) fn end(&self, commands: &Commands) {
+        self.is_inside.set(false);
         let passes = self.labels.borrow().len() as u32;
         if passes <= PASSES {
             self.stamp(commands, 2 * passes - 1);

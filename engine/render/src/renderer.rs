@@ -308,7 +308,8 @@ impl Renderer {
         Ok(self.frames.time_passes()?)
     }
 
-    /// The GPU time of each pass of the newest frame that is known to be over.
+    /// The GPU time of each pass of the frame that used the slot of the newest one before it: with N
+    /// frames in flight, N frames earlier, whichever view it was of.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.pass_times
     }

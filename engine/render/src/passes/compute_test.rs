@@ -74,27 +74,25 @@ struct TestConstants {
 
 const _: () = assert!(size_of::<GridConstants>() == 8 && size_of::<TestConstants>() == 72);
 
-fn bytes_of([width, height]: [u32; 2]) -> u64 {
-    4 * u64::from(width) * u64::from(height)
-}
-
 impl ComputeTest {
     /// Compiles the passes for areas of up to `size` pixels.
     ///
     /// # Errors
-    /// A picture whose depth is larger than a storage buffer may be, no memory, a failed call.
+    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one dispatch
+    /// takes; no memory, a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
         Self::check(device, size)?;
         let limits = &device.adapter().limits;
+        let bytes = |size| product(size).saturating_mul(4);
         let pipeline = |name, shader, buffers, push_bytes: usize| {
             let storage = StorageLayout { buffers, push_bytes: push_bytes as u32 };
             ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let buffer = |name, size, usage| {
-            Buffer::new(device, name, bytes_of(size), storage | usage, Place::Device)
+            Buffer::new(device, name, bytes(size), storage | usage, Place::Device)
         };
-        let cells = size.map(|side| side.div_ceil(CELL));
+        let cells = cells(size);
         let grid_bytes = size_of::<GridConstants>();
         let test_bytes = size_of::<TestConstants>();
         let snapping = 0.5_f32.powi(limits.sub_pixel_precision_bits.min(24) as i32);
@@ -111,15 +109,10 @@ impl ComputeTest {
     /// Whether the device can test in areas of up to `size` pixels.
     ///
     /// # Errors
-    /// A picture whose depth is larger than a storage buffer may be.
+    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one dispatch
+    /// takes.
     pub fn check(device: &Device, size: [u32; 2]) -> Result<(), Error> {
-        let (wanted, limit) =
-            (bytes_of(size), device.adapter().limits.max_storage_buffer_range.into());
-        if wanted > limit {
-            let what = "the depth for the compute tester in bytes".to_owned();
-            return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
-        }
-        Ok(())
+        Ok(check_size(size, &device.adapter().limits)?)
     }
 
     /// Takes the depth of `target` as it is now in `area`, which is no larger in either direction than
@@ -134,10 +127,8 @@ impl ComputeTest {
         commands.barrier(between(&[Access::CopyWrite], &[Access::ComputeRead]));
         commands.bind_compute(&self.grid_pipeline, &[self.depths.whole(), self.grid.whole()]);
         commands.push_compute_constants(&self.grid_pipeline, &GridConstants { size: area.size });
-        let cells = area.size.map(|side| side.div_ceil(CELL));
-        // At most a quarter of the bytes of a storage buffer over 64 cells over 64 pixels: far below
-        // any limit of workgroups.
-        commands.dispatch([(cells[0] * cells[1]).div_ceil(GRID_GROUP), 1, 1]);
+        // No more than one dispatch takes: that was checked for the largest area.
+        commands.dispatch([grid_groups(area.size) as u32, 1, 1]);
         commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
     }
 
@@ -169,5 +160,53 @@ impl ComputeTest {
             unused: 0,
             size: view.size,
         }
+    }
+}
+
+fn product([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// Cells along each side of `size` pixels.
+fn cells(size: [u32; 2]) -> [u32; 2] {
+    size.map(|side| side.div_ceil(CELL))
+}
+
+/// Workgroups of `depth_grid.comp` for `size` pixels.
+fn grid_groups(size: [u32; 2]) -> u64 {
+    product(cells(size)).div_ceil(u64::from(GRID_GROUP))
+}
+
+fn check_size(size: [u32; 2], limits: &vk::PhysicalDeviceLimits) -> Result<(), gpu::Error> {
+    let refuse = |what: &str, wanted, limit| match wanted > limit {
+        true => Err(gpu::Error::TooLarge { what: what.to_owned(), wanted, limit }),
+        false => Ok(()),
+    };
+    let most_bytes = u64::from(limits.max_storage_buffer_range);
+    let most_groups = u64::from(limits.max_compute_work_group_count[0]);
+    let bytes = product(size).saturating_mul(4);
+    refuse("the depth for the compute tester in bytes", bytes, most_bytes)?;
+    refuse("the workgroups for the compute tester", grid_groups(size), most_groups)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_refused_that_a_buffer_or_a_dispatch_does_not_hold() {
+        let limits = |range, groups| vk::PhysicalDeviceLimits {
+            max_storage_buffer_range: range,
+            max_compute_work_group_count: [groups; 3],
+            ..Default::default()
+        };
+        let check = |size, limits| check_size(size, &limits).map_err(|error| error.to_string());
+        // 256 x 256 cells of 64 pixels, 64 to a group.
+        assert_eq!(check([2048, 2048], limits(u32::MAX, 1024)), Ok(()));
+        assert!(check([2049, 2048], limits(u32::MAX, 1024)).unwrap_err().contains("workgroups"));
+        assert_eq!(check([16384, 16384], limits(u32::MAX, 65536)), Ok(()));
+        assert!(check([16384, 16384], limits(u32::MAX, 65535)).unwrap_err().contains("65536"));
+        assert!(check([64, 64], limits(16383, 65535)).unwrap_err().contains("bytes"));
+        assert!(check([u32::MAX; 2], limits(u32::MAX, 65535)).is_err());
     }
 }

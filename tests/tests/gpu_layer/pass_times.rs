@@ -1,0 +1,62 @@
+//! Times of passes belong to the labels they come with, whatever became of the frames in between.
+
+use gpu::{Commands, Device, Frame, FrameRing};
+use tests::run_on_all;
+
+fn labels(frame: &Frame<'_>) -> Vec<&'static str> {
+    frame.pass_times().iter().map(|time| time.label).collect()
+}
+
+fn timed_ring(device: &Device) -> FrameRing {
+    let mut ring = FrameRing::new(device, 1).unwrap();
+    ring.time_passes().unwrap();
+    ring
+}
+
+fn nothing(_: &Commands) {}
+
+#[test]
+fn a_frame_that_was_given_up_leaves_no_times() {
+    run_on_all(|device| {
+        let mut ring = timed_ring(device);
+        // Given up before there are any stamps, and after.
+        for _ in 0..2 {
+            let frame = ring.begin().unwrap();
+            assert_eq!(labels(&frame), [""; 0]);
+            frame.commands().pass("never", nothing);
+        }
+        let frame = ring.begin().unwrap();
+        assert_eq!(labels(&frame), [""; 0]);
+        frame.commands().pass("first", nothing);
+        frame.submit(None).unwrap();
+        let mut frame = ring.begin().unwrap();
+        assert_eq!(labels(&frame), ["first"]);
+        frame.commands().pass("sent off", nothing);
+        frame.flush(None).unwrap();
+        frame.commands().pass("given up", nothing);
+        drop(frame);
+        // Those of the last whole frame stay.
+        let frame = ring.begin().unwrap();
+        assert_eq!(labels(&frame), ["first"]);
+        frame.commands().pass("second", nothing);
+        frame.submit(None).unwrap();
+        assert_eq!(labels(&ring.begin().unwrap()), ["second"]);
+    });
+}
+
+#[test]
+fn a_pass_within_a_pass_is_timed_with_it() {
+    run_on_all(|device| {
+        let mut ring = timed_ring(device);
+        let frame = ring.begin().unwrap();
+        frame.commands().pass("outer", |commands| {
+            commands.pass("inner", nothing);
+            commands.pass("inner", nothing);
+        });
+        frame.commands().pass("next", nothing);
+        frame.submit(None).unwrap();
+        let frame = ring.begin().unwrap();
+        assert_eq!(labels(&frame), ["outer", "next"]);
+        assert!(frame.pass_times().iter().all(|time| (0.0..60_000.0).contains(&time.gpu_ms)));
+    });
+}
