@@ -133,6 +133,7 @@ impl Ingest<'_> {
 
     /// A node showed, and so did those of its leaves that are told about next: all others did not.
     fn parts_showed(&mut self, top: u32) {
+        let failures = self.failures_of(top);
         let end = self.topology.nodes[top as usize].end(top);
         for node in top..end {
             let asked = self.asked;
@@ -148,7 +149,7 @@ impl Ingest<'_> {
                 record.visited = record.visited.max(asked);
             });
         }
-        let due = self.open_until(0);
+        let due = self.open_until(failures);
         let asked = self.asked;
         self.update(top, |record| {
             if record.state != NodeState::Visible {
@@ -156,8 +157,23 @@ impl Ingest<'_> {
                 record.since = asked;
             }
             record.due = due;
+            record.streak = failures;
         });
         self.pull_up(top);
+    }
+
+    /// How often a node that shows was tested as one in vain: its box may show in many places where
+    /// those of its parts, all hidden, do not.
+    fn failures_of(&self, node: u32) -> u8 {
+        if self.is_leaf(node) {
+            return 0;
+        }
+        let children = self.topology.nodes[node as usize].children(node);
+        let is_hidden = |child| self.history.record(child).state == NodeState::Hidden;
+        match children.into_iter().all(is_hidden) {
+            true => self.history.record(node).streak.saturating_add(1),
+            false => 0,
+        }
     }
 
     /// Opens a node that showed and some levels below it, so that small parts are tested next. Of

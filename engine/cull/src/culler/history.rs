@@ -145,7 +145,6 @@ impl History {
         if let Some(record) = self.record_mut(node) {
             record.state = NodeState::Hidden;
             record.since = since;
-            record.streak = 0;
         }
     }
 

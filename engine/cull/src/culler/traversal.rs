@@ -176,7 +176,10 @@ impl Walk<'_> {
                 }
             }
             NodeState::Visible if is_fresh => {
-                let hidden = self.parts_hidden_since(turn).filter(|_| self.coarseness > 0);
+                // Not where that was tried and showed: it would again.
+                let is_worth_it =
+                    self.coarseness > 0 && (record.streak == 0 || record.due <= self.now);
+                let hidden = self.parts_hidden_since(turn).filter(|_| is_worth_it);
                 let is_closed =
                     hidden.is_some_and(|since| self.may_share(turn, self.now.since(since)));
                 if is_closed { Verdict::Test(proxy) } else { Verdict::Open(Some(proxy)) }
