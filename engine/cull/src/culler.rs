@@ -210,6 +210,10 @@ impl Culler {
             },
             now,
             can_flag: tester != Tester::Query,
+            growth_frames: match self.abilities.parts {
+                true => policy.growth_frames_parts,
+                false => policy.growth_frames,
+            },
             is_turning: self.turned != Stamp::NEVER
                 && now.since(self.turned) < policy.turning_frames,
             // What was needed last time is where to begin: each attempt is a walk.

@@ -15,6 +15,9 @@ pub struct Policy {
     /// hidden for long will stay so for long; doubling lets the frontier of a still camera shrink
     /// to the logarithm of the scene.
     pub growth_frames: u32,
+    /// The same where the leaves of a node that shows are tested one by one before they are drawn: a
+    /// guess that was too bold costs little there.
+    pub growth_frames_parts: u32,
     /// The most leaves that a node may have to be tested as one, however long it was hidden: if it
     /// shows, each of them is tested in that frame, and noted when the answer is home.
     pub shared_leaves: u32,
@@ -117,6 +120,7 @@ impl Default for Policy {
             unknown_leaves_far: 128,
             unknown_angle: 0.1,
             growth_frames: 6,
+            growth_frames_parts: 2,
             shared_leaves: 16_384,
             edge_leaves: 64,
             turning_frames: 8,
@@ -149,9 +153,9 @@ impl Default for Policy {
             rounds_compute_cut: 3,
             round_tests_min: 8,
             parts_leaves: 2,
-            front_area: 0.004,
-            fronts: 24,
-            leaves_behind: 64,
+            front_area: 0.002,
+            fronts: 48,
+            leaves_behind: 4_096,
             tests_wished: 1024,
             coarsen_attempts: 4,
             seed: 0x6e6f_7374_616c_6c73,

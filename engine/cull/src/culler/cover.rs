@@ -1,9 +1,13 @@
 //! Tests that another test answers as well: what lies behind a hidden box, and within its outline.
 //!
 //! If no sample of a proxy shows, the depth buffer is nearer than its front at every sample that it
-//! covers. So nothing shows of an object whose samples are all among those and which is all farther
-//! away than the proxy. Then no test of its own is needed: if the proxy in front stays hidden, so does
+//! covers. So nothing shows of an object whose samples are all among those and which is all beyond
+//! the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden, so does
 //! what is behind it; if it shows, the leaves behind are tested one by one.
+//!
+//! A ray from the eye has entered a box once it has passed the planes of all faces that the eye sees
+//! from outside (the slab method). So what is on the inner side of these planes and within the
+//! outline is beyond the front, be it inside of the box or behind it.
 //!
 //! Rounding is paid for by the margin of the proxy behind: its outline is a quarter of a pixel and
 //! more wider than the samples of its object, and its nearest depth as much nearer (see
@@ -11,7 +15,7 @@
 //! of what is in front is computed here and drawn there, each with its own rounding, and the nearer
 //! it is the more pixels that is: only boxes of which it is at most a sixteenth are in front.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use crate::bounds::Aabb;
 use crate::margin::rounding;
@@ -34,7 +38,7 @@ pub(super) struct Front {
     low: Vec2,
     high: Vec2,
     area: f32,
-    farthest: f32,
+    bounds: Aabb,
     /// What would have to be tested if it showed.
     leaves_behind: u32,
 }
@@ -55,13 +59,15 @@ pub(super) fn share_answers(
         if test.tester != Tester::Flag || test.leaves.count == 0 {
             continue;
         }
-        let Some((outline, [nearest, farthest])) = Outline::of(&test.bounds, view) else {
+        let Some((outline, nearest)) = Outline::of(&test.bounds, view) else {
             continue;
         };
         let seen = outline.clipped([width, height]);
         let leaves = test.leaves.count;
         let in_front = fronts.iter_mut().find(|front| {
-            front.leaves_behind + leaves <= policy.leaves_behind && front.hides(&seen, nearest)
+            front.leaves_behind.saturating_add(leaves) <= policy.leaves_behind
+                && front.is_before(&test.bounds, view.eye)
+                && front.holds(&seen)
         });
         if let Some(front) = in_front {
             front.leaves_behind += leaves;
@@ -78,7 +84,7 @@ pub(super) fn share_answers(
                 low: outline.points().fold(Vec2::INFINITY, Vec2::min),
                 high: outline.points().fold(Vec2::NEG_INFINITY, Vec2::max),
                 area,
-                farthest,
+                bounds: test.bounds,
                 leaves_behind: 0,
             };
             keep_largest(fronts, front, policy.fronts as usize);
@@ -100,12 +106,17 @@ fn keep_largest(fronts: &mut Vec<Front>, front: Front, most: usize) {
 }
 
 impl Front {
-    /// Whether all that is within `outline` and no nearer than `nearest` is behind this box.
-    fn hides(&self, outline: &Outline, nearest: f32) -> bool {
-        nearest >= self.farthest
-            && outline
-                .points()
-                .all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
+    /// Whether a box is all on the inner side of the faces that are seen from `eye`.
+    fn is_before(&self, behind: &Aabb, eye: Vec3) -> bool {
+        let (low, high) = (self.bounds.min, self.bounds.max);
+        let beyond_low = eye.cmpge(low) | behind.min.cmpge(low);
+        let beyond_high = eye.cmple(high) | behind.max.cmple(high);
+        (beyond_low & beyond_high).all()
+    }
+
+    /// Whether all of an outline is within this one.
+    fn holds(&self, outline: &Outline) -> bool {
+        outline.points().all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
             && outline.points().all(|point| self.outline.holds(point))
     }
 }
@@ -114,20 +125,19 @@ impl Outline {
     /// Eight corners have six on the outline; each side of the screen can add one.
     const MOST: usize = 12;
 
-    /// The outline of a box that is in front of the eye, and its nearest and farthest depth (metres
-    /// along the line of sight). `None` where it is not, or where numbers fail.
-    fn of(bounds: &Aabb, view: &View) -> Option<(Self, [f32; 2])> {
+    /// The outline of a box that is in front of the eye, and its nearest depth (metres along the line
+    /// of sight). `None` where it is not, or where numbers fail.
+    fn of(bounds: &Aabb, view: &View) -> Option<(Self, f32)> {
         let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
         let mut points = [Vec2::ZERO; 8];
-        let (mut nearest, mut farthest) = (f32::INFINITY, 0.0_f32);
+        let mut nearest = f32::INFINITY;
         for (point, corner) in points.iter_mut().zip(bounds.corners()) {
             let clip = view.view_proj * corner.extend(1.0);
             nearest = nearest.min(clip.w);
-            farthest = farthest.max(clip.w);
             *point = (Vec2::new(clip.x, clip.y) / clip.w + 1.0) * scale;
         }
         let is_sound = nearest > 0.0 && points.iter().all(|point| point.is_finite());
-        is_sound.then(|| (Self::around(points), [nearest, farthest]))
+        is_sound.then(|| (Self::around(points), nearest))
     }
 
     /// The convex hull, by Andrew's monotone chain.
@@ -218,7 +228,7 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec2, Vec3};
+    use glam::DVec2;
 
     use super::*;
     use crate::camera::Camera;
@@ -254,7 +264,7 @@ mod tests {
             let centre = eye + (view.forward + aside) * distance;
             let half = Vec3::new(between(0.1, 1.0), between(0.1, 1.0), between(0.1, 1.0)) * size;
             let bounds = Aabb::new(centre - half, centre + half);
-            let Some((outline, [nearest, _])) = Outline::of(&bounds, &view) else { continue };
+            let Some((outline, nearest)) = Outline::of(&bounds, &view) else { continue };
             if nearest < view.near || !outline.is_sharp(&bounds, nearest, &view) {
                 blunt += 1;
                 continue;

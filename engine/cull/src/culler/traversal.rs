@@ -33,6 +33,8 @@ pub(super) struct Walk<'a> {
     pub(super) is_turning: bool,
     /// Boxes can be tested by flags.
     pub(super) can_flag: bool,
+    /// After how many frames twice the leaves may be tested as one.
+    pub(super) growth_frames: u32,
     /// How often the allowed size of tested nodes was raised fourfold.
     pub(super) coarseness: u32,
 }
@@ -286,7 +288,7 @@ impl Walk<'_> {
 
     /// Whether a node that has been hidden for so long may be tested as one.
     fn may_share(&self, turn: &Turn, hidden_frames: u32) -> bool {
-        let doublings = hidden_frames / self.policy.growth_frames.max(1);
+        let doublings = hidden_frames / self.growth_frames.max(1);
         let mut allowed = u64::from(self.policy.unknown_leaves) << doublings.min(32);
         if self.is_turning && !turn.mask.is_inside() {
             allowed = allowed.min(self.policy.edge_leaves.into());
