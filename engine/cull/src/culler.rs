@@ -258,7 +258,10 @@ impl Culler {
                 leaves.count = 0;
                 self.history.doubt(test.node, contained(test.node));
             } else {
-                self.history.closed(&hierarchy.topology, test.node);
+                match test.inherited {
+                    Some(since) => self.history.inherit(test.node, since),
+                    None => self.history.closed(&hierarchy.topology, test.node),
+                }
                 if self.abilities.parts && leaves.count >= policy.parts_leaves {
                     kind = QueryKind::Parts;
                 }

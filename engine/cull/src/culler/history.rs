@@ -148,6 +148,15 @@ impl History {
         }
     }
 
+    /// A node is tested by itself that was hidden with another above it until now.
+    pub(super) fn inherit(&mut self, node: u32, since: Stamp) {
+        if let Some(record) = self.record_mut(node) {
+            record.state = NodeState::Hidden;
+            record.since = since;
+            record.streak = 0;
+        }
+    }
+
     /// Follows the hierarchy to its present generation. Objects keep what was known of them; a new
     /// inner node is hidden if all below it is, and visible if something is. Of another hierarchy,
     /// and of one that is too far ahead, nothing is known.

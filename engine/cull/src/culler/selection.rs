@@ -8,8 +8,10 @@
 use std::collections::BinaryHeap;
 
 use super::economy::Economy;
-use super::traversal::{Mask, Nearness, Waiting, Walk};
+use super::record::Stamp;
+use super::traversal::{Nearness, Waiting, Walk};
 use crate::bounds::Aabb;
+use crate::frustum::PlaneMask;
 use crate::ids::LeafIndex;
 use crate::plan::{PlanStats, QueryKind};
 use crate::policy::Policy;
@@ -39,6 +41,8 @@ pub(super) struct Candidate {
     pub(super) kind: QueryKind,
     pub(super) proxy: Aabb,
     pub(super) leaf_count: u32,
+    /// Since when a node above it was hidden, where nothing newer is known.
+    pub(super) inherited: Option<Stamp>,
     pub(super) is_unknown: bool,
 }
 
@@ -53,7 +57,7 @@ pub(super) struct Scratch {
     /// Leaves that are drawn without a test although nothing is known, and the node that was not
     /// tested.
     pub(super) assumed: Vec<[u32; 2]>,
-    pub(super) stack: Vec<(u32, Mask)>,
+    pub(super) stack: Vec<(u32, PlaneMask)>,
     by_size: Vec<u32>,
     pub(super) is_dropped: Vec<bool>,
 }

@@ -54,24 +54,28 @@ impl Nearness {
 }
 
 /// A node in the frustum that waits for its turn; the nearest comes first, then the smallest id.
-pub(super) type Waiting = Reverse<(Nearness, u32, Mask)>;
+pub(super) type Waiting = Reverse<(Nearness, u32, Above)>;
 
-/// A plane mask that takes no part in the order.
+/// What the nodes above a node say of it; takes no part in the order.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mask(pub(super) PlaneMask);
+pub(super) struct Above {
+    mask: PlaneMask,
+    /// Since when a node above has been hidden, as one, until now.
+    hidden_since: Option<Stamp>,
+}
 
-impl PartialEq for Mask {
+impl PartialEq for Above {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
-impl Eq for Mask {}
-impl PartialOrd for Mask {
+impl Eq for Above {}
+impl PartialOrd for Above {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Mask {
+impl Ord for Above {
     fn cmp(&self, _: &Self) -> std::cmp::Ordering {
         std::cmp::Ordering::Equal
     }
@@ -96,6 +100,8 @@ struct Turn {
     leaf_count: u32,
     bounds: Aabb,
     record: Record,
+    /// If what is known of it is what was known of a node above: since when that was hidden.
+    inherited: Option<Stamp>,
 }
 
 impl Walk<'_> {
@@ -105,17 +111,22 @@ impl Walk<'_> {
         stats.visible = 0;
         stats.too_near = 0;
         if let Some(root) = self.hierarchy.root() {
-            self.push(root.0, PlaneMask::ALL, scratch);
+            let above = Above { mask: PlaneMask::ALL, hidden_since: None };
+            self.push(root.0, above, scratch);
         }
-        while let Some(Reverse((nearness, node, Mask(mask)))) = scratch.queue.pop() {
+        while let Some(Reverse((nearness, node, Above { mask, hidden_since }))) =
+            scratch.queue.pop()
+        {
             stats.nodes_visited += 1;
+            let (record, inherited) = self.record_below(node, hidden_since);
             let turn = Turn {
                 nearness,
                 node,
                 mask,
                 leaf_count: self.hierarchy.leaves(NodeId(node)).count,
                 bounds: self.hierarchy.bounds(NodeId(node)),
-                record: self.record(node),
+                record,
+                inherited,
             };
             if matches!(self.knowledge, Knowledge::Used(_)) {
                 scratch.visited.push(node);
@@ -141,6 +152,7 @@ impl Walk<'_> {
                     kind: QueryKind::OwnBox,
                     proxy,
                     leaf_count: 1,
+                    inherited: None,
                     is_unknown: false,
                 });
             }
@@ -149,6 +161,7 @@ impl Walk<'_> {
                 kind: QueryKind::Proxy,
                 proxy,
                 leaf_count: turn.leaf_count,
+                inherited: turn.inherited,
                 is_unknown: turn.record.state != NodeState::Hidden
                     || !turn.record.is_fresh(self.now, self.policy.stale_frames),
             }),
@@ -234,8 +247,12 @@ impl Walk<'_> {
         let Some(children) = self.hierarchy.children(NodeId(turn.node)) else {
             return;
         };
+        let record = &turn.record;
+        let is_hidden = record.state == NodeState::Hidden
+            && record.is_fresh(self.now, self.policy.stale_frames);
+        let above = Above { mask: turn.mask, hidden_since: is_hidden.then_some(record.since) };
         for child in children {
-            self.push(child.0, turn.mask, scratch);
+            self.push(child.0, above, scratch);
         }
         let is_due = turn.record.state != NodeState::Hidden && turn.record.due <= self.now;
         let (Some(proxy), true) = (proxy, is_due) else {
@@ -249,6 +266,7 @@ impl Walk<'_> {
                 kind: QueryKind::Probe,
                 proxy,
                 leaf_count: turn.leaf_count,
+                inherited: None,
                 is_unknown: false,
             });
         }
@@ -276,13 +294,25 @@ impl Walk<'_> {
         self.view.frustum.classify(&bounds, mask).0 != Containment::Outside
     }
 
+    /// What is known of a node, where one above it was hidden: nothing below that was kept up to date.
+    fn record_below(&self, node: u32, hidden_since: Option<Stamp>) -> (Record, Option<Stamp>) {
+        let record = self.record(node);
+        let is_stale = !record.is_fresh(self.now, self.policy.stale_frames);
+        let inherited = hidden_since.filter(|_| is_stale);
+        let record = match inherited {
+            Some(since) => Record { state: NodeState::Hidden, since, visited: self.now, ..record },
+            None => record,
+        };
+        (record, inherited)
+    }
+
     /// Queues a node unless it is outside of the frustum.
-    fn push(&self, node: u32, mask: PlaneMask, scratch: &mut Scratch) {
+    fn push(&self, node: u32, above: Above, scratch: &mut Scratch) {
         let bounds = self.hierarchy.bounds(NodeId(node));
-        let (containment, mask) = self.view.frustum.classify(&bounds, mask);
+        let (containment, mask) = self.view.frustum.classify(&bounds, above.mask);
         if containment != Containment::Outside {
             let nearness = Nearness::of(&bounds, self.view.eye);
-            scratch.queue.push(Reverse((nearness, node, Mask(mask))));
+            scratch.queue.push(Reverse((nearness, node, Above { mask, ..above })));
         }
     }
 
@@ -328,12 +358,12 @@ impl Walk<'_> {
     pub(super) fn leaves_in_frustum(
         &self,
         node: u32,
-        stack: &mut Vec<(u32, Mask)>,
+        stack: &mut Vec<(u32, PlaneMask)>,
         mut each: impl FnMut(Retest),
     ) {
         stack.clear();
-        stack.push((node, Mask(PlaneMask::ALL)));
-        while let Some((node, Mask(mask))) = stack.pop() {
+        stack.push((node, PlaneMask::ALL));
+        while let Some((node, mask)) = stack.pop() {
             let bounds = self.hierarchy.bounds(NodeId(node));
             let (containment, mask) = self.view.frustum.classify(&bounds, mask);
             if containment == Containment::Outside {
@@ -341,7 +371,7 @@ impl Walk<'_> {
             }
             match self.hierarchy.children(NodeId(node)) {
                 Some(children) => {
-                    stack.extend(children.map(|child| (child.0, Mask(mask))));
+                    stack.extend(children.map(|child| (child.0, mask)));
                 }
                 None => each(Retest {
                     nearness: Nearness::of(&bounds, self.view.eye),
