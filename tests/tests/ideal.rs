@@ -96,12 +96,8 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let scene = box_scene(&boxes);
         let size = [384, 216];
         // Any test may answer for any number of leaves, through whose gaps much of these shows.
-        let policy = Policy {
-            front_area: 0.0,
-            fronts: 1_000,
-            leaves_behind: u32::MAX,
-            ..Policy::default()
-        };
+        let policy =
+            Policy { front_area: 0.0, fronts: 1_000, leaves_behind: u32::MAX, ..Policy::default() };
         let options = RendererOptions { size, policy, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut finder = renderer.new_view().unwrap();

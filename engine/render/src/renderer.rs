@@ -181,6 +181,7 @@ impl Renderer {
             proxies,
             compute_test: None,
             leaf_boxes,
+            counts: None,
             light,
         };
         let id = RendererId::new();

@@ -19,6 +19,7 @@ use crate::leaf_counts::Count;
 use crate::pyramid_history::PyramidHistory;
 use crate::questions::{Asked, Questions};
 use crate::renderer::Renderer;
+use crate::sample_counts::SampleCounts;
 use crate::visible_set::VisibleSet;
 
 /// What a frame turned out to be, known once its answers are home.
@@ -66,6 +67,7 @@ pub struct ViewHistory {
     /// That of the hierarchy that the plan is for.
     pub(crate) generation: Generation,
     pub(crate) questions: Questions,
+    pub(crate) counts: SampleCounts,
     pub(crate) dialogue: Option<DialogueHistory>,
     pyramid: Option<PyramidHistory>,
     pub(crate) frames_in_flight: usize,
@@ -97,6 +99,7 @@ impl ViewHistory {
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
             questions: Questions::default(),
+            counts: SampleCounts::default(),
             dialogue: None,
             pyramid: None,
             frames_in_flight,
@@ -130,6 +133,7 @@ impl ViewHistory {
     /// Picks up every answer that is home and lets the history move on. Never waits.
     pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
         self.collect(completed, hierarchy, geometry);
+        self.counts.collect(completed, hierarchy, self.plan.frame);
         let Self { culler, pyramid, answers, newest: kept, pending, outcomes, .. } = self;
         for Answered { answer, count } in answers.iter().filter(|home| home.answer.samples > 0) {
             let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
@@ -315,6 +319,7 @@ impl ViewHistory {
         self.flags.submitted(tick);
         self.computed.submitted(tick);
         self.parts.submitted(tick);
+        self.counts.submitted(tick, self.plan.frame);
         let taken = self.plan.draws.iter().copied();
         let taken = taken.chain(self.plan.queried_draws.iter().map(|(leaf, _)| *leaf));
         let mut outcome =
