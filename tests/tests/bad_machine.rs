@@ -125,6 +125,9 @@ fn a_device_that_does_not_count_says_so_when_asked_to_count() {
         let error = error.to_string();
         assert!(error.contains("lacks occlusionQueryPrecise, which counting visible"), "{error}");
     }
+    let options = RendererOptions { threshold_samples: 4, ..options };
+    let error = Renderer::new(&device, &scene, &options).err().unwrap().to_string();
+    assert!(error.contains("occlusionQueryPrecise, which a visibility threshold"), "{error}");
     view.watch(&[]).unwrap();
     renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
     renderer.drain(&mut view).unwrap();

@@ -329,23 +329,16 @@ impl Commands {
 
     /// Draws what `draw` says, out of the geometry that is bound.
     pub fn draw_indexed(&self, draw: &IndirectDraw) {
-        let IndirectDraw {
-            index_count,
-            instance_count,
-            first_index,
-            vertex_offset,
-            first_instance,
-        } = *draw;
-        if index_count > 0 && instance_count > 0 && self.is_sound() {
+        if self.is_sound() {
             // SAFETY: a pipeline is bound; the caller's indices lie in the buffer that is bound.
             unsafe {
                 self.device.raw().cmd_draw_indexed(
                     self.raw,
-                    index_count,
-                    instance_count,
-                    first_index,
-                    vertex_offset,
-                    first_instance,
+                    draw.index_count,
+                    draw.instance_count,
+                    draw.first_index,
+                    draw.vertex_offset,
+                    draw.first_instance,
                 );
             }
         }
