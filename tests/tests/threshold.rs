@@ -163,7 +163,7 @@ fn moving_scenes_and_prices_keep_the_bound() {
             }
             let [expected, got] = pictures.each_ref().map(Readback::rgba8);
             let wrong = pixels_that_differ(expected, got) as u64;
-            let outcome = views[1].take_outcomes().last().unwrap();
+            let outcome = views[1].take_outcomes().next_back().unwrap();
             assert!(wrong <= outcome.neglected_samples, "frame {number}: {wrong} {outcome:?}");
             wrong_in_all += wrong;
         }
