@@ -147,7 +147,7 @@ impl Renderer {
     ///
     /// # Errors
     /// A scene or size beyond the device's limits, no memory, a shader that does not compile, a
-    /// failed call.
+    /// failed call; a threshold where queries do not count, or under conditional rendering.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
         let mut bounds = object_bounds(scene)?;
         bounds.resize(bounds.len().saturating_add(options.spare_objects), Aabb::EMPTY);
@@ -266,11 +266,11 @@ impl Renderer {
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing; [`gpu::Error::TooLarge`], with
-    /// the limit.
+    /// the limit; [`Error::CannotCount`] where there is a threshold.
     pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
-        if let (false, Strategy::AntumbraFlags | Strategy::AntumbraCompute) =
-            (self.is_exact(), strategy)
-        {
+        let counts_nothing =
+            matches!(strategy, Strategy::AntumbraFlags | Strategy::AntumbraCompute);
+        if counts_nothing && !self.is_exact() {
             let threshold_samples = self.threshold_samples;
             return Err(Error::CannotCount { strategy, threshold_samples });
         }
