@@ -1,5 +1,5 @@
-// Turns the word of each decision into two draw counts: 0 if nothing showed, else the whole range and
-// the one command that draws its boxes.
+// Turns the word of each decision into two draw counts: 0 if no more showed than the threshold, else
+// the whole range and the one command that draws its boxes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "predicate.glsl"
@@ -13,6 +13,7 @@ layout(std430, binding = 2) writeonly buffer Counts { uint counts[]; };
 layout(push_constant) uniform Constants {
     uint first;
     uint count;
+    uint threshold; // 0 but for words that are numbers of samples
 };
 
 void main() {
@@ -21,7 +22,7 @@ void main() {
     }
     uint decision = first + gl_GlobalInvocationID.x;
     Decided range = decided[decision];
-    uint shown = words[range.word] != 0 ? range.count : 0;
+    uint shown = words[range.word] > threshold ? range.count : 0;
     counts[2 * decision] = shown;
     counts[2 * decision + 1] = min(shown, 1);
 }

@@ -22,12 +22,13 @@ layout(std430, binding = 3) buffer BoxDraws { BoxDraw box_draws[]; };
 layout(push_constant) uniform Constants {
     uint first;
     uint count;
+    uint threshold; // 0 but for words that are numbers of samples
 };
 
 void main() {
     uint decision = first + gl_WorkGroupID.x;
     Decided range = decided[decision];
-    uint shown = words[range.word] != 0 ? 1 : 0;
+    uint shown = words[range.word] > threshold ? 1 : 0;
     if (range.parts != 0) {
         if (gl_LocalInvocationID.x == 0) {
             box_draws[decision].instance_count = shown * range.count;

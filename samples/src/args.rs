@@ -8,7 +8,7 @@ use std::str::FromStr;
 use clap::Parser;
 
 use crate::Options;
-use crate::choices::{DeviceChoice, Named, Scene, Verify, parse_named};
+use crate::choices::{DeviceChoice, Named, Predicates, Scene, Verify, parse_named};
 use crate::options::{
     DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
     UsageError,
@@ -91,6 +91,10 @@ pub struct Arguments {
     )]
     pub predicates: String,
 
+    /// What shows at most so many pixels counts as hidden, with antumbra, antumbra_queries and coherent:
+    /// above 0 they are not exact, and the most pixels that can be wrong are counted
+    #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
+    pub threshold: String,
     /// What the governor does: nothing, or leave out tests that cost more than they save, by costs that
     /// are measured on the device before the walk
     #[arg(
@@ -154,6 +158,13 @@ impl Arguments {
         }
         let moving_percent = parse_in_range("--moving", &self.moving, 0, 100)?;
         let (strategies, left_out) = self.parse_strategies(moving_percent)?;
+        let predicates = named("--predicates", &self.predicates)?;
+        let threshold_pixels = parse_in_range("--threshold", &self.threshold, 0, u32::MAX)?;
+        if threshold_pixels > 0 && predicates == Predicates::Conditional {
+            return usage(format!(
+                "--threshold {threshold_pixels} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count or instances"
+            ));
+        }
         Ok(Options {
             scene: parse_scene(&self.scene)?,
             objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
@@ -176,7 +187,8 @@ impl Arguments {
             time_passes: self.time_passes,
             device: parse_device(self.device.as_deref())?,
             validation: named("--validation", &self.validation)?,
-            predicates: named("--predicates", &self.predicates)?,
+            predicates,
+            threshold_pixels,
             shaders: self.shaders.clone(),
             output: self.out.clone(),
             report: self.report.clone(),

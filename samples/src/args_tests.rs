@@ -33,6 +33,7 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     assert_eq!(options.verify, Verify::Off);
     assert_eq!(options.frames_in_flight, 2);
     assert_eq!((options.views, options.moving_percent), (1, 0));
+    assert_eq!(options.threshold_pixels, 0);
     assert_eq!(options.device, DeviceChoice::Best);
     assert_eq!((options.pictures, options.birds_eye), (0, None));
     assert_eq!((options.output, options.report, options.shaders), (None, None, None));
@@ -55,6 +56,7 @@ fn every_option_arrives() {
         "--device=llvmpipe",
         "--validation=sync",
         "--predicates=instances",
+        "--threshold=9",
         "--shaders=glsl",
         "--out=pictures",
         "--report=r.json",
@@ -82,6 +84,7 @@ fn every_option_arrives() {
             device: DeviceChoice::Name("llvmpipe".into()),
             validation: Validation::Sync,
             predicates: Predicates::Instances,
+            threshold_pixels: 9,
             shaders: Some("glsl".into()),
             output: Some("pictures".into()),
             report: Some("r.json".into()),
@@ -99,6 +102,7 @@ fn numbers_outside_their_range_are_refused() {
         ("--objects", ["0", "4000001", "-5", "many", "", "1e6"]),
         ("--views", ["0", "3", "-1", "two", "", "1.0"]),
         ("--moving", ["101", "-1", "ten", "5%", "", "1.5"]),
+        ("--threshold", ["-1", "4294967296", "few", "", "1.5", "2px"]),
         ("--frames", ["0", "1000001", "-1", "1.5", " 3", "4294967296"]),
         ("--frames-in-flight", ["0", "5", "-1", "two", "", "99999999999"]),
         ("--seed", ["-1", "18446744073709551616", "abc", "", "0x10", "1.0"]),
@@ -153,6 +157,14 @@ fn the_ideal_is_left_out_of_scenes_that_move_and_refused_by_name() {
     }
     assert_eq!(parse(&["--strategy=all"]).unwrap().strategies, Strategy::ALL);
     assert!(parse(&["--strategy=ideal"]).unwrap().left_out.is_empty());
+}
+
+#[test]
+fn a_threshold_cannot_be_compared_by_conditional_rendering() {
+    let both = ["--threshold=4", "--predicates=conditional"];
+    assert!(refusal(&both).contains("do not go together"));
+    assert!(parse(&["--threshold=0", "--predicates=conditional"]).is_ok());
+    assert_eq!(parse(&["--threshold=4"]).unwrap().threshold_pixels, 4);
 }
 
 #[test]

@@ -35,6 +35,10 @@ pub struct FrameMeasurement {
     pub result_age_frames: Option<u64>,
     /// Waits of the frame loop other than for the frame's own slot.
     pub blocking_waits: u64,
+    /// Samples that showed and were left out because of a threshold.
+    pub neglected_samples: u64,
+    /// Whether the frame is compared with plain frustum culling.
+    pub is_compared: bool,
 }
 
 /// The frames of one strategy so far.
@@ -92,6 +96,10 @@ impl RunMeasurement {
     pub fn report(&self) -> RunReport {
         let times = |of: fn(&FrameMeasurement) -> f64| Summary::of(self.frames.iter().map(of));
         let count = |of: fn(&FrameMeasurement) -> u64| median_count(self.frames.iter().map(of));
+        let neglected = |of: fn(&FrameMeasurement) -> bool| {
+            let frames = self.frames.iter().filter(|frame| of(frame));
+            frames.map(|frame| frame.neglected_samples).sum()
+        };
         let ages = || self.frames.iter().filter_map(|frame| frame.result_age_frames);
         let timed_waits: u64 = self.frames.iter().map(|frame| frame.blocking_waits).sum();
         RunReport {
@@ -119,6 +127,9 @@ impl RunMeasurement {
                 .map(|(label, times)| ((*label).to_owned(), Summary::of(times.iter().copied())))
                 .collect(),
             pixels_wrong: (self.frames_verified > 0).then_some(self.pixels_wrong),
+            pixels_wrong_at_most: (self.frames_verified > 0 && self.strategy.is_exact())
+                .then(|| neglected(|frame| frame.is_compared)),
+            neglected_samples: neglected(|_| true),
         }
     }
 }
@@ -135,6 +146,8 @@ mod tests {
                 draws,
                 result_age_frames: age,
                 blocking_waits: waits,
+                neglected_samples: draws,
+                is_compared: draws != 9,
                 ..FrameMeasurement::default()
             });
         }
@@ -149,7 +162,8 @@ mod tests {
         assert_eq!(report.result_age_frames, AgeReport { median: Some(1), max: Some(3) });
         assert_eq!((report.waits, report.blocking_waits), (Some(0), 3));
         assert_eq!((report.frames_timed, report.frames_verified), (3, 2));
-        assert_eq!(report.pixels_wrong, Some(4));
+        assert_eq!((report.pixels_wrong, report.pixels_wrong_at_most), (Some(4), Some(12)));
+        assert_eq!(report.neglected_samples, 21);
         assert_eq!(report.passes_ms["visible"].median, Some(3.0));
         assert_eq!(report.passes_ms["revealed"].median, Some(1.5));
     }

@@ -86,6 +86,8 @@ pub struct Options {
     pub validation: Validation,
     /// How hidden draws are skipped.
     pub predicates: Predicates,
+    /// What shows no more pixels than this counts as hidden; 0 where all is exact.
+    pub threshold_pixels: u32,
     /// Folder of GLSL that replaces the embedded shaders.
     pub shaders: Option<PathBuf>,
     /// Folder for pictures.

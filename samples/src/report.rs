@@ -36,6 +36,8 @@ pub struct Report {
     pub frames_in_flight: u32,
     /// How hidden draws were skipped: what `--predicates` chose.
     pub predicates: String,
+    /// What showed no more pixels than this counted as hidden; 0 where all was exact.
+    pub threshold_pixels: u32,
     /// What things cost on this device in nanoseconds of GPU time, measured before the walk.
     pub costs_ns: BTreeMap<String, Option<f64>>,
     /// Messages of the validation layer, 0 where it was off.
@@ -154,6 +156,11 @@ pub struct RunReport {
     pub frames_verified: u64,
     /// Pixels that differed in all of them; absent where none was compared.
     pub pixels_wrong: Option<u64>,
+    /// How many of them a threshold accounts for at most: the samples that showed and were left out. 0
+    /// without a threshold; absent where none was compared, or nothing is promised.
+    pub pixels_wrong_at_most: Option<u64>,
+    /// Samples that showed and were left out because of the threshold, in all frames timed.
+    pub neglected_samples: u64,
 }
 
 /// "A/B" for every ordered pair of runs: median frame time of A over that of B.

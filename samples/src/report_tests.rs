@@ -22,6 +22,8 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
             expected_saving_ns: 5,
             result_age_frames: Some(2),
             blocking_waits: 0,
+            neglected_samples: 0,
+            is_compared: false,
         });
     }
     run.verified(0);
@@ -46,6 +48,7 @@ pub(crate) fn example() -> Report {
         size: [1280, 720],
         frames_in_flight: 2,
         predicates: "conditional".into(),
+        threshold_pixels: 0,
         costs_ns: [("draw_ns".to_owned(), Some(1_400.0))].into(),
         validation_messages: 0,
         memory: MemoryReport { peak_resident_mib: Some(123.4), gpu_allocated_mib: Some(56.0) },
@@ -72,6 +75,7 @@ fn the_keys_are_the_contract() {
             "passes_ms": {},
             "result_age_frames": {"median": 2, "max": 2},
             "waits": 0, "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1, "pixels_wrong": 0,
+            "pixels_wrong_at_most": 0, "neglected_samples": 0,
         })
     };
     let expected = json!({
@@ -82,6 +86,7 @@ fn the_keys_are_the_contract() {
         "scene": {"name": "city", "objects": 10_012, "triangles": 9_876_543, "seed": 1},
         "path": "street", "views": 1, "moving_percent": 10, "moving_objects": 1_002, "frames": 2,
         "size": [1280, 720], "frames_in_flight": 2, "predicates": "conditional",
+        "threshold_pixels": 0,
         "left_out": [{ "strategy": "ideal", "reason": "things move" }],
         "costs_ns": { "draw_ns": 1400.0 }, "validation_messages": 0,
         "memory": {"peak_resident_mib": 123.4, "gpu_allocated_mib": 56.0},

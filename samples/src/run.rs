@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use cull::{Hierarchy, Strategy};
+use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication};
 use render::{Costs, Renderer, RendererOptions, ShaderSet, object_bounds, scene};
 use thiserror::Error;
@@ -69,7 +69,9 @@ impl From<render::Error> for RunError {
     fn from(error: render::Error) -> Self {
         match error {
             render::Error::Gpu(error) => error.into(),
-            render::Error::NoShaderCompiler(_) | render::Error::Scene(_) => Self::user(error),
+            render::Error::NoShaderCompiler(_)
+            | render::Error::Scene(_)
+            | render::Error::CannotCount { .. } => Self::user(error),
             render::Error::Hierarchy(_)
             | render::Error::NoVisibleSet
             | render::Error::OldVisibleSet
@@ -88,6 +90,7 @@ impl From<gpu::Error> for RunError {
             gpu::Error::UnknownDevice { .. }
             | gpu::Error::Unsupported { .. }
             | gpu::Error::TooLarge { .. }
+            | gpu::Error::CannotCompare { .. }
             | gpu::Error::ShaderCompile { .. } => Self::user(error),
             _ => Self::machine(error),
         }
@@ -216,6 +219,7 @@ fn walk_on(
         size: [options.size.width, options.size.height],
         frames_in_flight: options.frames_in_flight,
         predicates: renderer.predication().name().to_owned(),
+        threshold_pixels: options.threshold_pixels,
         costs_ns: costs_report(&renderer),
         validation_messages: 0,
         memory: MemoryReport {
@@ -276,6 +280,15 @@ fn path_kind(path: CameraPath) -> scene::PathKind {
     }
 }
 
+/// The same threshold for the method of the literature that has one.
+fn dialogue_options(options: &Options) -> DialogueOptions {
+    let coherent = CoherentOptions {
+        visibility_threshold_samples: options.threshold_pixels,
+        ..CoherentOptions::default()
+    };
+    DialogueOptions { coherent, ..DialogueOptions::default() }
+}
+
 fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
     let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?;
     let frames_in_flight = options.frames_in_flight.try_into().unwrap_or(1);
@@ -289,6 +302,8 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
             Predicates::Instances => Some(Predication::Instances),
         },
         shaders,
+        threshold_samples: options.threshold_pixels,
+        dialogue: dialogue_options(options),
         costs: match options.costs {
             choices::Costs::Ignored => Costs::Ignored,
             choices::Costs::Measured => Costs::Measured,

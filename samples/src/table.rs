@@ -87,6 +87,12 @@ fn more_lines(report: &Report) -> String {
         let moving = count(Some(report.moving_objects));
         lines += &format!("\n{moving} of the objects move ({} %)", report.moving_percent);
     }
+    if report.threshold_pixels > 0 {
+        let most = count(Some(report.threshold_pixels.into()));
+        lines += &format!(
+            "\nnot exact: what shows at most {most} pixels counts as hidden in antumbra, antumbra_queries, coherent"
+        );
+    }
     for LeftOut { strategy, reason } in &report.left_out {
         lines += &format!("\nwithout {strategy}: {reason}");
     }
@@ -135,12 +141,32 @@ fn foot(report: &Report) -> String {
     );
     // Those that promise nothing are counted in their column.
     let promised = |run: &&RunReport| run.strategy.parse().is_ok_and(Strategy::is_exact);
-    let wrong: u64 = report.runs.iter().filter(promised).filter_map(|run| run.pixels_wrong).sum();
+    let unaccounted = |run: &RunReport| {
+        run.pixels_wrong.filter(|pixels| *pixels > run.pixels_wrong_at_most.unwrap_or(0))
+    };
+    let wrong: u64 = report.runs.iter().filter(promised).filter_map(unaccounted).sum();
     if wrong > 0 {
         // Writing to a String cannot fail.
         let _ok = write!(text, "\nWRONG: {wrong} pixels differ from plain frustum culling");
     }
-    text
+    text + &neglect_lines(report)
+}
+
+/// A line for each run that left out what showed little.
+fn neglect_lines(report: &Report) -> String {
+    let neglecting = report.runs.iter().filter(|run| run.neglected_samples > 0);
+    let line = |run: &RunReport| {
+        let compared = match (run.pixels_wrong, run.pixels_wrong_at_most) {
+            (Some(_), Some(most)) => {
+                let [wrong, most] = [run.pixels_wrong, Some(most)].map(count);
+                format!("; of those compared {wrong} pixels differ, at most {most} could")
+            }
+            _ => String::new(),
+        };
+        let (samples, frames) = (count(Some(run.neglected_samples)), run.frames_timed);
+        format!("\n{} left out {samples} samples in {frames} frames{compared}", run.strategy)
+    };
+    neglecting.map(line).collect()
 }
 
 fn milliseconds(value: Option<f64>) -> String {
@@ -224,6 +250,27 @@ mod tests {
         report.runs = vec![loose.report()];
         let text = render(&report);
         assert!(text.contains("1,234") && !text.contains("WRONG"), "{text}");
+    }
+
+    #[test]
+    fn what_a_threshold_leaves_out_is_told_and_not_called_wrong() {
+        let mut report = example();
+        assert!(!render(&report).contains("left out"));
+        report.threshold_pixels = 12;
+        report.runs[1].neglected_samples = 2_500;
+        report.runs[1].pixels_wrong = Some(1_234);
+        report.runs[1].pixels_wrong_at_most = Some(2_409);
+        let text = render(&report);
+        for expected in [
+            "not exact: what shows at most 12 pixels counts as hidden",
+            "antumbra left out 2,500 samples in 2 frames; of those compared 1,234 pixels differ, at most 2,409 could",
+        ] {
+            assert!(text.contains(expected), "'{expected}' is missing in\n{text}");
+        }
+        assert!(!text.contains("WRONG"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 120), "too wide:\n{text}");
+        report.runs[1].pixels_wrong = Some(2_410);
+        assert!(render(&report).contains("WRONG: 2410 pixels differ"));
     }
 
     #[test]

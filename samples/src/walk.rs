@@ -148,6 +148,7 @@ impl<'a> Walk<'a> {
                 expected_saving_ns: report.plan.expected_saving_ns,
                 result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
+                is_compared: picture.is_some(),
                 ..FrameMeasurement::default()
             };
             let frame = run.eyes.frame();
@@ -193,6 +194,7 @@ fn book(run: &mut Run, mut walked: Vec<Walked>) {
         if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
             walked.measurement.draws += outcome.draws;
             walked.measurement.triangles += outcome.triangles;
+            walked.measurement.neglected_samples += outcome.neglected_samples;
         }
     }
     for Walked { timed, measurement, .. } in walked {

@@ -45,6 +45,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         (["--moving", "101"], "from 0 to 100, not '101'"),
         (["--moving", "-1"], "from 0 to 100, not '-1'"),
         (["--moving", "some"], "from 0 to 100, not 'some'"),
+        (["--threshold", "-1"], "from 0 to 4294967295, not '-1'"),
         (["--frames", "0"], "from 1 to 1000000, not '0'"),
         (["--frames-in-flight", "5"], "from 1 to 4, not '5'"),
         (["--size", "0x0"], "such as 1280x720, not '0x0'"),

@@ -199,6 +199,47 @@ fn a_cache_that_cannot_be_written_is_no_reason_to_stop() {
 }
 
 #[test]
+fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
+    for device in ["llvmpipe", "SwiftShader"] {
+        let scratch = Scratch::new(&format!("threshold-{device}"));
+        let asked = [
+            "--quiet",
+            "--objects=1000",
+            "--frames=12",
+            "--size=192x108",
+            "--strategy=frustum,antumbra,antumbra_flags,coherent",
+            "--verify=every",
+            "--validation=sync",
+            "--threshold=60",
+            "--report=report.json",
+            "--device",
+            device,
+        ];
+        let output = walkthrough(&scratch.0, &asked).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let table = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(table.contains("not exact: what shows at most 60 pixels"), "{table}");
+        assert!(table.contains("without antumbra_flags: ") && !table.contains("WRONG"), "{table}");
+        assert!(table.contains("antumbra left out "), "{table}");
+        let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
+        let report: Value = serde_json::from_str(&report).expect("JSON");
+        assert_eq!(
+            (&report["threshold_pixels"], &report["validation_messages"]),
+            (&60.into(), &0.into())
+        );
+        assert_ne!(report["predicates"], "conditional");
+        let runs = report["runs"].as_array().expect("runs");
+        let numbers = |key| runs.iter().map(|run| number(&run[key])).collect::<Vec<f64>>();
+        let (wrong, most) = (numbers("pixels_wrong"), numbers("pixels_wrong_at_most"));
+        assert_eq!((wrong[0], most[0]), (0.0, 0.0));
+        for run in 1..3 {
+            assert!(0.0 < wrong[run] && wrong[run] <= most[run], "{wrong:?} {most:?}");
+        }
+        assert_eq!(numbers("neglected_samples"), most, "every timed frame was compared");
+    }
+}
+
+#[test]
 fn strategies_are_listed_without_a_device() {
     let scratch = Scratch::new("list-strategies");
     let mut command = walkthrough(&scratch.0, &["--list-strategies"]);

@@ -109,6 +109,34 @@ fn draw_counts_are_taken_where_they_hold_all_draws() {
 }
 
 #[test]
+fn a_device_that_does_not_count_says_so_when_asked_to_count() {
+    let machine = Machine { is_imprecise: true, ..Machine::default() };
+    let instance = instance_with(machine.entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let scene = city(50, 1).unwrap();
+    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let options = RendererOptions { size: [32, 32], ..Default::default() };
+    let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
+    let mut view = renderer.new_view().unwrap();
+    for error in
+        [renderer.supports_counts().unwrap_err(), view.watch(&[cull::ObjectId(1)]).unwrap_err()]
+    {
+        let error = error.to_string();
+        assert!(error.contains("lacks occlusionQueryPrecise, which counting visible"), "{error}");
+    }
+    let options = RendererOptions { threshold_samples: 4, ..options };
+    let error = Renderer::new(&device, &scene, &options).err().unwrap().to_string();
+    assert!(error.contains("occlusionQueryPrecise, which a visibility threshold"), "{error}");
+    view.watch(&[]).unwrap();
+    renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
+    renderer.drain(&mut view).unwrap();
+    assert_eq!(view.visible_samples(), []);
+    drop((renderer, view, device));
+    assert_eq!(instance.validation_log().drain(), []);
+}
+
+#[test]
 fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
     let folder = std::env::temp_dir().join(format!("antumbra-kept-{}", std::process::id()));
     let file = folder.join("pipelines.bin");

@@ -48,6 +48,8 @@ pub struct Culler {
     grouping: Grouping,
     fronts: Vec<Front>,
     governor: Option<Governor>,
+    /// Samples of a query that count as none.
+    neglected_samples: u32,
     /// The policy with what the governor made of it.
     tuned: Policy,
     /// Leaves that the last frame took as visible.
@@ -82,6 +84,7 @@ impl Culler {
             grouping: Grouping::default(),
             fronts: Vec::new(),
             governor: None,
+            neglected_samples: 0,
             tuned: policy,
             visible: 0,
             rng: SplitMix64::new(policy.seed),
@@ -91,6 +94,15 @@ impl Culler {
             turned: Stamp::NEVER,
             coarseness: 0,
         }
+    }
+
+    /// Takes what shows no more than so many samples as hidden from now on (GPU Gems 2, 6.5.4): whoever
+    /// executes the plans leaves the leaves of such tests out. Above 0 the image is not exact, and
+    /// a query must count. For plans that are answered by queries: what is set by
+    /// fragments counts nothing, and shows if it is not zero. [`Strategy::NextFrame`] goes by
+    /// whether anything shows.
+    pub fn neglect(&mut self, samples: u32) {
+        self.neglected_samples = samples;
     }
 
     /// Leaves out tests that cost more than they save, from now on. Without prices everything is
@@ -160,6 +172,11 @@ impl Culler {
                 continue;
             };
             self.next_frame.take(hierarchy, &tag, samples);
+            let samples = match tag.kind {
+                // Told by fragments.
+                QueryKind::Part => samples,
+                _ => samples.saturating_sub(self.neglected_samples),
+            };
             let record = self.history.record(tag.node.0);
             if let Some(governor) = self.governor.as_mut().filter(|_| record.answered < asked) {
                 governor.learn(tag.kind, record.state, record.doubt, samples > 0);

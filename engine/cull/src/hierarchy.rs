@@ -76,6 +76,8 @@ pub struct Hierarchy {
     generation: Generation,
     /// Since which generation each node is what it is.
     births: Vec<Generation>,
+    /// Since which generation each id is that of the object it is, by object.
+    arrivals: Vec<Generation>,
     journal: journal::Journal,
     worn: restructure::Worn,
     refit_scratch: refit::Scratch,
@@ -97,6 +99,7 @@ impl Hierarchy {
         let generation = Generation(0);
         Ok(Self {
             births: vec![generation; topology.nodes.len()],
+            arrivals: vec![generation; topology.leaf_objects.len()],
             topology,
             nodes,
             generation,

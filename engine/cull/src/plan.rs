@@ -94,7 +94,8 @@ pub struct ProxyTest {
 /// `queried_after` says; then for every range of `rounds`: test the proxies of the range against the depth so far, front faces only,
 /// without writing; draw the leaves of those that show. Where such a test is of
 /// [`QueryKind::Parts`], test the [proxy](crate::Margin::proxy) of each leaf in the same way first,
-/// and draw those that show.
+/// and draw those that show. With a threshold ([`Culler::neglect`](crate::Culler::neglect)) a query shows
+/// that counts more samples than that.
 ///
 /// Every leaf whose box meets the frustum is in exactly one place: in `draws`, in `queried_draws`
 /// or in the range of one test.

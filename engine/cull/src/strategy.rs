@@ -104,6 +104,14 @@ impl Strategy {
         }
     }
 
+    /// True if it can be told to take what shows few samples as hidden, and is not exact then
+    /// ([`Culler::neglect`](crate::Culler::neglect),
+    /// [`CoherentOptions`](crate::CoherentOptions)).
+    #[must_use]
+    pub const fn can_neglect(self) -> bool {
+        matches!(self, Self::Coherent | Self::Antumbra | Self::AntumbraQueries)
+    }
+
     /// True if it needs answers before a frame can go on: a [`Dialogue`](crate::Dialogue) and no plan.
     #[must_use]
     pub const fn is_dialogue(self) -> bool {

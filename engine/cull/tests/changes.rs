@@ -279,6 +279,38 @@ fn a_free_leaf_is_found_however_many_there_are() {
 }
 
 #[test]
+fn an_id_is_told_from_the_same_id_of_another_object() {
+    let boxes = grid(60);
+    let mut hierarchy = Hierarchy::build(&boxes).unwrap();
+    let [stays, goes] = [ObjectId(5), ObjectId(30)];
+    let before = hierarchy.generation();
+    assert!(hierarchy.is_same_object_since(goes, before));
+    hierarchy.remove(goes).unwrap();
+    assert!(!hierarchy.is_same_object_since(goes, before), "it is gone");
+    let came = hierarchy.insert(boxes[30]).unwrap();
+    assert_eq!(came, goes);
+    let between = hierarchy.generation();
+    // Its place changes, and it does not.
+    hierarchy.rebuild(&boxes).unwrap();
+    for (object, since, is_same) in [
+        (stays, before, true),
+        (came, before, false),
+        (came, between, true),
+        (ObjectId(60), before, false),
+    ] {
+        assert_eq!(hierarchy.is_same_object_since(object, since), is_same, "{object:?}");
+    }
+    // One that was not there and is there after a rebuild is new, too.
+    let mut fewer = boxes.clone();
+    fewer[7] = Aabb::EMPTY;
+    hierarchy.rebuild(&fewer).unwrap();
+    let without = hierarchy.generation();
+    hierarchy.rebuild(&boxes).unwrap();
+    assert!(!hierarchy.is_same_object_since(ObjectId(7), without));
+    assert!(hierarchy.is_same_object_since(stays, before));
+}
+
+#[test]
 fn nothing_and_everything_gone_are_no_special_cases() {
     let mut nothing = Hierarchy::build(&[]).unwrap();
     nothing.restructure(&mut Vec::new());

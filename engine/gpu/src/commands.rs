@@ -14,6 +14,7 @@ use crate::deletion::Recording;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
+use crate::predicates::IndirectDraw;
 use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
 use crate::target::RenderTarget;
@@ -321,6 +322,23 @@ impl Commands {
         if count > 0 && self.is_sound() {
             // SAFETY: as for a single instance.
             unsafe { self.device.raw().cmd_draw(self.raw, vertices, count, 0, instances.start) };
+        }
+    }
+
+    /// Draws what `draw` says, out of the geometry that is bound.
+    pub fn draw_indexed(&self, draw: &IndirectDraw) {
+        if self.is_sound() {
+            // SAFETY: a pipeline is bound; the caller's indices lie in the buffer that is bound.
+            unsafe {
+                self.device.raw().cmd_draw_indexed(
+                    self.raw,
+                    draw.index_count,
+                    draw.instance_count,
+                    draw.first_index,
+                    draw.vertex_offset,
+                    draw.first_instance,
+                );
+            }
         }
     }
 

@@ -62,6 +62,14 @@ pub enum Error {
         /// What needed it.
         wanted: &'static str,
     },
+    /// A threshold for an executor that can tell zero from the rest and nothing else.
+    #[error(
+        "conditional rendering cannot compare samples with a threshold of {threshold_samples}: skip draws by counts or by instances, or set the threshold to 0"
+    )]
+    CannotCompare {
+        /// What was asked for.
+        threshold_samples: u32,
+    },
     /// A size or count is beyond what the device takes.
     #[error("{what} would be {wanted}, and this device takes at most {limit}")]
     TooLarge {

@@ -15,6 +15,8 @@ pub enum DepthMode {
     TestAndWrite,
     /// As near or nearer passes; nothing is stored. Proxies use it: equal depth counts as visible.
     TestOnly,
+    /// Everything passes; nothing is stored.
+    Ignored,
 }
 
 /// How a pipeline uses colour.
@@ -243,6 +245,7 @@ fn create_graphics(
     let (write, compare) = match info.depth {
         DepthMode::TestAndWrite => (true, vk::CompareOp::GREATER),
         DepthMode::TestOnly => (false, vk::CompareOp::GREATER_OR_EQUAL),
+        DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
     };
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
         .depth_test_enable(true)

@@ -32,6 +32,7 @@ pub struct QueryRing<T> {
     slots: Vec<QuerySlot<T>>,
     recording: usize,
     name: String,
+    counting: Counting,
 }
 
 struct QuerySlot<T> {
@@ -76,11 +77,18 @@ impl<T: Copy> QueryRing<T> {
             slots: (0..frames_in_flight.max(1)).map(|_| slot()).collect(),
             recording: 0,
             name: name.to_owned(),
+            counting: Counting::Some,
         })
     }
 
+    /// The same with queries that count so.
+    #[must_use]
+    pub fn counting(self, counting: Counting) -> Self {
+        Self { counting, ..self }
+    }
+
     /// Gives `answer` every result that is home: the tag and the number of samples that passed
-    /// (only zero or not zero means something). `completed` is [`Device::completed`]. Never waits.
+    /// (only zero or not zero means something, unless the ring [counts](QueryRing::counting) them). `completed` is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(T, u32)) {
         loop {
             let home = |slot: &QuerySlot<T>| slot.in_flight.filter(|tick| *tick <= completed);
@@ -139,7 +147,7 @@ impl<T: Copy> QueryRing<T> {
         match self.begun(commands) {
             Some((queries, recorded)) if query.0 < recorded.count() => {
                 if recorded.note(query.0) {
-                    commands.query(queries.pool, query, Counting::Some, record);
+                    commands.query(queries.pool, query, self.counting, record);
                 } else {
                     commands.fail(Failure::Wrong(RECORDED_TWICE));
                 }

@@ -112,6 +112,7 @@ impl DialogueFrame {
     ) -> Result<DialogueStats, Error> {
         history.begin_unplanned(frame, request.hierarchy)?;
         let ViewHistory { dialogue: kept, plan, device, frames_in_flight, .. } = history;
+        let neglected = &mut history.neglected_by_dialogue;
         let new = || DialogueHistory::new(device, *frames_in_flight, self.options);
         let DialogueHistory { dialogue, queries } = kept.get_or_insert_with(new);
         let (hierarchy, strategy, view) = (request.hierarchy, request.strategy, request.view);
@@ -142,6 +143,7 @@ impl DialogueFrame {
             collect(device.completed()?, &mut under_way, queries, &mut home);
         }
         let stats = conversation.stats();
+        *neglected = stats.neglected_samples;
         plan.stats = PlanStats {
             nodes_visited: stats.nodes_visited,
             frontier: stats.boxes,

@@ -22,6 +22,16 @@ pub enum Error {
         "the scene has changed since it was found out what is visible: find it again with `Renderer::visible_set`"
     )]
     OldVisibleSet,
+    /// A strategy that cannot tell how much shows, and a threshold.
+    #[error(
+        "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
+    )]
+    CannotCount {
+        /// The strategy.
+        strategy: cull::Strategy,
+        /// The threshold in samples.
+        threshold_samples: u32,
+    },
     /// A view that another renderer made.
     #[error(
         "this view was made by another renderer: each renderer draws the views of its own `Renderer::new_view`"

@@ -9,8 +9,8 @@ use gpu::{
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::passes::{
-    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, ProxyBox, ProxyIo,
-    ProxyPass,
+    ComputeTest, ComputeTestIo, CountPass, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, ProxyBox,
+    ProxyIo, ProxyPass,
 };
 use crate::questions::{RoundQuestions, draw_range};
 use crate::scene::Light;
@@ -28,6 +28,8 @@ pub(crate) struct FramePasses {
     pub(crate) compute_test: Option<ComputeTest>,
     // Where fragment shaders can write to buffers.
     pub(crate) leaf_boxes: Option<LeafBoxPass>,
+    // Made for the first frame that counts.
+    pub(crate) counts: Option<CountPass>,
     pub(crate) light: Light,
 }
 

@@ -43,6 +43,7 @@ mod pyramid_frame;
 mod pyramid_history;
 mod questions;
 mod renderer;
+mod sample_counts;
 pub mod scene;
 mod shaders;
 mod update;
@@ -54,11 +55,12 @@ pub use calibration::Costs;
 pub use error::Error;
 pub use moment::Moment;
 pub use passes::{
-    ComputeTest, ComputeTestIo, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo,
+    ComputeTest, ComputeTestIo, CountPass, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo,
     OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass, PyramidLevel, PyramidPass, ScatterIo,
     ScatterPass, SeenIo, SeenPass, pyramid_levels,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
+pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};

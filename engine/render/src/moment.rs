@@ -38,7 +38,7 @@ impl Renderer {
             hidden: Vec::new(),
         };
         let mut showed = Vec::new();
-        let of_frame = |answer: &&Answer| answer.samples > 0 && answer.tag.frame == plan.frame;
+        let of_frame = |answer: &&Answer| history.shows(answer) && answer.tag.frame == plan.frame;
         for answer in history.newest_answers().iter().filter(of_frame) {
             let node = answer.tag.node;
             match answer.tag.kind {

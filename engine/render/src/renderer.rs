@@ -43,6 +43,13 @@ pub struct RendererOptions {
     pub dialogue: DialogueOptions,
     /// The most occlusion queries a frame of ours may use. What cannot be asked is drawn.
     pub query_budget: usize,
+    /// What shows no more samples than this counts as hidden, and is not drawn: at 0 the image is exact.
+    /// Above, each test that is left out may cost as many pixels
+    /// ([`FrameOutcome::neglected_samples`](crate::FrameOutcome::neglected_samples) bounds them), all
+    /// tests are queries, which the device must count, and conditional rendering cannot be
+    /// had. For [`Strategy::Antumbra`] and [`Strategy::AntumbraQueries`];
+    /// [`Strategy::Coherent`] has [its own](cull::CoherentOptions::visibility_threshold_samples).
+    pub threshold_samples: u32,
     /// What things cost, so that nothing is tested at a loss.
     pub costs: Costs,
     /// Room for objects that [come later](Renderer::update), beside the room of those that go.
@@ -59,6 +66,7 @@ impl Default for RendererOptions {
             policy: Policy::default(),
             dialogue: DialogueOptions::default(),
             query_budget: 8192,
+            threshold_samples: 0,
             costs: Costs::Ignored,
             spare_objects: 0,
         }
@@ -130,6 +138,7 @@ pub struct Renderer {
     pub(crate) pass_times: Vec<PassTime>,
     policy: Policy,
     pub(crate) query_budget: usize,
+    pub(crate) threshold_samples: u32,
     costs: Option<CostTable>,
 }
 
@@ -138,7 +147,7 @@ impl Renderer {
     ///
     /// # Errors
     /// A scene or size beyond the device's limits, no memory, a shader that does not compile, a
-    /// failed call.
+    /// failed call; a threshold where queries do not count, or under conditional rendering.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
         let mut bounds = object_bounds(scene)?;
         bounds.resize(bounds.len().saturating_add(options.spare_objects), Aabb::EMPTY);
@@ -171,7 +180,9 @@ impl Renderer {
         check_hierarchy(scene, &hierarchy)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
-        let predicates = Predicates::new(device, options.predication, &geometry.draws(), slots)?;
+        let draws = geometry.draws();
+        let (wanted, threshold) = (options.predication, options.threshold_samples);
+        let predicates = Predicates::with_threshold(device, wanted, &draws, slots, threshold)?;
         let light = scene.light;
         let mut passes = FramePasses {
             target,
@@ -181,6 +192,7 @@ impl Renderer {
             proxies,
             compute_test: None,
             leaf_boxes,
+            counts: None,
             light,
         };
         let id = RendererId::new();
@@ -203,6 +215,7 @@ impl Renderer {
             pass_times: Vec::new(),
             policy: options.policy,
             query_budget: options.query_budget,
+            threshold_samples: options.threshold_samples,
             costs,
         })
     }
@@ -213,6 +226,7 @@ impl Renderer {
     /// A failed call.
     pub fn new_view(&self) -> Result<ViewHistory, Error> {
         let mut culler = Culler::with_abilities(self.policy, self.abilities());
+        culler.neglect(self.threshold_samples);
         if let Some(Err(error)) = self.costs.map(|table| culler.govern(table, self.scene_costs())) {
             tracing::warn!("{error}");
         }
@@ -236,8 +250,9 @@ impl Renderer {
     /// What plans may make use of on this device.
     fn abilities(&self) -> Abilities {
         Abilities {
-            flags: self.passes.proxies.can_flag(),
-            compute: ComputeTest::check(&self.device, self.size()).is_ok(),
+            // A threshold needs numbers, which only queries have.
+            flags: self.is_exact() && self.passes.proxies.can_flag(),
+            compute: self.is_exact() && ComputeTest::check(&self.device, self.size()).is_ok(),
             parts: self.passes.leaf_boxes.is_some(),
         }
     }
@@ -251,8 +266,14 @@ impl Renderer {
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing; [`gpu::Error::TooLarge`], with
-    /// the limit.
+    /// the limit; [`Error::CannotCount`] where there is a threshold.
     pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
+        let counts_nothing =
+            matches!(strategy, Strategy::AntumbraFlags | Strategy::AntumbraCompute);
+        if counts_nothing && !self.is_exact() {
+            let threshold_samples = self.threshold_samples;
+            return Err(Error::CannotCount { strategy, threshold_samples });
+        }
         match strategy {
             Strategy::Pyramid => PyramidFrame::check(&self.device, &self.hierarchy, self.size())?,
             Strategy::AntumbraCompute => ComputeTest::check(&self.device, self.size())?,
@@ -273,6 +294,11 @@ impl Renderer {
             wanted: strategy.name(),
         }
         .into())
+    }
+
+    /// Whether whatever shows is drawn, with the strategies named exact.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.threshold_samples == 0
     }
 
     /// Whether a dialogue goes by numbers of samples.

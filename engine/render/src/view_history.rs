@@ -8,8 +8,8 @@ use cull::{
     QueryTag, Strategy, Tester, View,
 };
 use gpu::{
-    Device, DrawRange, FlagRing, Frame, IndirectDraw, PartDraws, QueryRing, SwitchedOn, Tick,
-    WordSource,
+    Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw, PartDraws, QueryRing, SwitchedOn,
+    Tick, WordSource,
 };
 
 use crate::dialogue_frame::DialogueHistory;
@@ -19,6 +19,7 @@ use crate::leaf_counts::Count;
 use crate::pyramid_history::PyramidHistory;
 use crate::questions::{Asked, Questions};
 use crate::renderer::Renderer;
+use crate::sample_counts::SampleCounts;
 use crate::visible_set::VisibleSet;
 
 /// What a frame turned out to be, known once its answers are home.
@@ -33,6 +34,9 @@ pub struct FrameOutcome {
     pub triangles: u64,
     /// Objects among `draws` that were drawn because a proxy showed.
     pub revealed: u64,
+    /// Samples of tests that showed, but not more than the threshold, so that what they stand for was
+    /// left out: at most so many pixels are wrong. 0 without a threshold.
+    pub neglected_samples: u64,
 }
 
 /// An answer that is home, and what was drawn if it says that something shows.
@@ -66,12 +70,16 @@ pub struct ViewHistory {
     /// That of the hierarchy that the plan is for.
     pub(crate) generation: Generation,
     pub(crate) questions: Questions,
+    pub(crate) counts: SampleCounts,
     pub(crate) dialogue: Option<DialogueHistory>,
     pyramid: Option<PyramidHistory>,
     pub(crate) frames_in_flight: usize,
     pub(crate) device: Device,
     /// Up to which change of a draw `parts` knows the draws.
     seen_changes: u64,
+    threshold_samples: u32,
+    /// By the dialogue of the newest frame.
+    pub(crate) neglected_by_dialogue: u64,
     answers: Vec<Answered>,
     behind: Vec<Asked>,
     newest: Vec<Answer>,
@@ -87,21 +95,26 @@ impl ViewHistory {
         let Renderer { device, hierarchy, .. } = renderer;
         let frames_in_flight = renderer.frames.frames_in_flight();
         let leaves = hierarchy.leaf_objects().len() as u32;
+        let counting = if renderer.is_exact() { Counting::Some } else { Counting::Samples };
+        let queries = QueryRing::new(device, frames_in_flight, "occlusion queries")?;
         Ok(Self {
             renderer: renderer.id,
             culler,
-            queries: QueryRing::new(device, frames_in_flight, "occlusion queries")?,
+            queries: queries.counting(counting),
             flags: FlagRing::new(device, frames_in_flight, WordSource::Fragments, "proxy flags"),
             computed: FlagRing::new(device, frames_in_flight, WordSource::Compute, "box words"),
             parts: PartDraws::new(device, frames_in_flight, leaves),
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
             questions: Questions::default(),
+            counts: SampleCounts::default(),
             dialogue: None,
             pyramid: None,
             frames_in_flight,
             device: device.clone(),
             seen_changes: renderer.passes.geometry.draw_changes.count(),
+            threshold_samples: renderer.threshold_samples,
+            neglected_by_dialogue: 0,
             answers: Vec::new(),
             behind: Vec::new(),
             newest: Vec::new(),
@@ -130,11 +143,17 @@ impl ViewHistory {
     /// Picks up every answer that is home and lets the history move on. Never waits.
     pub(crate) fn ingest(&mut self, completed: Tick, hierarchy: &Hierarchy, geometry: &Geometry) {
         self.collect(completed, hierarchy, geometry);
+        self.counts.collect(completed, hierarchy, self.plan.frame);
+        let threshold = self.threshold_samples;
         let Self { culler, pyramid, answers, newest: kept, pending, outcomes, .. } = self;
         for Answered { answer, count } in answers.iter().filter(|home| home.answer.samples > 0) {
             let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
             let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
-            if let Some(outcome) = outcome.filter(|_| is_drawn) {
+            let Some(outcome) = outcome else { continue };
+            if !shows(answer, threshold) {
+                let decides = is_drawn || answer.tag.kind == QueryKind::Parts;
+                outcome.neglected_samples += u64::from(answer.samples) * u64::from(decides);
+            } else if is_drawn {
                 outcome.draws += count.draws;
                 outcome.revealed += count.draws;
                 outcome.triangles += count.triangles;
@@ -243,6 +262,11 @@ impl ViewHistory {
         self.seen_changes = changes.count();
     }
 
+    /// Whether what an answer is about shows by more than the threshold.
+    pub(crate) fn shows(&self, answer: &Answer) -> bool {
+        shows(answer, self.threshold_samples)
+    }
+
     /// All answers to the newest frame that has any.
     pub(crate) fn newest_answers(&self) -> &[Answer] {
         &self.newest
@@ -315,10 +339,16 @@ impl ViewHistory {
         self.flags.submitted(tick);
         self.computed.submitted(tick);
         self.parts.submitted(tick);
+        self.counts.submitted(tick, self.plan.frame);
         let taken = self.plan.draws.iter().copied();
         let taken = taken.chain(self.plan.queried_draws.iter().map(|(leaf, _)| *leaf));
-        let mut outcome =
-            FrameOutcome { frame: self.plan.frame, draws: 0, triangles: 0, revealed: 0 };
+        let mut outcome = FrameOutcome {
+            frame: self.plan.frame,
+            draws: 0,
+            triangles: 0,
+            revealed: 0,
+            neglected_samples: std::mem::take(&mut self.neglected_by_dialogue),
+        };
         for first in taken {
             let count = geometry.count(LeafRange { first, count: 1 });
             outcome.draws += count.draws;
@@ -331,6 +361,14 @@ impl ViewHistory {
         } else {
             self.pending.push_back(outcome);
         }
+    }
+}
+
+/// Parts are told by fragments, which do not count.
+fn shows(answer: &Answer, threshold_samples: u32) -> bool {
+    match answer.tag.kind {
+        QueryKind::Part => answer.samples > 0,
+        _ => answer.samples > threshold_samples,
     }
 }
 

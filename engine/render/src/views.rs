@@ -13,7 +13,7 @@ use gpu::{Device, Readback, Tick, Timeline};
 use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
 use crate::error::Error;
 use crate::frame_passes::FrameIo;
-use crate::passes::ComputeTest;
+use crate::passes::{ComputeTest, CountPass};
 use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
 use crate::view_history::ViewHistory;
@@ -96,6 +96,7 @@ impl Renderer {
         request.picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         let began = Instant::now();
         self.prepare(request.strategy)?;
+        self.prepare_counts(eyes)?;
         let mut frame = self.frames.begin()?;
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
@@ -112,12 +113,14 @@ impl Renderer {
             if let (Strategy::Pyramid, Some(pyramid)) = (request.strategy, &self.pyramid) {
                 let request = PyramidRequest { hierarchy, view, picture };
                 pyramid.record(&mut frame, history, passes, &request)?;
+                passes.count_samples(&mut frame, history, hierarchy, view)?;
                 continue;
             }
             if let (true, Some(dialogue)) = (request.strategy.is_dialogue(), &self.dialogue) {
                 let ViewsRequest { strategy, after, .. } = *request;
                 let request = DialogueRequest { hierarchy, strategy, view, picture, after };
                 let stats = dialogue.record(&mut frame, history, passes, &request)?;
+                passes.count_samples(&mut frame, history, hierarchy, view)?;
                 report.tests += stats.boxes;
                 report.queries += stats.boxes + stats.own_draws;
                 continue;
@@ -139,6 +142,7 @@ impl Renderer {
             }
             let io = FrameIo::write(&mut frame, history, passes)?;
             passes.record(frame.commands(), history, view, &io, picture);
+            passes.count_samples(&mut frame, history, hierarchy, view)?;
         }
 
         let waited = frame.waited();
@@ -164,6 +168,15 @@ impl Renderer {
         if strategy.is_dialogue() && self.dialogue.is_none() {
             let options = self.dialogue_options;
             self.dialogue = Some(DialogueFrame::new(&self.device, &self.shaders, options)?);
+        }
+        Ok(())
+    }
+
+    /// Makes what counting needs, for the first frame that counts.
+    fn prepare_counts(&mut self, eyes: &[Eye<'_>]) -> Result<(), Error> {
+        let is_watching = |eye: &Eye<'_>| eye.history.counts.is_watching();
+        if self.passes.counts.is_none() && eyes.iter().any(is_watching) {
+            self.passes.counts = Some(CountPass::new(&self.device, &self.shaders)?);
         }
         Ok(())
     }

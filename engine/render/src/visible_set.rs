@@ -91,7 +91,9 @@ impl Renderer {
             self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
         }
         let eye = Eye { history: &mut *history, camera: *camera, visible: None, area };
-        let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
+        // With a threshold ours leaves out what this is to find.
+        let strategy = if self.is_exact() { Strategy::Antumbra } else { Strategy::Frustum };
+        let request = ViewsRequest { strategy, picture: None, after: None };
         self.render_views(&mut [eye], &request)?;
         let view = self.view_in(camera, area);
         let moment = self.moment(history, view)?;

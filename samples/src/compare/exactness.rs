@@ -43,7 +43,7 @@ pub struct Book {
     /// Its name.
     pub strategy: String,
     /// Whether it promises the picture of plain frustum culling. A strategy that this build does
-    /// not know promises nothing.
+    /// not know promises nothing, nor does one that was given a threshold in some report.
     pub is_exact: bool,
     /// In which setting.
     pub setting: Setting,
@@ -77,11 +77,18 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
     let mut books: Vec<Book> =
         Setting::ALL.into_iter().flat_map(|setting| names.iter().map(book(setting))).collect();
     for (place, case) in cases.iter() {
-        for run in case.reports().iter().flat_map(|report| &report.runs) {
+        let runs = case
+            .reports()
+            .iter()
+            .flat_map(|report| report.runs.iter().map(|run| (run, report.threshold_pixels > 0)));
+        for (run, has_threshold) in runs {
             let here = |book: &&mut Book| {
                 book.setting == Setting::of(place) && book.strategy == run.strategy
             };
             if let Some(book) = books.iter_mut().find(here) {
+                let neglects =
+                    has_threshold && run.strategy.parse().is_ok_and(Strategy::can_neglect);
+                book.is_exact &= !neglects;
                 book.frames_compared += run.frames_verified;
                 book.pixels_wrong += run.pixels_wrong.unwrap_or(0);
             }
@@ -118,5 +125,19 @@ mod tests {
         let mystery = find("mystery", Setting::Still);
         assert_eq!((mystery.pixels_wrong, mystery.is_exact), (7, false));
         assert_eq!(find("frustum", Setting::Still).frames_compared, 0);
+    }
+
+    #[test]
+    fn a_threshold_takes_the_promise_from_those_that_have_it() {
+        let mut report =
+            verified("city", "street", 500, &[("antumbra", 12, 3), ("pyramid", 12, 0)]);
+        report.threshold_pixels = 5;
+        let reports = [report];
+        let books = books(&Cases::of(&reports));
+        let is_exact = |name: &str| {
+            let mut still = books.iter().filter(|book| book.setting == Setting::Still);
+            still.find(|book| book.strategy == name).unwrap().is_exact
+        };
+        assert_eq!([is_exact("antumbra"), is_exact("pyramid")], [false, true]);
     }
 }

@@ -64,6 +64,8 @@ pub struct Measured {
     pub frames_in_flight: u32,
     /// How hidden draws were skipped.
     pub predicates: String,
+    /// What showed no more pixels than this counted as hidden.
+    pub threshold_pixels: u32,
     /// One entry a strategy.
     pub runs: Vec<MeasuredRun>,
     /// "A/B": ratio of the medians.

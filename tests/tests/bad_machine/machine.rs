@@ -35,6 +35,8 @@ pub struct Machine {
     pub lacks: Option<Required>,
     /// No device has conditional rendering.
     pub is_unconditional: bool,
+    /// No device counts samples.
+    pub is_imprecise: bool,
     /// The most draws that a device draws or counts at once.
     pub most_draws: Option<u32>,
     /// What fails.

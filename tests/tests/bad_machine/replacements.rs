@@ -232,6 +232,9 @@ unsafe extern "system" fn features(
         if lacks(Required::DrawIndirectFirstInstance) {
             core.draw_indirect_first_instance = vk::FALSE;
         }
+        if machine(|machine| machine.is_imprecise) {
+            core.occlusion_query_precise = vk::FALSE;
+        }
         let mut next = (*features).p_next.cast::<vk::BaseOutStructure<'_>>();
         while let Some(structure) = next.as_mut() {
             match structure.s_type {

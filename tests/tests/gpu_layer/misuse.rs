@@ -11,7 +11,7 @@ use tests::{Driver, open, run, run_on_all};
 fn compute(device: &Device) -> ComputePipeline {
     let bytes = include_bytes!("../../../shaders/predicate_counts.comp.spv");
     let spirv = Spirv::from_bytes("predicate_counts.comp", bytes).unwrap();
-    let storage = StorageLayout { buffers: 3, push_bytes: 8 };
+    let storage = StorageLayout { buffers: 3, push_bytes: 12 };
     ComputePipeline::new(device, "counts", &spirv, storage).unwrap()
 }
 
@@ -43,17 +43,19 @@ fn commands_that_run_once_bind_what_they_read() {
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
         let home = Buffer::new(device, "home", 16, usage, Place::ReadBack).unwrap();
         let between = MemoryBarrier::between;
-        let record = |commands: &Commands| {
+        let record = |commands: &Commands, threshold: u32| {
             commands.bind_compute(&pipeline, &lists.slices());
-            commands.push_compute_constants(&pipeline, &[0u32, 2]);
+            commands.push_compute_constants(&pipeline, &[0, 2, threshold]);
             commands.dispatch([1, 1, 1]);
             commands.barrier(between(&[Access::ComputeWrite], &[Access::CopyRead]));
             commands.copy_buffer(lists.counts.whole(), home.whole());
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         };
-        device.run_once("counts", record).unwrap();
-        // Of the range, and of the command for its boxes.
-        assert_eq!(home.read::<u32>(0..4), [5, 1, 0, 0]);
+        for (threshold, shown) in [(0, [5, 1]), (8, [5, 1]), (9, [0, 0]), (u32::MAX, [0, 0])] {
+            device.run_once("counts", |commands| record(commands, threshold)).unwrap();
+            // Of the range, and of the command for its boxes.
+            assert_eq!(home.read::<u32>(0..4), [shown[0], shown[1], 0, 0], "{threshold}");
+        }
     });
 }
 
@@ -91,14 +93,14 @@ fn buffers_and_constants_are_those_of_the_pipeline() {
         for storage in [&[][..], &[words, decided], &[words, decided, counts, words]] {
             let text = sentence(device, |commands| {
                 commands.bind_compute(&pipeline, storage);
-                commands.push_compute_constants(&pipeline, &[0u32, 2]);
+                commands.push_compute_constants(&pipeline, &[0u32, 2, 0]);
                 commands.dispatch([1, 1, 1]);
             });
             assert!(text.contains("too many or too few buffers"), "{text}");
         }
         let text = sentence(device, |commands| {
             commands.bind_compute(&pipeline, &lists.slices());
-            commands.push_compute_constants(&pipeline, &[0u32, 2, 4]);
+            commands.push_compute_constants(&pipeline, &[0u32, 2, 0, 4]);
             commands.dispatch([1, 1, 1]);
         });
         assert!(text.contains("push constants"), "{text}");
@@ -115,7 +117,7 @@ fn no_more_workgroups_than_the_device_takes() {
             groups[axis] = most[axis] + 1;
             let text = sentence(device, |commands| {
                 commands.bind_compute(&pipeline, &lists.slices());
-                commands.push_compute_constants(&pipeline, &[0u32, 0]);
+                commands.push_compute_constants(&pipeline, &[0u32, 0, 0]);
                 commands.dispatch(groups);
                 // What goes wrong later is not what is told.
                 commands.bind_compute(&pipeline, &[]);

@@ -101,8 +101,8 @@ fn predicates_read_words_and_ranges() {
     let draws = (2, size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
     let counts = (2, 4, vec![0]);
     let [of_counts, of_instances] = OF_GPU.map(interface);
-    assert_eq!(of_counts, (vec![words.clone(), ranges.clone(), counts], 8));
-    assert_eq!(of_instances, (vec![words, ranges, draws, boxes], 8));
+    assert_eq!(of_counts, (vec![words.clone(), ranges.clone(), counts], 12));
+    assert_eq!(of_instances, (vec![words, ranges, draws, boxes], 12));
     // What vkCmdDrawIndexedIndirect reads.
     assert_eq!(size_of::<IndirectDraw>(), size_of::<gpu::vk::DrawIndexedIndirectCommand>());
     assert_eq!(INDIRECT_DRAW_OFFSETS, [0, 4, 8, 12, 16]);

@@ -197,6 +197,12 @@ impl Coherent {
     /// An answer came: the listing's first part.
     fn take(&mut self, answer: &Heard, words: &mut Words<'_>) {
         if answer.samples <= self.options.visibility_threshold_samples {
+            // A leaf that was visible in the last frame is drawn beside its test.
+            let frame = self.frame;
+            let record = self.record(answer.node, &words.sight);
+            if record.is_none_or(|record| record.drawn != frame) {
+                words.stats.neglected_samples += u64::from(answer.samples);
+            }
             return;
         }
         let longest = self.options.assumed_visible_frames;

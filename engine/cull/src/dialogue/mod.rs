@@ -128,6 +128,9 @@ pub struct DialogueStats {
     pub waits: u32,
     /// Batches, the last one included.
     pub batches: u32,
+    /// Samples of boxes that showed and whose leaves were left out all the same: at most so many pixels
+    /// are wrong.
+    pub neglected_samples: u64,
 }
 
 /// The CPU's half of one view's conversations, with the history of the methods that keep one.

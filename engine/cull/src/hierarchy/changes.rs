@@ -64,7 +64,10 @@ impl Hierarchy {
         let generation = self.begin_generation();
         self.births[node as usize] = generation;
         self.note(generation, Change::Recycled(node));
-        Ok(self.topology.leaf_objects[self.topology.nodes[node as usize].first_leaf as usize])
+        let leaf = self.topology.nodes[node as usize].first_leaf;
+        let object = self.topology.leaf_objects[leaf as usize];
+        self.arrivals[object.0 as usize] = generation;
+        Ok(object)
     }
 
     /// How many objects can still be inserted.
@@ -135,6 +138,11 @@ impl Hierarchy {
         self.work.rebuilt_leaves += boxes.len() as u64;
         let generation = self.begin_generation();
         self.births = vec![generation; self.topology.nodes.len()];
+        self.arrivals.resize(boxes.len(), generation);
+        let leaves = change.moved_from.iter().zip(&self.topology.leaf_objects);
+        for (_, object) in leaves.filter(|(moved_from, _)| **moved_from == NEW_LEAF) {
+            self.arrivals[object.0 as usize] = generation;
+        }
         self.note(generation, Change::Restructured(Box::new(change)));
         Ok(generation)
     }
@@ -151,6 +159,16 @@ impl Hierarchy {
     pub fn is_same_since(&self, node: NodeId, generation: Generation) -> bool {
         let born = self.births.get(node.0 as usize);
         generation <= self.generation && born.is_some_and(|born| *born <= generation)
+    }
+
+    /// True if an object is there and was there in `generation`: what was found out about its id then
+    /// is about it and not about one that had the id before.
+    #[must_use]
+    pub fn is_same_object_since(&self, object: ObjectId, generation: Generation) -> bool {
+        let arrived = self.arrivals.get(object.0 as usize);
+        self.contains(object)
+            && generation <= self.generation
+            && arrived.is_some_and(|arrived| *arrived <= generation)
     }
 
     pub(crate) fn journal(&self) -> &Journal {
@@ -191,6 +209,7 @@ impl Hierarchy {
             None => {
                 self.generation = Generation(1);
                 self.births.fill(self.generation);
+                self.arrivals.fill(self.generation);
                 self.journal.clear();
             }
         }

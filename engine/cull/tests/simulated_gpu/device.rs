@@ -1,7 +1,8 @@
 //! Executes plans as the renderer does, and brings answers home with all mishaps there are.
 
 use antumbra_cull::{
-    Aabb, Answer, FramePlan, Hierarchy, LeafIndex, ProxyTest, QueryKind, QueryTag, Tester, View,
+    Aabb, Answer, FramePlan, Hierarchy, LeafIndex, LeafRange, ProxyTest, QueryKind, QueryTag,
+    Tester, View,
 };
 
 use crate::image::{Image, Shift};
@@ -35,6 +36,10 @@ pub struct Device {
     pub image: Image,
     /// Objects drawn by the last frame, in order.
     pub drawn: Vec<u32>,
+    /// What shows no more samples than this is not drawn.
+    pub threshold_samples: u32,
+    /// The leaves that were left out so by the last frame, and the samples that showed.
+    pub neglected: Vec<(LeafRange, u32)>,
     mishaps: Mishaps,
     random: Random,
     sub_pixel_step: f64,
@@ -47,6 +52,8 @@ impl Device {
         Self {
             image: Image::new(size),
             drawn: Vec::new(),
+            threshold_samples: 0,
+            neglected: Vec::new(),
             mishaps,
             random: Random::new(seed),
             sub_pixel_step: 0.5_f64.powi(sub_pixel_bits as i32),
@@ -80,6 +87,7 @@ impl Device {
     ) {
         self.image.clear();
         self.drawn.clear();
+        self.neglected.clear();
         let mut drawn = 0;
         for ((leaf, tag), after) in plan.queried_draws.iter().zip(&plan.queried_after) {
             for leaf in &plan.draws[drawn..*after as usize] {
@@ -118,7 +126,8 @@ impl Device {
                 if samples == 0 || !is_behind {
                     self.answer(test.tag, samples);
                 }
-                if samples == 0 {
+                if samples <= self.threshold_samples {
+                    self.neglected.extend((samples > 0).then_some((test.leaves, samples)));
                     continue;
                 }
                 let parts = match test.tag.kind {

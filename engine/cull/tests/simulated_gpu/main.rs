@@ -21,5 +21,6 @@ mod recycling;
 mod rest;
 mod scene;
 mod talk;
+mod threshold;
 mod walk;
 mod work;

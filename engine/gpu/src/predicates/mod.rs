@@ -150,6 +150,7 @@ pub struct Predicates {
     predication: Predication,
     draws: Buffer,
     writer: Option<ComputePipeline>,
+    threshold_samples: u32,
     // A word that lets everything be drawn: as a predicate, and as a draw count.
     all: Buffer,
     lanes: [Lane; WordSource::ALL.len()],
@@ -160,6 +161,7 @@ pub struct Predicates {
 struct Decisions {
     first: u32,
     count: u32,
+    threshold: u32,
 }
 
 impl Predicates {
@@ -174,7 +176,23 @@ impl Predicates {
         draws: &[IndirectDraw],
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
-        let predication = choose(device, predication, draws.len() as u64)?;
+        Self::with_threshold(device, predication, draws, frames_in_flight, 0)
+    }
+
+    /// The same where words of queries that are no larger than `threshold_samples` count as zero; those
+    /// queries must [count](crate::Counting::Samples). The result is then no longer exact.
+    ///
+    /// # Errors
+    /// As [`Predicates::new`]; above a threshold of 0 also [`Error::CannotCompare`], and
+    /// [`Error::Unsupported`] where queries do not count.
+    pub fn with_threshold(
+        device: &Device,
+        predication: Option<Predication>,
+        draws: &[IndirectDraw],
+        frames_in_flight: usize,
+        threshold_samples: u32,
+    ) -> Result<Self, Error> {
+        let predication = choose(device, predication, draws.len() as u64, threshold_samples)?;
         let shader: Option<(&str, &[u8])> = match predication {
             Predication::Conditional => None,
             Predication::Counts => Some((
@@ -212,6 +230,7 @@ impl Predicates {
                 usage | vk::BufferUsageFlags::TRANSFER_SRC,
             )?,
             writer,
+            threshold_samples,
             lanes: std::array::from_fn(|_| Lane::new(frames_in_flight)),
         })
     }
@@ -279,6 +298,9 @@ impl Predicates {
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
+            // What nobody answers is drawn, and flags do not count.
+            let is_counted = *source == WordSource::Queries && words != self.all.whole();
+            let threshold = if is_counted { self.threshold_samples } else { 0 };
             let per_group = match self.predication {
                 Predication::Counts => 64, // a thread per decision
                 _ => 1,                    // a workgroup per decision
@@ -288,7 +310,7 @@ impl Predicates {
             let end = range.end.min(lane.decided.len() as u32);
             for first in (range.start..end).step_by(most as usize) {
                 let count = most.min(end - first);
-                commands.push_compute_constants(writer, &Decisions { first, count });
+                commands.push_compute_constants(writer, &Decisions { first, count, threshold });
                 commands.dispatch([count.div_ceil(per_group), 1, 1]);
             }
         }
@@ -411,20 +433,41 @@ impl Predicates {
 
 /// The executor for `draws` draws: the one wanted, else the best that the device has for so many. Any
 /// range may become one draw call, and a draw count is limited as a whole.
-fn choose(device: &Device, wanted: Option<Predication>, draws: u64) -> Result<Predication, Error> {
+fn choose(
+    device: &Device,
+    wanted: Option<Predication>,
+    draws: u64,
+    threshold_samples: u32,
+) -> Result<Predication, Error> {
     let capabilities = device.capabilities();
+    let unsupported = |lacking: Optional, wanted| Error::Unsupported {
+        device: device.adapter().name.clone(),
+        missing: lacking.name(),
+        wanted,
+    };
+    let compares = threshold_samples > 0;
+    if compares && wanted == Some(Predication::Conditional) {
+        return Err(Error::CannotCompare { threshold_samples });
+    }
+    if compares && !capabilities.has(Optional::PreciseQueries) {
+        return Err(unsupported(Optional::PreciseQueries, "a visibility threshold"));
+    }
     let limit = u64::from(device.adapter().limits.max_draw_indirect_count);
     let is_too_much = |predication| predication == Predication::Counts && draws > limit;
     let Some(wanted) = wanted else {
-        let best = Predication::best(capabilities);
+        let best = match Predication::best(capabilities) {
+            Predication::Conditional if compares => {
+                match capabilities.has(Optional::DrawIndirectCount) {
+                    true => Predication::Counts,
+                    false => Predication::Instances,
+                }
+            }
+            best => best,
+        };
         return Ok(if is_too_much(best) { Predication::Instances } else { best });
     };
     if let Some(lacking) = wanted.needs().filter(|optional| !capabilities.has(*optional)) {
-        return Err(Error::Unsupported {
-            device: device.adapter().name.clone(),
-            missing: lacking.name(),
-            wanted: "this way to skip hidden draws",
-        });
+        return Err(unsupported(lacking, "this way to skip hidden draws"));
     }
     if is_too_much(wanted) {
         let what = "the number of draws under draw counts".to_owned();

@@ -1,6 +1,7 @@
 //! The passes: each a struct with its pipeline, and an `Io` that lists what it reads and writes.
 
 mod compute_test;
+mod count;
 mod leaf_box;
 mod opaque;
 mod overlay;
@@ -11,6 +12,7 @@ mod scatter;
 mod seen;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
+pub use count::CountPass;
 pub use leaf_box::{LeafBoxIo, LeafBoxPass};
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};

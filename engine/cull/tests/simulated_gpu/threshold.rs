@@ -1,0 +1,122 @@
+//! With a threshold, what is missing is what showed no more than that, and no more of it.
+
+use antumbra_cull::{
+    Aabb, Abilities, Camera, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Policy, Strategy,
+    View,
+};
+use glam::Vec3;
+
+use crate::device::{Device, Mishaps, Solids};
+use crate::image::Image;
+use crate::random::Random;
+use crate::scene::{PATHS, Path, Scene};
+use crate::walk::Walk;
+
+const SCENES: u64 = 150;
+const FRAMES: u64 = 24;
+const SIZE: [u32; 2] = [40, 28];
+const SUB_PIXEL_BITS: u32 = 8;
+
+/// What a walk found.
+#[derive(Debug, Default)]
+struct Found {
+    drawn: usize,
+    pixels_wrong: usize,
+    neglected: u64,
+}
+
+/// Pixels of the whole image in which some of these objects is the nearest.
+fn owned(view: &View, scene: &Scene, truth: &Image, objects: impl Iterator<Item = usize>) -> u32 {
+    let mut alone = Image::new(SIZE);
+    let mut is_owned = vec![false; truth.depths.len()];
+    for object in objects {
+        alone.clear();
+        alone.draw(view, &scene.solids[object], scene.shifts[object]);
+        for ((is_owned, own), nearest) in is_owned.iter_mut().zip(&alone.depths).zip(&truth.depths)
+        {
+            *is_owned |= *own > 0.0 && own == nearest;
+        }
+    }
+    is_owned.iter().filter(|is_owned| **is_owned).count() as u32
+}
+
+fn walk(seed: u64, threshold_samples: u32) -> Found {
+    let mut random = Random::new(seed);
+    let scene = Scene::random(&mut random, SUB_PIXEL_BITS);
+    let hierarchy = Hierarchy::build(&scene.bounds).unwrap();
+    let mut camera = Path::start(&mut random);
+    let path = PATHS[random.below(PATHS.len())];
+    let calm = Mishaps::none(1 + seed % 4);
+    let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
+    let mishaps = if random.chance(0.5) { rough } else { calm };
+    let abilities = Abilities { parts: random.chance(0.5), ..Abilities::default() };
+    let mut culler = Culler::with_abilities(Policy { seed, ..Policy::default() }, abilities);
+    culler.neglect(threshold_samples);
+    let mut device = Device::new(SIZE, SUB_PIXEL_BITS, mishaps, seed);
+    device.threshold_samples = threshold_samples;
+    let (mut plan, mut truth) = (FramePlan::default(), Image::new(SIZE));
+    let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
+    let mut found = Found::default();
+    for frame in 0..FRAMES {
+        path.advance(&mut camera, frame, &mut random);
+        let view = View::new(&camera, SIZE, SUB_PIXEL_BITS);
+        truth.clear();
+        for (solid, shift) in scene.solids.iter().zip(&scene.shifts) {
+            truth.draw(&view, solid, *shift);
+        }
+        let answers = device.collect(culler.frame().0 + 1);
+        culler.ingest(&hierarchy, answers);
+        culler.plan(&hierarchy, Strategy::Antumbra, &view, 10_000, &mut plan);
+        device.execute(&view, &hierarchy, &solids, &plan);
+        let context = format!("seed {seed}, frame {frame}, threshold {threshold_samples}");
+        for (leaves, samples) in &device.neglected {
+            let objects = &hierarchy.leaf_objects()[leaves.indices()];
+            let objects = objects.iter().map(|object| object.0 as usize);
+            let lost = owned(&view, &scene, &truth, objects);
+            assert!(lost <= *samples && *samples <= threshold_samples, "{context}: {lost}");
+        }
+        let neglected: u64 = device.neglected.iter().map(|(_, samples)| u64::from(*samples)).sum();
+        let pixels = device.image.depths.iter().zip(&truth.depths);
+        let wrong = pixels.filter(|(ours, all)| ours != all).count();
+        assert!(wrong as u64 <= neglected, "{context}: {wrong} wrong, {neglected} neglected");
+        found.drawn += device.drawn.len();
+        found.pixels_wrong += wrong;
+        found.neglected += neglected;
+    }
+    found
+}
+
+#[test]
+fn what_is_missing_showed_no_more_than_the_threshold() {
+    let [exact, few, many] = [0, 4, 40].map(|threshold| {
+        (0..SCENES).map(|seed| walk(seed, threshold)).fold(Found::default(), |sum, found| Found {
+            drawn: sum.drawn + found.drawn,
+            pixels_wrong: sum.pixels_wrong + found.pixels_wrong,
+            neglected: sum.neglected + found.neglected,
+        })
+    });
+    println!("{exact:?} {few:?} {many:?}");
+    assert_eq!((exact.pixels_wrong, exact.neglected), (0, 0));
+    assert!(few.pixels_wrong > 0 && few.pixels_wrong < many.pixels_wrong, "{few:?} {many:?}");
+    assert!(many.drawn < few.drawn && few.drawn < exact.drawn, "{exact:?} {few:?} {many:?}");
+}
+
+/// Something peeps out from behind a wall by some pixels: with a threshold it comes to count as hidden
+/// and costs one test a frame, without one it stays visible.
+#[test]
+fn what_shows_little_comes_to_count_as_hidden() {
+    let wall = Aabb::new(Vec3::new(-4.0, -4.0, -6.0), Vec3::new(4.0, 0.0, -5.0));
+    let peeping = Aabb::new(Vec3::new(-0.6, -1.0, -7.0), Vec3::new(0.6, 0.3, -6.5));
+    let camera =
+        Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+    let state = |threshold_samples| {
+        let mut walk = Walk::new(vec![wall, peeping], 2);
+        walk.culler.neglect(threshold_samples);
+        walk.device.threshold_samples = threshold_samples;
+        walk.steps(&camera, 200);
+        let node = walk.hierarchy.node_of(ObjectId(1)).unwrap();
+        (walk.culler.state(node), walk.device.drawn.len())
+    };
+    assert_eq!(state(0), (NodeState::Visible, 2));
+    assert_eq!(state(60), (NodeState::Hidden, 1));
+}

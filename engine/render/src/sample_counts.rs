@@ -1,0 +1,399 @@
+//! How much of single objects shows: counted by the GPU where a view was asked to, home some frames
+//! later, never waited for.
+//!
+//! For levels of detail, by the number of samples, and for lens flares, by the fraction of the light's
+//! proxy ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a frame is drawn, each
+//! watched object in the frustum is drawn again under a precise query, and so is its proxy, with the
+//! depth test and without. Counting changes nothing that is drawn.
+
+use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
+use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
+
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::geometry::Geometry;
+use crate::passes::{ProxyBox, ProxyIo};
+use crate::renderer::Renderer;
+use crate::view_history::ViewHistory;
+
+/// How many samples of an object a frame showed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct VisibleSamples {
+    /// The object.
+    pub object: ObjectId,
+    /// The frame that was looked at.
+    pub frame: FrameId,
+    /// How many frames before the newest of the view that was. 0 only for what needs no looking at,
+    /// outside of the frustum, and after [`Renderer::drain`].
+    pub age_frames: u64,
+    /// Samples of it that nothing is nearer than in the finished picture: its pixels, where no two of its
+    /// faces have the same depth. 0 outside of the frustum.
+    pub samples: u32,
+    /// The same of its proxy. `None` where the near plane would cut it or the eye is in it, and outside
+    /// of the frustum.
+    pub proxy: Option<ProxySamples>,
+    /// That of the hierarchy when the frame was drawn.
+    generation: Generation,
+}
+
+/// How many samples of an object's proxy, which is its box a little enlarged, a frame showed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ProxySamples {
+    /// Samples of its front faces that nothing is nearer than.
+    pub visible: u32,
+    /// All samples of its front faces in the picture.
+    pub total: u32,
+}
+
+impl ProxySamples {
+    /// How much shows of what is in the picture of it, 0 to 1; 0 if nothing is.
+    pub fn fraction(&self) -> f32 {
+        if self.total == 0 { 0.0 } else { self.visible as f32 / self.total as f32 }
+    }
+}
+
+impl VisibleSamples {
+    /// How much of its proxy shows, 0 to 1 ([`ProxySamples::fraction`]), where there is one.
+    pub fn fraction(&self) -> Option<f32> {
+        self.proxy.map(|proxy| proxy.fraction())
+    }
+}
+
+/// What a query counts. Those about one object follow each other in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Subject {
+    Object,
+    ProxyVisible,
+    ProxyTotal,
+}
+
+/// A question on its way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Counted {
+    subject: Subject,
+    object: ObjectId,
+    frame: FrameId,
+    generation: Generation,
+}
+
+impl Counted {
+    /// With nothing known of the proxy.
+    fn answer(self, samples: u32) -> VisibleSamples {
+        let Self { object, frame, generation, .. } = self;
+        VisibleSamples { object, frame, age_frames: 0, samples, proxy: None, generation }
+    }
+}
+
+/// What one view counts.
+#[derive(Default)]
+pub(crate) struct SampleCounts {
+    /// Ascending, each once.
+    watched: Vec<ObjectId>,
+    /// The newest of each object that has any, ascending by object.
+    newest: Vec<VisibleSamples>,
+    queries: Option<QueryRing<Counted>>,
+    /// Whether the frame being recorded asks anything.
+    is_asking: bool,
+    asked: Asked,
+    home: Vec<VisibleSamples>,
+}
+
+/// What a frame asks; kept to allocate nothing in the steady state.
+#[derive(Default)]
+struct Asked {
+    tags: Vec<Counted>,
+    objects: Vec<(QueryIndex, IndirectDraw)>,
+    /// The first of the two queries about each proxy.
+    proxies: Vec<(QueryIndex, ProxyBox)>,
+}
+
+impl Asked {
+    /// Lays out the questions about one object.
+    fn push(&mut self, tag: Counted, draw: IndirectDraw, proxy: Option<ProxyBox>) {
+        let query = |tags: &Vec<Counted>| QueryIndex(tags.len() as u32);
+        self.objects.push((query(&self.tags), draw));
+        self.tags.push(tag);
+        if let Some(proxy) = proxy {
+            self.proxies.push((query(&self.tags), proxy));
+            self.tags.push(Counted { subject: Subject::ProxyVisible, ..tag });
+            self.tags.push(Counted { subject: Subject::ProxyTotal, ..tag });
+        }
+    }
+}
+
+impl SampleCounts {
+    pub(crate) fn watch(&mut self, objects: &[ObjectId]) {
+        self.watched.clear();
+        self.watched.extend_from_slice(objects);
+        self.watched.sort_unstable();
+        self.watched.dedup();
+        let Self { watched, newest, .. } = self;
+        newest.retain(|known| watched.binary_search(&known.object).is_ok());
+    }
+
+    pub(crate) fn is_watching(&self) -> bool {
+        !self.watched.is_empty()
+    }
+
+    pub(crate) fn newest(&self) -> &[VisibleSamples] {
+        &self.newest
+    }
+
+    /// Picks up what is home and forgets objects that are gone. `now` is the newest frame. Never waits.
+    pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, now: FrameId) {
+        let mut home = std::mem::take(&mut self.home);
+        home.clear();
+        if let Some(queries) = &mut self.queries {
+            queries.collect(completed, |tag, samples| {
+                if tag.subject == Subject::Object {
+                    home.push(tag.answer(samples));
+                } else if let Some(of_object) = home.last_mut() {
+                    let proxy = of_object.proxy.get_or_insert_default();
+                    match tag.subject {
+                        Subject::ProxyVisible => proxy.visible = samples,
+                        _ => proxy.total = samples,
+                    }
+                }
+            });
+        }
+        for known in home.drain(..) {
+            self.keep(known);
+        }
+        self.home = home;
+        self.newest.retain(|known| hierarchy.is_same_object_since(known.object, known.generation));
+        self.age(now);
+    }
+
+    /// Keeps what was found out unless something newer is known or nobody wants to know any more.
+    fn keep(&mut self, known: VisibleSamples) {
+        if self.watched.binary_search(&known.object).is_err() {
+            return;
+        }
+        match self.newest.binary_search_by_key(&known.object, |newest| newest.object) {
+            Ok(place) if self.newest[place].frame < known.frame => self.newest[place] = known,
+            Ok(_) => {}
+            Err(place) => self.newest.insert(place, known),
+        }
+    }
+
+    fn age(&mut self, now: FrameId) {
+        for known in &mut self.newest {
+            known.age_frames = now.0.saturating_sub(known.frame.0);
+        }
+    }
+
+    /// Lays out what `frame` asks of `view`; what is not in the frustum is known at once.
+    fn lay_out(&mut self, hierarchy: &Hierarchy, geometry: &Geometry, view: &View, frame: FrameId) {
+        let mut asked = std::mem::take(&mut self.asked);
+        asked.tags.clear();
+        asked.objects.clear();
+        asked.proxies.clear();
+        let generation = hierarchy.generation();
+        for place in 0..self.watched.len() {
+            let object = self.watched[place];
+            let there = (hierarchy.node_of(object), hierarchy.leaf_of(object));
+            let (Some(node), Some(leaf)) = there else { continue };
+            if !hierarchy.contains(object) {
+                continue;
+            }
+            let tag = Counted { subject: Subject::Object, object, frame, generation };
+            let bounds = hierarchy.bounds(node);
+            if view.frustum.classify(&bounds, PlaneMask::ALL).0 == Containment::Outside {
+                self.keep(tag.answer(0));
+                continue;
+            }
+            let proxy = view.margin.proxy(&bounds).map(ProxyBox::from);
+            asked.push(tag, geometry.draw(leaf), proxy);
+        }
+        self.asked = asked;
+    }
+
+    /// The frame is on its way.
+    pub(crate) fn submitted(&mut self, tick: Tick, now: FrameId) {
+        if let Some(queries) = self.queries.as_mut().filter(|_| self.is_asking) {
+            queries.submitted(tick);
+        }
+        self.is_asking = false;
+        self.age(now);
+    }
+}
+
+impl FramePasses {
+    /// Counts what the view watches, once everything of its frame is drawn.
+    ///
+    /// # Errors
+    /// No memory, or a failed call.
+    pub(crate) fn count_samples(
+        &mut self,
+        frame: &mut Frame<'_>,
+        history: &mut ViewHistory,
+        hierarchy: &Hierarchy,
+        view: &View,
+    ) -> Result<(), Error> {
+        let counts = &mut history.counts;
+        counts.is_asking = false;
+        if !counts.is_watching() {
+            return Ok(());
+        }
+        counts.lay_out(hierarchy, &self.geometry, view, history.plan.frame);
+        if counts.asked.tags.is_empty() {
+            return Ok(());
+        }
+        let queries = match counts.queries.take() {
+            Some(queries) => queries,
+            None => {
+                let (device, slots) = (&history.device, history.frames_in_flight);
+                QueryRing::new(device, slots, "sample counts")?.counting(Counting::Samples)
+            }
+        };
+        let queries = counts.queries.insert(queries);
+        queries.begin(frame, &counts.asked.tags)?;
+        let boxes = counts.asked.proxies.iter().map(|(_, proxy)| *proxy);
+        let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };
+        counts.is_asking = true;
+        self.target.prepare(frame.commands());
+        frame.commands().pass("counts", |commands| {
+            commands.rendering(self.target_of(view, None), |commands| {
+                self.draw_counted(commands, &counts.asked, queries, &io, view);
+            });
+            queries.resolve(commands, 0..counts.asked.tags.len() as u32);
+            queries.read_back(commands);
+        });
+        Ok(())
+    }
+
+    fn draw_counted(
+        &self,
+        commands: &Commands,
+        asked: &Asked,
+        queries: &QueryRing<Counted>,
+        io: &ProxyIo,
+        view: &View,
+    ) {
+        let Some(pass) = &self.counts else { return };
+        pass.bind_objects(commands, &self.opaque_io(), view);
+        for (query, draw) in &asked.objects {
+            queries.scope(commands, *query, |commands| pass.draw(commands, draw));
+        }
+        if asked.proxies.is_empty() {
+            return;
+        }
+        self.proxies.bind(commands, io, view);
+        for (number, (query, _)) in (0..).zip(&asked.proxies) {
+            queries.scope(commands, *query, |commands| self.proxies.draw(commands, number));
+        }
+        pass.bind_proxies(commands, io, view);
+        for (number, (QueryIndex(visible), _)) in (0..).zip(&asked.proxies) {
+            let total = QueryIndex(visible + 1);
+            queries.scope(commands, total, |commands| pass.draw_proxy(commands, number));
+        }
+    }
+}
+
+impl ViewHistory {
+    /// Counts the visible samples of these objects in every frame from now on, and of no others. Of an
+    /// id that no object has nothing is found out until one has it. Costs two or three small
+    /// draws an object and frame, and nothing where the list is empty.
+    ///
+    /// # Errors
+    /// A device that cannot count ([`Renderer::supports_counts`]).
+    pub fn watch(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
+        if !objects.is_empty() {
+            check_counts(&self.device, COUNTING)?;
+        }
+        self.counts.watch(objects);
+        Ok(())
+    }
+
+    /// The newest count of each watched object that has one yet, ascending by object. What was found
+    /// out about an object that is gone is dropped, also where another has its id now.
+    pub fn visible_samples(&self) -> &[VisibleSamples] {
+        self.counts.newest()
+    }
+}
+
+impl Renderer {
+    /// Whether the device counts samples, for [`ViewHistory::watch`].
+    ///
+    /// # Errors
+    /// [`gpu::Error::Unsupported`], with the name of what is missing.
+    pub fn supports_counts(&self) -> Result<(), Error> {
+        check_counts(&self.device, COUNTING)
+    }
+}
+
+const COUNTING: &str = "counting visible samples";
+
+/// Whether a device counts samples, which `wanted` needs.
+pub(crate) fn check_counts(device: &Device, wanted: &'static str) -> Result<(), Error> {
+    if device.capabilities().has(Optional::PreciseQueries) {
+        return Ok(());
+    }
+    let (device, missing) = (device.adapter().name.clone(), Optional::PreciseQueries.name());
+    Err(gpu::Error::Unsupported { device, missing, wanted }.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known(object: u32, frame: u64, samples: u32) -> VisibleSamples {
+        Counted {
+            subject: Subject::Object,
+            object: ObjectId(object),
+            frame: FrameId(frame),
+            generation: Generation(0),
+        }
+        .answer(samples)
+    }
+
+    fn watching(objects: &[u32]) -> SampleCounts {
+        let objects: Vec<ObjectId> = objects.iter().copied().map(ObjectId).collect();
+        let mut counts = SampleCounts::default();
+        counts.watch(&objects);
+        counts
+    }
+
+    #[test]
+    fn the_newest_of_each_watched_object_is_kept() {
+        let mut counts = watching(&[7, 2, 7]);
+        for (object, frame, samples) in [(7, 3, 30), (2, 5, 50), (7, 2, 20), (9, 9, 90), (2, 6, 60)]
+        {
+            counts.keep(known(object, frame, samples));
+        }
+        assert_eq!(counts.newest(), [known(2, 6, 60), known(7, 3, 30)]);
+        counts.age(FrameId(8));
+        let ages: Vec<u64> = counts.newest().iter().map(|known| known.age_frames).collect();
+        assert_eq!(ages, [2, 5]);
+        counts.watch(&[ObjectId(7), ObjectId(1)]);
+        assert_eq!(counts.newest().len(), 1);
+        assert_eq!(counts.newest()[0].object, ObjectId(7));
+    }
+
+    #[test]
+    fn what_is_gone_is_forgotten() {
+        let cube = |x: f32| cull::Aabb::new(glam::Vec3::splat(x), glam::Vec3::splat(x + 1.0));
+        let mut hierarchy = Hierarchy::build(&[cube(0.0), cube(2.0), cube(4.0)]).unwrap();
+        let mut counts = watching(&[0, 1, 2]);
+        for object in 0..3 {
+            counts.keep(known(object, 1, 10));
+        }
+        hierarchy.remove(ObjectId(0)).unwrap();
+        hierarchy.remove(ObjectId(2)).unwrap();
+        let id = hierarchy.insert(cube(4.0)).unwrap();
+        counts.collect(Tick::default(), &hierarchy, FrameId(2));
+        assert_eq!(counts.newest().len(), 1, "{:?}", counts.newest());
+        assert_eq!(counts.newest()[0].object, ObjectId(1));
+        // Late news of the object that had the id.
+        counts.keep(known(id.0, 1, 10));
+        counts.collect(Tick::default(), &hierarchy, FrameId(2));
+        assert_eq!(counts.newest().len(), 1);
+    }
+
+    #[test]
+    fn fractions_are_of_what_is_in_the_picture() {
+        let fraction = |visible, total| ProxySamples { visible, total }.fraction();
+        assert_eq!([fraction(0, 0), fraction(0, 5), fraction(3, 4)], [0.0, 0.0, 0.75]);
+        assert_eq!(known(1, 1, 5).fraction(), None);
+    }
+}
