@@ -29,13 +29,15 @@ pub enum Access {
     Depth,
     /// Read by the CPU after the tick.
     HostRead,
+    /// Read by the presentation engine, which a semaphore orders and no barrier.
+    Present,
     /// Whatever it is: for what is loaded once and used in many ways.
     Any,
 }
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 13] = [
+    pub const ALL: [Access; 14] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
@@ -48,6 +50,7 @@ impl Access {
         Access::Colour,
         Access::Depth,
         Access::HostRead,
+        Access::Present,
         Access::Any,
     ];
 
@@ -93,6 +96,7 @@ impl Access {
                 L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
             ),
             Access::HostRead => (S::HOST, A::HOST_READ, none, L::GENERAL),
+            Access::Present => (S::NONE, none, none, L::PRESENT_SRC_KHR),
             Access::Any => (S::ALL_COMMANDS, A::MEMORY_READ, A::MEMORY_WRITE, L::GENERAL),
         };
         Row { stages, reads, writes, layout }
@@ -204,10 +208,10 @@ mod tests {
     }
 
     #[test]
-    fn every_access_but_nothing_has_a_stage_and_an_effect() {
+    fn every_access_of_a_command_has_a_stage_and_an_effect() {
         for access in Access::ALL {
             let row = access.row();
-            let nothing = access == Access::Nothing;
+            let nothing = [Access::Nothing, Access::Present].contains(&access);
             assert_eq!(row.stages.is_empty(), nothing, "{access:?}");
             assert_eq!((row.reads | row.writes).is_empty(), nothing, "{access:?}");
         }

@@ -1,6 +1,8 @@
 //! The one table of what the engine requires of a device and what it makes use of if it is there.
 
-use ash::{ext, vk};
+use std::ffi::{CStr, CString};
+
+use ash::{ext, google, khr, vk};
 
 use crate::instance::InstanceShared;
 
@@ -66,16 +68,29 @@ pub enum Optional {
     Timestamps,
     /// Fragment shaders that write to storage buffers.
     FragmentStores,
+    /// Pictures in windows. This one and those below are there only if the instance was made for
+    /// windows ([`crate::InstanceOptions::windows`]).
+    Swapchain,
+    /// Fences that tell when a present is done with what it was given.
+    PresentFences,
+    /// Asking which present is on the screen.
+    PresentWait,
+    /// When presents were on the screen, and how long a refresh takes.
+    DisplayTiming,
 }
 
 impl Optional {
     /// All of them.
-    pub const ALL: [Optional; 5] = [
+    pub const ALL: [Optional; 9] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
         Optional::Timestamps,
         Optional::FragmentStores,
+        Optional::Swapchain,
+        Optional::PresentFences,
+        Optional::PresentWait,
+        Optional::DisplayTiming,
     ];
 
     /// What the user reads.
@@ -86,6 +101,10 @@ impl Optional {
             Optional::PreciseQueries => "occlusionQueryPrecise",
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
+            Optional::Swapchain => "VK_KHR_swapchain",
+            Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
+            Optional::PresentWait => "VK_KHR_present_wait",
+            Optional::DisplayTiming => "VK_GOOGLE_display_timing",
         }
     }
 }
@@ -125,7 +144,7 @@ impl Capabilities {
             return Self { missing, optional: Vec::new() };
         }
         let extensions = extension_names(instance, physical);
-        let has_extension = |name: &std::ffi::CStr| extensions.iter().any(|e| e.as_c_str() == name);
+        let has_extension = |name: &CStr| extensions.iter().any(|e| e.as_c_str() == name);
 
         let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
         let mut features_12 = vk::PhysicalDeviceVulkan12Features::default();
@@ -135,6 +154,16 @@ impl Capabilities {
             .push_next(&mut features_13);
         if has_extension(ext::conditional_rendering::NAME) {
             features = features.push_next(&mut conditional);
+        }
+        let shows = instance.windows.is_some() && has_extension(khr::swapchain::NAME);
+        let mut present_fences = vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default();
+        let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default();
+        let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default();
+        if shows && fences_extension(instance, &extensions).is_some() {
+            features = features.push_next(&mut present_fences);
+        }
+        if shows && has_extension(khr::present_id::NAME) && has_extension(khr::present_wait::NAME) {
+            features = features.push_next(&mut present_id).push_next(&mut present_wait);
         }
         // SAFETY: the chain holds only structures this device's version and extensions know.
         unsafe { instance.raw.get_physical_device_features2(physical, &mut features) };
@@ -164,16 +193,29 @@ impl Capabilities {
             (yes(core.occlusion_query_precise), Optional::PreciseQueries),
             (timestamps, Optional::Timestamps),
             (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
+            (shows, Optional::Swapchain),
+            (yes(present_fences.swapchain_maintenance1), Optional::PresentFences),
+            (yes(present_id.present_id) && yes(present_wait.present_wait), Optional::PresentWait),
+            (shows && has_extension(google::display_timing::NAME), Optional::DisplayTiming),
         ];
         let optional = optional.into_iter().filter(|(there, _)| *there).map(|(_, what)| what);
         Self { missing, optional: optional.collect() }
     }
 }
 
-fn extension_names(
+/// The extension that gives a device present fences.
+pub(crate) fn fences_extension(
+    instance: &InstanceShared,
+    extensions: &[CString],
+) -> Option<&'static CStr> {
+    let mut names = instance.windows.iter().flat_map(|windows| &windows.present_fences);
+    names.find(|name| extensions.iter().any(|there| there.as_c_str() == **name)).copied()
+}
+
+pub(crate) fn extension_names(
     instance: &InstanceShared,
     physical: vk::PhysicalDevice,
-) -> Vec<std::ffi::CString> {
+) -> Vec<CString> {
     // SAFETY: a valid physical device of this instance.
     let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) };
     extensions

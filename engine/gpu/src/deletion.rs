@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 use ash::vk;
 use gpu_allocator::vulkan::Allocation;
 
+use crate::swapchain::RetiredChain;
 use crate::timeline::Tick;
 
 /// The payload of a dropped object.
@@ -19,6 +20,7 @@ pub(crate) enum Garbage {
     CommandPool(vk::CommandPool),
     QueryPool(vk::QueryPool),
     Semaphore(vk::Semaphore),
+    Swapchain(Box<RetiredChain>),
 }
 
 /// Tells one recording from all others of its device, of reused command buffers too. They are

@@ -6,15 +6,16 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use ash::{ext, vk};
-use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use gpu_allocator::vulkan::Allocator;
 
 use crate::adapter::Adapter;
-use crate::capabilities::{Capabilities, Optional};
+use crate::capabilities::Capabilities;
 use crate::deletion::{DeletionQueue, Garbage, Recording};
 use crate::error::{Called, Error};
 use crate::instance::{Instance, InstanceShared};
+use crate::open_device::{Extensions, create_raw, equip};
 use crate::pipeline_cache::PipelineCache;
-use crate::timeline::{Tick, Timeline, create_semaphore};
+use crate::timeline::{Tick, Timeline};
 
 /// How to make a [`Device`].
 #[derive(Debug, Clone)]
@@ -42,6 +43,14 @@ pub struct WaitCounts {
     pub other: u64,
 }
 
+/// What a submit comes after, and what it signals beside its tick. Binary semaphores are a window's.
+#[derive(Default)]
+pub(crate) struct Order<'a> {
+    pub(crate) after: Option<(&'a Timeline, Tick)>,
+    pub(crate) acquired: Option<vk::Semaphore>,
+    pub(crate) presents: Option<vk::Semaphore>,
+}
+
 /// Why the CPU waits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum WaitFor {
@@ -60,8 +69,7 @@ pub struct Device {
 struct DeviceShared {
     instance: Arc<InstanceShared>,
     raw: ash::Device,
-    debug: Option<ext::debug_utils::Device>,
-    conditional: Option<ext::conditional_rendering::Device>,
+    extensions: Extensions,
     adapter: Adapter,
     queue_family: u32,
     queue: Mutex<vk::Queue>,
@@ -100,14 +108,9 @@ impl Device {
             .inspect_err(|_| unsafe { raw.destroy_device(None) })?;
         // SAFETY: the family and index were asked for when the device was created.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
-        let has = |optional| adapter.capabilities.has(optional);
         let device = Self {
             shared: Arc::new(DeviceShared {
-                debug: shared
-                    .has_debug_utils
-                    .then(|| ext::debug_utils::Device::new(&shared.raw, &raw)),
-                conditional: has(Optional::ConditionalRendering)
-                    .then(|| ext::conditional_rendering::Device::new(&shared.raw, &raw)),
+                extensions: Extensions::load(shared, &raw, &adapter.capabilities),
                 instance: Arc::clone(shared),
                 adapter: adapter.clone(),
                 queue_family,
@@ -202,40 +205,57 @@ impl Device {
         }
     }
 
-    /// Submits one command buffer; it starts after `after`, if given, and signals the tick returned.
+    /// Waits for the tick of a slot for no longer than `bound`, and says whether it is over.
+    pub(crate) fn wait_within(&self, tick: Tick, bound: Duration) -> Result<bool, Error> {
+        if self.completed()? >= tick {
+            return Ok(true);
+        }
+        self.shared.slot_waits.fetch_add(1, Ordering::Relaxed);
+        match wait_bounded(self.raw(), self.shared.timeline, tick, bound) {
+            Err(vk::Result::TIMEOUT) => Ok(false),
+            other => other.called("vkWaitSemaphores").map(|()| true),
+        }
+    }
+
+    /// Submits a command buffer, or nothing but the `order`, and signals the tick returned.
     pub(crate) fn submit(
         &self,
-        commands: vk::CommandBuffer,
-        after: Option<(&Timeline, Tick)>,
+        commands: Option<vk::CommandBuffer>,
+        order: &Order<'_>,
     ) -> Result<Tick, Error> {
-        if after.is_some_and(|(timeline, _)| !timeline.is_of(self)) {
+        if order.after.is_some_and(|(timeline, _)| !timeline.is_of(self)) {
             return Err(Error::WrongCommands("they wait for a timeline of another device"));
         }
         let queue = lock(&self.shared.queue);
         let tick = self.submitted().next();
-        let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
+        let commands =
+            commands.map(|raw| vk::CommandBufferSubmitInfo::default().command_buffer(raw));
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-        let signals = [vk::SemaphoreSubmitInfo::default()
-            .semaphore(self.shared.timeline)
-            .value(tick.0)
-            .stage_mask(all)];
-        let waits = after.map(|(timeline, tick)| {
-            [vk::SemaphoreSubmitInfo::default()
-                .semaphore(timeline.raw)
-                .value(tick.0)
-                .stage_mask(all)]
-        });
-        let mut info = vk::SubmitInfo2::default()
-            .command_buffer_infos(&commands)
-            .signal_semaphore_infos(&signals);
-        if let Some(waits) = &waits {
-            info = info.wait_semaphore_infos(waits);
-        }
+        let semaphore = |raw, value, stages| {
+            vk::SemaphoreSubmitInfo::default().semaphore(raw).value(value).stage_mask(stages)
+        };
+        let after = order.after.map(|(timeline, tick)| semaphore(timeline.raw, tick.0, all));
+        // Only copies touch the image of a window: whatever comes before them need not wait.
+        let copies = vk::PipelineStageFlags2::ALL_TRANSFER;
+        let acquired = order.acquired.map(|raw| semaphore(raw, 0, copies));
+        let (waits, waiting) = both(after, acquired);
+        let presents = order.presents.map(|raw| semaphore(raw, 0, all));
+        let own = semaphore(self.shared.timeline, tick.0, all);
+        let (signals, signalling) = both(Some(own), presents);
+        let info = vk::SubmitInfo2::default()
+            .command_buffer_infos(commands.as_slice())
+            .wait_semaphore_infos(&waits[..waiting])
+            .signal_semaphore_infos(&signals[..signalling]);
         // SAFETY: the queue is ours while the lock is held; the command buffer is complete.
         unsafe { self.raw().queue_submit2(*queue, &[info], vk::Fence::null()) }
             .called("vkQueueSubmit2")?;
         self.shared.submitted.store(tick.0, Ordering::Release);
         Ok(tick)
+    }
+
+    /// Hands the queue to `present`, which nobody else uses meanwhile.
+    pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> R {
+        present(*lock(&self.shared.queue))
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
@@ -264,6 +284,18 @@ impl Device {
         &self.shared.raw
     }
 
+    /// Whether images of `format` in optimal tiling can do all of `features`.
+    pub(crate) fn has_format_feature(
+        &self,
+        format: vk::Format,
+        features: vk::FormatFeatureFlags,
+    ) -> bool {
+        let (raw, physical) = (&self.shared.instance.raw, self.shared.adapter.physical);
+        // SAFETY: the device's own adapter, and a format of the core.
+        let has = unsafe { raw.get_physical_device_format_properties(physical, format) };
+        has.optimal_tiling_features.contains(features)
+    }
+
     /// Whether both are the same device.
     pub(crate) fn is(&self, other: &Device) -> bool {
         Arc::ptr_eq(&self.shared, &other.shared)
@@ -273,12 +305,17 @@ impl Device {
         self.shared.queue_family
     }
 
+    /// The functions of the extensions that are on.
+    pub(crate) fn extensions(&self) -> &Extensions {
+        &self.shared.extensions
+    }
+
     pub(crate) fn debug(&self) -> Option<&ext::debug_utils::Device> {
-        self.shared.debug.as_ref()
+        self.shared.extensions.debug.as_ref()
     }
 
     pub(crate) fn conditional(&self) -> Option<&ext::conditional_rendering::Device> {
-        self.shared.conditional.as_ref()
+        self.shared.extensions.conditional.as_ref()
     }
 
     pub(crate) fn pipeline_cache(&self) -> vk::PipelineCache {
@@ -349,6 +386,7 @@ impl DeviceShared {
                 Garbage::CommandPool(pool) => self.raw.destroy_command_pool(pool, None),
                 Garbage::QueryPool(pool) => self.raw.destroy_query_pool(pool, None),
                 Garbage::Semaphore(semaphore) => self.raw.destroy_semaphore(semaphore, None),
+                Garbage::Swapchain(chain) => chain.destroy(&self.raw),
             }
         }
     }
@@ -403,6 +441,17 @@ impl Drop for DeviceShared {
     }
 }
 
+/// Those that are there, in front.
+fn both<T: Copy + Default>(first: Option<T>, second: Option<T>) -> ([T; 2], usize) {
+    match (first, second) {
+        (Some(first), Some(second)) => ([first, second], 2),
+        (first, second) => {
+            let only = first.or(second);
+            ([only.unwrap_or_default(), T::default()], usize::from(only.is_some()))
+        }
+    }
+}
+
 fn wait_bounded(
     device: &ash::Device,
     timeline: vk::Semaphore,
@@ -419,71 +468,4 @@ fn wait_bounded(
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // A poisoned lock means that a thread panicked; the values behind our locks stay whole.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// What a device cannot be without. Failing, it leaves nothing behind.
-fn equip(
-    instance: &InstanceShared,
-    adapter: &Adapter,
-    raw: &ash::Device,
-    options: &DeviceOptions,
-) -> Result<(vk::Semaphore, Allocator, PipelineCache), Error> {
-    // Owns nothing of the device until memory is asked for.
-    let allocator = Allocator::new(&AllocatorCreateDesc {
-        instance: instance.raw.clone(),
-        device: raw.clone(),
-        physical_device: adapter.physical,
-        debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
-        buffer_device_address: false,
-        allocation_sizes: gpu_allocator::AllocationSizes::default(),
-    })
-    .map_err(Error::Allocator)?;
-    let timeline = create_semaphore(raw)?;
-    match PipelineCache::open(instance, adapter, raw, options.pipeline_cache.clone()) {
-        Ok(pipeline_cache) => Ok((timeline, allocator, pipeline_cache)),
-        Err(error) => {
-            // SAFETY: just made, used by nobody.
-            unsafe { raw.destroy_semaphore(timeline, None) };
-            Err(error)
-        }
-    }
-}
-
-fn create_raw(
-    instance: &InstanceShared,
-    adapter: &Adapter,
-    queue_family: u32,
-) -> Result<ash::Device, Error> {
-    let has = |optional| adapter.capabilities.has(optional);
-    let mut conditional =
-        vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default().conditional_rendering(true);
-    let mut features_12 = vk::PhysicalDeviceVulkan12Features::default()
-        .timeline_semaphore(true)
-        .draw_indirect_count(has(Optional::DrawIndirectCount));
-    let mut features_13 = vk::PhysicalDeviceVulkan13Features::default()
-        .dynamic_rendering(true)
-        .synchronization2(true);
-    let core = vk::PhysicalDeviceFeatures::default()
-        .multi_draw_indirect(true)
-        .draw_indirect_first_instance(true)
-        .occlusion_query_precise(has(Optional::PreciseQueries))
-        .fragment_stores_and_atomics(has(Optional::FragmentStores));
-    let mut features = vk::PhysicalDeviceFeatures2::default()
-        .features(core)
-        .push_next(&mut features_12)
-        .push_next(&mut features_13);
-    let mut extensions = Vec::new();
-    if has(Optional::ConditionalRendering) {
-        extensions.push(ext::conditional_rendering::NAME.as_ptr());
-        features = features.push_next(&mut conditional);
-    }
-    let queues = [vk::DeviceQueueCreateInfo::default()
-        .queue_family_index(queue_family)
-        .queue_priorities(&[1.0])];
-    let info = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_extension_names(&extensions)
-        .push_next(&mut features);
-    // SAFETY: only features and extensions that the adapter reported are asked for.
-    unsafe { instance.raw.create_device(adapter.physical, &info, None) }.called("vkCreateDevice")
 }

@@ -80,6 +80,21 @@ pub enum Error {
         /// The device's limit.
         limit: u64,
     },
+    /// There is no display to open a window on, or its connection is gone.
+    #[error(
+        "there is no display to show a window on ({0}); start one, name it in DISPLAY or WAYLAND_DISPLAY, or draw without a window"
+    )]
+    NoDisplay(String),
+    /// The instance cannot show pictures in windows.
+    #[error(
+        "this Vulkan instance shows no windows, {0} is missing: install a driver that has it (on Debian: apt install mesa-vulkan-drivers), or draw without a window"
+    )]
+    NoWindows(String),
+    /// No device, or not the one wanted, can show pictures in the window.
+    #[error(
+        "no picture can be shown in this window: {0}; choose another device, or draw without a window"
+    )]
+    CannotPresent(String),
     /// Commands were recorded that no device could run. A mistake of the program that records them.
     #[error("the commands recorded cannot be run: {0}; correct the program that records them")]
     WrongCommands(&'static str),
@@ -132,6 +147,13 @@ pub enum Error {
     },
 }
 
+impl Error {
+    /// Whether the device is lost: nothing made from it works any more. Make all of it anew, or end.
+    pub fn is_device_lost(&self) -> bool {
+        matches!(self, Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. })
+    }
+}
+
 /// Gives a failed call its name.
 pub(crate) trait Called<T> {
     fn called(self, call: &'static str) -> Result<T, Error>;
@@ -156,6 +178,10 @@ fn advice(code: vk::Result) -> &'static str {
         }
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
             ": the driver has no Vulkan 1.3; update it, or install mesa-vulkan-drivers"
+        }
+        vk::Result::ERROR_SURFACE_LOST_KHR => ": the window is gone; open another one",
+        vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR => {
+            ": something else shows pictures in this window already; give each swapchain its own"
         }
         vk::Result::ERROR_INITIALIZATION_FAILED => {
             ": the driver could not start; check that the device may be used by this user"

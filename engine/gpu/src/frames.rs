@@ -9,7 +9,7 @@ use crate::access::{Access, MemoryBarrier};
 use crate::capabilities::Optional;
 use crate::commands::Commands;
 use crate::deletion::{Garbage, Recording};
-use crate::device::{Device, OpenRecording, WaitFor};
+use crate::device::{Device, OpenRecording, Order, WaitFor};
 use crate::error::{Called, Error};
 use crate::timeline::{Tick, Timeline};
 use crate::timing::{PassTime, PassTimer};
@@ -95,6 +95,18 @@ impl FrameRing {
     /// The number of slots.
     pub fn frames_in_flight(&self) -> usize {
         self.slots.len()
+    }
+
+    /// The slot of the next frame.
+    pub(crate) fn next_slot(&self) -> SlotIndex {
+        SlotIndex(self.next)
+    }
+
+    /// Waits for the frame that used the next slot before, but no longer than `bound`; says whether
+    /// it is over, so that [`FrameRing::begin`] would not wait.
+    pub(crate) fn is_ready_within(&self, bound: Duration) -> Result<bool, Error> {
+        let tick = self.slots.get(self.next).map_or(Tick::ZERO, |slot| slot.tick);
+        self.device.wait_within(tick, bound)
     }
 
     /// Starts a frame: waits until this slot's frame of N frames ago is over, and frees what
@@ -192,10 +204,10 @@ impl Slot {
     }
 
     /// Sends off what is recorded.
-    fn submit(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+    fn submit(&mut self, order: &Order<'_>) -> Result<Tick, Error> {
         self.commands.check()?;
         end_commands(&self.device, self.commands.raw())?;
-        self.tick = self.device.submit(self.commands.raw(), after)?;
+        self.tick = self.device.submit(Some(self.commands.raw()), order)?;
         Ok(self.tick)
     }
 }
@@ -265,7 +277,7 @@ impl Frame<'_> {
     /// What failed while recording, or a failed call.
     pub fn flush(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
-        let tick = slot.submit(after)?;
+        let tick = slot.submit(&Order { after, ..Order::default() })?;
         slot.piece += 1;
         let (buffer, descriptors) = slot.begin_piece()?;
         slot.commands = slot.commands.next_piece(buffer, descriptors);
@@ -297,13 +309,17 @@ impl Frame<'_> {
     /// # Errors
     /// What failed while recording, or a failed call.
     pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+        self.submit_in_order(&Order { after, ..Order::default() })
+    }
+
+    pub(crate) fn submit_in_order(self, order: &Order<'_>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
         if let Some(timer) = &slot.timer {
             timer.read_back(&slot.commands);
             let visible = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
             slot.commands.barrier(visible);
         }
-        let tick = slot.submit(after)?;
+        let tick = slot.submit(order)?;
         slot.is_timed = slot.timer.is_some();
         self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
         Ok(tick)

@@ -1,12 +1,13 @@
 //! The Vulkan instance: loader, layers, the messenger that fills the validation log.
 
-use std::ffi::CStr;
+use std::ffi::{CStr, CString};
 use std::sync::Arc;
 
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 
 use crate::error::{Called, Error};
 use crate::validation::ValidationLog;
+use crate::window_system::{WindowFunctions, WindowSystem};
 
 /// How much the Khronos validation layer checks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -27,6 +28,9 @@ pub struct InstanceOptions {
     pub application: String,
     /// What the validation layer checks.
     pub validation: Validation,
+    /// Whose windows will show pictures; `None` for an instance that shows none, and needs no
+    /// window system.
+    pub windows: Option<WindowSystem>,
 }
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -39,10 +43,12 @@ pub struct Instance {
 
 pub(crate) struct InstanceShared {
     // Kept alive for its function table: the loader library is unloaded with the last entry.
-    _entry: ash::Entry,
+    pub(crate) entry: ash::Entry,
     pub(crate) raw: ash::Instance,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     pub(crate) has_debug_utils: bool,
+    /// What surfaces are made and asked with, if the instance is for windows.
+    pub(crate) windows: Option<WindowFunctions>,
     // Boxed: the messenger holds its address.
     log: Box<ValidationLog>,
     validation: Validation,
@@ -66,8 +72,14 @@ impl Instance {
     pub fn new(entry: ash::Entry, options: &InstanceOptions) -> Result<Self, Error> {
         require_1_3(&entry)?;
         let layers = wanted_layers(&entry, options.validation)?;
-        let has_debug_utils = has_debug_utils(&entry, options.validation)?;
-        let mut extensions = Vec::new();
+        let there = extension_names(&entry)?;
+        // The layer brings debug_utils along even where the loader has none.
+        let has_debug_utils = options.validation != Validation::Off
+            || there.iter().any(|name| name.as_c_str() == ext::debug_utils::NAME);
+        let (mut extensions, present_fences) = match options.windows {
+            Some(windows) => windows.extensions(&there)?,
+            None => Default::default(),
+        };
         if has_debug_utils {
             extensions.push(ext::debug_utils::NAME.as_ptr());
         }
@@ -77,7 +89,7 @@ impl Instance {
         let log = Box::new(ValidationLog::default());
 
         let name =
-            std::ffi::CString::new(options.application.replace('\0', " ")).unwrap_or_default();
+            CString::new(options.application.replace('\0', " ")).unwrap_or_default();
         let application = vk::ApplicationInfo::default()
             .application_name(&name)
             .engine_name(c"Antumbra")
@@ -118,8 +130,12 @@ impl Instance {
             None
         };
         let validation = options.validation;
+        let windows = options.windows.map(|_| WindowFunctions {
+            surface: khr::surface::Instance::new(&entry, &raw),
+            present_fences,
+        });
         let shared =
-            InstanceShared { _entry: entry, raw, messenger, has_debug_utils, log, validation };
+            InstanceShared { entry, raw, messenger, has_debug_utils, windows, log, validation };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -181,7 +197,7 @@ fn wanted_layers(entry: &ash::Entry, validation: Validation) -> Result<Vec<*cons
     }
 }
 
-fn has_debug_utils(entry: &ash::Entry, validation: Validation) -> Result<bool, Error> {
+fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
     // SAFETY: no contract beyond a loaded entry.
     let there = unsafe { entry.enumerate_instance_extension_properties(None) };
     let there = match there {
@@ -190,7 +206,6 @@ fn has_debug_utils(entry: &ash::Entry, validation: Validation) -> Result<bool, E
         }
         other => other.called("vkEnumerateInstanceExtensionProperties")?,
     };
-    // The layer brings debug_utils along even where the loader has none.
-    Ok(validation != Validation::Off
-        || there.iter().any(|e| e.extension_name_as_c_str() == Ok(ext::debug_utils::NAME)))
+    let names = there.iter().filter_map(|extension| extension.extension_name_as_c_str().ok());
+    Ok(names.map(Into::into).collect())
 }

@@ -9,6 +9,7 @@
 //!   whatever the caller wants back, without a blocking call.
 //! - [`QueryPages`]: queries of a frame that is sent off in pieces and reads its answers in between.
 //! - [`Predicates`]: draws that the GPU skips by itself, with conditional rendering or without.
+//! - [`Swapchain`]: pictures in a window, whatever becomes of the window.
 //! - [`Access`]: named accesses, from which every barrier of the engine is computed.
 //!
 //! ```no_run
@@ -45,24 +46,30 @@ mod error;
 mod flag_ring;
 mod frames;
 mod instance;
+mod open_device;
 mod part_draws;
 mod pipeline;
 mod pipeline_cache;
 mod predicates;
+mod present_mode;
 mod query_pages;
 mod query_ring;
 mod recorded;
 mod shader;
+mod surface;
+mod swapchain;
 mod target;
 mod timeline;
 mod timing;
 mod transfer;
 mod upload;
 mod validation;
+mod window_system;
 
 pub use access::{Access, LayoutChange, MemoryBarrier};
 pub use adapter::Adapter;
 pub use ash::{Entry, vk};
+pub use raw_window_handle;
 pub use buffer::{Buffer, BufferSlice, Place};
 pub use capabilities::{Capabilities, Optional, Required};
 pub use commands::Commands;
@@ -81,13 +88,20 @@ pub use pipeline::{
 pub use predicates::{
     BOX_VERTICES, DrawRange, IndirectDraw, Predicated, Predicates, Predication, Reveal, WordSource,
 };
+pub use present_mode::{Fallback, PresentMode};
 pub use query_pages::{Counting, QueryPages};
 pub use query_ring::{QueryIndex, QueryRing};
 pub use shader::Spirv;
 #[cfg(feature = "shader-compiler")]
 pub use shader::compile;
+pub use surface::{Surface, Window};
+pub use swapchain::{
+    Acquired, NotShown, PresentId, PresentTiming, Presented, Shown, Swapchain, SwapchainOptions,
+    WindowImage,
+};
 pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
 pub use timeline::{Tick, Timeline};
 pub use timing::PassTime;
 pub use upload::Uploads;
 pub use validation::{Message, ValidationLog};
+pub use window_system::WindowSystem;

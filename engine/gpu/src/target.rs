@@ -12,6 +12,9 @@ use crate::error::{Called, Error};
 
 /// Colour: eight bits a channel, sRGB-encoded by the hardware.
 pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+/// How colour lies in memory: the same bytes without a meaning, so that a window gets them unchanged
+/// in whichever order of channels it wants them.
+pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Depth: 32-bit float, reversed, so that precision is even over all distances.
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
@@ -32,6 +35,7 @@ pub struct Target {
     recording: Option<Recording>,
     colour_access: Access,
     depth_access: Access,
+    is_submitted: bool,
 }
 
 /// A picture on its way to the CPU.
@@ -94,16 +98,17 @@ impl Target {
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
-        let image = |what, format, usage, aspect| {
-            Image::new(device, &format!("{name} {what}"), size, format, usage, aspect)
+        let image = |what, formats, usage, aspect| {
+            Image::new(device, &format!("{name} {what}"), size, formats, usage, aspect)
         };
         Ok(Self {
-            colour: image("colour", COLOUR_FORMAT, colour_usage, colour)?,
-            depth: image("depth", DEPTH_FORMAT, depth_usage, depth)?,
+            colour: image("colour", [COLOUR_BYTES, COLOUR_FORMAT], colour_usage, colour)?,
+            depth: image("depth", [DEPTH_FORMAT; 2], depth_usage, depth)?,
             size,
             recording: None,
             colour_access: Access::Nothing,
             depth_access: Access::Nothing,
+            is_submitted: false,
         })
     }
 
@@ -117,6 +122,7 @@ impl Target {
     /// frame: the first rendering of each must clear.
     pub fn prepare(&mut self, commands: &Commands) {
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
+        self.is_submitted = false;
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
         let changes = if is_first {
             let colour_uses = [Access::Colour, Access::CopyRead];
@@ -225,6 +231,73 @@ impl Target {
     }
 }
 
+impl Target {
+    /// Says that the frame that drew last was submitted: only then is there a picture to show.
+    pub fn submitted(&mut self) {
+        self.is_submitted = self.recording.is_some();
+    }
+
+    /// Whether the GPU has, or will have, a picture here.
+    pub(crate) fn has_picture(&self) -> bool {
+        self.is_submitted
+    }
+
+    /// Copies the picture to an image of a window, byte for byte where their sizes are equal. Leaves
+    /// the target as it was, since these commands may never be submitted.
+    pub(crate) fn copy_to_window(
+        &self,
+        commands: &Commands,
+        window: vk::Image,
+        window_size: [u32; 2],
+    ) {
+        let colour = vk::ImageAspectFlags::COLOR;
+        let is_drawn = self.colour_access != Access::CopyRead;
+        let fresh =
+            LayoutChange::forgetting(window, colour, &[Access::CopyWrite], Access::CopyWrite);
+        let (drawn, read) = (self.colour_access, Access::CopyRead);
+        match is_drawn {
+            true => commands.change_layouts([self.colour.change(colour, drawn, read), fresh]),
+            false => commands.change_layouts([fresh]),
+        }
+        let layers = vk::ImageSubresourceLayers {
+            aspect_mask: colour,
+            layer_count: 1,
+            ..Default::default()
+        };
+        let corners = |size: [u32; 2]| {
+            let [x, y] = size.map(|side| side as i32);
+            [vk::Offset3D::default(), vk::Offset3D { x, y, z: 1 }]
+        };
+        let regions = [vk::ImageBlit::default()
+            .src_subresource(layers)
+            .src_offsets(corners(self.size))
+            .dst_subresource(layers)
+            .dst_offsets(corners(window_size))];
+        let filter = match self.size == window_size {
+            true => vk::Filter::NEAREST,
+            false => vk::Filter::LINEAR,
+        };
+        // SAFETY: both images are in the layouts named, and as large as the regions; the formats
+        // were checked to be blitted when the swapchain was made.
+        unsafe {
+            commands.device().raw().cmd_blit_image(
+                commands.raw(),
+                self.colour.raw,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                window,
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                &regions,
+                filter,
+            );
+        }
+        let shown = LayoutChange::new(window, colour, Access::CopyWrite, Access::Present);
+        match is_drawn {
+            true => commands.change_layouts([self.colour.change(colour, read, drawn), shown]),
+            false => commands.change_layouts([shown]),
+        }
+    }
+}
+
 impl Readback {
     /// Room for one picture of `size` pixels.
     ///
@@ -253,11 +326,13 @@ impl Image {
         device: &Device,
         name: &str,
         size: [u32; 2],
-        format: vk::Format,
+        [format, view_format]: [vk::Format; 2],
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        let info = vk::ImageCreateInfo::default()
+        let formats = [format, view_format];
+        let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&formats);
+        let mut info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
             .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
@@ -265,6 +340,9 @@ impl Image {
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(usage);
+        if format != view_format {
+            info = info.flags(vk::ImageCreateFlags::MUTABLE_FORMAT).push_next(&mut list);
+        }
         // SAFETY: the size is within the limits, checked by the caller.
         let raw = unsafe { device.raw().create_image(&info, None) }.called("vkCreateImage")?;
         device.name(raw, name);
@@ -272,7 +350,7 @@ impl Image {
         let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
         let made = allocate(device, name, requirements, MemoryLocation::GpuOnly, false).and_then(
             |memory| {
-                let view = bind_and_view(device, raw, &memory, format, aspect);
+                let view = bind_and_view(device, raw, &memory, view_format, aspect);
                 match view {
                     Ok(view) => Ok((view, memory)),
                     Err(error) => {

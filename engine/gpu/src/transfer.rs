@@ -7,7 +7,7 @@ use crate::access::{Access, MemoryBarrier};
 use crate::buffer::{Buffer, Place};
 use crate::commands::Commands;
 use crate::deletion::{Garbage, Recording};
-use crate::device::{Device, WaitFor};
+use crate::device::{Device, Order, WaitFor};
 use crate::error::{Called, Error};
 use crate::frames::create_descriptor_pool;
 
@@ -64,7 +64,7 @@ impl Device {
             .inspect_err(|_| self.retire(Garbage::CommandPool(pool)))?;
         let recording = self.open_recording();
         let recorded = record_once(self, pool, name, recording.number, descriptors, record);
-        let submitted = recorded.and_then(|commands| self.submit(commands, None));
+        let submitted = recorded.and_then(|commands| self.submit(Some(commands), &Order::default()));
         drop(recording);
         // The commands go with their pool once the tick of the submit is over.
         self.retire(Garbage::CommandPool(pool));

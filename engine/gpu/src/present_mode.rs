@@ -1,0 +1,112 @@
+//! How pictures follow each other on the screen, and what comes nearest where a driver has not all ways.
+
+use ash::vk;
+
+/// How a picture takes the place of the one before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum PresentMode {
+    /// At a refresh, each in its turn. Every driver has it.
+    #[default]
+    Fifo,
+    /// As `Fifo`, but a picture that comes late is shown at once, and may tear.
+    FifoRelaxed,
+    /// At a refresh, the newest; those it overtook are never seen.
+    Mailbox,
+    /// At once; it may tear.
+    Immediate,
+}
+
+/// A present mode that was wanted, and the one taken for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fallback {
+    /// What was asked for.
+    pub wanted: PresentMode,
+    /// What the surface has that comes nearest.
+    pub taken: PresentMode,
+}
+
+impl PresentMode {
+    /// All of them.
+    pub const ALL: [PresentMode; 4] = [
+        PresentMode::Fifo,
+        PresentMode::FifoRelaxed,
+        PresentMode::Mailbox,
+        PresentMode::Immediate,
+    ];
+
+    /// Its name, as users write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            PresentMode::Fifo => "fifo",
+            PresentMode::FifoRelaxed => "fifo_relaxed",
+            PresentMode::Mailbox => "mailbox",
+            PresentMode::Immediate => "immediate",
+        }
+    }
+
+    /// The mode of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mode| mode.name() == name)
+    }
+
+    /// Itself, or what comes nearest of those `offered`: without waiting for a refresh before with
+    /// it, without tearing before with it. `Fifo` at last, which is always there.
+    pub fn nearest(self, offered: &[PresentMode]) -> PresentMode {
+        let order: &[PresentMode] = match self {
+            PresentMode::Fifo => &[],
+            PresentMode::FifoRelaxed => &[PresentMode::FifoRelaxed],
+            PresentMode::Mailbox => &[PresentMode::Mailbox],
+            PresentMode::Immediate => &[PresentMode::Immediate, PresentMode::Mailbox],
+        };
+        order.iter().copied().find(|mode| offered.contains(mode)).unwrap_or(PresentMode::Fifo)
+    }
+
+    /// Whether each picture waits for its refresh, so that presenting may have to wait for the screen.
+    pub fn is_queued(self) -> bool {
+        matches!(self, PresentMode::Fifo | PresentMode::FifoRelaxed)
+    }
+
+    pub(crate) fn raw(self) -> vk::PresentModeKHR {
+        match self {
+            PresentMode::Fifo => vk::PresentModeKHR::FIFO,
+            PresentMode::FifoRelaxed => vk::PresentModeKHR::FIFO_RELAXED,
+            PresentMode::Mailbox => vk::PresentModeKHR::MAILBOX,
+            PresentMode::Immediate => vk::PresentModeKHR::IMMEDIATE,
+        }
+    }
+
+    pub(crate) fn from_raw(raw: vk::PresentModeKHR) -> Option<Self> {
+        Self::ALL.into_iter().find(|mode| mode.raw() == raw)
+    }
+}
+
+impl std::fmt::Display for PresentMode {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use PresentMode::{Fifo, FifoRelaxed, Immediate, Mailbox};
+
+    #[test]
+    fn what_is_offered_is_taken() {
+        for mode in PresentMode::ALL {
+            assert_eq!(mode.nearest(&PresentMode::ALL), mode);
+            assert_eq!(mode.nearest(&[Fifo]), Fifo);
+            assert_eq!(mode.nearest(&[]), Fifo);
+            assert_eq!(PresentMode::from_name(mode.name()), Some(mode));
+            assert_eq!(PresentMode::from_raw(mode.raw()), Some(mode));
+        }
+    }
+
+    #[test]
+    fn the_nearest_never_tears_where_the_wanted_does_not() {
+        assert_eq!(Immediate.nearest(&[Fifo, Mailbox]), Mailbox);
+        assert_eq!(Mailbox.nearest(&[Fifo, Immediate]), Fifo);
+        assert_eq!(FifoRelaxed.nearest(&[Fifo, Mailbox, Immediate]), Fifo);
+        assert_eq!(PresentMode::from_name("vsync"), None);
+    }
+}

@@ -1,0 +1,190 @@
+//! A surface: a window as Vulkan sees it, what can be shown in it, and which device can show it.
+
+use std::sync::Arc;
+
+use ash::{khr, vk};
+use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
+
+use crate::adapter::Adapter;
+use crate::capabilities::Optional;
+use crate::device::Device;
+use crate::error::{Called, Error};
+use crate::instance::{Instance, InstanceShared};
+use crate::present_mode::PresentMode;
+use crate::window_system::{WindowFunctions, WindowSystem};
+
+/// A window of any library that knows `raw-window-handle`.
+pub trait Window: HasWindowHandle + HasDisplayHandle + Send + Sync {}
+
+impl<W: HasWindowHandle + HasDisplayHandle + Send + Sync> Window for W {}
+
+/// A window that pictures can be shown in. Clones share it.
+///
+/// It keeps the window it was made for, and is kept itself by the swapchains made from it until the
+/// GPU and the presentation engine are done with them.
+#[derive(Clone)]
+pub struct Surface {
+    shared: Arc<SurfaceShared>,
+}
+
+pub(crate) struct SurfaceShared {
+    instance: Arc<InstanceShared>,
+    functions: khr::surface::Instance,
+    raw: vk::SurfaceKHR,
+    is_wayland: bool,
+    // Behind the surface, so that it goes after it.
+    window: Arc<dyn Window>,
+}
+
+impl Surface {
+    /// A surface for `window`, which belongs to the window system that the instance was made for.
+    ///
+    /// # Errors
+    /// [`Error::NoDisplay`] where the window or its connection is gone; [`Error::NoWindows`] for an
+    /// instance that is not for windows; a failed call.
+    pub fn new(instance: &Instance, window: Arc<dyn Window>) -> Result<Self, Error> {
+        Self::with_shared(&instance.shared, window)
+    }
+
+    /// Another one for the same window, after this one was lost.
+    pub(crate) fn renewed(&self) -> Result<Self, Error> {
+        Self::with_shared(&self.shared.instance, Arc::clone(&self.shared.window))
+    }
+
+    fn with_shared(instance: &Arc<InstanceShared>, window: Arc<dyn Window>) -> Result<Self, Error> {
+        let gone = |error: raw_window_handle::HandleError| Error::NoDisplay(error.to_string());
+        let functions = functions(instance)?.surface.clone();
+        let system = WindowSystem::of(&window)?;
+        let display = window.display_handle().map_err(gone)?.as_raw();
+        let handle = window.window_handle().map_err(gone)?.as_raw();
+        // SAFETY: the window is kept until the surface is destroyed, and with it both handles; the
+        // surface keeps the instance, too.
+        let made = unsafe {
+            ash_window::create_surface(&instance.entry, &instance.raw, display, handle, None)
+        };
+        let raw = made.called("creating a surface for the window")?;
+        let (instance, is_wayland) = (Arc::clone(instance), system.is_wayland());
+        let shared = SurfaceShared { instance, functions, raw, is_wayland, window };
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    /// The present modes that `device` has for this window.
+    ///
+    /// # Errors
+    /// A failed call; among them a window that is gone.
+    pub fn present_modes(&self, device: &Device) -> Result<Vec<PresentMode>, Error> {
+        let physical = device.adapter().physical;
+        // SAFETY: device and surface are of one instance.
+        let modes = unsafe {
+            self.shared.functions.get_physical_device_surface_present_modes(physical, self.raw())
+        };
+        let modes = modes.called("vkGetPhysicalDeviceSurfacePresentModesKHR")?;
+        Ok(modes.into_iter().filter_map(PresentMode::from_raw).collect())
+    }
+
+    pub(crate) fn formats(&self, device: &Device) -> Result<Vec<vk::SurfaceFormatKHR>, Error> {
+        let physical = device.adapter().physical;
+        // SAFETY: as above.
+        unsafe { self.shared.functions.get_physical_device_surface_formats(physical, self.raw()) }
+            .called("vkGetPhysicalDeviceSurfaceFormatsKHR")
+    }
+
+    /// Its size and what else is so now.
+    pub(crate) fn state(&self, device: &Device) -> Result<vk::SurfaceCapabilitiesKHR, vk::Result> {
+        let physical = device.adapter().physical;
+        // SAFETY: as above.
+        unsafe {
+            self.shared.functions.get_physical_device_surface_capabilities(physical, self.raw())
+        }
+    }
+
+    /// Whether presenting in a queued mode may wait for a compositor that shows the window to nobody.
+    pub(crate) fn may_hold_presents(&self) -> bool {
+        self.shared.is_wayland
+    }
+
+    pub(crate) fn raw(&self) -> vk::SurfaceKHR {
+        self.shared.raw
+    }
+
+    /// The first queue family of `adapter` that draws, computes and presents to this surface, and how
+    /// many bits its timestamps have.
+    fn presenting_family(&self, adapter: &Adapter) -> Result<Option<(u32, u32)>, Error> {
+        let raw = &self.shared.instance.raw;
+        // SAFETY: an adapter of this instance.
+        let families =
+            unsafe { raw.get_physical_device_queue_family_properties(adapter.physical) };
+        let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+        for (index, family) in (0..).zip(&families) {
+            if !family.queue_flags.contains(needed) {
+                continue;
+            }
+            // SAFETY: adapter and surface are of one instance, the index is one of its families.
+            let presents = unsafe {
+                self.shared.functions.get_physical_device_surface_support(
+                    adapter.physical,
+                    index,
+                    self.raw(),
+                )
+            };
+            if presents.called("vkGetPhysicalDeviceSurfaceSupportKHR")? {
+                return Ok(Some((index, family.timestamp_valid_bits)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// `adapter` with a queue that presents to this surface, or why it has none.
+    fn presenting(&self, adapter: &Adapter) -> Result<Result<Adapter, String>, Error> {
+        let name = &adapter.name;
+        if !adapter.capabilities.has(Optional::Swapchain) {
+            return Ok(Err(format!("{name} lacks {}", Optional::Swapchain.name())));
+        }
+        Ok(match self.presenting_family(adapter)? {
+            Some((family, timestamp_bits)) => {
+                Ok(Adapter { queue_family: Some(family), timestamp_bits, ..adapter.clone() })
+            }
+            None => Err(format!("{name} has no queue that can show pictures in this window")),
+        })
+    }
+}
+
+impl Instance {
+    /// Like [`Instance::pick_adapter`], of those that can show pictures in the window of `surface`.
+    ///
+    /// # Errors
+    /// As there; [`Error::CannotPresent`] when the one wanted, or none, can present to the window.
+    pub fn pick_adapter_for(
+        &self,
+        surface: &Surface,
+        wanted: Option<&str>,
+    ) -> Result<Adapter, Error> {
+        if wanted.is_some() {
+            let adapter = self.pick_adapter(wanted)?;
+            return surface.presenting(&adapter)?.map_err(Error::CannotPresent);
+        }
+        let (mut fit, mut refused) = (Vec::new(), Vec::new());
+        for adapter in self.adapters()? {
+            match (adapter.missing(), surface.presenting(&adapter)?) {
+                (None, Ok(adapter)) => fit.push(adapter),
+                (Some(missing), _) => refused.push(format!("{} lacks {missing}", adapter.name)),
+                (None, Err(reason)) => refused.push(reason),
+            }
+        }
+        // The first of the best: max_by_key alone would take the last.
+        let best = fit.into_iter().rev().max_by_key(Adapter::score);
+        best.ok_or_else(|| Error::CannotPresent(refused.join("; ")))
+    }
+}
+
+fn functions(instance: &InstanceShared) -> Result<&WindowFunctions, Error> {
+    let missing = || Error::NoWindows("the option `InstanceOptions::windows`".to_owned());
+    instance.windows.as_ref().ok_or_else(missing)
+}
+
+impl Drop for SurfaceShared {
+    fn drop(&mut self) {
+        // SAFETY: every swapchain of the surface holds it, so none is left; window and instance are.
+        unsafe { self.functions.destroy_surface(self.raw, None) };
+    }
+}

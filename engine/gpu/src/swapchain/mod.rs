@@ -1,0 +1,223 @@
+//! Pictures in a window, whatever becomes of the window. Nothing here decides when.
+//!
+//! Who waits for whom, in [`Swapchain::acquire`] and [`WindowImage::show`]:
+//!
+//! - The CPU waits for the tick of the present that used this slot N frames ago, then for an image.
+//!   Both waits have the bound [`SwapchainOptions::acquire_bound`] and end as [`NotShown::Hidden`].
+//! - The GPU's copy to the image waits for the *acquire semaphore*: the screen no longer reads the
+//!   image. There is one a frame in flight: when its slot comes round, the submit that waited for it
+//!   is over, and it may be given to an acquire again.
+//! - The presentation engine waits for the image's *drawn semaphore*. There is one an image: when the
+//!   image is acquired again, the present that waited for it is over.
+//!
+//! A frame is rendered and submitted before its image is asked for, so the GPU draws while the CPU
+//! waits for the screen, and a frame without a window is the same frame.
+//!
+//! A swapchain that no longer fits is replaced with `oldSwapchain`; the old one goes to
+//! [`old_chains::OldChains`], which waits for nothing. `SUBOPTIMAL` alone replaces nothing: some
+//! drivers say so for ever. It only makes us compare sizes.
+
+mod chain;
+mod feedback;
+mod old_chains;
+mod outcome;
+mod plan;
+mod screen;
+
+use std::time::{Duration, Instant};
+
+use crate::device::Device;
+use crate::error::Error;
+use crate::frames::{Frame, FrameRing};
+use crate::present_mode::{Fallback, PresentMode};
+use crate::surface::Surface;
+use crate::target::Target;
+
+pub(crate) use chain::RetiredChain;
+pub use feedback::PresentTiming;
+pub use outcome::{NotShown, PresentId, Presented, Shown};
+use screen::Screen;
+
+/// How to make a [`Swapchain`].
+#[derive(Debug, Clone)]
+pub struct SwapchainOptions {
+    /// How pictures follow each other. What the window has not falls back to what comes nearest
+    /// ([`PresentMode::nearest`]), which is logged and [told](Swapchain::fallback).
+    pub mode: PresentMode,
+    /// Pictures on their way to the window at once; 0 counts as 1.
+    pub frames_in_flight: usize,
+    /// The longest wait for an image of the window, a minute at most. A hidden window may have none
+    /// for hours.
+    pub acquire_bound: Duration,
+}
+
+impl Default for SwapchainOptions {
+    fn default() -> Self {
+        // Longer than any refresh, short enough for a loop that has keys to answer.
+        let acquire_bound = Duration::from_millis(100);
+        Self { mode: PresentMode::Fifo, frames_in_flight: 2, acquire_bound }
+    }
+}
+
+/// A window that shows pictures.
+pub struct Swapchain {
+    ring: FrameRing,
+    screen: Screen,
+}
+
+/// What comes of asking for an image of the window.
+pub enum Acquired<'a> {
+    /// An image, to be shown. Dropped, it is what the next call returns.
+    Image(WindowImage<'a>),
+    /// There is none.
+    Not(NotShown),
+}
+
+/// An image of the window that waits for a picture.
+pub struct WindowImage<'a> {
+    frame: Frame<'a>,
+    screen: &'a mut Screen,
+    acquire_wait: Duration,
+}
+
+impl Swapchain {
+    /// Shows pictures of `device` in the window of `surface`. The first image is asked for later, so
+    /// a window without a pixel is no error.
+    ///
+    /// # Errors
+    /// [`Error::CannotPresent`] for a device that cannot show pictures in this window; a failed call.
+    pub fn new(
+        device: &Device,
+        surface: &Surface,
+        options: &SwapchainOptions,
+    ) -> Result<Self, Error> {
+        let ring = FrameRing::new(device, options.frames_in_flight)?;
+        let screen = Screen::new(device, surface, options)?;
+        Ok(Self { ring, screen })
+    }
+
+    /// Asks for an image of the window, which is `window_size` pixels large as far as the caller
+    /// knows. Call it when the frame is submitted, not before: the wait for the screen is here.
+    ///
+    /// # Errors
+    /// What has no name in [`NotShown`]: out of memory, a failed call.
+    pub fn acquire(&mut self, window_size: [u32; 2]) -> Result<Acquired<'_>, Error> {
+        let began = Instant::now();
+        match self.try_acquire(window_size) {
+            Ok(None) => {}
+            Ok(Some(not_shown)) => return Ok(Acquired::Not(not_shown)),
+            Err(error) => return Ok(Acquired::Not(self.screen.settle(error)?)),
+        }
+        let acquire_wait = began.elapsed();
+        match self.ring.begin() {
+            Ok(frame) => {
+                Ok(Acquired::Image(WindowImage { frame, screen: &mut self.screen, acquire_wait }))
+            }
+            Err(error) => Ok(Acquired::Not(self.screen.settle(error)?)),
+        }
+    }
+
+    /// Shows the picture of `target` in a window of `window_size` pixels; scaled, if its size is
+    /// another. [`Swapchain::acquire`] and [`WindowImage::show`] in one.
+    ///
+    /// # Errors
+    /// As these.
+    pub fn show(&mut self, target: &Target, window_size: [u32; 2]) -> Result<Shown, Error> {
+        match self.acquire(window_size)? {
+            Acquired::Image(image) => image.show(target),
+            Acquired::Not(not_shown) => Ok(Shown::Not(not_shown)),
+        }
+    }
+
+    fn try_acquire(&mut self, window_size: [u32; 2]) -> Result<Option<NotShown>, Error> {
+        if !self.ring.is_ready_within(self.screen.options.acquire_bound)? {
+            return Ok(Some(NotShown::Hidden));
+        }
+        self.screen.acquire(self.ring.next_slot(), window_size)
+    }
+
+    /// Changes how pictures follow each other, from the next one on.
+    pub fn set_mode(&mut self, mode: PresentMode) {
+        self.screen.set_mode(mode);
+    }
+
+    /// Changes how many pictures may be on their way to the window.
+    ///
+    /// # Errors
+    /// A failed call; nothing has changed then.
+    pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) -> Result<(), Error> {
+        if frames_in_flight.max(1) != self.ring.frames_in_flight() {
+            let ring = FrameRing::new(&self.screen.device, frames_in_flight)?;
+            self.screen.set_slots(ring.frames_in_flight())?;
+            self.ring = ring;
+        }
+        Ok(())
+    }
+
+    /// Pictures on their way to the window at once.
+    pub fn frames_in_flight(&self) -> usize {
+        self.ring.frames_in_flight()
+    }
+
+    /// The present mode in use; the one asked for until the window had its first image.
+    pub fn mode(&self) -> PresentMode {
+        self.screen.chain.as_ref().map_or(self.screen.options.mode, |chain| chain.mode)
+    }
+
+    /// Whether the window has not the present mode asked for, and which is taken.
+    pub fn fallback(&self) -> Option<Fallback> {
+        self.screen.fallback
+    }
+
+    /// Size of the window's images in pixels; none before the first.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        self.screen.chain.as_ref().map(|chain| chain.size)
+    }
+
+    /// Format of the window's images and their colour space, as text; none before the first.
+    pub fn format(&self) -> Option<String> {
+        let chain = self.screen.chain.as_ref()?;
+        Some(format!("{:?} in {:?}", chain.format, plan::COLOUR_SPACE))
+    }
+
+    /// Images of the window.
+    pub fn image_count(&self) -> usize {
+        self.screen.chain.as_ref().map_or(0, |chain| chain.images.len())
+    }
+
+    /// How often the window's images were made anew.
+    pub fn replaced(&self) -> u64 {
+        self.screen.number.0.saturating_sub(1)
+    }
+
+    /// Replaced swapchains that the presentation engine may still use. There is a small bound.
+    pub fn retiring(&self) -> usize {
+        self.screen.old.len()
+    }
+
+    /// The newest picture given to the presentation engine.
+    pub fn newest_presented(&self) -> Option<PresentId> {
+        Some(self.screen.newest).filter(|id| *id > PresentId::default())
+    }
+}
+
+impl WindowImage<'_> {
+    /// Size in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.screen.chain.as_ref().map_or([0, 0], |chain| chain.size)
+    }
+
+    /// Copies the picture of `target` to the image, byte for byte where their sizes are equal, and
+    /// has it shown.
+    ///
+    /// # Errors
+    /// [`Error::WrongCommands`] for a target whose picture was not [submitted](Target::submitted); what
+    /// has no name in [`NotShown`].
+    pub fn show(self, target: &Target) -> Result<Shown, Error> {
+        let Self { frame, screen, acquire_wait } = self;
+        match screen.show(frame, target, acquire_wait) {
+            Ok(presented) => Ok(presented),
+            Err(error) => Ok(Shown::Not(screen.settle(error)?)),
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! The window's side of a swapchain: which chain it has, whether it still fits, what is acquired of it.
+
+use std::time::{Duration, Instant};
+
+use ash::{khr, vk};
+
+use super::chain::{Chain, ChainNumber, ImageIndex, Wanted};
+use super::old_chains::OldChains;
+use super::outcome::{NotShown, PresentId, Presented, Shown};
+use super::{SwapchainOptions, plan};
+use crate::capabilities::Optional;
+use crate::deletion::Garbage;
+use crate::device::{Device, Order};
+use crate::error::{Called, Error};
+use crate::frames::{Frame, SlotIndex};
+use crate::present_mode::{Fallback, PresentMode};
+use crate::surface::Surface;
+use crate::target::Target;
+
+pub(super) struct Screen {
+    pub(super) device: Device,
+    functions: khr::swapchain::Device,
+    surface: Surface,
+    pub(super) options: SwapchainOptions,
+    pub(super) chain: Option<Chain>,
+    /// Number of the newest chain.
+    pub(super) number: ChainNumber,
+    pub(super) old: OldChains,
+    pub(super) fallback: Option<Fallback>,
+    fit: Fit,
+    /// The window's size when the chain was made or last compared.
+    window_size: [u32; 2],
+    /// Acquire semaphores, by slot.
+    acquire: Vec<vk::Semaphore>,
+    held: Option<Held>,
+    is_gone: bool,
+    /// The newest present.
+    pub(super) newest: PresentId,
+    /// The newest present before the chain was made.
+    pub(super) before_chain: PresentId,
+    /// What is known to have been on the screen.
+    pub(super) shown_until: PresentId,
+}
+
+/// Whether the chain fits the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Fit {
+    Fits,
+    /// The driver would do it otherwise today: compare sizes.
+    Doubtful,
+    /// It shows nothing any more.
+    Unusable,
+}
+
+/// An image that was acquired and is not yet presented, and the semaphore that says when it is ours.
+#[derive(Clone, Copy)]
+struct Held {
+    index: ImageIndex,
+    acquired: vk::Semaphore,
+    /// It was presented before, so its present is over, and those of all older chains.
+    proves: bool,
+}
+
+impl Screen {
+    pub(super) fn new(
+        device: &Device,
+        surface: &Surface,
+        options: &SwapchainOptions,
+    ) -> Result<Self, Error> {
+        let lacking = || {
+            let name = &device.adapter().name;
+            Error::CannotPresent(format!("{name} was opened without {}", Optional::Swapchain.name()))
+        };
+        let functions = device.extensions().swapchain.clone().ok_or_else(lacking)?;
+        let mut screen = Self {
+            device: device.clone(),
+            functions,
+            surface: surface.clone(),
+            options: options.clone(),
+            chain: None,
+            number: ChainNumber(0),
+            old: OldChains::default(),
+            fallback: None,
+            fit: Fit::Fits,
+            window_size: [0, 0],
+            acquire: Vec::new(),
+            held: None,
+            is_gone: false,
+            newest: PresentId::default(),
+            before_chain: PresentId::default(),
+            shown_until: PresentId::default(),
+        };
+        screen.set_slots(options.frames_in_flight.max(1))?;
+        Ok(screen)
+    }
+
+    /// Sees to it that an image is held; or says why none is.
+    pub(super) fn acquire(
+        &mut self,
+        slot: SlotIndex,
+        window_size: [u32; 2],
+    ) -> Result<Option<NotShown>, Error> {
+        // A chain that is out of date is replaced and asked once more; then the next frame has to.
+        const ATTEMPTS: usize = 2;
+        if self.is_gone {
+            return Ok(Some(NotShown::WindowGone));
+        }
+        self.old.retire_presented(&self.device)?;
+        for _ in 0..ATTEMPTS {
+            if !self.keep_up(window_size)? {
+                return Ok(Some(NotShown::NoArea));
+            }
+            let bound = self.options.acquire_bound;
+            let (Some(chain), Some(semaphore)) = (&mut self.chain, self.acquire.get(slot.0)) else {
+                return Err(Error::WrongCommands("a window has fewer slots than frames"));
+            };
+            if self.held.is_none() {
+                match chain.acquire(*semaphore, bound) {
+                    Ok((index, is_suboptimal)) => {
+                        let proves = chain.image(index)?.was_presented;
+                        self.held = Some(Held { index, acquired: *semaphore, proves });
+                        if is_suboptimal {
+                            self.fit = Fit::Doubtful;
+                        }
+                    }
+                    Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => {
+                        return Ok(Some(NotShown::Hidden));
+                    }
+                    Err(code) if is_outdated(code) => {
+                        self.fit = Fit::Unusable;
+                        continue;
+                    }
+                    Err(code) => return Err(code).called("vkAcquireNextImageKHR"),
+                }
+            }
+            if let Some(held) = self.held {
+                let is_ready = chain.is_ready_within(&self.device, held.index, bound)?;
+                return Ok((!is_ready).then_some(NotShown::Hidden));
+            }
+        }
+        Ok(Some(NotShown::OutOfDate))
+    }
+
+    /// Makes the chain fit the window; false if the window has no pixel.
+    fn keep_up(&mut self, window_size: [u32; 2]) -> Result<bool, Error> {
+        let is_known = self.fit == Fit::Fits && self.window_size == window_size;
+        if is_known && self.chain.is_some() {
+            return Ok(true);
+        }
+        let state = self.surface.state(&self.device);
+        let state = state.called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")?;
+        let Some(size) = plan::extent(&state, window_size) else { return Ok(false) };
+        let is_same = self.chain.as_ref().is_some_and(|chain| chain.size == size);
+        if !is_same || self.fit == Fit::Unusable {
+            self.replace(&state, size)?;
+        }
+        (self.fit, self.window_size) = (Fit::Fits, window_size);
+        Ok(true)
+    }
+
+    fn replace(
+        &mut self,
+        state: &vk::SurfaceCapabilitiesKHR,
+        size: [u32; 2],
+    ) -> Result<(), Error> {
+        let mode = self.choose_mode()?;
+        self.let_go()?;
+        let before = self.chain.take();
+        self.number.0 += 1;
+        let wanted = Wanted {
+            number: self.number,
+            state,
+            size,
+            mode,
+            before: before.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.raw),
+        };
+        let made = Chain::new(&self.device, &self.functions, &self.surface, &wanted);
+        // Retired by the call, even if it failed.
+        if let Some(before) = before {
+            self.old.push(&self.device, before.retired())?;
+        }
+        let chain = made?;
+        tracing::debug!(
+            "swapchain {}: {}x{}, {:?} in {:?}, {mode}, {} images",
+            self.number.0,
+            size[0],
+            size[1],
+            chain.format,
+            plan::COLOUR_SPACE,
+            chain.images.len()
+        );
+        self.chain = Some(chain);
+        self.before_chain = self.newest;
+        Ok(())
+    }
+
+    fn choose_mode(&mut self) -> Result<PresentMode, Error> {
+        let wanted = self.options.mode;
+        let taken = wanted.nearest(&self.surface.present_modes(&self.device)?);
+        let fallback = (taken != wanted).then_some(Fallback { wanted, taken });
+        if let (Some(Fallback { wanted, taken }), true) = (fallback, fallback != self.fallback) {
+            tracing::warn!("this window has no present mode {wanted}: {taken} is used");
+        }
+        self.fallback = fallback;
+        Ok(taken)
+    }
+
+    pub(super) fn set_mode(&mut self, mode: PresentMode) {
+        if self.options.mode != mode {
+            self.options.mode = mode;
+            self.fit = Fit::Unusable;
+        }
+    }
+
+    /// Has one acquire semaphore for each of `count` slots, all of them new.
+    pub(super) fn set_slots(&mut self, count: usize) -> Result<(), Error> {
+        let mut made = Vec::with_capacity(count);
+        for slot in 0..count {
+            // SAFETY: a plain semaphore.
+            let semaphore = unsafe {
+                self.device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None)
+            };
+            match semaphore.called("vkCreateSemaphore") {
+                Ok(semaphore) => {
+                    self.device.name(semaphore, &format!("window image acquired {slot}"));
+                    made.push(semaphore);
+                }
+                Err(error) => {
+                    made.drain(..).for_each(|semaphore| self.retire(semaphore));
+                    return Err(error);
+                }
+            }
+        }
+        let let_go = self.let_go();
+        std::mem::swap(&mut self.acquire, &mut made);
+        made.drain(..).for_each(|semaphore| self.retire(semaphore));
+        let_go
+    }
+
+    fn retire(&self, semaphore: vk::Semaphore) {
+        self.device.retire(Garbage::Semaphore(semaphore));
+    }
+
+    /// Lets go of an image that will not be presented. Its semaphore will be signalled, so something
+    /// has to wait for it before it can go, or be used again. The chain keeps the image for good.
+    fn let_go(&mut self) -> Result<(), Error> {
+        let Some(held) = self.held.take() else { return Ok(()) };
+        self.fit = Fit::Unusable;
+        let order = Order { acquired: Some(held.acquired), ..Order::default() };
+        self.device.submit(None, &order).map(|_| ())
+    }
+
+    /// Copies the picture to the image that is held, and presents it.
+    pub(super) fn show(
+        &mut self,
+        frame: Frame<'_>,
+        target: &Target,
+        acquire_wait: Duration,
+    ) -> Result<Shown, Error> {
+        let (Some(held), Some(chain)) = (self.held, &mut self.chain) else {
+            return Err(Error::WrongCommands("an image is shown that was not acquired"));
+        };
+        if !target.has_picture() {
+            return Err(Error::WrongCommands(
+                "what is shown was drawn in no frame that was submitted",
+            ));
+        }
+        let (size, image) = (chain.size, chain.image(held.index)?);
+        frame.commands().pass("present", |commands| {
+            target.copy_to_window(commands, image.raw, size);
+        });
+        let order =
+            Order { acquired: Some(held.acquired), presents: Some(image.drawn), after: None };
+        let tick = frame.submit_in_order(&order)?;
+        self.held = None;
+        if held.proves {
+            self.old.retire_proven(&self.device);
+        }
+        let id = PresentId(self.newest.0 + 1);
+        let began = Instant::now();
+        let result = chain.present(&self.device, held.index, id);
+        let present_wait = began.elapsed();
+        match result {
+            Ok(is_suboptimal) => {
+                self.newest = id;
+                if is_suboptimal {
+                    self.fit = Fit::Doubtful;
+                }
+                Ok(Shown::Presented(Presented { id, tick, size, acquire_wait, present_wait }))
+            }
+            Err(code) => {
+                // The image is not ours any more, or its semaphore was left signalled.
+                self.fit = Fit::Unusable;
+                if is_outdated(code) {
+                    return Ok(Shown::Not(NotShown::OutOfDate));
+                }
+                Err(code).called("vkQueuePresentKHR")
+            }
+        }
+    }
+
+    /// Gives an error its name, if it has one, and does what can be done about it.
+    pub(super) fn settle(&mut self, error: Error) -> Result<NotShown, Error> {
+        match error {
+            Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => Ok(NotShown::DeviceLost),
+            Error::Vulkan { code: vk::Result::ERROR_SURFACE_LOST_KHR, .. } => {
+                self.give_up_chain()?;
+                // Another surface for the same window tells whether the window is there.
+                let renewed = self.surface.renewed();
+                match renewed.map(|surface| (surface.state(&self.device), surface)) {
+                    Ok((Ok(_), surface)) => {
+                        self.surface = surface;
+                        Ok(NotShown::SurfaceLost)
+                    }
+                    Ok((Err(vk::Result::ERROR_SURFACE_LOST_KHR), _)) | Err(Error::NoDisplay(_)) => {
+                        self.is_gone = true;
+                        Ok(NotShown::WindowGone)
+                    }
+                    Ok((Err(code), _)) => {
+                        Err(code).called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")
+                    }
+                    Err(error) => Err(error),
+                }
+            }
+            Error::Vulkan { code, .. } if is_outdated(code) => {
+                self.fit = Fit::Unusable;
+                Ok(NotShown::OutOfDate)
+            }
+            error => Err(error),
+        }
+    }
+
+    /// Lets go of everything of the window.
+    fn give_up_chain(&mut self) -> Result<(), Error> {
+        let let_go = self.let_go();
+        if let Some(chain) = self.chain.take() {
+            self.old.push(&self.device, chain.retired())?;
+        }
+        self.old.retire_behind_a_submit(&self.device, self.old.len())?;
+        let_go
+    }
+}
+
+/// A window that changed; something else of it holds the screen until the old chain is gone.
+fn is_outdated(code: vk::Result) -> bool {
+    [
+        vk::Result::ERROR_OUT_OF_DATE_KHR,
+        vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
+        vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR,
+    ]
+    .contains(&code)
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        if let Err(error) = self.give_up_chain() {
+            tracing::error!("a window was not closed in order: {error}");
+        }
+        std::mem::take(&mut self.acquire).into_iter().for_each(|semaphore| self.retire(semaphore));
+    }
+}
