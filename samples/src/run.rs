@@ -145,6 +145,7 @@ fn open_instance(validation: Validation) -> Result<Instance, RunError> {
             Validation::On => gpu::Validation::Core,
             Validation::Sync => gpu::Validation::Synchronization,
         },
+        windows: None,
     };
     Ok(Instance::new(gpu::load_entry()?, &options)?)
 }

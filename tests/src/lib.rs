@@ -7,6 +7,7 @@
 
 pub mod shapes;
 pub mod walk;
+pub mod xvfb;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -68,10 +69,16 @@ pub fn instance() -> Instance {
 
 /// The same through an entry of the test's own.
 pub fn instance_with(entry: gpu::Entry) -> Instance {
+    instance_for(entry, None)
+}
+
+/// The same for windows.
+pub fn instance_for(entry: gpu::Entry, windows: Option<gpu::WindowSystem>) -> Instance {
     take_turn();
     let options = InstanceOptions {
         application: "tests".to_owned(),
         validation: Validation::Synchronization,
+        windows,
     };
     Instance::new(entry, &options).unwrap_or_else(|error| {
         panic!("{error}\nRun `ci/setup --tests` first: these tests need the validation layer.")

@@ -88,8 +88,7 @@ impl Instance {
         }
         let log = Box::new(ValidationLog::default());
 
-        let name =
-            CString::new(options.application.replace('\0', " ")).unwrap_or_default();
+        let name = CString::new(options.application.replace('\0', " ")).unwrap_or_default();
         let application = vk::ApplicationInfo::default()
             .application_name(&name)
             .engine_name(c"Antumbra")

@@ -69,7 +69,6 @@ mod window_system;
 pub use access::{Access, LayoutChange, MemoryBarrier};
 pub use adapter::Adapter;
 pub use ash::{Entry, vk};
-pub use raw_window_handle;
 pub use buffer::{Buffer, BufferSlice, Place};
 pub use capabilities::{Capabilities, Optional, Required};
 pub use commands::Commands;
@@ -91,6 +90,7 @@ pub use predicates::{
 pub use present_mode::{Fallback, PresentMode};
 pub use query_pages::{Counting, QueryPages};
 pub use query_ring::{QueryIndex, QueryRing};
+pub use raw_window_handle;
 pub use shader::Spirv;
 #[cfg(feature = "shader-compiler")]
 pub use shader::compile;

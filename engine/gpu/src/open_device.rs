@@ -96,8 +96,8 @@ pub(crate) fn create_raw(
         extensions.push(ext::conditional_rendering::NAME.as_ptr());
         features = features.push_next(&mut conditional);
     }
-    let mut present_fences = vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default()
-        .swapchain_maintenance1(true);
+    let mut present_fences =
+        vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default().swapchain_maintenance1(true);
     let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default().present_id(true);
     let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default().present_wait(true);
     if has(Optional::Swapchain) {

@@ -27,12 +27,8 @@ pub struct Fallback {
 
 impl PresentMode {
     /// All of them.
-    pub const ALL: [PresentMode; 4] = [
-        PresentMode::Fifo,
-        PresentMode::FifoRelaxed,
-        PresentMode::Mailbox,
-        PresentMode::Immediate,
-    ];
+    pub const ALL: [PresentMode; 4] =
+        [PresentMode::Fifo, PresentMode::FifoRelaxed, PresentMode::Mailbox, PresentMode::Immediate];
 
     /// Its name, as users write it.
     pub fn name(self) -> &'static str {

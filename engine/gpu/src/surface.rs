@@ -112,8 +112,7 @@ impl Surface {
     fn presenting_family(&self, adapter: &Adapter) -> Result<Option<(u32, u32)>, Error> {
         let raw = &self.shared.instance.raw;
         // SAFETY: an adapter of this instance.
-        let families =
-            unsafe { raw.get_physical_device_queue_family_properties(adapter.physical) };
+        let families = unsafe { raw.get_physical_device_queue_family_properties(adapter.physical) };
         let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
         for (index, family) in (0..).zip(&families) {
             if !family.queue_flags.contains(needed) {

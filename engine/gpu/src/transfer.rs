@@ -64,7 +64,8 @@ impl Device {
             .inspect_err(|_| self.retire(Garbage::CommandPool(pool)))?;
         let recording = self.open_recording();
         let recorded = record_once(self, pool, name, recording.number, descriptors, record);
-        let submitted = recorded.and_then(|commands| self.submit(Some(commands), &Order::default()));
+        let submitted =
+            recorded.and_then(|commands| self.submit(Some(commands), &Order::default()));
         drop(recording);
         // The commands go with their pool once the tick of the submit is over.
         self.retire(Garbage::CommandPool(pool));

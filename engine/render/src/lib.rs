@@ -50,6 +50,7 @@ mod update;
 mod view_history;
 mod views;
 mod visible_set;
+mod window;
 
 pub use calibration::Costs;
 pub use error::Error;

@@ -149,6 +149,7 @@ impl Renderer {
         report.waits = frame.waits();
         let tick = frame.submit(request.after)?;
         report.tick = tick;
+        self.passes.target.submitted();
         self.passes.geometry.submitted();
         for Eye { history, .. } in eyes.iter_mut() {
             history.submitted(tick, &self.passes.geometry);

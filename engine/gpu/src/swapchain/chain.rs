@@ -287,7 +287,8 @@ fn check_copies(
     let can = |format, feature| device.has_format_feature(format, feature);
     let is_destination = state.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_DST)
         && can(format, vk::FormatFeatureFlags::BLIT_DST);
-    let from = vk::FormatFeatureFlags::BLIT_SRC | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
+    let from =
+        vk::FormatFeatureFlags::BLIT_SRC | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
     if is_destination && can(COLOUR_BYTES, from) {
         Ok(())
     } else {

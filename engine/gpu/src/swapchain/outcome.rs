@@ -48,8 +48,12 @@ impl NotShown {
     pub fn reason(self) -> &'static str {
         match self {
             NotShown::NoArea => "the window has no pixel to show a picture in",
-            NotShown::Hidden => "the window takes no pictures for now: it is hidden, or the screen slow",
-            NotShown::OutOfDate => "the window has changed, the next picture is made for its new size",
+            NotShown::Hidden => {
+                "the window takes no pictures for now: it is hidden, or the screen slow"
+            }
+            NotShown::OutOfDate => {
+                "the window has changed, the next picture is made for its new size"
+            }
             NotShown::SurfaceLost => "the window's surface was lost and made anew",
             NotShown::WindowGone => "the window is gone; open another one",
             NotShown::DeviceLost => {

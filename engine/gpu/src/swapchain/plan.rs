@@ -7,11 +7,8 @@ use crate::error::Error;
 /// Formats that take the bytes of a picture as they are, best first. The renderer's bytes are
 /// sRGB-encoded already, and the colour space says so; formats whose hardware encodes would do it a
 /// second time.
-const FORMATS: [vk::Format; 3] = [
-    vk::Format::B8G8R8A8_UNORM,
-    vk::Format::R8G8B8A8_UNORM,
-    vk::Format::A8B8G8R8_UNORM_PACK32,
-];
+const FORMATS: [vk::Format; 3] =
+    [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM, vk::Format::A8B8G8R8_UNORM_PACK32];
 
 /// The colour space of every picture.
 pub(super) const COLOUR_SPACE: vk::ColorSpaceKHR = vk::ColorSpaceKHR::SRGB_NONLINEAR;
@@ -48,16 +45,15 @@ pub(super) fn extent(
         [UP_TO_THE_IMAGES, _] | [_, UP_TO_THE_IMAGES] => window_size,
         current => current,
     };
-    if wanted.contains(&0) || state.max_image_extent.width == 0 || state.max_image_extent.height == 0
+    if wanted.contains(&0)
+        || state.max_image_extent.width == 0
+        || state.max_image_extent.height == 0
     {
         return None;
     }
     let within = |side: u32, least: u32, most: u32| side.max(least).min(most);
     let (least, most) = (state.min_image_extent, state.max_image_extent);
-    Some([
-        within(wanted[0], least.width, most.width),
-        within(wanted[1], least.height, most.height),
-    ])
+    Some([within(wanted[0], least.width, most.width), within(wanted[1], least.height, most.height)])
 }
 
 /// One image more than the least: with the least alone, the CPU would wait for the screen before
@@ -139,7 +135,10 @@ mod tests {
         let rgba = vk::Format::R8G8B8A8_UNORM;
         assert_eq!(format(&[offer(srgb), offer(rgba)]).unwrap(), rgba);
         assert_eq!(format(&[offer(vk::Format::UNDEFINED)]).unwrap(), bgra);
-        let wide = vk::SurfaceFormatKHR { color_space: vk::ColorSpaceKHR::HDR10_ST2084_EXT, ..offer(bgra) };
+        let wide = vk::SurfaceFormatKHR {
+            color_space: vk::ColorSpaceKHR::HDR10_ST2084_EXT,
+            ..offer(bgra)
+        };
         let error = format(&[offer(srgb), wide]).unwrap_err().to_string();
         assert!(error.contains("B8G8R8A8_SRGB") && error.contains("HDR10"), "{error}");
     }

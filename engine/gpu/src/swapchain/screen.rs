@@ -69,7 +69,10 @@ impl Screen {
     ) -> Result<Self, Error> {
         let lacking = || {
             let name = &device.adapter().name;
-            Error::CannotPresent(format!("{name} was opened without {}", Optional::Swapchain.name()))
+            Error::CannotPresent(format!(
+                "{name} was opened without {}",
+                Optional::Swapchain.name()
+            ))
         };
         let functions = device.extensions().swapchain.clone().ok_or_else(lacking)?;
         let mut screen = Self {
@@ -158,11 +161,7 @@ impl Screen {
         Ok(true)
     }
 
-    fn replace(
-        &mut self,
-        state: &vk::SurfaceCapabilitiesKHR,
-        size: [u32; 2],
-    ) -> Result<(), Error> {
+    fn replace(&mut self, state: &vk::SurfaceCapabilitiesKHR, size: [u32; 2]) -> Result<(), Error> {
         let mode = self.choose_mode()?;
         self.let_go()?;
         let before = self.chain.take();

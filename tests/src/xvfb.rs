@@ -1,0 +1,51 @@
+//! An X server without a screen, one for each test that wants one.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
+
+/// A running Xvfb, ended when dropped.
+pub struct Xvfb {
+    server: Child,
+    display: String,
+}
+
+impl Xvfb {
+    /// Starts a server with one screen of 1280x1024 pixels of 24 bits, on a display that is free.
+    pub fn start() -> Self {
+        // The server picks a free display and says which when it is ready; it stays when clients go.
+        let server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp"])
+            .args(["-screen", "0", "1280x1024x24"])
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let mut server = server.unwrap_or_else(|error| {
+            panic!(
+                "Xvfb does not start ({error}).\nRun `ci/setup --tests` first: this test needs it."
+            )
+        });
+        let mut number = String::new();
+        let says = server.stdout.take().expect("its output");
+        BufReader::new(says).read_line(&mut number).expect("a display");
+        assert!(!number.trim().is_empty(), "Xvfb ended without a display");
+        Self { server, display: format!(":{}", number.trim()) }
+    }
+
+    /// Its display, as in the variable `DISPLAY`.
+    pub fn display(&self) -> &str {
+        &self.display
+    }
+
+    /// Ends the server, whoever is connected.
+    pub fn end(&mut self) {
+        let _is_gone_already = self.server.kill();
+        let _is_gone_already = self.server.wait();
+    }
+}
+
+impl Drop for Xvfb {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
