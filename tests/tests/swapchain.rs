@@ -6,6 +6,8 @@
     reason = "a test fails by panicking"
 )]
 
+#[path = "swapchain/changes.rs"]
+mod changes;
 #[path = "swapchain/stage.rs"]
 mod stage;
 #[path = "swapchain/x11_window.rs"]

@@ -98,6 +98,19 @@ impl Surface {
         }
     }
 
+    /// Whether `device` can show anything in the window, which it cannot once the window is gone.
+    pub(crate) fn is_there(&self, device: &Device) -> Result<bool, Error> {
+        let (physical, family) = (device.adapter().physical, device.queue_family());
+        // SAFETY: device and surface are of one instance, the family is the device's own.
+        let presents = unsafe {
+            self.shared.functions.get_physical_device_surface_support(physical, family, self.raw())
+        };
+        match presents {
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(false),
+            other => other.called("vkGetPhysicalDeviceSurfaceSupportKHR"),
+        }
+    }
+
     /// Whether presenting in a queued mode may wait for a compositor that shows the window to nobody.
     pub(crate) fn may_hold_presents(&self) -> bool {
         self.shared.is_wayland

@@ -132,3 +132,19 @@ pub fn await_picture(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
 pub fn error_of<T>(result: Result<T, Error>) -> String {
     result.err().expect("an error").to_string()
 }
+
+/// Numbers that look random and are the same each time (SplitMix64, Steele, Lea, Flood 2014).
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    pub fn below(&mut self, end: u32) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((mixed ^ (mixed >> 31)) % u64::from(end)) as u32
+    }
+}

@@ -304,22 +304,7 @@ impl Screen {
             Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => Ok(NotShown::DeviceLost),
             Error::Vulkan { code: vk::Result::ERROR_SURFACE_LOST_KHR, .. } => {
                 self.give_up_chain()?;
-                // Another surface for the same window tells whether the window is there.
-                let renewed = self.surface.renewed();
-                match renewed.map(|surface| (surface.state(&self.device), surface)) {
-                    Ok((Ok(_), surface)) => {
-                        self.surface = surface;
-                        Ok(NotShown::SurfaceLost)
-                    }
-                    Ok((Err(vk::Result::ERROR_SURFACE_LOST_KHR), _)) | Err(Error::NoDisplay(_)) => {
-                        self.is_gone = true;
-                        Ok(NotShown::WindowGone)
-                    }
-                    Ok((Err(code), _)) => {
-                        Err(code).called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")
-                    }
-                    Err(error) => Err(error),
-                }
+                self.renew_surface()
             }
             Error::Vulkan { code, .. } if is_outdated(code) => {
                 self.fit = Fit::Unusable;
@@ -327,6 +312,29 @@ impl Screen {
             }
             error => Err(error),
         }
+    }
+
+    /// Makes another surface for the same window, which tells whether the window is there.
+    fn renew_surface(&mut self) -> Result<NotShown, Error> {
+        // Asked first: where the connection is gone, some drivers crash over a new surface.
+        if self.surface.is_there(&self.device)? {
+            match self.surface.renewed() {
+                Ok(surface) => match surface.state(&self.device) {
+                    Ok(_) => {
+                        self.surface = surface;
+                        return Ok(NotShown::SurfaceLost);
+                    }
+                    Err(vk::Result::ERROR_SURFACE_LOST_KHR) => {}
+                    Err(code) => {
+                        return Err(code).called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+                    }
+                },
+                Err(Error::NoDisplay(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        self.is_gone = true;
+        Ok(NotShown::WindowGone)
     }
 
     /// Lets go of everything of the window.

@@ -1,0 +1,243 @@
+//! Windows that change in every way that a user can change them, a thousand times.
+
+use gpu::{NotShown, PresentMode, Shown, Swapchain, SwapchainOptions};
+use tests::Driver;
+use tests::xvfb::Xvfb;
+
+use crate::stage::{Painter, Random, Stage, await_picture, show_surely};
+use crate::x11_window::{Library, X11Window};
+use crate::{WAYS, modes};
+
+/// So many swapchains at most wait for their end: eight that need a proof of it, one that is replaced.
+const MOST_RETIRING: usize = 9;
+
+/// A window that is shown a picture after every change.
+struct Show<'a> {
+    stage: &'a Stage,
+    window: &'a X11Window,
+    painter: Painter,
+    swapchain: Swapchain,
+    size: [u32; 2],
+    out_of_date: u32,
+    presented: u32,
+}
+
+impl<'a> Show<'a> {
+    fn new(stage: &'a Stage, window: &'a X11Window, mode: PresentMode, size: [u32; 2]) -> Self {
+        let options = SwapchainOptions { mode, ..Default::default() };
+        Self {
+            stage,
+            window,
+            painter: Painter::new(&stage.device, [64, 48]),
+            swapchain: stage.swapchain(&options),
+            size,
+            out_of_date: 0,
+            presented: 0,
+        }
+    }
+
+    /// A frame of any size, to a window that the caller believes to have `believed` pixels.
+    fn frame(&mut self, seed: u32, believed: [u32; 2]) {
+        self.painter.paint(seed, None);
+        match self.swapchain.show(&self.painter.target, believed).unwrap() {
+            Shown::Presented(_) => self.presented += 1,
+            Shown::Not(NotShown::OutOfDate) => self.out_of_date += 1,
+            Shown::Not(other) => panic!("{other:?}"),
+        }
+        assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());
+        // What waits for a tick: chains, and what a few frames left.
+        assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
+    }
+
+    /// The window shows exactly what was drawn for its size.
+    fn check(&mut self, seed: u32) {
+        self.window.show();
+        self.window.place(0, 0);
+        let mut painter = Painter::new(&self.stage.device, self.size);
+        let expected = painter.expected(seed);
+        let presented = show_surely(&mut self.swapchain, &painter.target, self.size);
+        assert_eq!(presented.size, self.size);
+        await_picture(&expected, || self.window.pixels(self.size));
+    }
+}
+
+#[test]
+fn a_window_survives_a_thousand_changes() {
+    let server = Xvfb::start();
+    const STEPS: u32 = 1_000;
+    const CHECKS: u64 = 25;
+    for (which, (driver, library)) in WAYS.into_iter().enumerate() {
+        let mut size = [320, 200];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let mut random = Random::new(7 + which as u64);
+        let modes = modes(driver);
+        let mut show = Show::new(&stage, &window, modes[which % modes.len()], size);
+        let (mut resizes, mut is_mapped) = (0, true);
+        for step in 0..STEPS {
+            let before = size;
+            match random.below(20) {
+                0 => window.place(random.below(900) as i32 - 100, random.below(700) as i32 - 100),
+                1 => {
+                    is_mapped = !is_mapped;
+                    if is_mapped { window.show() } else { window.hide() }
+                }
+                kind => {
+                    resizes += 1;
+                    size = match kind {
+                        2 => [1, 1],
+                        3 => [1, 1 + random.below(300)],
+                        4 => [1 + random.below(300), 1],
+                        _ => [1 + random.below(400), 1 + random.below(300)],
+                    };
+                    window.resize(size);
+                }
+            }
+            show.size = size;
+            // Events come late: sometimes the caller knows the size of a while ago.
+            show.frame(step, if random.below(4) == 0 { before } else { size });
+            if step % (STEPS / CHECKS as u32) == 0 {
+                show.check(step);
+                is_mapped = true;
+            }
+        }
+        assert!(resizes > 800 && show.presented > 500, "{resizes}, {}", show.presented);
+        // One chain a change at most: nothing is made anew without a reason.
+        assert!(show.swapchain.replaced() <= resizes, "{}", show.swapchain.replaced());
+        // At rest nothing is made at all.
+        let replaced = show.swapchain.replaced();
+        for seed in 0..20 {
+            show.frame(seed, size);
+        }
+        assert!(show.swapchain.replaced() <= replaced + 1);
+        // The pictures compared were drained; nothing else waited for the GPU.
+        assert_eq!(stage.device.wait_counts().other, CHECKS);
+        drop(show);
+        stage.end();
+    }
+}
+
+#[test]
+fn modes_and_frames_in_flight_change_a_thousand_times() {
+    let server = Xvfb::start();
+    for (driver, library) in WAYS {
+        let size = [160, 120];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let mut random = Random::new(11);
+        let mut show = Show::new(&stage, &window, PresentMode::Fifo, size);
+        for step in 0..1_000 {
+            let mode = PresentMode::ALL[random.below(4) as usize];
+            show.swapchain.set_mode(mode);
+            show.swapchain.set_frames_in_flight(random.below(5) as usize).unwrap();
+            if random.below(8) == 0 {
+                // An image that is acquired and not shown is no loss.
+                drop(show.swapchain.acquire(size).unwrap());
+            }
+            show.frame(step, size);
+            let taken = mode.nearest(modes(driver));
+            assert_eq!(show.swapchain.mode(), taken);
+            assert_eq!(show.swapchain.fallback().is_some(), taken != mode);
+            if step % 100 == 99 {
+                show.check(step);
+            }
+        }
+        assert!(show.presented > 900, "{}", show.presented);
+        drop(show);
+        stage.end();
+    }
+}
+
+#[test]
+fn an_image_that_is_not_shown_is_what_the_next_frame_gets() {
+    let server = Xvfb::start();
+    for (driver, library) in WAYS {
+        let size = [64, 64];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let mut painter = Painter::new(&stage.device, size);
+        let expected = painter.expected(3);
+        let mut swapchain = stage.swapchain(&SwapchainOptions::default());
+        for _ in 0..20 {
+            drop(swapchain.acquire(size).unwrap());
+        }
+        show_surely(&mut swapchain, &painter.target, size);
+        await_picture(&expected, || window.pixels(size));
+        assert_eq!(swapchain.replaced(), 0, "{driver:?}");
+        // Nor when the window goes with one.
+        drop(swapchain.acquire(size).unwrap());
+        drop((swapchain, painter));
+        stage.end();
+    }
+}
+
+#[test]
+fn a_window_that_is_destroyed_says_so_and_takes_nothing_with_it() {
+    let server = Xvfb::start();
+    for (driver, library) in WAYS {
+        for &mode in modes(driver) {
+            let size = [200, 100];
+            let window = X11Window::open(&server, library, size);
+            let stage = Stage::new(driver, window.clone());
+            let mut show = Show::new(&stage, &window, mode, size);
+            for seed in 0..5 {
+                show.frame(seed, size);
+            }
+            window.destroy();
+            let mut outcomes = Vec::new();
+            for seed in 0..8 {
+                show.painter.paint(seed, None);
+                match show.swapchain.show(&show.painter.target, size).unwrap() {
+                    Shown::Presented(_) => {}
+                    Shown::Not(outcome) => outcomes.push(outcome),
+                }
+            }
+            assert_eq!(
+                outcomes.last(),
+                Some(&NotShown::WindowGone),
+                "{driver:?} {library:?} {mode}"
+            );
+            assert!(
+                outcomes.iter().all(|o| matches!(o, NotShown::OutOfDate | NotShown::WindowGone))
+            );
+            let Show { painter, swapchain, .. } = show;
+            drop((painter, swapchain));
+            // The device goes on, in another window.
+            let other = X11Window::open(&server, library, size);
+            let surface = gpu::Surface::new(&stage.instance, other.clone()).unwrap();
+            let mut painter = Painter::new(&stage.device, size);
+            let expected = painter.expected(1);
+            let options = SwapchainOptions { mode, ..Default::default() };
+            let mut swapchain = gpu::Swapchain::new(&stage.device, &surface, &options).unwrap();
+            show_surely(&mut swapchain, &painter.target, size);
+            await_picture(&expected, || other.pixels(size));
+            drop((swapchain, painter, surface));
+            stage.end();
+        }
+    }
+}
+
+#[test]
+fn a_server_that_ends_is_a_window_that_is_gone() {
+    // SwiftShader takes it for granted that its server answers. Xlib ends the program by itself.
+    for mode in PresentMode::ALL {
+        let mut server = Xvfb::start();
+        let size = [200, 100];
+        let window = X11Window::open(&server, Library::Xcb, size);
+        let stage = Stage::new(Driver::Lavapipe, window.clone());
+        let mut painter = Painter::new(&stage.device, size);
+        let mut swapchain = stage.swapchain(&SwapchainOptions { mode, ..Default::default() });
+        painter.paint(1, None);
+        show_surely(&mut swapchain, &painter.target, size);
+        server.end();
+        let outcomes: Vec<_> =
+            (0..6).map(|_| swapchain.show(&painter.target, size).unwrap()).collect();
+        assert_eq!(
+            outcomes.last(),
+            Some(&Shown::Not(NotShown::WindowGone)),
+            "{mode}: {outcomes:?}"
+        );
+        drop((swapchain, painter));
+        stage.end();
+    }
+}
