@@ -35,7 +35,11 @@ impl DepthBoxes {
             vertex: &spirv.expect("SPIR-V"),
             fragment: None,
             vertices: VertexLayout::default(),
-            storage: StorageLayout { buffers: 1, push_bytes: size_of::<Constants>() as u32 },
+            storage: StorageLayout {
+                buffers: 1,
+                textures: 0,
+                push_bytes: size_of::<Constants>() as u32,
+            },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestAndWrite,

@@ -23,6 +23,8 @@ pub enum Access {
     ComputeWrite,
     /// Storage buffer written by a fragment shader.
     FragmentWrite,
+    /// Image sampled by a fragment shader.
+    FragmentSample,
     /// Colour attachment: blended, cleared, loaded, stored.
     Colour,
     /// Depth attachment: tested and written, cleared, loaded, stored.
@@ -37,7 +39,7 @@ pub enum Access {
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 14] = [
+    pub const ALL: [Access; 15] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
@@ -47,6 +49,7 @@ impl Access {
         Access::ComputeRead,
         Access::ComputeWrite,
         Access::FragmentWrite,
+        Access::FragmentSample,
         Access::Colour,
         Access::Depth,
         Access::HostRead,
@@ -81,6 +84,9 @@ impl Access {
             }
             Access::FragmentWrite => {
                 (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, A::SHADER_STORAGE_WRITE, L::GENERAL)
+            }
+            Access::FragmentSample => {
+                (S::FRAGMENT_SHADER, A::SHADER_SAMPLED_READ, none, L::SHADER_READ_ONLY_OPTIMAL)
             }
             Access::Colour => (
                 S::COLOR_ATTACHMENT_OUTPUT,

@@ -18,6 +18,7 @@ use crate::predicates::IndirectDraw;
 use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
 use crate::target::RenderTarget;
+use crate::texture::Texture;
 use crate::timing::PassTimer;
 
 /// A command buffer being recorded.
@@ -210,12 +211,22 @@ impl Commands {
 
     /// Binds a graphics pipeline and the storage buffers it reads, in the order of its layout.
     pub fn bind(&self, pipeline: &GraphicsPipeline, storage: &[BufferSlice]) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage);
+        self.bind_textured(pipeline, storage, &[]);
+    }
+
+    /// Binds a graphics pipeline, the storage buffers it reads, and the textures it samples.
+    pub fn bind_textured(
+        &self,
+        pipeline: &GraphicsPipeline,
+        storage: &[BufferSlice],
+        textures: &[&Texture],
+    ) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures);
     }
 
     /// Binds a compute pipeline and its storage buffers.
     pub fn bind_compute(&self, pipeline: &ComputePipeline, storage: &[BufferSlice]) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage);
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, &[]);
     }
 
     fn bind_kind(
@@ -223,15 +234,21 @@ impl Commands {
         pipeline: &PipelineKind,
         point: vk::PipelineBindPoint,
         storage: &[BufferSlice],
+        textures: &[&Texture],
     ) {
         let raw = self.device.raw();
         if storage.len() != pipeline.buffers as usize {
             self.fail(Failure::Wrong("a pipeline is bound with too many or too few buffers"));
             return;
         }
+        let are_known = textures.iter().all(|texture| texture.is_known_to(self));
+        if textures.len() != pipeline.textures as usize || !are_known {
+            self.fail(Failure::Wrong("a pipeline is bound with textures that are not there"));
+            return;
+        }
         // SAFETY: a live pipeline of the right kind.
         unsafe { raw.cmd_bind_pipeline(self.raw, point, pipeline.raw) };
-        if storage.is_empty() {
+        if storage.is_empty() && textures.is_empty() {
             return;
         }
         let layouts = [pipeline.storage];
@@ -258,6 +275,16 @@ impl Commands {
                 .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
                 .buffer_info(&buffers);
             // SAFETY: the set is fresh, so no command uses it yet.
+            unsafe { raw.update_descriptor_sets(&[write], &[]) };
+        }
+        for (binding, texture) in (storage.len() as u32..).zip(textures) {
+            let images = [texture.descriptor()];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding)
+                .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+                .image_info(&images);
+            // SAFETY: as above; image and sampler live at least until this frame is over.
             unsafe { raw.update_descriptor_sets(&[write], &[]) };
         }
         // SAFETY: the set was made from this pipeline's layout.
@@ -306,6 +333,22 @@ impl Commands {
                 raw.cmd_bind_index_buffer(self.raw, indices.raw, offset, vk::IndexType::UINT32);
             }
         }
+    }
+
+    /// Draws nothing outside of `size` pixels from `origin` on, within the target, until the rendering
+    /// ends or this is said again.
+    pub fn clip(&self, origin: [u32; 2], size: [u32; 2]) {
+        let offset = vk::Offset2D { x: origin[0] as i32, y: origin[1] as i32 };
+        let area = vk::Rect2D { offset, extent: vk::Extent2D { width: size[0], height: size[1] } };
+        if [0, 1]
+            .iter()
+            .any(|side| i32::try_from(u64::from(origin[*side]) + u64::from(size[*side])).is_err())
+        {
+            self.fail(Failure::Wrong("a clipped area reaches beyond all pictures"));
+            return;
+        }
+        // SAFETY: inside of rendering, where the scissor is dynamic state.
+        unsafe { self.device.raw().cmd_set_scissor(self.raw, 0, &[area]) };
     }
 
     /// Draws `vertices` vertices of one instance.

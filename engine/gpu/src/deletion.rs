@@ -19,6 +19,7 @@ pub(crate) enum Garbage {
     DescriptorPool(vk::DescriptorPool),
     CommandPool(vk::CommandPool),
     QueryPool(vk::QueryPool),
+    Sampler(vk::Sampler),
     Semaphore(vk::Semaphore),
     Swapchain(Box<RetiredChain>),
 }

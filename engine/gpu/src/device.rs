@@ -385,6 +385,7 @@ impl DeviceShared {
                 Garbage::DescriptorPool(pool) => self.raw.destroy_descriptor_pool(pool, None),
                 Garbage::CommandPool(pool) => self.raw.destroy_command_pool(pool, None),
                 Garbage::QueryPool(pool) => self.raw.destroy_query_pool(pool, None),
+                Garbage::Sampler(sampler) => self.raw.destroy_sampler(sampler, None),
                 Garbage::Semaphore(semaphore) => self.raw.destroy_semaphore(semaphore, None),
                 Garbage::Swapchain(chain) => chain.destroy(&self.raw),
             }

@@ -58,6 +58,8 @@ pub struct Frame<'ring> {
 const DESCRIPTOR_SETS: u32 = 256;
 /// Storage buffers over all those sets.
 const DESCRIPTORS: u32 = 1024;
+/// Textures over all those sets.
+const TEXTURE_DESCRIPTORS: u32 = 64;
 /// So many pieces of a frame share those sets, then the next ones get others.
 const PIECES_PER_DESCRIPTOR_POOL: usize = 32;
 
@@ -216,10 +218,11 @@ pub(crate) fn create_descriptor_pool(
     device: &Device,
     name: &str,
 ) -> Result<vk::DescriptorPool, Error> {
-    let sizes = [vk::DescriptorPoolSize {
-        ty: vk::DescriptorType::STORAGE_BUFFER,
-        descriptor_count: DESCRIPTORS,
-    }];
+    let size = |ty, descriptor_count| vk::DescriptorPoolSize { ty, descriptor_count };
+    let sizes = [
+        size(vk::DescriptorType::STORAGE_BUFFER, DESCRIPTORS),
+        size(vk::DescriptorType::COMBINED_IMAGE_SAMPLER, TEXTURE_DESCRIPTORS),
+    ];
     let info = vk::DescriptorPoolCreateInfo::default().max_sets(DESCRIPTOR_SETS).pool_sizes(&sizes);
     // SAFETY: a plain descriptor pool.
     let pool = unsafe { device.raw().create_descriptor_pool(&info, None) }

@@ -45,6 +45,7 @@ mod device;
 mod error;
 mod flag_ring;
 mod frames;
+mod image;
 mod instance;
 mod open_device;
 mod part_draws;
@@ -59,6 +60,7 @@ mod shader;
 mod surface;
 mod swapchain;
 mod target;
+mod texture;
 mod timeline;
 mod timing;
 mod transfer;
@@ -100,6 +102,7 @@ pub use swapchain::{
     WindowImage,
 };
 pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
+pub use texture::Texture;
 pub use timeline::{Tick, Timeline};
 pub use timing::PassTime;
 pub use upload::Uploads;

@@ -26,6 +26,8 @@ pub enum Blend {
     Opaque,
     /// Mixes by alpha.
     Alpha,
+    /// Mixes by alpha, by which the colour is multiplied already.
+    Premultiplied,
     /// Writes no colour. Give no fragment shader then: a masked one would still run.
     NoColour,
 }
@@ -44,6 +46,8 @@ pub struct VertexLayout<'a> {
 pub struct StorageLayout {
     /// Storage buffers at bindings 0, 1, … of set 0.
     pub buffers: u32,
+    /// Sampled textures at the bindings after those.
+    pub textures: u32,
     /// Bytes of push constants.
     pub push_bytes: u32,
 }
@@ -84,6 +88,7 @@ pub(crate) struct PipelineKind {
     pub(crate) layout: vk::PipelineLayout,
     pub(crate) storage: vk::DescriptorSetLayout,
     pub(crate) buffers: u32,
+    pub(crate) textures: u32,
     pub(crate) push_bytes: u32,
 }
 
@@ -144,7 +149,7 @@ impl PipelineKind {
         stages: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
-        let storage = create_set_layout(device, layout.buffers, stages)?;
+        let storage = create_set_layout(device, layout, stages)?;
         // Owned from here on: dropped half-made, it retires what is there; destroying null is fine.
         let mut kind = Self {
             device: device.clone(),
@@ -152,6 +157,7 @@ impl PipelineKind {
             layout: vk::PipelineLayout::null(),
             storage,
             buffers: layout.buffers,
+            textures: layout.textures,
             push_bytes: layout.push_bytes,
         };
         let sets = [storage];
@@ -182,20 +188,23 @@ impl Drop for PipelineKind {
 
 fn create_set_layout(
     device: &Device,
-    buffers: u32,
+    layout: StorageLayout,
     stages: vk::ShaderStageFlags,
 ) -> Result<vk::DescriptorSetLayout, Error> {
-    let bindings: Vec<_> = (0..buffers)
-        .map(|binding| {
-            vk::DescriptorSetLayoutBinding::default()
-                .binding(binding)
-                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
-                .descriptor_count(1)
-                .stage_flags(stages)
-        })
-        .collect();
+    let binding = |binding: u32| {
+        let kind = match binding < layout.buffers {
+            true => vk::DescriptorType::STORAGE_BUFFER,
+            false => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+        };
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(binding)
+            .descriptor_type(kind)
+            .descriptor_count(1)
+            .stage_flags(stages)
+    };
+    let bindings: Vec<_> = (0..layout.buffers + layout.textures).map(binding).collect();
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-    // SAFETY: plain storage-buffer bindings.
+    // SAFETY: plain bindings of storage buffers and textures.
     unsafe { device.raw().create_descriptor_set_layout(&info, None) }
         .called("vkCreateDescriptorSetLayout")
 }
@@ -293,5 +302,8 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .alpha_blend_op(vk::BlendOp::ADD),
+        Blend::Premultiplied => {
+            blend_state(Blend::Alpha).src_color_blend_factor(vk::BlendFactor::ONE)
+        }
     }
 }

@@ -1,14 +1,14 @@
 //! An offscreen target: colour and depth to draw to, and buffers to read the picture back.
 
 use ash::vk;
-use gpu_allocator::MemoryLocation;
 
 use crate::access::{Access, LayoutChange};
-use crate::buffer::{Buffer, BufferSlice, Place, allocate, free};
+use crate::buffer::{Buffer, BufferSlice, Place};
 use crate::commands::Commands;
-use crate::deletion::{Garbage, Recording};
+use crate::deletion::Recording;
 use crate::device::Device;
-use crate::error::{Called, Error};
+use crate::error::Error;
+use crate::image::Image;
 
 /// Colour: eight bits a channel, sRGB-encoded by the hardware.
 pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
@@ -17,13 +17,6 @@ pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Depth: 32-bit float, reversed, so that precision is even over all distances.
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
-
-struct Image {
-    device: Device,
-    raw: vk::Image,
-    view: vk::ImageView,
-    allocation: Option<gpu_allocator::vulkan::Allocation>,
-}
 
 /// A colour and a depth image of one size.
 pub struct Target {
@@ -318,97 +311,5 @@ impl Readback {
     /// The picture: rows from the top, four bytes a pixel, sRGB. Once the frame's tick is over.
     pub fn rgba8(&self) -> &[u8] {
         self.buffer.read(0..self.size[0] as usize * self.size[1] as usize * 4)
-    }
-}
-
-impl Image {
-    fn new(
-        device: &Device,
-        name: &str,
-        size: [u32; 2],
-        [format, view_format]: [vk::Format; 2],
-        usage: vk::ImageUsageFlags,
-        aspect: vk::ImageAspectFlags,
-    ) -> Result<Self, Error> {
-        let formats = [format, view_format];
-        let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&formats);
-        let mut info = vk::ImageCreateInfo::default()
-            .image_type(vk::ImageType::TYPE_2D)
-            .format(format)
-            .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
-            .mip_levels(1)
-            .array_layers(1)
-            .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(usage);
-        if format != view_format {
-            info = info.flags(vk::ImageCreateFlags::MUTABLE_FORMAT).push_next(&mut list);
-        }
-        // SAFETY: the size is within the limits, checked by the caller.
-        let raw = unsafe { device.raw().create_image(&info, None) }.called("vkCreateImage")?;
-        device.name(raw, name);
-        // SAFETY: just made.
-        let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
-        let made = allocate(device, name, requirements, MemoryLocation::GpuOnly, false).and_then(
-            |memory| {
-                let view = bind_and_view(device, raw, &memory, view_format, aspect);
-                match view {
-                    Ok(view) => Ok((view, memory)),
-                    Err(error) => {
-                        free(device, memory);
-                        Err(error)
-                    }
-                }
-            },
-        );
-        match made {
-            Ok((view, memory)) => {
-                device.name(view, name);
-                Ok(Self { device: device.clone(), raw, view, allocation: Some(memory) })
-            }
-            Err(error) => {
-                // SAFETY: never used.
-                unsafe { device.raw().destroy_image(raw, None) };
-                Err(error)
-            }
-        }
-    }
-
-    fn change(&self, aspect: vk::ImageAspectFlags, from: Access, to: Access) -> LayoutChange {
-        LayoutChange::new(self.raw, aspect, from, to)
-    }
-}
-
-fn bind_and_view(
-    device: &Device,
-    image: vk::Image,
-    memory: &gpu_allocator::vulkan::Allocation,
-    format: vk::Format,
-    aspect: vk::ImageAspectFlags,
-) -> Result<vk::ImageView, Error> {
-    let info = vk::ImageViewCreateInfo::default()
-        .image(image)
-        .view_type(vk::ImageViewType::TYPE_2D)
-        .format(format)
-        .subresource_range(vk::ImageSubresourceRange {
-            aspect_mask: aspect,
-            level_count: 1,
-            layer_count: 1,
-            ..Default::default()
-        });
-    // SAFETY: fresh memory that fits the image's requirements; the view is made after binding.
-    unsafe {
-        device
-            .raw()
-            .bind_image_memory(image, memory.memory(), memory.offset())
-            .called("vkBindImageMemory")?;
-        device.raw().create_image_view(&info, None).called("vkCreateImageView")
-    }
-}
-
-impl Drop for Image {
-    fn drop(&mut self) {
-        if let Some(allocation) = self.allocation.take() {
-            self.device.retire(Garbage::Image(self.raw, self.view, allocation));
-        }
     }
 }

@@ -83,6 +83,7 @@ impl Uploads {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::VERTEX_BUFFER
+            | vk::BufferUsageFlags::INDEX_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC;
         let chunk = Buffer::new(&self.device, &self.name, size_bytes, usage, Place::Upload)?;
         self.chunks.push(chunk);

@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 16] = [
+pub const SHADERS: [Shader; 18] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -31,6 +31,8 @@ pub const SHADERS: [Shader; 16] = [
     shader!("leaf_box.frag"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
+    shader!("flat.vert"),
+    shader!("flat.frag"),
     shader!("seen.vert"),
     shader!("seen.frag"),
     shader!("depth_grid.comp"),

@@ -205,7 +205,8 @@ impl Predicates {
             )),
         };
         let buffers = writer_buffers(predication) as u32;
-        let storage = StorageLayout { buffers, push_bytes: size_of::<Decisions>() as u32 };
+        let storage =
+            StorageLayout { buffers, textures: 0, push_bytes: size_of::<Decisions>() as u32 };
         let writer = match shader {
             None => None,
             Some((name, bytes)) => {

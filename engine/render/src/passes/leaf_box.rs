@@ -48,7 +48,11 @@ impl LeafBoxPass {
             vertex: shaders.find("leaf_box.vert")?,
             fragment: Some(shaders.find("leaf_box.frag")?),
             vertices: VertexLayout::default(),
-            storage: StorageLayout { buffers: 3, push_bytes: size_of::<Constants>() as u32 },
+            storage: StorageLayout {
+                buffers: 3,
+                textures: 0,
+                push_bytes: size_of::<Constants>() as u32,
+            },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestOnly,

@@ -2,6 +2,7 @@
 
 mod compute_test;
 mod count;
+mod flat;
 mod leaf_box;
 mod opaque;
 mod overlay;
@@ -13,6 +14,7 @@ mod seen;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use count::CountPass;
+pub use flat::{FlatDraw, FlatIo, FlatPass, FlatVertex};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass};
 pub use opaque::{OpaqueIo, OpaquePass};
 pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};

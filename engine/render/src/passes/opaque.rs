@@ -92,7 +92,11 @@ impl OpaquePass {
                         (vk::Format::R8G8B8A8_UNORM, 16),
                     ],
                 },
-                storage: StorageLayout { buffers: 1, push_bytes: size_of::<Constants>() as u32 },
+                storage: StorageLayout {
+                    buffers: 1,
+                    textures: 0,
+                    push_bytes: size_of::<Constants>() as u32,
+                },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 cull: vk::CullModeFlags::BACK,
                 depth,

@@ -65,6 +65,7 @@ impl OverlayPass {
                     },
                     storage: StorageLayout {
                         buffers: 0,
+                        textures: 0,
                         push_bytes: size_of::<Constants>() as u32,
                     },
                     topology,

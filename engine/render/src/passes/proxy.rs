@@ -62,7 +62,11 @@ impl ProxyPass {
                 vertex: shaders.find("proxy.vert")?,
                 fragment,
                 vertices: VertexLayout::default(),
-                storage: StorageLayout { buffers, push_bytes: size_of::<Constants>() as u32 },
+                storage: StorageLayout {
+                    buffers,
+                    textures: 0,
+                    push_bytes: size_of::<Constants>() as u32,
+                },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 cull: vk::CullModeFlags::NONE,
                 depth: DepthMode::TestOnly,

@@ -57,7 +57,11 @@ impl SeenPass {
                     stride_bytes: size_of::<Vertex>() as u32,
                     attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
                 },
-                storage: StorageLayout { buffers: 2, push_bytes: size_of::<Constants>() as u32 },
+                storage: StorageLayout {
+                    buffers: 2,
+                    textures: 0,
+                    push_bytes: size_of::<Constants>() as u32,
+                },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 cull: vk::CullModeFlags::BACK,
                 depth: DepthMode::TestOnly,
