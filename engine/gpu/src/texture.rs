@@ -10,9 +10,10 @@ use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::image::Image;
 
-const FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+/// What the bytes mean is for the shader to say.
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// An image of eight sRGB-encoded bits a channel with a linear sampler that clamps at the edges.
+/// An image of four channels of eight bits with a linear sampler that clamps at the edges.
 pub struct Texture {
     device: Device,
     image: Image,
@@ -88,7 +89,8 @@ impl Texture {
             commands.fail(Failure::Wrong("a texture is written outside of its area"));
             return;
         }
-        self.make_writable(commands);
+        self.prepare(commands);
+        self.change(commands, Access::FragmentSample, Access::CopyWrite);
         let region = vk::BufferImageCopy::default()
             .buffer_offset(pixels.offset_bytes)
             .image_subresource(vk::ImageSubresourceLayers {
@@ -135,9 +137,10 @@ impl Texture {
         }
     }
 
-    fn make_writable(&mut self, commands: &Commands) {
+    /// Makes it ready to be sampled, outside of rendering: transparent black, if nothing was ever
+    /// written to it.
+    pub fn prepare(&mut self, commands: &Commands) {
         if self.is_known_to(commands) {
-            self.change(commands, Access::FragmentSample, Access::CopyWrite);
             return;
         }
         let colour = vk::ImageAspectFlags::COLOR;
@@ -160,7 +163,7 @@ impl Texture {
                 &[whole],
             );
         }
-        self.change(commands, Access::CopyWrite, Access::CopyWrite);
+        self.change(commands, Access::CopyWrite, Access::FragmentSample);
         self.state = State::Cleared(commands.recording());
     }
 

@@ -61,8 +61,7 @@ impl Renderer {
         });
         passes.target.copy_to(commands, picture);
         frame.submit(None)?;
-        self.passes.target.submitted();
-        self.passes.geometry.submitted();
+        self.submitted();
         Ok(self.device.drain()?)
     }
 

@@ -5,7 +5,6 @@
 //!             answers -> mapped memory; submit
 //! ...         as long as the method has something to ask; it says when to wait for an answer
 //! shaded      the picture, where the batches drew the depth only
-//! read back   the picture, if it is wanted
 //! ```
 //!
 //! The answers to a batch are read when its tick is over: nothing asks the driver for a query.
@@ -18,8 +17,8 @@ use cull::{
     PlanStats, Step, Strategy, TestAnswer, TestToken, View,
 };
 use gpu::{
-    BufferSlice, Commands, Counting, Device, Frame, IndirectDraw, QueryIndex, QueryPages, Readback,
-    Tick, Timeline,
+    BufferSlice, Commands, Counting, Device, Frame, IndirectDraw, QueryIndex, QueryPages, Tick,
+    Timeline,
 };
 
 use crate::error::Error;
@@ -62,7 +61,6 @@ pub(crate) struct DialogueRequest<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) strategy: Strategy,
     pub(crate) view: &'a View,
-    pub(crate) picture: Option<&'a Readback>,
     pub(crate) after: Option<(&'a Timeline, Tick)>,
 }
 
@@ -196,7 +194,7 @@ impl DialogueFrame {
         self.depth_first.as_ref().filter(|_| strategy == Strategy::Coherent)
     }
 
-    /// Draws the picture if there is only its depth so far, and copies it if it is wanted.
+    /// Draws the picture if there is only its depth so far.
     fn record_end(
         &self,
         frame: &mut Frame<'_>,
@@ -216,10 +214,6 @@ impl DialogueFrame {
                     commands.draw_indirect(draws);
                 });
             });
-        }
-        let commands = frame.commands();
-        if let Some(picture) = request.picture {
-            commands.pass("read back", |commands| passes.target.copy_to(commands, picture));
         }
         Ok(())
     }

@@ -75,6 +75,21 @@ pub enum Error {
         /// Size of the picture in pixels.
         picture: [u32; 2],
     },
+    /// A piece of an atlas that is not within it.
+    #[error(
+        "{pixels} pixels are no piece of {}x{} at {}, {} of an atlas of {}x{}: it lies inside, and has as many pixels as it is large",
+        size[0], size[1], origin[0], origin[1], atlas[0], atlas[1]
+    )]
+    Atlas {
+        /// Its upper left corner.
+        origin: [u32; 2],
+        /// Its size.
+        size: [u32; 2],
+        /// How many pixels there were.
+        pixels: usize,
+        /// Size of the atlas.
+        atlas: [u32; 2],
+    },
     /// Shaders were asked for that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"

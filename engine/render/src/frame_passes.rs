@@ -3,7 +3,7 @@
 use cull::View;
 use gpu::{
     Access, BufferSlice, Commands, Frame, IndirectDraw, MemoryBarrier, Parts, Predicates,
-    QueryIndex, Readback, RenderTarget, Reveal, Target, WordSource,
+    QueryIndex, RenderTarget, Reveal, Target, WordSource,
 };
 
 use crate::error::Error;
@@ -98,7 +98,6 @@ impl FramePasses {
         history: &ViewHistory,
         view: &View,
         io: &FrameIo,
-        picture: Option<&Readback>,
     ) {
         let rounds = &history.questions.rounds;
         if io.proxies.flags.is_some() || io.parts.is_some() || io.computed.is_some() {
@@ -146,9 +145,6 @@ impl FramePasses {
             history.flags.read_back(commands);
             history.computed.read_back(commands);
             history.parts.read_back(commands);
-            if let Some(picture) = picture {
-                self.target.copy_to(commands, picture);
-            }
         });
     }
 

@@ -34,6 +34,7 @@ mod calibration;
 mod dialogue_frame;
 mod draw_changes;
 mod error;
+mod flat_overlay;
 mod frame_passes;
 mod geometry;
 mod leaf_counts;
@@ -54,11 +55,12 @@ mod window;
 
 pub use calibration::Costs;
 pub use error::Error;
+pub use flat_overlay::FlatOverlay;
 pub use moment::Moment;
 pub use passes::{
-    ComputeTest, ComputeTestIo, CountPass, LeafBoxIo, LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo,
-    OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass, PyramidLevel, PyramidPass, ScatterIo,
-    ScatterPass, SeenIo, SeenPass, pyramid_levels,
+    ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
+    LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
+    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, pyramid_levels,
 };
 pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
 pub use sample_counts::{ProxySamples, VisibleSamples};

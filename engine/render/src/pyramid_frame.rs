@@ -7,7 +7,7 @@
 //! tests       everything in the frustum against the pyramid -> list of what shows and was not
 //!             drawn; what shows -> the next frame
 //! revealed    draw the list
-//! read back   counts -> mapped memory of this slot; the picture, if it is wanted
+//! read back   counts -> mapped memory of this slot
 //! ```
 //!
 //! The two phases are those of the engines niagara and Bevy. The image is exact for the reason
@@ -16,8 +16,7 @@
 
 use cull::{Hierarchy, View};
 use gpu::{
-    Access, Buffer, Commands, Device, Frame, IndirectDraw, MemoryBarrier, Optional, Place,
-    Readback, vk,
+    Access, Buffer, Commands, Device, Frame, IndirectDraw, MemoryBarrier, Optional, Place, vk,
 };
 
 use crate::error::Error;
@@ -42,7 +41,6 @@ pub(crate) struct PyramidFrame {
 pub(crate) struct PyramidRequest<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) view: &'a View,
-    pub(crate) picture: Option<&'a Readback>,
 }
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -183,9 +181,6 @@ impl PyramidFrame {
         });
         commands.pass("read back", |commands| {
             kept.read_back(commands, self.counters.whole());
-            if let Some(picture) = request.picture {
-                passes.target.copy_to(commands, picture);
-            }
         });
     }
 

@@ -14,6 +14,7 @@ use gpu::{
 use crate::calibration::{self, Costs};
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
+use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
 use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
@@ -128,6 +129,7 @@ pub struct Renderer {
     pub(crate) passes: FramePasses,
     pub(crate) shaders: ShaderSet,
     pub(crate) birds_eye: Option<OverlayPass>,
+    pub(crate) flat_overlay: Option<FlatOverlay>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) pyramid: Option<PyramidFrame>,
     pub(crate) dialogue: Option<DialogueFrame>,
@@ -205,6 +207,7 @@ impl Renderer {
             passes,
             shaders,
             birds_eye: None,
+            flat_overlay: None,
             seen_leaves: None,
             pyramid: None,
             dialogue: None,
@@ -324,6 +327,33 @@ impl Renderer {
     /// How hidden draws are skipped.
     pub fn predication(&self) -> Predication {
         self.passes.predicates.predication()
+    }
+
+    /// What is drawn flat over every picture from now on, made when it is first wanted. It costs nothing
+    /// until then, nor after [`Renderer::drop_flat_overlay`].
+    ///
+    /// # Errors
+    /// A shader that does not compile, a failed call.
+    pub fn flat_overlay(&mut self) -> Result<&mut FlatOverlay, Error> {
+        let overlay = match self.flat_overlay.take() {
+            Some(overlay) => overlay,
+            None => FlatOverlay::new(&self.device, &self.shaders)?,
+        };
+        Ok(self.flat_overlay.insert(overlay))
+    }
+
+    /// Draws nothing flat any more, and frees what it took.
+    pub fn drop_flat_overlay(&mut self) {
+        self.flat_overlay = None;
+    }
+
+    /// The frame that was recorded last is on its way.
+    pub(crate) fn submitted(&mut self) {
+        self.passes.target.submitted();
+        self.passes.geometry.submitted();
+        if let Some(overlay) = &mut self.flat_overlay {
+            overlay.submitted();
+        }
     }
 
     /// Measures the GPU time of every pass from now on; [`Renderer::pass_times`] has them.

@@ -8,10 +8,11 @@
 use std::time::Instant;
 
 use cull::{Camera, Strategy, View};
-use gpu::{Device, Readback, Tick, Timeline};
+use gpu::{Device, Frame, Readback, Target, Tick, Timeline};
 
 use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
 use crate::error::Error;
+use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FrameIo;
 use crate::passes::{ComputeTest, CountPass};
 use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
@@ -104,21 +105,18 @@ impl Renderer {
         let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
         let mut report = FrameReport::default();
-        let last = eyes.len().saturating_sub(1);
-        for (number, Eye { history, camera, visible, area }) in eyes.iter_mut().enumerate() {
+        for Eye { history, camera, visible, area } in eyes.iter_mut() {
             let view = &view_in(&self.device, camera, *area);
-            // The picture is whole after the last view.
-            let picture = request.picture.filter(|_| number == last);
             history.ingest(self.device.completed()?, hierarchy, &passes.geometry);
             if let (Strategy::Pyramid, Some(pyramid)) = (request.strategy, &self.pyramid) {
-                let request = PyramidRequest { hierarchy, view, picture };
+                let request = PyramidRequest { hierarchy, view };
                 pyramid.record(&mut frame, history, passes, &request)?;
                 passes.count_samples(&mut frame, history, hierarchy, view)?;
                 continue;
             }
             if let (true, Some(dialogue)) = (request.strategy.is_dialogue(), &self.dialogue) {
                 let ViewsRequest { strategy, after, .. } = *request;
-                let request = DialogueRequest { hierarchy, strategy, view, picture, after };
+                let request = DialogueRequest { hierarchy, strategy, view, after };
                 let stats = dialogue.record(&mut frame, history, passes, &request)?;
                 passes.count_samples(&mut frame, history, hierarchy, view)?;
                 report.tests += stats.boxes;
@@ -141,16 +139,18 @@ impl Renderer {
                 passes.compute_test = Some(ComputeTest::new(&self.device, &self.shaders, size)?);
             }
             let io = FrameIo::write(&mut frame, history, passes)?;
-            passes.record(frame.commands(), history, view, &io, picture);
+            passes.record(frame.commands(), history, view, &io);
             passes.count_samples(&mut frame, history, hierarchy, view)?;
         }
+
+        let (target, overlay) = (&mut passes.target, self.flat_overlay.as_mut());
+        finish_picture(&mut frame, target, overlay, request.picture)?;
 
         let waited = frame.waited();
         report.waits = frame.waits();
         let tick = frame.submit(request.after)?;
         report.tick = tick;
-        self.passes.target.submitted();
-        self.passes.geometry.submitted();
+        self.submitted();
         for Eye { history, .. } in eyes.iter_mut() {
             history.submitted(tick, &self.passes.geometry);
             report.add(history);
@@ -200,6 +200,21 @@ impl Renderer {
         };
         if fits(0) && fits(1) { Ok(()) } else { Err(Error::Area { area, picture }) }
     }
+}
+
+/// What comes after the views, whoever decided what they show: what is flat over them, and the copy of
+/// the picture for who wants it.
+pub(crate) fn finish_picture(
+    frame: &mut Frame<'_>,
+    target: &mut Target,
+    overlay: Option<&mut FlatOverlay>,
+    picture: Option<&Readback>,
+) -> Result<(), Error> {
+    overlay.map_or(Ok(()), |overlay| overlay.record(frame, target))?;
+    if let Some(picture) = picture {
+        frame.commands().pass("picture", |commands| target.copy_to(commands, picture));
+    }
+    Ok(())
 }
 
 fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
