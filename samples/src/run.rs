@@ -79,6 +79,7 @@ impl From<render::Error> for RunError {
             | render::Error::ForeignHierarchy { .. }
             | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
+            | render::Error::Atlas { .. }
             | render::Error::Change { .. } => Self::machine(error),
         }
     }

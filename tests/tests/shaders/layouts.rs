@@ -12,7 +12,7 @@ use crate::{OF_GPU, committed_spirv};
 /// Stride of each storage buffer's array and offsets of its elements' members, by binding.
 type Buffers = Vec<(u32, usize, Vec<usize>)>;
 
-/// What one stage reads: its storage buffers, and the bytes of its push constants.
+/// What one stage reads: its storage buffers, beside textures, and the bytes of its push constants.
 fn interface(name: &str) -> (Buffers, usize) {
     let spirv = committed_spirv(name);
     let entries = ReflectConfig::new().spv(spirv).ref_all_rscs(true).reflect().expect("SPIR-V");
@@ -23,6 +23,9 @@ fn interface(name: &str) -> (Buffers, usize) {
         match variable {
             Variable::Descriptor { desc_bind, ty, nbind, .. } => {
                 assert_eq!((desc_bind.set(), *nbind), (0, 1), "{name}");
+                if let Type::CombinedImageSampler(_) = ty {
+                    continue;
+                }
                 let (stride, offsets) = array_in(name, ty);
                 buffers.push((desc_bind.bind(), stride, offsets));
             }
@@ -91,6 +94,15 @@ fn the_overlay_has_a_matrix_and_no_buffers() {
     assert_eq!(interface("overlay.vert"), (vec![], 64));
     assert_eq!(interface("overlay.frag"), (vec![], 0));
     assert_eq!(offset_of!(render::OverlayVertex, colour), 12);
+}
+
+#[test]
+fn flat_triangles_are_in_pixels() {
+    assert_eq!(interface("flat.vert"), (vec![], 8));
+    assert_eq!(interface("flat.frag"), (vec![], 0));
+    let offsets =
+        [offset_of!(render::FlatVertex, texture_position), offset_of!(render::FlatVertex, colour)];
+    assert_eq!(offsets, [8, 16]);
 }
 
 #[test]
