@@ -10,7 +10,7 @@ use render::{FlatOverlay, FlatVertex};
 const FONT_POINTS: f32 = 12.5;
 const MARGIN_POINTS: f32 = 10.0;
 const GRAPH_POINTS: [f32; 2] = [260.0, 56.0];
-const PANEL: Color32 = Color32::from_rgba_premultiplied(8, 10, 14, 190);
+const PANEL: Color32 = Color32::from_rgba_premultiplied(8, 10, 14, 225);
 const NAME: Color32 = Color32::from_rgb(150, 160, 175);
 const VALUE: Color32 = Color32::from_rgb(235, 240, 245);
 const GOOD: Color32 = Color32::from_rgb(90, 200, 120);

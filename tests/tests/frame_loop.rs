@@ -98,7 +98,7 @@ fn passes_are_timed_by_their_labels() {
         frame_loop(&mut renderer, &mut view, Strategy::Antumbra, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         assert_eq!(&labels[..3], ["visible", "answers", "revealed"]);
-        assert_eq!(labels.last(), Some(&"read back"));
+        assert_eq!(labels.last(), Some(&"picture"));
         let total_ms: f64 = renderer.pass_times().iter().map(|time| time.gpu_ms).sum();
         assert!(total_ms > 0.0 && total_ms < 60_000.0, "{total_ms} ms");
     });
