@@ -4,8 +4,8 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Camera, View};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Spirv,
-    StorageLayout, VertexLayout, vk,
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Polygon, Spirv, StorageLayout, VertexLayout, vk,
 };
 use render::scene::{
     Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
@@ -41,6 +41,7 @@ impl DepthBoxes {
                 push_bytes: size_of::<Constants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestAndWrite,
             blend: Blend::NoColour,

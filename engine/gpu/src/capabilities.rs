@@ -68,6 +68,8 @@ pub enum Optional {
     Timestamps,
     /// Fragment shaders that write to storage buffers.
     FragmentStores,
+    /// Triangles drawn as their edges.
+    Wires,
     /// Pictures in windows. This one and those below are there only if the instance was made for
     /// windows ([`crate::InstanceOptions::windows`]).
     Swapchain,
@@ -81,12 +83,13 @@ pub enum Optional {
 
 impl Optional {
     /// All of them.
-    pub const ALL: [Optional; 9] = [
+    pub const ALL: [Optional; 10] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
         Optional::Timestamps,
         Optional::FragmentStores,
+        Optional::Wires,
         Optional::Swapchain,
         Optional::PresentFences,
         Optional::PresentWait,
@@ -101,6 +104,7 @@ impl Optional {
             Optional::PreciseQueries => "occlusionQueryPrecise",
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
+            Optional::Wires => "fillModeNonSolid",
             Optional::Swapchain => "VK_KHR_swapchain",
             Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
             Optional::PresentWait => "VK_KHR_present_wait",
@@ -193,6 +197,7 @@ impl Capabilities {
             (yes(core.occlusion_query_precise), Optional::PreciseQueries),
             (timestamps, Optional::Timestamps),
             (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
+            (yes(core.fill_mode_non_solid), Optional::Wires),
             (shows, Optional::Swapchain),
             (yes(present_fences.swapchain_maintenance1), Optional::PresentFences),
             (yes(present_id.present_id) && yes(present_wait.present_wait), Optional::PresentWait),

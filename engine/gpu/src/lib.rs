@@ -83,8 +83,8 @@ pub use instance::load_entry;
 pub use instance::{Instance, InstanceOptions, Validation};
 pub use part_draws::{LISTED_DRAWS, PartDraws, Parts, SwitchedOn};
 pub use pipeline::{
-    Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, StorageLayout,
-    VertexLayout,
+    Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
+    StorageLayout, VertexLayout,
 };
 pub use predicates::{
     BOX_VERTICES, DrawRange, IndirectDraw, Predicated, Predicates, Predication, Reveal, WordSource,

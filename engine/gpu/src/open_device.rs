@@ -86,7 +86,8 @@ pub(crate) fn create_raw(
         .multi_draw_indirect(true)
         .draw_indirect_first_instance(true)
         .occlusion_query_precise(has(Optional::PreciseQueries))
-        .fragment_stores_and_atomics(has(Optional::FragmentStores));
+        .fragment_stores_and_atomics(has(Optional::FragmentStores))
+        .fill_mode_non_solid(has(Optional::Wires));
     let mut features = vk::PhysicalDeviceFeatures2::default()
         .features(core)
         .push_next(&mut features_12)

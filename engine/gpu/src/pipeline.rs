@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::capabilities::Optional;
 use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
@@ -30,6 +31,16 @@ pub enum Blend {
     Premultiplied,
     /// Writes no colour. Give no fragment shader then: a masked one would still run.
     NoColour,
+}
+
+/// What is drawn of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polygon {
+    /// All of it.
+    Filled,
+    /// Its edges, a little nearer than it is. For devices with
+    /// [`Optional::Wires`](crate::Optional::Wires).
+    Wires,
 }
 
 /// How vertices lie in their buffer. An empty layout is for shaders that make up their vertices.
@@ -67,6 +78,8 @@ pub struct GraphicsPipelineInfo<'a> {
     pub storage: StorageLayout,
     /// Points, lines or triangles.
     pub topology: vk::PrimitiveTopology,
+    /// What is drawn of triangles.
+    pub polygon: Polygon,
     /// Faces that are not drawn; counter-clockwise is front.
     pub cull: vk::CullModeFlags,
     /// Depth.
@@ -98,6 +111,13 @@ impl GraphicsPipeline {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
+        if info.polygon == Polygon::Wires && !device.capabilities().has(Optional::Wires) {
+            return Err(Error::Unsupported {
+                device: device.adapter().name.clone(),
+                missing: Optional::Wires.name(),
+                wanted: "drawing wires",
+            });
+        }
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
         PipelineKind::new(device, info.name, info.storage, stages, |layout| {
             info.vertex.with_module(device, |vertex| match info.fragment {
@@ -244,8 +264,15 @@ fn create_graphics(
     let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(info.topology);
     let viewport =
         vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let (mode, is_nearer) = match info.polygon {
+        Polygon::Filled => (vk::PolygonMode::FILL, false),
+        Polygon::Wires => (vk::PolygonMode::LINE, true),
+    };
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
-        .polygon_mode(vk::PolygonMode::FILL)
+        .polygon_mode(mode)
+        .depth_bias_enable(is_nearer)
+        .depth_bias_constant_factor(16.0)
+        .depth_bias_slope_factor(1.0)
         .cull_mode(info.cull)
         .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
         .line_width(1.0);

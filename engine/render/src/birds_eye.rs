@@ -1,18 +1,20 @@
 //! The bird's-eye view of a moment: what is drawn, what is hidden as boxes, and where the eye looks
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
-use cull::{Aabb, Camera, LeafIndex, View};
+use cull::{Aabb, Camera, Hierarchy, View};
 use glam::{Vec3, Vec4};
-use gpu::Readback;
+use gpu::{Frame, Readback, Tick};
 
 use crate::error::Error;
 use crate::moment::Moment;
 use crate::passes::{OverlayIo, OverlayPass, OverlayVertex};
 use crate::renderer::Renderer;
 use crate::scene::pack_unorm;
+use crate::views::finish_picture;
 
 /// How far the drawn frustum reaches, as a share of what it looks over.
 const FRUSTUM_REACH: f32 = 1.0;
+pub(crate) const BACKGROUND: [f32; 4] = [0.02, 0.025, 0.035, 1.0];
 const FRUSTUM_COLOUR: [f32; 4] = [1.0, 0.85, 0.1, 1.0];
 
 impl Renderer {
@@ -22,93 +24,131 @@ impl Renderer {
     /// # Errors
     /// No memory, a shader that does not compile, a failed call.
     pub fn birds_eye(&mut self, moment: &Moment, picture: &Readback) -> Result<(), Error> {
-        self.check_picture(picture)?;
+        let camera = self.above(moment);
+        self.render_moment(moment, camera, Some(picture))?;
+        Ok(self.device.drain()?)
+    }
+
+    /// Draws `moment` as it looks to another eye, and goes on: the culling stands still, the camera does
+    /// not. Beside what was drawn, the hidden frontier nodes and the frustum, as
+    /// [`Renderer::birds_eye`] has them.
+    ///
+    /// # Errors
+    /// A picture of another size, no memory, a failed call.
+    pub fn render_moment(
+        &mut self,
+        moment: &Moment,
+        camera: Camera,
+        picture: Option<&Readback>,
+    ) -> Result<Tick, Error> {
+        picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         if self.birds_eye.is_none() {
             self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
         }
-        let view = self.view_of(&self.above(moment));
-        let (triangles, lines) = overlay(moment, self.reach(moment));
-        let geometry = &self.passes.geometry;
-        let leaves = moment
-            .drawn
-            .iter()
-            .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex));
-        let draws: Vec<_> = leaves.map(|leaf| geometry.draw(leaf)).collect();
-
-        let mut frame = self.frames.begin()?;
-        let predicates = &self.passes.predicates;
-        geometry.bring(&mut frame, &self.hierarchy, predicates, &self.scatter)?;
-        let uploads = frame.uploads();
-        let visible = uploads.push(&draws)?;
-        let io = OverlayIo {
-            triangles: (uploads.push(&triangles)?, triangles.len() as u32),
-            lines: (uploads.push(&lines)?, lines.len() as u32),
-        };
+        let view = self.view_of(&camera);
+        let sketch = Sketch::of(moment, self.reach(moment));
+        let Self { frames, passes, hierarchy, scatter, birds_eye, flat_overlay, .. } = self;
+        let mut frame = frames.begin()?;
+        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, scatter)?;
+        let draws = moment.upload(&mut frame, &passes.geometry)?;
+        let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
-        let passes = &mut self.passes;
         passes.target.prepare(commands);
         commands.pass("bird's eye", |commands| {
-            let background = Some([0.02, 0.025, 0.035, 1.0]);
-            commands.rendering(passes.target.render_target(background), |commands| {
-                passes.opaque.bind(commands, &passes.opaque_io(), &view, &passes.light);
-                if !draws.is_empty() {
-                    commands.draw_indirect(visible);
-                }
-                if let Some(overlay) = &self.birds_eye {
+            let from = passes.target_of(&view, Some(BACKGROUND));
+            commands.rendering(from, |commands| {
+                passes.draw_all(commands, &view, draws);
+                if let Some(overlay) = birds_eye {
                     overlay.record(commands, &io, &view);
                 }
             });
         });
-        passes.target.copy_to(commands, picture);
-        frame.submit(None)?;
+        finish_picture(&mut frame, &mut passes.target, flat_overlay.as_mut(), picture)?;
+        let tick = frame.submit(None)?;
         self.submitted();
-        Ok(self.device.drain()?)
+        Ok(tick)
     }
 
     /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
     fn reach(&self, moment: &Moment) -> f32 {
-        let hierarchy = &self.hierarchy;
-        let distance = |range: &cull::LeafRange| {
-            let object = hierarchy.leaf_objects().get(range.first.0 as usize)?;
-            let bounds = hierarchy.bounds(hierarchy.node_of(*object)?);
-            Some((bounds.centre() - moment.view.eye).length())
-        };
-        let mut distances: Vec<f32> = moment.drawn.iter().filter_map(distance).collect();
-        distances.sort_unstable_by(f32::total_cmp);
-        let most = distances.len() * 9 / 10;
-        distances.get(most).copied().unwrap_or(50.0).clamp(20.0, 2000.0)
+        reach(&self.hierarchy, moment)
     }
 
-    /// A camera behind and above the moment's, looking down on what it looks at.
     fn above(&self, moment: &Moment) -> Camera {
-        let reach = self.reach(moment) * FRUSTUM_REACH;
-        let flat = Vec3::new(moment.view.forward.x, 0.0, moment.view.forward.z);
-        let along = flat.try_normalize().unwrap_or(Vec3::X);
-        let eye = moment.view.eye - along * reach * 0.55 + Vec3::Y * reach * 1.5;
-        let target = moment.view.eye + along * reach * 0.75;
-        Camera { eye, forward: target - eye, up: Vec3::Y, fov_y: 0.9, near: 0.5 }
+        above(moment, self.reach(moment))
     }
 }
 
-/// The boxes' faces, and all edges: of the boxes and of the frustum.
-fn overlay(moment: &Moment, reach: f32) -> (Vec<OverlayVertex>, Vec<OverlayVertex>) {
-    let mut triangles = Vec::new();
-    let mut lines = Vec::new();
-    for (bounds, level) in &moment.hidden {
-        let colour = level_colour(*level);
-        let corners = corners_of(bounds);
-        let face_colour = pack_unorm(colour.truncate().extend(0.10).to_array());
-        for face in FACES {
-            let quad = face.map(|corner| corners[corner]);
-            for corner in [0, 1, 2, 0, 2, 3] {
-                triangles.push(vertex(quad[corner], face_colour));
+/// How far from the eye the moment's story is told: what was drawn, without the few far ones.
+pub(crate) fn reach(hierarchy: &Hierarchy, moment: &Moment) -> f32 {
+    let distance = |range: &cull::LeafRange| {
+        let object = hierarchy.leaf_objects().get(range.first.0 as usize)?;
+        let bounds = hierarchy.bounds(hierarchy.node_of(*object)?);
+        Some((bounds.centre() - moment.view.eye).length())
+    };
+    let mut distances: Vec<f32> = moment.drawn.iter().filter_map(distance).collect();
+    distances.sort_unstable_by(f32::total_cmp);
+    let most = distances.len() * 9 / 10;
+    distances.get(most).copied().unwrap_or(50.0).clamp(20.0, 2000.0)
+}
+
+/// A camera behind and above the moment's, looking down on what it looks at.
+pub(crate) fn above(moment: &Moment, reach: f32) -> Camera {
+    let reach = reach * FRUSTUM_REACH;
+    let flat = Vec3::new(moment.view.forward.x, 0.0, moment.view.forward.z);
+    let along = flat.try_normalize().unwrap_or(Vec3::X);
+    let eye = moment.view.eye - along * reach * 0.55 + Vec3::Y * reach * 1.5;
+    let target = moment.view.eye + along * reach * 0.75;
+    Camera { eye, forward: target - eye, up: Vec3::Y, fov_y: 0.9, near: 0.5 }
+}
+
+/// What is drawn beside the objects: the boxes' faces, and all edges, of the boxes and of the frustum.
+pub(crate) struct Sketch {
+    pub(crate) triangles: Vec<OverlayVertex>,
+    pub(crate) lines: Vec<OverlayVertex>,
+    pub(crate) lines_through: Vec<OverlayVertex>,
+}
+
+impl Sketch {
+    /// As it looks from above.
+    pub(crate) fn of(moment: &Moment, reach: f32) -> Self {
+        let (mut triangles, mut lines) = (Vec::new(), Vec::new());
+        for (bounds, level) in &moment.hidden {
+            let colour = level_colour(*level);
+            let corners = corners_of(bounds);
+            let face_colour = pack_unorm(colour.truncate().extend(0.10).to_array());
+            for face in FACES {
+                let quad = face.map(|corner| corners[corner]);
+                for corner in [0, 1, 2, 0, 2, 3] {
+                    triangles.push(vertex(quad[corner], face_colour));
+                }
             }
+            push_edges(&mut lines, &corners, pack_unorm(colour.to_array()));
         }
-        push_edges(&mut lines, &corners, pack_unorm(colour.to_array()));
+        let frustum = frustum_corners(&moment.view, reach);
+        push_edges(&mut lines, &frustum, pack_unorm(FRUSTUM_COLOUR));
+        Self { triangles, lines, lines_through: Vec::new() }
     }
-    let frustum = frustum_corners(&moment.view, reach);
-    push_edges(&mut lines, &frustum, pack_unorm(FRUSTUM_COLOUR));
-    (triangles, lines)
+
+    /// Boxes as they look to the eye itself, through all that hides them.
+    pub(crate) fn through(boxes: impl Iterator<Item = (Aabb, [f32; 4])>) -> Self {
+        let mut lines_through = Vec::new();
+        for (bounds, colour) in boxes {
+            push_edges(&mut lines_through, &corners_of(&bounds), pack_unorm(colour));
+        }
+        Self { triangles: Vec::new(), lines: Vec::new(), lines_through }
+    }
+
+    pub(crate) fn upload(&self, frame: &mut Frame<'_>) -> Result<OverlayIo, Error> {
+        let mut push = |vertices: &[OverlayVertex]| -> Result<_, Error> {
+            Ok((frame.uploads().push(vertices)?, vertices.len() as u32))
+        };
+        Ok(OverlayIo {
+            triangles: push(&self.triangles)?,
+            lines: push(&self.lines)?,
+            lines_through: push(&self.lines_through)?,
+        })
+    }
 }
 
 /// Corner `i` has the low or high x, y, z by the bits of `i`.

@@ -288,6 +288,19 @@ impl FramePasses {
         });
     }
 
+    /// Draws all of the `draws`, of which there are so many, in their own colours.
+    pub(crate) fn draw_all(
+        &self,
+        commands: &Commands,
+        view: &View,
+        (draws, count): (BufferSlice, u32),
+    ) {
+        self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
+        if count > 0 {
+            commands.draw_indirect(draws);
+        }
+    }
+
     pub(crate) fn opaque_io(&self) -> OpaqueIo {
         OpaqueIo {
             vertices: self.geometry.vertices.whole(),

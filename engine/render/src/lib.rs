@@ -34,6 +34,7 @@ mod calibration;
 mod dialogue_frame;
 mod draw_changes;
 mod error;
+mod explanation;
 mod flat_overlay;
 mod frame_passes;
 mod geometry;
@@ -55,6 +56,7 @@ mod window;
 
 pub use calibration::Costs;
 pub use error::Error;
+pub use explanation::Explanation;
 pub use flat_overlay::FlatOverlay;
 pub use moment::Moment;
 pub use passes::{

@@ -1,8 +1,10 @@
 //! One moment of a view, frozen: what was drawn, and which parts of the frontier stayed hidden.
 
-use cull::{Aabb, Answer, FrameId, LeafRange, QueryKind, View};
+use cull::{Aabb, Answer, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState, QueryKind, View};
+use gpu::{BufferSlice, Frame, IndirectDraw};
 
 use crate::error::Error;
+use crate::geometry::Geometry;
 use crate::renderer::Renderer;
 use crate::view_history::ViewHistory;
 
@@ -56,5 +58,39 @@ impl Renderer {
             moment.hidden.push((self.hierarchy.bounds(test.tag.node), test.level));
         }
         Ok(moment)
+    }
+}
+
+impl Moment {
+    /// The newest frame of `history` as far as it is known while it is under way: what is taken as
+    /// visible, and the frontier nodes that were hidden when they were last asked.
+    pub(crate) fn underway(history: &ViewHistory, hierarchy: &Hierarchy, view: View) -> Self {
+        let plan = history.plan();
+        let one = |first| LeafRange { first, count: 1 };
+        let taken = plan.draws.iter().copied().map(one);
+        let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
+        let is_hidden = |node| history.culler.state(node) == NodeState::Hidden;
+        let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
+        let tests = tests.filter(|test| is_hidden(test.tag.node));
+        Self {
+            frame: plan.frame,
+            view,
+            drawn: taken.chain(queried).collect(),
+            hidden: tests.map(|test| (hierarchy.bounds(test.tag.node), test.level)).collect(),
+        }
+    }
+
+    /// The draws of what was drawn, of as many leaves as there still are.
+    pub(crate) fn upload(
+        &self,
+        frame: &mut Frame<'_>,
+        geometry: &Geometry,
+    ) -> Result<(BufferSlice, u32), Error> {
+        let leaves = self.drawn.iter().flat_map(|range| {
+            let first = range.first.0;
+            (first..first.saturating_add(range.count)).map(LeafIndex)
+        });
+        let draws: Vec<IndirectDraw> = leaves.map(|leaf| geometry.draw(leaf)).collect();
+        Ok((frame.uploads().push(&draws)?, draws.len() as u32))
     }
 }

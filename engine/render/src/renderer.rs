@@ -14,6 +14,7 @@ use gpu::{
 use crate::calibration::{self, Costs};
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
+use crate::explanation::{Explainer, Explanation};
 use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
@@ -130,6 +131,7 @@ pub struct Renderer {
     pub(crate) shaders: ShaderSet,
     pub(crate) birds_eye: Option<OverlayPass>,
     pub(crate) flat_overlay: Option<FlatOverlay>,
+    pub(crate) explainer: Option<Explainer>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) pyramid: Option<PyramidFrame>,
     pub(crate) dialogue: Option<DialogueFrame>,
@@ -208,6 +210,7 @@ impl Renderer {
             shaders,
             birds_eye: None,
             flat_overlay: None,
+            explainer: None,
             seen_leaves: None,
             pyramid: None,
             dialogue: None,
@@ -345,6 +348,25 @@ impl Renderer {
     /// Draws nothing flat any more, and frees what it took.
     pub fn drop_flat_overlay(&mut self) {
         self.flat_overlay = None;
+    }
+
+    /// Explains the pictures from now on; an explanation of nothing costs nothing.
+    ///
+    /// # Errors
+    /// Wires on a device that lacks [`gpu::Optional::Wires`]; an area that is not within the picture;
+    /// a failed call. What was explained before still is, then.
+    pub fn explain(&mut self, explanation: Explanation) -> Result<(), Error> {
+        explanation.birds_eye.map_or(Ok(()), |area| self.check_area(area))?;
+        let is_something = explanation != Explanation::default();
+        let explainer =
+            is_something.then(|| Explainer::new(&self.device, &self.shaders, explanation));
+        self.explainer = explainer.transpose()?;
+        Ok(())
+    }
+
+    /// What is explained.
+    pub fn explanation(&self) -> Explanation {
+        self.explainer.as_ref().map(|explainer| explainer.explanation).unwrap_or_default()
     }
 
     /// The frame that was recorded last is on its way.

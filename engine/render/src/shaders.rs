@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 18] = [
+pub const SHADERS: [Shader; 19] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -31,6 +31,7 @@ pub const SHADERS: [Shader; 18] = [
     shader!("leaf_box.frag"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
+    shader!("wires.frag"),
     shader!("flat.vert"),
     shader!("flat.frag"),
     shader!("seen.vert"),

@@ -143,6 +143,10 @@ impl Renderer {
             passes.count_samples(&mut frame, history, hierarchy, view)?;
         }
 
+        if let (Some(explainer), Some(eye)) = (&self.explainer, eyes.first()) {
+            let view = view_in(&self.device, &eye.camera, eye.area);
+            explainer.record(&mut frame, passes, hierarchy, (eye.history, &view))?;
+        }
         let (target, overlay) = (&mut passes.target, self.flat_overlay.as_mut());
         finish_picture(&mut frame, target, overlay, request.picture)?;
 
@@ -192,7 +196,7 @@ impl Renderer {
         if wanted == drawn { Ok(()) } else { Err(Error::PictureSize { wanted, drawn }) }
     }
 
-    fn check_area(&self, area: Area) -> Result<(), Error> {
+    pub(crate) fn check_area(&self, area: Area) -> Result<(), Error> {
         let picture = self.size();
         let fits = |side: usize| {
             let end = u64::from(area.origin[side]) + u64::from(area.size[side]);
@@ -217,7 +221,7 @@ pub(crate) fn finish_picture(
     Ok(())
 }
 
-fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
+pub(crate) fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
     let bits = device.adapter().limits.sub_pixel_precision_bits;
     View { origin: area.origin, ..View::new(camera, area.size, bits) }
 }

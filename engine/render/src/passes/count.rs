@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     BOX_VERTICES, Blend, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    IndirectDraw, StorageLayout, VertexLayout, vk,
+    IndirectDraw, Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
@@ -52,6 +52,7 @@ impl CountPass {
                 push_bytes: size_of::<ProxyConstants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::Ignored,
             blend: Blend::NoColour,
@@ -70,6 +71,7 @@ impl CountPass {
                 push_bytes: size_of::<ObjectConstants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
             cull: vk::CullModeFlags::BACK,
             depth: DepthMode::TestOnly,
             blend: Blend::NoColour,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use bytemuck::{Pod, Zeroable};
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    IndirectDraw, StorageLayout, Texture, VertexLayout, vk,
+    IndirectDraw, Polygon, StorageLayout, Texture, VertexLayout, vk,
 };
 
 use crate::error::Error;
@@ -83,6 +83,7 @@ impl FlatPass {
                 push_bytes: size_of::<Constants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::Ignored,
             blend: Blend::Premultiplied,

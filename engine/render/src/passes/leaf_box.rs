@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Parts,
-    StorageLayout, VertexLayout, vk,
+    Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
@@ -54,6 +54,7 @@ impl LeafBoxPass {
                 push_bytes: size_of::<Constants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
             cull: vk::CullModeFlags::NONE,
             depth: DepthMode::TestOnly,
             blend: Blend::NoColour,

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    StorageLayout, VertexLayout, vk,
+    Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
@@ -17,10 +17,12 @@ pub struct OpaquePass {
 }
 
 /// What a pass writes.
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Whole,
     Depth,
     Colour,
+    Wires,
 }
 
 /// Reads vertices, indices and instances; writes the colour and depth that are being rendered to.
@@ -71,13 +73,25 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Colour)
     }
 
+    /// Compiles a pass that draws the edges of what [`OpaquePass::new`] drew, in one colour.
+    ///
+    /// # Errors
+    /// A device that lacks [`gpu::Optional::Wires`]; a failed call.
+    pub fn wires(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Wires)
+    }
+
     fn of_kind(device: &Device, shaders: &ShaderSet, kind: Kind) -> Result<Self, Error> {
         let fragment = shaders.find("opaque.frag")?;
         let (name, fragment, depth, blend) = match kind {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
             Kind::Depth => ("opaque depth", None, DepthMode::TestAndWrite, Blend::NoColour),
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
+            Kind::Wires => {
+                ("wires", Some(shaders.find("wires.frag")?), DepthMode::TestOnly, Blend::Opaque)
+            }
         };
+        let polygon = if kind == Kind::Wires { Polygon::Wires } else { Polygon::Filled };
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {
@@ -98,6 +112,7 @@ impl OpaquePass {
                     push_bytes: size_of::<Constants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                polygon,
                 cull: vk::CullModeFlags::BACK,
                 depth,
                 blend,

@@ -4,16 +4,17 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    StorageLayout, VertexLayout, vk,
+    Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
 use crate::shaders::ShaderSet;
 
-/// Draws translucent triangles and lines over a finished picture, hidden by its depth.
+/// Draws translucent triangles and lines over a finished picture, hidden by its depth or not.
 pub struct OverlayPass {
     triangles: GraphicsPipeline,
     lines: GraphicsPipeline,
+    lines_through: GraphicsPipeline,
 }
 
 /// Reads vertices; blends into the colour that is being rendered to.
@@ -23,6 +24,8 @@ pub struct OverlayIo {
     pub triangles: (BufferSlice, u32),
     /// [`OverlayVertex`]es, two a line, and how many.
     pub lines: (BufferSlice, u32),
+    /// The same, seen through everything.
+    pub lines_through: (BufferSlice, u32),
 }
 
 /// A coloured point in the world.
@@ -49,7 +52,7 @@ impl OverlayPass {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let pipeline = |name, topology| {
+        let pipeline = |name, topology, depth| {
             GraphicsPipeline::new(
                 device,
                 &GraphicsPipelineInfo {
@@ -69,25 +72,31 @@ impl OverlayPass {
                         push_bytes: size_of::<Constants>() as u32,
                     },
                     topology,
+                    polygon: Polygon::Filled,
                     cull: vk::CullModeFlags::NONE,
-                    depth: DepthMode::TestOnly,
+                    depth,
                     blend: Blend::Alpha,
                 },
             )
             .map_err(Error::from)
         };
+        let triangles = vk::PrimitiveTopology::TRIANGLE_LIST;
+        let lines = vk::PrimitiveTopology::LINE_LIST;
         Ok(Self {
-            triangles: pipeline("overlay triangles", vk::PrimitiveTopology::TRIANGLE_LIST)?,
-            lines: pipeline("overlay lines", vk::PrimitiveTopology::LINE_LIST)?,
+            triangles: pipeline("overlay triangles", triangles, DepthMode::TestOnly)?,
+            lines: pipeline("overlay lines", lines, DepthMode::TestOnly)?,
+            lines_through: pipeline("overlay lines through all", lines, DepthMode::Ignored)?,
         })
     }
 
     /// Draws the triangles in their order, then the lines.
     pub fn record(&self, commands: &Commands, io: &OverlayIo, view: &View) {
         let constants = Constants { view_proj: view.view_proj.to_cols_array() };
-        for (pipeline, (vertices, count)) in
-            [(&self.triangles, io.triangles), (&self.lines, io.lines)]
-        {
+        for (pipeline, (vertices, count)) in [
+            (&self.triangles, io.triangles),
+            (&self.lines, io.lines),
+            (&self.lines_through, io.lines_through),
+        ] {
             if count > 0 {
                 commands.bind(pipeline, &[]);
                 commands.push_constants(pipeline, &constants);

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, View};
 use gpu::{
     BOX_VERTICES, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, Optional, StorageLayout, VertexLayout, vk,
+    GraphicsPipelineInfo, Optional, Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
@@ -68,6 +68,7 @@ impl ProxyPass {
                     push_bytes: size_of::<Constants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                polygon: Polygon::Filled,
                 cull: vk::CullModeFlags::NONE,
                 depth: DepthMode::TestOnly,
                 blend: Blend::NoColour,

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    Optional, StorageLayout, VertexLayout, vk,
+    Optional, Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
@@ -63,6 +63,7 @@ impl SeenPass {
                     push_bytes: size_of::<Constants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+                polygon: Polygon::Filled,
                 cull: vk::CullModeFlags::BACK,
                 depth: DepthMode::TestOnly,
                 blend: Blend::NoColour,

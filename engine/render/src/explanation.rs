@@ -1,0 +1,97 @@
+//! What explains frames while they go on: wires, the boxes of the frontier, a bird's-eye view in a corner.
+
+use cull::{Hierarchy, NodeState, Tester, View};
+use gpu::{Device, Frame};
+
+use crate::birds_eye::{BACKGROUND, Sketch, above, reach};
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::moment::Moment;
+use crate::passes::{OpaquePass, OverlayPass};
+use crate::shaders::ShaderSet;
+use crate::view_history::ViewHistory;
+use crate::views::{Area, view_in};
+
+/// What is drawn over pictures to explain them; of several views, over the first. It follows the plan of
+/// the frame and what is known when it is recorded, and waits for nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Explanation {
+    /// The edges of all triangles that are taken as visible.
+    pub has_wires: bool,
+    /// The boxes of the nodes that are tested, seen through everything: blue was hidden when it was last
+    /// asked, violet is answered by the test of another, yellow was never asked, red showed.
+    pub has_boxes: bool,
+    /// Where in the picture the view from above goes.
+    pub birds_eye: Option<Area>,
+}
+
+const HIDDEN: [f32; 4] = [0.1, 0.35, 1.0, 0.8];
+const BEHIND: [f32; 4] = [0.55, 0.25, 0.9, 0.6];
+const UNKNOWN: [f32; 4] = [0.95, 0.8, 0.1, 0.9];
+const SHOWED: [f32; 4] = [0.95, 0.15, 0.1, 0.9];
+
+/// An explanation and what draws it.
+pub(crate) struct Explainer {
+    pub(crate) explanation: Explanation,
+    overlay: OverlayPass,
+    wires: Option<OpaquePass>,
+}
+
+impl Explainer {
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        explanation: Explanation,
+    ) -> Result<Self, Error> {
+        let wires = explanation.has_wires.then(|| OpaquePass::wires(device, shaders));
+        let overlay = OverlayPass::new(device, shaders)?;
+        Ok(Self { explanation, overlay, wires: wires.transpose()? })
+    }
+
+    /// Draws it over the frame that `history` was just recorded for.
+    pub(crate) fn record(
+        &self,
+        frame: &mut Frame<'_>,
+        passes: &mut FramePasses,
+        hierarchy: &Hierarchy,
+        (history, view): (&ViewHistory, &View),
+    ) -> Result<(), Error> {
+        let moment = Moment::underway(history, hierarchy, *view);
+        let draws = moment.upload(frame, &passes.geometry)?;
+        let boxes = history.plan().tests.iter().map(|test| {
+            let colour = match (test.tester, history.culler.state(test.tag.node)) {
+                (Tester::Behind(_), _) => BEHIND,
+                (_, NodeState::Hidden) => HIDDEN,
+                (_, NodeState::Unknown) => UNKNOWN,
+                (_, NodeState::Visible) => SHOWED,
+            };
+            (hierarchy.bounds(test.tag.node), colour)
+        });
+        let boxes = self.explanation.has_boxes.then(|| Sketch::through(boxes).upload(frame));
+        let boxes = boxes.transpose()?;
+        passes.target.prepare(frame.commands());
+        frame.commands().pass("explanation", |commands| {
+            commands.rendering(passes.target_of(view, None), |commands| {
+                if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
+                    wires.bind(commands, &passes.opaque_io(), view, &passes.light);
+                    commands.draw_indirect(draws.0);
+                }
+                if let Some(boxes) = &boxes {
+                    self.overlay.record(commands, boxes, view);
+                }
+            });
+        });
+        let Some(area) = self.explanation.birds_eye else { return Ok(()) };
+        let reach = reach(hierarchy, &moment);
+        let io = Sketch::of(&moment, reach).upload(frame)?;
+        let view = &view_in(&history.device, &above(&moment, reach), area);
+        passes.target.prepare(frame.commands());
+        frame.commands().pass("bird's eye", |commands| {
+            commands.rendering(passes.target_of(view, Some(BACKGROUND)), |commands| {
+                passes.draw_all(commands, view, draws);
+                self.overlay.record(commands, &io, view);
+            });
+        });
+        Ok(())
+    }
+}
