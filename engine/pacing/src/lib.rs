@@ -1,0 +1,22 @@
+//! When to start a frame.
+#![forbid(unsafe_code)]
+
+mod estimate;
+mod forecast;
+mod frame;
+mod frames;
+mod margin;
+mod options;
+mod pacer;
+mod refresh_clock;
+mod time;
+
+pub use frame::{Feedback, FrameId, FrameTiming, Plan, Step, Wait, WaitReason};
+pub use options::{
+    FRAME_LIMIT_HZ, HIDDEN_INTERVAL, MAX_IMAGES, MAX_QUEUE_LIMIT, PacerOptions, PacingError,
+    PresentMode, PresentReports, Presentation, REFRESH_PERIOD, Refresh,
+};
+pub use pacer::Pacer;
+pub use time::Time;
+/// x
+pub const MAX_STATISTICS_FRAMES: usize = 1 << 20;

@@ -1,0 +1,161 @@
+//! What is learnt from what became known of a frame. Nonsense teaches nothing.
+
+use std::time::Duration;
+
+use super::Pacer;
+use crate::frame::{Feedback, FrameId};
+use crate::options::{PresentMode, PresentReports};
+use crate::time::{MICROSECOND_NS, SECOND_NS, Time, ns};
+
+/// Reports from further ahead than that are of another clock.
+const FUTURE_NS: f64 = 10.0 * SECOND_NS;
+/// An acquire that took longer did wait for a refresh: absolute, and in periods.
+const WAITED_NS: f64 = 250.0 * MICROSECOND_NS;
+const WAITED_PERIODS: f64 = 0.02;
+
+impl Pacer {
+    /// Something became known of a frame. Frames that are unknown or long gone are ignored, as are
+    /// times before the frame's start.
+    pub fn feedback(&mut self, frame: FrameId, feedback: Feedback) {
+        let Some(start) = self.frames.get(frame.0).map(|record| record.start) else { return };
+        let sane = |time: Time| {
+            let time = time.to_ns();
+            let latest = self.now.unwrap_or(time) + FUTURE_NS;
+            (start..=latest).contains(&time).then_some(time)
+        };
+        match feedback {
+            Feedback::Acquired { from, to } => {
+                if let (Some(from), Some(to)) = (sane(from), sane(to)) {
+                    self.acquired(frame.0, to, (to - from).max(0.0));
+                }
+            }
+            Feedback::Queued { at } => {
+                let at = sane(at);
+                self.queued(frame.0, at);
+            }
+            Feedback::Finished { at } => {
+                if let Some(at) = sane(at) {
+                    self.finished(frame.0, at);
+                }
+            }
+            Feedback::GpuTime(duration) => self.gpu_timed(frame.0, duration),
+            Feedback::Shown { at } => {
+                let at = sane(at);
+                self.shown(frame.0, at);
+            }
+            Feedback::Dropped => self.drop_frame(frame.0),
+        }
+    }
+
+    /// With n images, an acquire that returns has one that an image n - 1 presents ago took the place
+    /// of: that one is shown. If the acquire had to wait, it is shown since just now.
+    fn acquired(&mut self, frame: u64, to: f64, waited: f64) {
+        let presented = self.presented;
+        if let Some(record) = self.frames.get_mut(frame).filter(|record| record.open()) {
+            record.waited = waited;
+        }
+        if !self.presentation.in_order() {
+            return;
+        }
+        self.sees_acquires = true;
+        let Some(ordinal) = (presented + 1).checked_sub(u64::from(self.presentation.images)) else {
+            return;
+        };
+        let shown = self.frames.of_ordinal(ordinal).map(|(frame, record)| (frame, !record.left));
+        let Some((shown, newly)) = shown else { return };
+        self.frames.leave_through(shown);
+        if newly {
+            self.last_left = self.last_left.max(to);
+            self.heard();
+        }
+        let long = WAITED_NS.max(WAITED_PERIODS * self.some_period_ns());
+        if waited > long && self.learns_from_acquires() {
+            self.clock.observe(to);
+            self.last_left = to;
+            if let Some(record) = self.frames.get_mut(shown) {
+                record.shown = record.shown.or(Some(to));
+            }
+        }
+    }
+
+    fn queued(&mut self, frame: u64, at: Option<f64>) {
+        let ordinal = self.presented;
+        let Some(record) = self.frames.get_mut(frame).filter(|record| record.open()) else {
+            return;
+        };
+        // Without a usable time it is still queued.
+        let queued = at.unwrap_or(record.start);
+        record.queued = Some(queued);
+        record.ordinal = Some(ordinal);
+        let busy = queued - record.start - record.waited;
+        self.presented += 1;
+        self.dropped_in_a_row = 0;
+        if at.is_some() {
+            self.cpu.observe(busy.max(0.0));
+        }
+    }
+
+    fn finished(&mut self, frame: u64, at: f64) {
+        // Where the frame before is not known to be finished, this one's beginning is not known.
+        let older = frame.checked_sub(1).and_then(|older| self.frames.get(older));
+        let before = older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
+        let Some(record) = self.frames.get_mut(frame) else { return };
+        if record.finished.is_some() || record.dropped {
+            return;
+        }
+        record.finished = Some(at);
+        let timed = record.gpu_timed;
+        let begin = record.queued.zip(before).map(|(queued, before)| queued.max(before));
+        self.sees_finishes = true;
+        if let Some(begin) = begin.filter(|_| !timed) {
+            self.gpu.observe((at - begin).max(0.0));
+        }
+    }
+
+    fn gpu_timed(&mut self, frame: u64, duration: Duration) {
+        if let Some(record) = self.frames.get_mut(frame).filter(|record| !record.gpu_timed) {
+            record.gpu_timed = true;
+            self.gpu.observe(ns(duration));
+        }
+    }
+
+    fn shown(&mut self, frame: u64, at: Option<f64>) {
+        let Some(record) = self.frames.get_mut(frame) else { return };
+        if record.shown.is_some() || record.dropped {
+            return;
+        }
+        record.shown = at;
+        let record = *record;
+        self.frames.leave_through(frame);
+        self.heard();
+        let Some(at) = at else { return };
+        self.last_left = self.last_left.max(at);
+        self.newest_report = Some(self.newest_report.map_or(at, |newest: f64| newest.max(at)));
+        if self.presentation.reports == PresentReports::Missing || !self.presentation.has_grid() {
+            return;
+        }
+        let late = |period: f64| record.target.is_some_and(|target| at > target + 0.5 * period);
+        let was_late = self.clock.period().is_some_and(late);
+        // A late one of a relaxed queue is shown when it is ready, not at a refresh.
+        if !(self.presentation.mode == PresentMode::FifoRelaxed && was_late) {
+            self.clock.observe(at);
+        }
+        self.learn_margin(frame, record.target, was_late, record.compromised);
+    }
+
+    fn learn_margin(&mut self, frame: u64, target: Option<f64>, late: bool, compromised: bool) {
+        let Some(target) = target else { return };
+        if !late {
+            self.margin.in_time();
+            return;
+        }
+        let before = frame.checked_sub(1).and_then(|before| self.frames.get(before));
+        let pushed = before.and_then(|before| before.shown).is_some_and(|shown| {
+            // The one before took its refresh: one miss, not two.
+            shown > target - 0.5 * self.some_period_ns()
+        });
+        if !compromised && !pushed {
+            self.margin.missed();
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! How full the queue is, and what to do when it does not empty.
+
+use super::Pacer;
+use crate::frame::{FrameId, WaitReason};
+use crate::frames::Record;
+use crate::options::PresentReports;
+use crate::time::{MILLISECOND_NS, ns};
+
+/// Nothing leaves a full queue for so long: the window is hidden.
+const PATIENCE_REFRESHES: f64 = 8.0;
+const PATIENCE_NS: f64 = 100.0 * MILLISECOND_NS;
+/// A hidden window is asked after so often, so that it goes on soon after it shows again.
+const HIDDEN_POLL_NS: f64 = 50.0 * MILLISECOND_NS;
+/// First pause after frames in a row that could not be presented.
+const DROP_PAUSE_NS: f64 = 4.0 * MILLISECOND_NS;
+
+/// Whether anything is heard of the frames that were handed over.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Silence {
+    /// When a frame was last known to leave the queue, or the queue was last not full.
+    pub(super) since: f64,
+    pub(super) hidden: bool,
+}
+
+impl Pacer {
+    /// Frames that may be queued. Where nothing is reported and the phase is not known, only a queue
+    /// as full as the swapchain lets it be can tell of a refresh.
+    pub(super) fn queue_limit(&self) -> usize {
+        let limit = self.options.queue_limit;
+        let blind = self.learns_from_acquires()
+            && (self.phase_search.active || self.clock.period().is_none());
+        (if blind { limit.max(self.presentation.images) } else { limit }) as usize
+    }
+
+    /// Where acquires are the only sign of refreshes.
+    pub(super) fn learns_from_acquires(&self) -> bool {
+        self.presentation.reports == PresentReports::Missing
+            && self.presentation.in_order()
+            && self.presentation.has_grid()
+    }
+
+    /// Where nothing is reported, frames leave the queue when by all that is known they must have.
+    pub(super) fn settle(&mut self, now: f64) {
+        if self.presentation.reports == PresentReports::Times {
+            return;
+        }
+        let mut gpu_free =
+            self.frames.newest_first().find_map(|(_, record)| record.finished).unwrap_or(0.0);
+        while let Some((frame, record)) = self.frames.oldest_queued() {
+            let knowledge = self.knowledge(now);
+            let finish = knowledge.finish(&record, gpu_free);
+            let shown = knowledge.shown(&record, finish, self.last_left);
+            let done = record.finished.is_some() || !self.sees_finishes;
+            let certain = if self.learns_from_acquires() {
+                let doubt = self.clock.uncertainty(now).map(|deviation| 2.0 * deviation);
+                // Without a phase only acquires tell, if they are reported.
+                doubt.or((!self.sees_acquires).then_some(0.0))
+            } else {
+                Some(0.0)
+            };
+            let over = certain.is_some_and(|doubt| done && now >= shown + doubt);
+            if record.queued.is_none() || !over {
+                break;
+            }
+            gpu_free = gpu_free.max(finish);
+            self.last_left = self.last_left.max(shown);
+            self.frames.leave(frame);
+        }
+    }
+
+    /// Until when, and why, no frame may start at all.
+    pub(super) fn held_back(&mut self, now: f64) -> Option<(f64, WaitReason)> {
+        let last_start = self.last_start.unwrap_or(f64::NEG_INFINITY);
+        if self.dropped_in_a_row > 1 {
+            // Doubling: a window being resized goes on, one that is gone does not spin.
+            let pause = DROP_PAUSE_NS * f64::from(1_u32 << (self.dropped_in_a_row - 2).min(12));
+            let until = last_start + pause.min(ns(self.options.hidden_interval));
+            if now < until {
+                return Some((until, WaitReason::Hidden));
+            }
+        }
+        let queued = self.frames.queued().count();
+        if queued < self.queue_limit() {
+            self.silence.since = now;
+            return self.gpu_backlog(now);
+        }
+        let (oldest, record) = self.frames.oldest_queued()?;
+        let period = self.some_period_ns();
+        // A GPU that still works is no hidden window.
+        if self.sees_finishes && record.finished.is_none() {
+            self.silence.since = now;
+        }
+        let patience = PATIENCE_NS.max(PATIENCE_REFRESHES * period);
+        if now - self.silence.since > patience {
+            self.silence.hidden = true;
+        }
+        if self.silence.hidden {
+            let due = last_start + ns(self.options.hidden_interval);
+            if now < due {
+                return Some((due.min(now + HIDDEN_POLL_NS), WaitReason::Hidden));
+            }
+            // Given up, so that a report that got lost cannot hold us for ever.
+            self.frames.leave(oldest);
+            return None;
+        }
+        let leaves = self.knowledge(now).forecast(&self.frames, self.presented).first_leaves;
+        let until = if leaves.is_finite() { leaves } else { now };
+        let until = until.clamp(now + period / 16.0, now + patience);
+        Some((until, WaitReason::QueueFull(FrameId(oldest))))
+    }
+
+    /// Where the queue is known by other signs than the GPU's, it must not run ahead of the GPU either.
+    fn gpu_backlog(&self, now: f64) -> Option<(f64, WaitReason)> {
+        if !self.sees_finishes {
+            return None;
+        }
+        let limit = self.options.queue_limit as usize;
+        let unfinished = |record: &Record| {
+            record.finished.is_none() && record.queued.is_some() && !record.dropped
+        };
+        let recent = self.frames.newest_first().take(limit);
+        let mut oldest = None;
+        let mut count = 0;
+        for (frame, _) in recent.filter(|(_, record)| unfinished(record) && !record.left) {
+            count += 1;
+            oldest = Some(frame);
+        }
+        let frame = oldest.filter(|_| count >= limit)?;
+        let period = self.some_period_ns();
+        let expected = self.frames.get(frame).map_or(now, |record| {
+            self.knowledge(f64::NEG_INFINITY).finish(record, 0.0)
+        });
+        let until = expected.clamp(now + period / 16.0, now + period);
+        Some((until, WaitReason::QueueFull(FrameId(frame))))
+    }
+
+    /// Somebody sees our frames.
+    pub(super) fn heard(&mut self) {
+        self.silence.hidden = false;
+        if let Some(now) = self.now {
+            self.silence.since = now;
+        }
+    }
+}

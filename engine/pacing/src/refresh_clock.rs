@@ -1,0 +1,301 @@
+//! When the display refreshes: its period and phase, learnt from noisy times of past refreshes.
+//!
+//! Learning takes a handful of samples, finds the period of which all their distances are multiples,
+//! and fits a line. From then on a Kalman filter over (phase, period) follows (R. E. Kalman 1960):
+//! unlike a plain phase-locked loop it is right for samples that come thousands of refreshes apart,
+//! and it says how uncertain a prediction is. Samples off the grid are left out; if they go on, all is
+//! learnt anew.
+
+use crate::time::MICROSECOND_NS;
+
+/// Samples that learning looks at.
+const WINDOW: usize = 12;
+/// Fewest samples to learn from.
+const ENOUGH: usize = 5;
+/// Of a period: what a sample may be off the grid while learning, root mean square.
+const FIT: f64 = 0.12;
+/// Variance of phase per refresh, in periods squared: displays are steadier, compositors are not.
+const PHASE_DRIFT: f64 = 1e-8;
+/// Variance of the period per refresh, in periods squared.
+const PERIOD_DRIFT: f64 = 1e-15;
+/// Standard deviation of a sample that nobody believes to be better, in nanoseconds.
+const LEAST_NOISE_NS: f64 = 5.0 * MICROSECOND_NS;
+/// An outlier counts so many good samples, and so much discord ends the lock.
+const OUTLIER_WEIGHT: u32 = 4;
+const DISCORD: u32 = 12;
+/// So many samples before the last one make the last one a lie.
+const STALE: u32 = 6;
+
+/// What is known of the grid of refreshes.
+#[derive(Clone, Copy, Debug)]
+struct Lock {
+    /// A refresh.
+    anchor: f64,
+    period: f64,
+    /// Covariance of (phase, period).
+    phase_variance: f64,
+    covariance: f64,
+    period_variance: f64,
+    /// Variance of a sample.
+    noise: f64,
+}
+
+/// Learns and predicts refreshes. All times in nanoseconds.
+#[derive(Clone, Debug)]
+pub(crate) struct RefreshClock {
+    hint: Option<f64>,
+    samples: [f64; WINDOW],
+    count: usize,
+    lock: Option<Lock>,
+    discord: u32,
+    /// Samples in a row that lay before the last one.
+    stale: u32,
+}
+
+impl RefreshClock {
+    pub(crate) const fn new(hint: Option<f64>) -> Self {
+        Self { hint, samples: [0.0; WINDOW], count: 0, lock: None, discord: 0, stale: 0 }
+    }
+
+    /// A refresh was seen then. Times not after the last one say nothing.
+    pub(crate) fn observe(&mut self, at: f64) {
+        if self.count > 0 && at <= self.samples[self.count - 1] {
+            // One time from far ahead must not silence all that follow.
+            self.stale += 1;
+            if self.stale >= STALE {
+                self.forget(None);
+            }
+            return;
+        }
+        self.stale = 0;
+        if self.count == WINDOW {
+            self.samples.copy_within(1.., 0);
+            self.count -= 1;
+        }
+        self.samples[self.count] = at;
+        self.count += 1;
+        if let Some(mut lock) = self.lock {
+            let agreed = lock.follow(at);
+            self.lock = Some(lock);
+            if agreed {
+                self.discord = self.discord.saturating_sub(1);
+                return;
+            }
+            self.discord += OUTLIER_WEIGHT;
+            if self.discord < DISCORD {
+                return;
+            }
+            // What led here is the newest samples; older ones tell of another grid.
+            self.lock = None;
+            self.samples.copy_within(self.count.saturating_sub(ENOUGH - 1)..self.count, 0);
+            self.count = self.count.min(ENOUGH - 1);
+        }
+        self.discord = 0;
+        self.learn();
+    }
+
+    /// Forgets the phase, keeps what the period may be.
+    pub(crate) fn forget(&mut self, hint: Option<f64>) {
+        *self = Self::new(hint.or(self.period()).or(self.hint));
+    }
+
+    pub(crate) fn period(&self) -> Option<f64> {
+        self.lock.map(|lock| lock.period)
+    }
+
+    /// The first refresh at or after a time.
+    pub(crate) fn at_or_after(&self, time: f64) -> Option<f64> {
+        let lock = self.lock?;
+        let refreshes = ((time - lock.anchor) / lock.period - 1e-6).ceil();
+        Some(lock.anchor + refreshes * lock.period)
+    }
+
+    /// Standard deviation of a prediction for about that time.
+    pub(crate) fn uncertainty(&self, time: f64) -> Option<f64> {
+        let lock = self.lock?;
+        let refreshes = ((time - lock.anchor) / lock.period).max(0.0);
+        Some(lock.predicted(refreshes).0.sqrt())
+    }
+
+    /// Root mean square of how far samples are off.
+    pub(crate) fn noise(&self) -> Option<f64> {
+        self.lock.map(|lock| lock.noise.sqrt())
+    }
+
+    /// Whether the hint says the same of the period.
+    pub(crate) fn agrees_with_hint(&self) -> bool {
+        let both = self.hint.zip(self.period());
+        both.is_some_and(|(hint, period)| (hint / period - 1.0).abs() < 0.05)
+    }
+
+    fn learn(&mut self) {
+        if self.count < ENOUGH {
+            return;
+        }
+        let samples = &self.samples[..self.count];
+        let shortest =
+            samples.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        let hinted = self.hint.and_then(|hint| fit(samples, hint));
+        // A hint serves where it explains the samples; half of it always does, so it goes first.
+        self.lock = hinted.or_else(|| fit(samples, shortest)).or_else(|| fit(samples, shortest / 2.0));
+    }
+}
+
+impl Lock {
+    /// Variances of (phase, covariance, period) so many refreshes on.
+    fn predicted(&self, refreshes: f64) -> (f64, f64, f64) {
+        let square = self.period * self.period;
+        let phase = self.phase_variance
+            + 2.0 * refreshes * self.covariance
+            + refreshes * refreshes * self.period_variance
+            + refreshes * square * PHASE_DRIFT;
+        let covariance = self.covariance + refreshes * self.period_variance;
+        (phase.max(0.0), covariance, self.period_variance + refreshes * square * PERIOD_DRIFT)
+    }
+
+    /// Takes a sample in, or answers that it is off the grid.
+    fn follow(&mut self, at: f64) -> bool {
+        let refreshes = ((at - self.anchor) / self.period).round();
+        if refreshes < 1.0 {
+            return true;
+        }
+        let expected = self.anchor + refreshes * self.period;
+        let (phase, covariance, period) = self.predicted(refreshes);
+        let error = at - expected;
+        let variance = phase + self.noise;
+        let gate = (5.0 * variance.sqrt()).clamp(0.03 * self.period, 0.3 * self.period);
+        if error.abs() > gate {
+            return false;
+        }
+        let [phase_gain, period_gain] = [phase / variance, covariance / variance];
+        self.anchor = expected + phase_gain * error;
+        self.period += period_gain * error;
+        self.phase_variance = (1.0 - phase_gain) * phase;
+        self.covariance = (1.0 - phase_gain) * covariance;
+        self.period_variance = (period - period_gain * covariance).max(0.0);
+        let noise = self.noise + (error * error - self.noise) / 32.0;
+        self.noise = noise.max(LEAST_NOISE_NS * LEAST_NOISE_NS);
+        true
+    }
+}
+
+/// A line through samples that all lie near multiples of about a period, if they do.
+fn fit(samples: &[f64], about: f64) -> Option<Lock> {
+    if !about.is_finite() || about < 100.0 * MICROSECOND_NS {
+        return None;
+    }
+    let origin = samples[0];
+    let count = samples.len() as f64;
+    // Steps are rounded one by one, so that an error of the period does not add up.
+    let mut index = 0.0;
+    let mut previous = origin;
+    let [mut sum_i, mut sum_t, mut sum_ii, mut sum_it] = [0.0; 4];
+    for &sample in samples {
+        index += ((sample - previous) / about).round();
+        previous = sample;
+        let time = sample - origin;
+        sum_i += index;
+        sum_t += time;
+        sum_ii += index * index;
+        sum_it += index * time;
+    }
+    let spread = sum_ii - sum_i * sum_i / count;
+    if spread < 1.0 || index < count - 1.0 {
+        return None;
+    }
+    let period = (sum_it - sum_i * sum_t / count) / spread;
+    let start = (sum_t - period * sum_i) / count;
+    if (period / about - 1.0).abs() > 0.2 {
+        return None;
+    }
+    let mut index_again = 0.0;
+    let mut squares = 0.0;
+    previous = origin;
+    for &sample in samples {
+        index_again += ((sample - previous) / about).round();
+        previous = sample;
+        let error = sample - origin - start - index_again * period;
+        squares += error * error;
+    }
+    let noise = (squares / (count - 2.0)).max(1e-6 * period * period);
+    if noise > FIT * FIT * period * period {
+        return None;
+    }
+    let from_mean = index - sum_i / count;
+    Some(Lock {
+        anchor: origin + start + index * period,
+        period,
+        phase_variance: noise / count + noise * from_mean * from_mean / spread,
+        covariance: noise * from_mean / spread,
+        period_variance: noise / spread,
+        noise,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: f64 = 16_683_350.0;
+
+    fn locked(samples: impl Iterator<Item = f64>) -> RefreshClock {
+        let mut clock = RefreshClock::new(None);
+        samples.for_each(|at| clock.observe(at));
+        clock
+    }
+
+    #[test]
+    fn exact_samples_give_the_exact_grid() {
+        let clock = locked((0..40).map(|n| 7e6 + PERIOD * f64::from(n)));
+        assert!((clock.period().unwrap() - PERIOD).abs() < 1.0);
+        let next = clock.at_or_after(7e6 + PERIOD * 100.5).unwrap();
+        assert!((next - (7e6 + PERIOD * 101.0)).abs() < 100.0);
+    }
+
+    #[test]
+    fn gaps_are_multiples() {
+        let steps = [1, 1, 2, 1, 3, 1, 1, 2, 5, 1, 1, 1];
+        let times = steps.iter().scan(0, |sum, step| {
+            *sum += step;
+            Some(1e9 + PERIOD * f64::from(*sum))
+        });
+        assert!((locked(times).period().unwrap() - PERIOD).abs() < 1.0);
+    }
+
+    #[test]
+    fn noise_averages_out_and_uncertainty_tells_how_far() {
+        let noise = |n: i32| f64::from((n * 7_919) % 401 - 200) * 1e3;
+        let clock = locked((0..400).map(|n| PERIOD * f64::from(n) + noise(n)));
+        let error = (clock.period().unwrap() - PERIOD).abs();
+        assert!(error < 2e3, "{error} ns");
+        let near = clock.uncertainty(PERIOD * 401.0).unwrap();
+        let far = clock.uncertainty(PERIOD * 9_000.0).unwrap();
+        assert!(near < 1e5 && far > 5.0 * near, "{near} {far}");
+        let off = clock.at_or_after(PERIOD * 500.5).unwrap() - PERIOD * 501.0;
+        assert!(off.abs() < 5.0 * clock.uncertainty(PERIOD * 501.0).unwrap());
+    }
+
+    #[test]
+    fn another_rate_is_learnt_anew_and_an_outlier_is_not() {
+        let mut clock = locked((0..50).map(|n| PERIOD * f64::from(n)));
+        clock.observe(PERIOD * 50.4);
+        clock.observe(PERIOD * 51.0);
+        assert!((clock.period().unwrap() - PERIOD).abs() < 1e3);
+        let base = PERIOD * 52.3;
+        (0..10).for_each(|n| clock.observe(base + 6.94e6 * f64::from(n)));
+        assert!((clock.period().unwrap() - 6.94e6).abs() < 1e4, "{:?}", clock.period());
+    }
+
+    #[test]
+    fn random_times_are_no_grid() {
+        let mut state = 1_u64;
+        let mut time = 0.0;
+        let clock = locked((0..200).map(|_| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            time += 1e6 + (state >> 40) as f64;
+            time
+        }));
+        let _ = clock.uncertainty(f64::MAX);
+        assert!(clock.at_or_after(f64::MAX).is_none_or(|t| !t.is_nan()));
+    }
+}

@@ -1,0 +1,14 @@
+//! The pacer against a simulated presentation engine: seeded runs of every mode and kind of feedback.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+mod display;
+mod measure;
+mod random;
+mod run;
+mod scenario;
+mod explore;
