@@ -36,14 +36,14 @@ pub(crate) struct Forecast {
 }
 
 impl Knowledge<'_> {
-    pub(crate) fn forecast(&self, frames: &Frames, presented: u64) -> Forecast {
+    /// `blocking` is the one that must be shown before an image can be had, by its position.
+    pub(crate) fn forecast(&self, frames: &Frames, blocking: Option<u64>) -> Forecast {
         let mut forecast = Forecast {
             gpu_free: frames.newest_first().find_map(|(_, r)| r.finished).unwrap_or(0.0),
             last_shown: self.last_left,
             first_leaves: f64::INFINITY,
             image_free: 0.0,
         };
-        let blocking = (presented + 1).checked_sub(u64::from(self.presentation.images));
         for (_, record) in frames.queued() {
             let finish = self.finish(record, forecast.gpu_free);
             forecast.gpu_free = forecast.gpu_free.max(finish);

@@ -48,8 +48,8 @@ pub struct Pacer {
     now: Option<f64>,
     /// When the last frame started.
     last_start: Option<f64>,
-    /// When the newest frame that has left was shown, as far as anyone knows.
-    last_left: f64,
+    /// The newest frame that has left, and when it was shown as far as anyone knows.
+    last_left: (u64, f64),
     /// Until when the last answer was to sleep for a deadline.
     slept_until: Option<f64>,
     /// The earliest start that keeps the limit.
@@ -113,7 +113,7 @@ impl Pacer {
             presented: 0,
             now: None,
             last_start: None,
-            last_left: 0.0,
+            last_left: (0, 0.0),
             slept_until: None,
             limit_due: 0.0,
             dropped_in_a_row: 0,
@@ -205,7 +205,7 @@ impl Pacer {
         self.settle(now);
         self.search(now);
         match self.held_back(now) {
-            Some((until, reason)) => self.sleep(now, until, reason),
+            Some((until, reason)) => self.look_then_sleep(now, until, reason),
             None => self.decide(now),
         }
     }
@@ -213,12 +213,7 @@ impl Pacer {
     fn decide(&mut self, now: f64) -> Step {
         let schedule = self.schedule(now);
         if schedule.start > now + SHORTEST_WAIT_NS {
-            if let Some((at, frame)) = self.poll_due(now)
-                && at < schedule.start
-            {
-                return self.sleep(now, at, WaitReason::Poll(frame));
-            }
-            return self.sleep(now, schedule.start, schedule.reason);
+            return self.look_then_sleep(now, schedule.start, schedule.reason);
         }
         let woken = self.slept_until.take();
         if let Some(until) = woken {
@@ -242,6 +237,16 @@ impl Pacer {
         })
     }
 
+    /// A sleep, or first one until the GPU should be done.
+    fn look_then_sleep(&mut self, now: f64, until: f64, reason: WaitReason) -> Step {
+        match self.poll_due(now) {
+            Some((at, frame)) if at < until && reason != WaitReason::Hidden => {
+                self.sleep(now, at, WaitReason::Poll(frame))
+            }
+            _ => self.sleep(now, until, reason),
+        }
+    }
+
     fn sleep(&mut self, now: f64, until: f64, reason: WaitReason) -> Step {
         let until = until.clamp(now + SHORTEST_WAIT_NS, now + LONGEST_WAIT_NS);
         self.slept_until = (reason == WaitReason::Deadline).then_some(until);
@@ -260,7 +265,7 @@ impl Pacer {
             self.silence = Silence::default();
             self.ledger.interrupt();
             self.last_start = None;
-            self.last_left = 0.0;
+            self.last_left = (0, 0.0);
             self.limit_due = 0.0;
             self.slept_until = None;
             self.newest_report = None;
@@ -282,7 +287,7 @@ impl Pacer {
             gpu: &self.gpu,
             report: &self.report,
             sees_finishes: self.sees_finishes,
-            last_left: self.last_left,
+            last_left: self.last_left.1,
             now,
         }
     }

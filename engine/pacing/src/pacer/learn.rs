@@ -50,7 +50,6 @@ impl Pacer {
     /// With n images, an acquire that returns has one that an image n - 1 presents ago took the place
     /// of: that one is shown. If the acquire had to wait, it is shown since just now.
     fn acquired(&mut self, frame: u64, to: f64, waited: f64) {
-        let presented = self.presented;
         if let Some(record) = self.frames.get_mut(frame).filter(|record| record.open()) {
             record.waited = waited;
         }
@@ -58,24 +57,28 @@ impl Pacer {
             return;
         }
         self.sees_acquires = true;
-        let Some(ordinal) = (presented + 1).checked_sub(u64::from(self.presentation.images)) else {
-            return;
-        };
+        let Some(ordinal) = self.ordinal_in_the_way() else { return };
         let shown = self.frames.of_ordinal(ordinal).map(|(frame, record)| (frame, !record.left));
         let Some((shown, newly)) = shown else { return };
         self.frames.leave_through(shown);
         if newly {
-            self.last_left = self.last_left.max(to);
+            self.shown_at(shown, self.last_refresh(to));
             self.heard();
         }
         let long = WAITED_NS.max(WAITED_PERIODS * self.some_period_ns());
         if waited > long && self.learns_from_acquires() {
             self.clock.observe(to);
-            self.last_left = to;
+            self.shown_at(shown, to);
             if let Some(record) = self.frames.get_mut(shown) {
                 record.shown = record.shown.or(Some(to));
             }
         }
+    }
+
+    /// When something was shown at the latest that is known to be shown by then.
+    fn last_refresh(&self, by: f64) -> f64 {
+        let period = self.clock.period().filter(|_| self.presentation.has_grid());
+        period.and_then(|period| self.clock.at_or_after(by - period)).unwrap_or(by).min(by)
     }
 
     fn queued(&mut self, frame: u64, at: Option<f64>) {
@@ -103,6 +106,8 @@ impl Pacer {
         if record.finished.is_some() || record.dropped {
             return;
         }
+        // What shows is finished, whenever anyone looked.
+        let at = record.shown.map_or(at, |shown| at.min(shown));
         record.finished = Some(at);
         let timed = record.gpu_timed;
         let begin = record.queued.zip(before).map(|(queued, before)| queued.max(before));
@@ -129,7 +134,7 @@ impl Pacer {
         self.frames.leave_through(frame);
         self.heard();
         let Some(at) = at else { return };
-        self.last_left = self.last_left.max(at);
+        self.shown_at(frame, at);
         self.newest_report = Some(self.newest_report.map_or(at, |newest: f64| newest.max(at)));
         if self.presentation.reports == PresentReports::Missing || !self.presentation.has_grid() {
             return;

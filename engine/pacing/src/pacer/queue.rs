@@ -39,6 +39,13 @@ impl Pacer {
             && self.presentation.has_grid()
     }
 
+    /// Once every image was presented, the next is free when another has taken the place of the one it
+    /// showed last: that other's position among all presents.
+    pub(super) fn ordinal_in_the_way(&self) -> Option<u64> {
+        let images = u64::from(self.presentation.images);
+        self.presented.checked_sub(images).map(|replaced| replaced + 1)
+    }
+
     /// Where nothing is reported, frames leave the queue when by all that is known they must have.
     pub(super) fn settle(&mut self, now: f64) {
         if self.presentation.reports == PresentReports::Times {
@@ -49,7 +56,7 @@ impl Pacer {
         while let Some((frame, record)) = self.frames.oldest_queued() {
             let knowledge = self.knowledge(now);
             let finish = knowledge.finish(&record, gpu_free);
-            let shown = knowledge.shown(&record, finish, self.last_left);
+            let shown = knowledge.shown(&record, finish, self.last_left.1);
             let done = record.finished.is_some() || !self.sees_finishes;
             let certain = if self.learns_from_acquires() {
                 let doubt = self.clock.uncertainty(now).map(|deviation| 2.0 * deviation);
@@ -63,8 +70,8 @@ impl Pacer {
                 break;
             }
             gpu_free = gpu_free.max(finish);
-            self.last_left = self.last_left.max(shown);
             self.frames.leave(frame);
+            self.shown_at(frame, shown);
         }
     }
 
@@ -103,7 +110,7 @@ impl Pacer {
             self.frames.leave(oldest);
             return None;
         }
-        let leaves = self.knowledge(now).forecast(&self.frames, self.presented).first_leaves;
+        let leaves = self.knowledge(now).forecast(&self.frames, None).first_leaves;
         let until = if leaves.is_finite() { leaves } else { now };
         let until = until.clamp(now + period / 16.0, now + patience);
         Some((until, WaitReason::QueueFull(FrameId(oldest))))
@@ -132,6 +139,13 @@ impl Pacer {
         });
         let until = expected.clamp(now + period / 16.0, now + period);
         Some((until, WaitReason::QueueFull(FrameId(frame))))
+    }
+
+    /// What is best known of when the newest frame that left was shown.
+    pub(super) fn shown_at(&mut self, frame: u64, at: f64) {
+        if frame >= self.last_left.0 {
+            self.last_left = (frame, at);
+        }
     }
 
     /// Somebody sees our frames.

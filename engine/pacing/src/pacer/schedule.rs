@@ -31,7 +31,7 @@ pub(super) struct Schedule {
 
 impl Pacer {
     pub(super) fn schedule(&self, now: f64) -> Schedule {
-        let forecast = self.knowledge(now).forecast(&self.frames, self.presented);
+        let forecast = self.knowledge(now).forecast(&self.frames, self.ordinal_in_the_way());
         let limited = self.limit_due > now;
         let earliest = now.max(self.limit_due);
         let [cpu, gpu] = [self.cpu.expected(), self.gpu.expected()];
@@ -55,6 +55,7 @@ impl Pacer {
         } else {
             gpu_ready
         };
+        if std::env::var("TRACE").is_ok() { let p = self.some_period_ns(); let t = |x: f64| (x-5e9)/p; println!("   now {:.3} earliest {:.3} gpu_free {:.3} last {:.3} image {:.3} cpu {:.3} gpu {:.3} target {:?} lead {:.3} wanted {:.3}", t(now), t(earliest), t(forecast.gpu_free), t(forecast.last_shown), t(forecast.image_free), cpu/p, gpu/p, target.map(t), self.lead_ns(now)/p, t(wanted)); }
         let start = wanted.max(earliest);
         let by_limit = limited && wanted <= self.limit_due;
         let reason = if by_limit { WaitReason::FrameLimit } else { WaitReason::Deadline };

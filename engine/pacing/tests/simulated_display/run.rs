@@ -102,6 +102,7 @@ impl Simulation {
                 return;
             }
         };
+        if std::env::var("TRACE").is_ok() { let p = self.scenario.period(); let t = |x: f64| (x-5e9)/p; match step { Step::Start(_) => println!("  {:.3} START {}", t(self.now), self.outcomes.len()), Step::Wait(w) => println!("  {:.3} wait {:.3} {:?}", t(self.now), t(w.until.as_nanos() as f64), w.reason) } }
         match step {
             Step::Start(plan) => {
                 assert_eq!(plan.frame.0, self.outcomes.len() as u64);
