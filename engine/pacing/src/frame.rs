@@ -73,12 +73,18 @@ pub enum Feedback {
         /// When the calls had returned.
         at: Time,
     },
-    /// The GPU's work was seen finished, as by its tick. Exact enough if polled where the pacer asks for it.
+    /// The GPU's work ended: somebody waited for its tick, and this is when the wait ended.
     Finished {
-        /// When it was seen.
+        /// When it ended.
         at: Time,
     },
-    /// How long the GPU took, by its timestamps. Better than `Finished`; may come long after.
+    /// The GPU's work was found finished, as by polling its tick. It ended some time after the last
+    /// [`Pacer::next`](crate::Pacer::next) before, so look each time before you ask that.
+    FoundFinished {
+        /// When somebody looked.
+        at: Time,
+    },
+    /// How long the GPU took, by its timestamps. Better than both; may come long after.
     GpuTime(Duration),
     /// The image began to show.
     Shown {

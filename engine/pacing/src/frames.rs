@@ -19,6 +19,8 @@ pub(crate) struct Record {
     pub(crate) ordinal: Option<u64>,
     pub(crate) queued: Option<f64>,
     pub(crate) finished: Option<f64>,
+    /// The last time at which it was not known to be finished.
+    pub(crate) unfinished: f64,
     pub(crate) gpu_timed: bool,
     pub(crate) shown: Option<f64>,
     /// It is queued no more: shown, replaced, dropped, or given up.
@@ -86,6 +88,17 @@ impl Frames {
     /// The one that so many were presented before in this swapchain.
     pub(crate) fn of_ordinal(&self, ordinal: u64) -> Option<(u64, &Record)> {
         self.newest_first().find(|(_, record)| record.ordinal == Some(ordinal))
+    }
+
+    /// Nobody has told yet that these are finished.
+    pub(crate) fn note_unfinished(&mut self, now: f64) {
+        let oldest = self.next.saturating_sub(u64::from(crate::MAX_QUEUE_LIMIT)).max(self.oldest());
+        for frame in oldest..self.next {
+            let record = &mut self.records[Self::slot(frame)];
+            if record.finished.is_none() {
+                record.unfinished = now;
+            }
+        }
     }
 
     /// There is a new swapchain: none is queued but what is being recorded, and counting begins anew.

@@ -202,6 +202,7 @@ impl Pacer {
         {
             self.drop_frame(newest);
         }
+        self.frames.note_unfinished(now);
         self.settle(now);
         self.search(now);
         match self.held_back(now) {

@@ -13,6 +13,15 @@ const FUTURE_NS: f64 = 10.0 * SECOND_NS;
 const WAITED_NS: f64 = 250.0 * MICROSECOND_NS;
 const WAITED_PERIODS: f64 = 0.02;
 
+/// Of what we believe the GPU takes.
+const HOPE: f64 = 0.95;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Exactness {
+    Exact,
+    AtMost,
+}
+
 impl Pacer {
     /// Something became known of a frame. Frames that are unknown or long gone are ignored, as are
     /// times before the frame's start.
@@ -35,7 +44,12 @@ impl Pacer {
             }
             Feedback::Finished { at } => {
                 if let Some(at) = sane(at) {
-                    self.finished(frame.0, at);
+                    self.finished(frame.0, at, Exactness::Exact);
+                }
+            }
+            Feedback::FoundFinished { at } => {
+                if let Some(at) = sane(at) {
+                    self.finished(frame.0, at, Exactness::AtMost);
                 }
             }
             Feedback::GpuTime(duration) => self.gpu_timed(frame.0, duration),
@@ -98,7 +112,7 @@ impl Pacer {
         }
     }
 
-    fn finished(&mut self, frame: u64, at: f64) {
+    fn finished(&mut self, frame: u64, at: f64, exactness: Exactness) {
         // Where the frame before is not known to be finished, this one's beginning is not known.
         let older = frame.checked_sub(1).and_then(|older| self.frames.get(older));
         let before = older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
@@ -108,12 +122,26 @@ impl Pacer {
         }
         // What shows is finished, whenever anyone looked.
         let at = record.shown.map_or(at, |shown| at.min(shown));
-        record.finished = Some(at);
         let timed = record.gpu_timed;
         let begin = record.queued.zip(before).map(|(queued, before)| queued.max(before));
+        let at_least = record.unfinished.min(at);
         self.sees_finishes = true;
-        if let Some(begin) = begin.filter(|_| !timed) {
-            self.gpu.observe((at - begin).max(0.0));
+        let Some(begin) = begin else {
+            record.finished = Some(at);
+            return;
+        };
+        let took = match exactness {
+            Exactness::Exact => at - begin,
+            // Somewhere between two looks. Where what we believe is possible we believe a little less:
+            // a later start leaves time for better looks.
+            Exactness::AtMost if self.gpu.known() => {
+                (HOPE * self.gpu.expected()).clamp((at_least - begin).max(0.0), (at - begin).max(0.0))
+            }
+            Exactness::AtMost => at - begin,
+        };
+        record.finished = Some((begin + took).min(at));
+        if !timed {
+            self.gpu.observe(took.max(0.0));
         }
     }
 

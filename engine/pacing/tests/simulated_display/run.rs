@@ -140,7 +140,7 @@ impl Simulation {
         let due = self.deliveries.iter().take_while(|delivery| delivery.at <= now).count();
         for delivery in self.deliveries.drain(..due) {
             let feedback = match delivery.feedback {
-                Feedback::Finished { .. } if delivery.polled => Feedback::Finished { at: read },
+                Feedback::FoundFinished { .. } => Feedback::FoundFinished { at: read },
                 other => other,
             };
             self.pacer.feedback(delivery.frame, feedback);
@@ -212,8 +212,10 @@ impl Simulation {
         let ticks = self.scenario.ticks;
         if ticks != Ticks::Unknown {
             let seen = finish + self.random.between(0.0, 0.03 * MILLISECOND);
-            let feedback = Feedback::Finished { at: self.clock(seen) };
+            let at = self.clock(seen);
             let polled = ticks != Ticks::Watched;
+            let feedback =
+                if polled { Feedback::FoundFinished { at } } else { Feedback::Finished { at } };
             self.deliveries.push(Delivery { at: seen, frame, feedback, polled });
         }
         if ticks == Ticks::Timestamps {
