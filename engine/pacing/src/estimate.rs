@@ -48,6 +48,11 @@ impl Estimate {
         self.deviation += gain * (deviation - self.deviation);
     }
 
+    /// It is at least that, known for sure.
+    pub(crate) fn raise_to(&mut self, least: f64) {
+        self.mean = self.mean.max(least.clamp(0.0, 10e9));
+    }
+
     pub(crate) const fn known(&self) -> bool {
         self.count > 0
     }

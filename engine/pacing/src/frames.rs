@@ -19,6 +19,8 @@ pub(crate) struct Record {
     pub(crate) ordinal: Option<u64>,
     pub(crate) queued: Option<f64>,
     pub(crate) finished: Option<f64>,
+    /// `finished` is a guess between two looks.
+    pub(crate) found: bool,
     /// The last time at which it was not known to be finished.
     pub(crate) unfinished: f64,
     pub(crate) gpu_timed: bool,

@@ -4,6 +4,7 @@
 //! misses settles where both balance: a quantile tracked by stochastic approximation (Robbins and
 //! Monro 1951). It covers what no prediction knows, such as a compositor that latches early.
 
+use crate::options::PresentReports;
 use crate::time::MICROSECOND_NS;
 
 /// Of a period.
@@ -11,6 +12,8 @@ const STEP: f64 = 1.0 / 16.0;
 /// Frames in time that outweigh a miss: the share of misses it settles at, or below.
 const FRAMES_PER_MISS: f64 = 4_000.0;
 const FIRST: f64 = 1.0 / 16.0;
+/// Where nobody tells of misses it is chosen once, with room for what it cannot learn.
+const BLIND: f64 = 3.0 / 16.0;
 const LEAST: f64 = 1.0 / 64.0;
 const MOST: f64 = 1.5;
 /// No scheduler wakes us better than that.
@@ -24,8 +27,12 @@ pub(crate) struct Margin {
 }
 
 impl Margin {
-    pub(crate) const fn new() -> Self {
-        Self { periods: FIRST, misses_in_a_row: 0 }
+    pub(crate) const fn new(reports: PresentReports) -> Self {
+        let periods = match reports {
+            PresentReports::Times => FIRST,
+            PresentReports::Missing => BLIND,
+        };
+        Self { periods, misses_in_a_row: 0 }
     }
 
     pub(crate) fn ns(&self, period: f64) -> f64 {
@@ -52,7 +59,7 @@ mod tests {
     #[test]
     fn settles_where_misses_are_rare() {
         // What is needed is spread evenly over half a period.
-        let mut margin = Margin::new();
+        let mut margin = Margin::new(PresentReports::Times);
         let mut state = 9_u64;
         let mut misses = 0;
         for frame in 0..200_000 {
@@ -71,7 +78,7 @@ mod tests {
 
     #[test]
     fn is_bounded() {
-        let mut margin = Margin::new();
+        let mut margin = Margin::new(PresentReports::Times);
         (0..1_000).for_each(|_| margin.missed());
         assert!(margin.ns(1e6) <= 1.5e6);
         (0..1_000_000).for_each(|_| margin.in_time());

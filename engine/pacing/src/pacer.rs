@@ -62,6 +62,10 @@ pub struct Pacer {
     sees_finishes: bool,
     sees_acquires: bool,
     newest_report: Option<f64>,
+    /// Frames shown after their refresh.
+    late_in_a_row: u32,
+    /// Frames until the GPU is hoped to be faster than it is known to be.
+    modest: u32,
     ledger: Ledger,
 }
 
@@ -84,7 +88,7 @@ struct RateSearch {
 }
 
 const RATE_SEARCH_FRAMES: u32 = 4;
-const RATE_SEARCH_PAUSES: [u32; 2] = [64, 8_192];
+const RATE_SEARCH_PAUSES: [u32; 2] = [8, 8_192];
 
 impl RateSearch {
     const fn new() -> Self {
@@ -108,7 +112,7 @@ impl Pacer {
             cpu: Estimate::default(),
             gpu: Estimate::default(),
             report: Estimate::default(),
-            margin: Margin::new(),
+            margin: Margin::new(presentation.reports),
             frames: Frames::new(),
             presented: 0,
             now: None,
@@ -123,6 +127,8 @@ impl Pacer {
             sees_finishes: false,
             sees_acquires: false,
             newest_report: None,
+            late_in_a_row: 0,
+            modest: 0,
             ledger: Ledger::default(),
         })
     }
@@ -161,7 +167,7 @@ impl Pacer {
         if presentation.reports != self.presentation.reports
             || presentation.mode != self.presentation.mode
         {
-            self.margin = Margin::new();
+            self.margin = Margin::new(presentation.reports);
         }
         self.presentation = presentation;
         Ok(())

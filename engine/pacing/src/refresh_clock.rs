@@ -13,7 +13,7 @@ const WINDOW: usize = 12;
 /// Fewest samples to learn from.
 const ENOUGH: usize = 5;
 /// Of a period: what a sample may be off the grid while learning, root mean square.
-const FIT: f64 = 0.12;
+const FIT: f64 = 0.09;
 /// Variance of phase per refresh, in periods squared: displays are steadier, compositors are not.
 const PHASE_DRIFT: f64 = 1e-8;
 /// Variance of the period per refresh, in periods squared.
@@ -94,6 +94,13 @@ impl RefreshClock {
         self.learn();
     }
 
+    /// What was believed of the period does not come true: looks at the newest samples again.
+    pub(crate) fn doubt(&mut self) {
+        self.lock = None;
+        self.discord = 0;
+        self.learn();
+    }
+
     /// Forgets the phase, keeps what the period may be.
     pub(crate) fn forget(&mut self, hint: Option<f64>) {
         *self = Self::new(hint.or(self.period()).or(self.hint));
@@ -129,15 +136,24 @@ impl RefreshClock {
     }
 
     fn learn(&mut self) {
-        if self.count < ENOUGH {
-            return;
+        // The newest few first: the first frames of all may have been shown in between refreshes.
+        for count in [ENOUGH, self.count] {
+            let Some(first) = self.count.checked_sub(count) else { return };
+            let samples = &self.samples[first..self.count];
+            let steps = samples.windows(2).map(|pair| pair[1] - pair[0]);
+            let shortest = steps.clone().fold(f64::INFINITY, f64::min);
+            let halves = steps.filter(|step| (2.0 * step / shortest).round() % 2.0 == 1.0).count();
+            // A hint serves where it explains the samples; half a period always does, so it must
+            // be the only way to.
+            self.lock = self
+                .hint
+                .and_then(|hint| fit(samples, hint))
+                .or_else(|| fit(samples, shortest))
+                .or_else(|| (halves > 2).then(|| fit(samples, shortest / 2.0)).flatten());
+            if self.lock.is_some() {
+                return;
+            }
         }
-        let samples = &self.samples[..self.count];
-        let shortest =
-            samples.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-        let hinted = self.hint.and_then(|hint| fit(samples, hint));
-        // A hint serves where it explains the samples; half of it always does, so it goes first.
-        self.lock = hinted.or_else(|| fit(samples, shortest)).or_else(|| fit(samples, shortest / 2.0));
     }
 }
 

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::Pacer;
 use crate::frame::{Feedback, FrameId};
-use crate::options::{PresentMode, PresentReports};
+use crate::options::PresentReports;
 use crate::time::{MICROSECOND_NS, SECOND_NS, Time, ns};
 
 /// Reports from further ahead than that are of another clock.
@@ -15,6 +15,11 @@ const WAITED_PERIODS: f64 = 0.02;
 
 /// Of what we believe the GPU takes.
 const HOPE: f64 = 0.95;
+
+/// So many late frames in a row: the display is not what it seems.
+const DOUBTFUL: u32 = 8;
+/// So many frames after a miss we do not hope.
+const MODEST_FRAMES: u32 = 2_000;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Exactness {
@@ -135,11 +140,16 @@ impl Pacer {
             // Somewhere between two looks. Where what we believe is possible we believe a little less:
             // a later start leaves time for better looks.
             Exactness::AtMost if self.gpu.known() => {
-                (HOPE * self.gpu.expected()).clamp((at_least - begin).max(0.0), (at - begin).max(0.0))
+                let hope = if self.modest > 0 { 1.0 } else { HOPE };
+                // Seen at work for longer: more than one such sample would be a surprise else.
+                self.gpu.raise_to((at_least - begin).min(1.25 * self.gpu.expected()));
+                let believed = hope * self.gpu.expected();
+                believed.clamp((at_least - begin).max(0.0), (at - begin).max(0.0))
             }
             Exactness::AtMost => at - begin,
         };
         record.finished = Some((begin + took).min(at));
+        record.found = exactness == Exactness::AtMost;
         if !timed {
             self.gpu.observe(took.max(0.0));
         }
@@ -169,9 +179,11 @@ impl Pacer {
         }
         let late = |period: f64| record.target.is_some_and(|target| at > target + 0.5 * period);
         let was_late = self.clock.period().is_some_and(late);
-        // A late one of a relaxed queue is shown when it is ready, not at a refresh.
-        if !(self.presentation.mode == PresentMode::FifoRelaxed && was_late) {
-            self.clock.observe(at);
+        self.clock.observe(at);
+        self.late_in_a_row = if was_late { self.late_in_a_row.saturating_add(1) } else { 0 };
+        if self.late_in_a_row >= DOUBTFUL {
+            self.late_in_a_row = 0;
+            self.clock.doubt();
         }
         self.learn_margin(frame, record.target, was_late, record.compromised);
     }
@@ -179,6 +191,7 @@ impl Pacer {
     fn learn_margin(&mut self, frame: u64, target: Option<f64>, late: bool, compromised: bool) {
         let Some(target) = target else { return };
         if !late {
+            self.modest = self.modest.saturating_sub(1);
             self.margin.in_time();
             return;
         }
@@ -187,8 +200,15 @@ impl Pacer {
             // The one before took its refresh: one miss, not two.
             shown > target - 0.5 * self.some_period_ns()
         });
-        if !compromised && !pushed {
-            self.margin.missed();
+        if compromised || pushed {
+            return;
+        }
+        self.margin.missed();
+        if let Some(record) = self.frames.get(frame).filter(|record| record.found) {
+            // Nobody saw when it ended, but it was after its refresh, unless the display is to blame.
+            let begin = record.queued.unwrap_or(target);
+            self.gpu.raise_to((target - begin).min(1.5 * self.gpu.expected()));
+            self.modest = MODEST_FRAMES;
         }
     }
 }

@@ -131,7 +131,9 @@ impl Pacer {
         }
         let search = self.phase_search;
         let period = self.some_period_ns();
-        let uncertainty = |time| self.clock.uncertainty(time).unwrap_or(f64::INFINITY);
+        let uncertainty = |time| {
+            self.clock.uncertainty(time).map_or(f64::INFINITY, |deviation| 3.0 * deviation)
+        };
         let toggle = if search.active {
             let sure = uncertainty(now + SEARCH_AHEAD * period) < WORST_PHASE * period;
             sure || search.frames >= LONGEST_SEARCH
@@ -153,7 +155,7 @@ impl Pacer {
             self.rate_search.remaining -= 1;
         } else if self.rate_search.pause > 0 {
             self.rate_search.pause -= 1;
-        } else if self.cpu.expected() + self.gpu.expected() < 0.4 * period {
+        } else if self.cpu.expected().max(self.gpu.expected()) < 0.45 * period {
             let pause = self.rate_search.next_pause;
             self.rate_search.remaining = RATE_SEARCH_FRAMES;
             self.rate_search.pause = pause;
