@@ -8,6 +8,9 @@ use crate::frames::{Frames, Record};
 use crate::options::{PresentReports, Presentation};
 use crate::refresh_clock::RefreshClock;
 
+/// So many refreshes a frame that is not reported keeps the next ones back.
+const PATIENCE_REFRESHES: f64 = 4.0;
+
 /// What forecasts rest on.
 pub(crate) struct Knowledge<'a> {
     pub(crate) presentation: &'a Presentation,
@@ -79,12 +82,13 @@ impl Knowledge<'_> {
         let Some(period) = self.clock.period().filter(|_| self.presentation.has_grid()) else {
             return finish.max(previous);
         };
-        // It must be ready some time before it is shown: the plan knows how long, we do not.
         let mut earliest = finish.max(previous + 0.5 * period);
         if self.presentation.reports == PresentReports::Times {
-            // Had it been shown that long ago we would know.
+            // Had it been shown that long ago we would know. After some refreshes without a word we no
+            // longer wait for it: who never knows must not stand still.
             let knowing = self.report.expected() + 3.0 * self.report.spread() + 0.5 * period;
-            earliest = earliest.max(self.now - knowing);
+            let overdue = (self.now - knowing).min(earliest + PATIENCE_REFRESHES * period);
+            earliest = earliest.max(overdue);
         }
         self.clock.at_or_after(earliest).unwrap_or(earliest)
     }

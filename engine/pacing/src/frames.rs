@@ -11,6 +11,8 @@ pub(crate) struct Record {
     pub(crate) start: f64,
     /// The refresh it was to be shown at.
     pub(crate) target: Option<f64>,
+    /// The clock's generation that foretold it.
+    pub(crate) generation: u32,
     /// It started later than was wanted, so that its miss says nothing of the margin.
     pub(crate) compromised: bool,
     /// Acquires return early or late; how long this one kept the CPU waiting.

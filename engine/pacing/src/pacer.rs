@@ -230,6 +230,7 @@ impl Pacer {
         let frame = self.frames.begin(Record {
             start: now,
             target: schedule.target,
+            generation: self.clock.generation(),
             compromised: now - schedule.wanted > excuse,
             ..Record::default()
         });

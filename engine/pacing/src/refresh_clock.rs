@@ -50,11 +50,13 @@ pub(crate) struct RefreshClock {
     discord: u32,
     /// Samples in a row that lay before the last one.
     stale: u32,
+    /// How often the grid was learnt anew.
+    generation: u32,
 }
 
 impl RefreshClock {
     pub(crate) const fn new(hint: Option<f64>) -> Self {
-        Self { hint, samples: [0.0; WINDOW], count: 0, lock: None, discord: 0, stale: 0 }
+        Self { hint, samples: [0.0; WINDOW], count: 0, lock: None, discord: 0, stale: 0, generation: 0 }
     }
 
     /// A refresh was seen then. Times not after the last one say nothing.
@@ -87,8 +89,9 @@ impl RefreshClock {
             }
             // What led here is the newest samples; older ones tell of another grid.
             self.lock = None;
-            self.samples.copy_within(self.count.saturating_sub(ENOUGH - 1)..self.count, 0);
-            self.count = self.count.min(ENOUGH - 1);
+            self.samples.copy_within(self.count.saturating_sub(ENOUGH)..self.count, 0);
+            self.count = self.count.min(ENOUGH);
+            self.generation += 1;
         }
         self.discord = 0;
         self.learn();
@@ -98,12 +101,14 @@ impl RefreshClock {
     pub(crate) fn doubt(&mut self) {
         self.lock = None;
         self.discord = 0;
+        self.generation += 1;
         self.learn();
     }
 
     /// Forgets the phase, keeps what the period may be.
     pub(crate) fn forget(&mut self, hint: Option<f64>) {
-        *self = Self::new(hint.or(self.period()).or(self.hint));
+        let generation = self.generation + 1;
+        *self = Self { generation, ..Self::new(hint.or(self.period()).or(self.hint)) };
     }
 
     pub(crate) fn period(&self) -> Option<f64> {
@@ -124,9 +129,9 @@ impl RefreshClock {
         Some(lock.predicted(refreshes).0.sqrt())
     }
 
-    /// Root mean square of how far samples are off.
-    pub(crate) fn noise(&self) -> Option<f64> {
-        self.lock.map(|lock| lock.noise.sqrt())
+    /// Changes when the grid is learnt anew: predictions of before are void.
+    pub(crate) const fn generation(&self) -> u32 {
+        self.generation
     }
 
     /// Whether the hint says the same of the period.
@@ -173,7 +178,8 @@ impl Lock {
     fn follow(&mut self, at: f64) -> bool {
         let refreshes = ((at - self.anchor) / self.period).round();
         if refreshes < 1.0 {
-            return true;
+            // Shown again too soon: one more of the same refresh, or a finer grid.
+            return at - self.anchor < 0.3 * self.period;
         }
         let expected = self.anchor + refreshes * self.period;
         let (phase, covariance, period) = self.predicted(refreshes);
@@ -298,7 +304,7 @@ mod tests {
         clock.observe(PERIOD * 51.0);
         assert!((clock.period().unwrap() - PERIOD).abs() < 1e3);
         let base = PERIOD * 52.3;
-        (0..10).for_each(|n| clock.observe(base + 6.94e6 * f64::from(n)));
+        (0..40).for_each(|n| clock.observe(base + 6.94e6 * f64::from(n)));
         assert!((clock.period().unwrap() - 6.94e6).abs() < 1e4, "{:?}", clock.period());
     }
 
@@ -311,7 +317,7 @@ mod tests {
             time += 1e6 + (state >> 40) as f64;
             time
         }));
-        let _ = clock.uncertainty(f64::MAX);
-        assert!(clock.at_or_after(f64::MAX).is_none_or(|t| !t.is_nan()));
+        assert!(clock.uncertainty(1e18).is_none_or(f64::is_finite));
+        assert!(clock.at_or_after(1e18).is_none_or(f64::is_finite));
     }
 }

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use super::Pacer;
 use crate::frame::{Feedback, FrameId};
-use crate::options::PresentReports;
+use crate::margin::Margin;
+use crate::options::{PresentMode, PresentReports};
 use crate::time::{MICROSECOND_NS, SECOND_NS, Time, ns};
 
 /// Reports from further ahead than that are of another clock.
@@ -177,19 +178,45 @@ impl Pacer {
         if self.presentation.reports == PresentReports::Missing || !self.presentation.has_grid() {
             return;
         }
+        let generation = self.clock.generation();
+        let newest_wins = self.presentation.mode == PresentMode::Mailbox;
         let late = |period: f64| record.target.is_some_and(|target| at > target + 0.5 * period);
-        let was_late = self.clock.period().is_some_and(late);
+        let foretold = record.generation == generation;
+        let was_late = foretold && self.clock.period().is_some_and(late);
         self.clock.observe(at);
         self.late_in_a_row = if was_late { self.late_in_a_row.saturating_add(1) } else { 0 };
         if self.late_in_a_row >= DOUBTFUL {
             self.late_in_a_row = 0;
             self.clock.doubt();
         }
-        self.learn_margin(frame, record.target, was_late, record.compromised);
+        let replaced = frame.checked_sub(1).filter(|_| newest_wins).filter(|before| {
+            // It came too late for its refresh, and this one took its place: nobody reports that.
+            self.frames.get(*before).is_some_and(|before| {
+                let passed = before.target.zip(self.clock.period());
+                before.shown.is_none()
+                    && !before.dropped
+                    && before.generation == generation
+                    && passed.is_some_and(|(target, period)| target < at - 0.5 * period)
+            })
+        });
+        if self.clock.generation() != generation {
+            // What was learnt of misses was learnt of a grid that is none.
+            self.margin = Margin::new(self.presentation.reports);
+            return;
+        }
+        for (frame, late) in [(replaced, true), (foretold.then_some(frame), was_late)] {
+            if let Some(frame) = frame {
+                self.learn_margin(frame, late);
+            }
+        }
     }
 
-    fn learn_margin(&mut self, frame: u64, target: Option<f64>, late: bool, compromised: bool) {
-        let Some(target) = target else { return };
+    fn learn_margin(&mut self, frame: u64, late: bool) {
+        let record = self.frames.get(frame).copied();
+        let Some((record, target)) = record.and_then(|record| record.target.map(|t| (record, t)))
+        else {
+            return;
+        };
         if !late {
             self.modest = self.modest.saturating_sub(1);
             self.margin.in_time();
@@ -200,11 +227,11 @@ impl Pacer {
             // The one before took its refresh: one miss, not two.
             shown > target - 0.5 * self.some_period_ns()
         });
-        if compromised || pushed {
+        if record.compromised || pushed {
             return;
         }
         self.margin.missed();
-        if let Some(record) = self.frames.get(frame).filter(|record| record.found) {
+        if record.found {
             // Nobody saw when it ended, but it was after its refresh, unless the display is to blame.
             let begin = record.queued.unwrap_or(target);
             self.gpu.raise_to((target - begin).min(1.5 * self.gpu.expected()));

@@ -55,7 +55,6 @@ impl Pacer {
         } else {
             gpu_ready
         };
-        if std::env::var("TRACE").is_ok() { let p = self.some_period_ns(); let t = |x: f64| (x-5e9)/p; println!("   now {:.3} earliest {:.3} gpu_free {:.3} last {:.3} image {:.3} cpu {:.3} gpu {:.3} target {:?} lead {:.3} wanted {:.3}", t(now), t(earliest), t(forecast.gpu_free), t(forecast.last_shown), t(forecast.image_free), cpu/p, gpu/p, target.map(t), self.lead_ns(now)/p, t(wanted)); }
         let start = wanted.max(earliest);
         let by_limit = limited && wanted <= self.limit_due;
         let reason = if by_limit { WaitReason::FrameLimit } else { WaitReason::Deadline };
@@ -109,15 +108,11 @@ impl Pacer {
     }
 
     /// The limit holds on average: a frame may come early by what the ones before it were late, up
-    /// to half an interval.
+    /// to an interval, as they are where they wait for refreshes.
     pub(super) fn account_limit(&mut self, start: f64) {
         let Some(hz) = self.options.frame_limit_hz else { return };
         let interval = SECOND_NS / hz;
-        self.limit_due = self.limit_due.max(start - 0.5 * interval) + interval;
-        // After a pause nothing is owed.
-        if self.limit_due < start {
-            self.limit_due = start + interval;
-        }
+        self.limit_due = self.limit_due.max(start - interval) + interval;
     }
 
     pub(super) fn searches_phase(&self) -> bool {

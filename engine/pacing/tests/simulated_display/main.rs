@@ -7,6 +7,9 @@
 )]
 
 mod display;
+mod disturbances;
+mod fixed_rate;
+mod free_rate;
 mod measure;
 mod random;
 mod run;

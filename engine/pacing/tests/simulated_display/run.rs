@@ -102,7 +102,7 @@ impl Simulation {
                 return;
             }
         };
-        if std::env::var("TRACE").is_ok() { let p = self.scenario.period(); let t = |x: f64| (x-5e9)/p; match step { Step::Start(_) => println!("  {:.3} START {}", t(self.now), self.outcomes.len()), Step::Wait(w) => println!("  {:.3} wait {:.3} {:?}", t(self.now), t(w.until.as_nanos() as f64), w.reason) } }
+        if std::env::var("TRACE").is_ok() { match step { Step::Start(_) => println!("  {:.4} START {}", self.now/1e9, self.outcomes.len()), Step::Wait(w) => println!("  {:.4} wait {:.4} {:?}", self.now/1e9, (w.until.as_nanos() as f64)/1e9, w.reason) } }
         match step {
             Step::Start(plan) => {
                 assert_eq!(plan.frame.0, self.outcomes.len() as u64);
@@ -231,6 +231,9 @@ impl Simulation {
     }
 
     fn change(&mut self, number: usize) {
+        if let Some((_, panel)) = self.scenario.silent_change.filter(|(frame, _)| *frame == number) {
+            self.display.panel = panel;
+        }
         let Some(change) = self.scenario.changes.iter().find(|c| c.frame == number).copied() else {
             return;
         };

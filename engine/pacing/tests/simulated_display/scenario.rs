@@ -78,6 +78,8 @@ pub struct Scenario {
     pub stalls: Vec<Stall>,
     pub hidden: Range<f64>,
     pub changes: Vec<Change>,
+    /// The display changes before that frame, and nobody is told.
+    pub silent_change: Option<(usize, Panel)>,
 }
 
 impl Scenario {
@@ -107,6 +109,7 @@ impl Scenario {
             stalls: Vec::new(),
             hidden: 0.0..0.0,
             changes: Vec::new(),
+            silent_change: None,
         }
     }
 
