@@ -22,6 +22,8 @@ use timings::Ledger;
 const LONGEST_WAIT_NS: f64 = SECOND_NS;
 /// A sleep that is not worth it.
 const SHORTEST_WAIT_NS: f64 = 1e4;
+/// A frame is aimed at another refresh so often.
+const MOST_OVERSLEPT: u32 = 2;
 /// Times that go back further than that are of another clock.
 const BACKWARDS_NS: f64 = 100.0 * MILLISECOND_NS;
 
@@ -52,6 +54,8 @@ pub struct Pacer {
     last_left: (u64, f64),
     /// Until when the last answer was to sleep for a deadline.
     slept_until: Option<f64>,
+    /// How often the sleep for this frame ended too late for the refresh it was for.
+    overslept: u32,
     /// The earliest start that keeps the limit.
     limit_due: f64,
     dropped_in_a_row: u32,
@@ -64,8 +68,8 @@ pub struct Pacer {
     newest_report: Option<f64>,
     /// Frames shown after their refresh.
     late_in_a_row: u32,
-    /// Frames until the GPU is hoped to be faster than it is known to be.
-    modest: u32,
+    /// The GPU is not hoped to be faster than that: frames that relied on it were late.
+    gpu_floor: f64,
     ledger: Ledger,
 }
 
@@ -119,6 +123,7 @@ impl Pacer {
             last_start: None,
             last_left: (0, 0.0),
             slept_until: None,
+            overslept: 0,
             limit_due: 0.0,
             dropped_in_a_row: 0,
             silence: Silence::default(),
@@ -128,7 +133,7 @@ impl Pacer {
             sees_acquires: false,
             newest_report: None,
             late_in_a_row: 0,
-            modest: 0,
+            gpu_floor: 0.0,
             ledger: Ledger::default(),
         })
     }
@@ -155,6 +160,7 @@ impl Pacer {
         presentation.check()?;
         self.frames.begin_anew();
         self.presented = 0;
+        self.gpu_floor = 0.0;
         self.sees_acquires = false;
         self.silence = Silence::default();
         self.dropped_in_a_row = 0;
@@ -219,7 +225,7 @@ impl Pacer {
 
     fn decide(&mut self, now: f64) -> Step {
         let schedule = self.schedule(now);
-        if schedule.start > now + SHORTEST_WAIT_NS {
+        if schedule.start > now + SHORTEST_WAIT_NS && !self.gives_up_aiming(now) {
             return self.look_then_sleep(now, schedule.start, schedule.reason);
         }
         let woken = self.slept_until.take();
@@ -235,6 +241,7 @@ impl Pacer {
             ..Record::default()
         });
         self.account_limit(now);
+        self.overslept = 0;
         self.last_start = Some(now);
         self.phase_search.frames = self.phase_search.frames.saturating_add(1);
         self.advance_rate_search();
@@ -243,6 +250,20 @@ impl Pacer {
             start: Time::from_ns(now),
             expected_present: schedule.target.map(Time::from_ns),
         })
+    }
+
+    /// Whether to start although the frame would now be for a later refresh than it was to be: after a
+    /// few such sleeps the clock is too coarse to aim with, and a frame at some time is better than none.
+    fn gives_up_aiming(&mut self, now: f64) -> bool {
+        if self.slept_until.is_none_or(|until| now < until) {
+            return false;
+        }
+        self.slept_until = None;
+        // Those ahead that are late themselves are a reason to wait on.
+        let waits_for_gpu = self.sees_finishes
+            && self.frames.newest_first().next().is_some_and(|(_, r)| r.finished.is_none());
+        self.overslept += u32::from(!waits_for_gpu);
+        self.overslept > MOST_OVERSLEPT && self.limit_due <= now
     }
 
     /// A sleep, or first one until the GPU should be done.

@@ -15,12 +15,12 @@ const WAITED_NS: f64 = 250.0 * MICROSECOND_NS;
 const WAITED_PERIODS: f64 = 0.02;
 
 /// Of what we believe the GPU takes.
-const HOPE: f64 = 0.95;
+const HOPE: f64 = 0.9;
 
 /// So many late frames in a row: the display is not what it seems.
 const DOUBTFUL: u32 = 8;
-/// So many frames after a miss we do not hope.
-const MODEST_FRAMES: u32 = 2_000;
+/// What a miss taught is forgotten at that rate, a frame.
+const FORGET: f64 = 1e-4;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Exactness {
@@ -141,10 +141,10 @@ impl Pacer {
             // Somewhere between two looks. Where what we believe is possible we believe a little less:
             // a later start leaves time for better looks.
             Exactness::AtMost if self.gpu.known() => {
-                let hope = if self.modest > 0 { 1.0 } else { HOPE };
                 // Seen at work for longer: more than one such sample would be a surprise else.
                 self.gpu.raise_to((at_least - begin).min(1.25 * self.gpu.expected()));
-                let believed = hope * self.gpu.expected();
+                let expected = self.gpu.expected();
+                let believed = (HOPE * expected).max(expected.min(self.gpu_floor));
                 believed.clamp((at_least - begin).max(0.0), (at - begin).max(0.0))
             }
             Exactness::AtMost => at - begin,
@@ -202,6 +202,7 @@ impl Pacer {
         if self.clock.generation() != generation {
             // What was learnt of misses was learnt of a grid that is none.
             self.margin = Margin::new(self.presentation.reports);
+            self.gpu_floor = 0.0;
             return;
         }
         for (frame, late) in [(replaced, true), (foretold.then_some(frame), was_late)] {
@@ -218,7 +219,7 @@ impl Pacer {
             return;
         };
         if !late {
-            self.modest = self.modest.saturating_sub(1);
+            self.gpu_floor *= 1.0 - FORGET;
             self.margin.in_time();
             return;
         }
@@ -235,7 +236,7 @@ impl Pacer {
             // Nobody saw when it ended, but it was after its refresh, unless the display is to blame.
             let begin = record.queued.unwrap_or(target);
             self.gpu.raise_to((target - begin).min(1.5 * self.gpu.expected()));
-            self.modest = MODEST_FRAMES;
+            self.gpu_floor = self.gpu.expected();
         }
     }
 }
