@@ -20,6 +20,8 @@ const PHASE_DRIFT: f64 = 1e-8;
 const PERIOD_DRIFT: f64 = 1e-15;
 /// Standard deviation of a sample that nobody believes to be better, in nanoseconds.
 const LEAST_NOISE_NS: f64 = 5.0 * MICROSECOND_NS;
+/// So many errors of one sign in a row are no noise.
+const ONE_SIDED: i32 = 12;
 /// An outlier counts so many good samples, and so much discord ends the lock.
 const OUTLIER_WEIGHT: u32 = 4;
 const DISCORD: u32 = 12;
@@ -38,6 +40,8 @@ struct Lock {
     period_variance: f64,
     /// Variance of a sample.
     noise: f64,
+    /// Samples in a row that came later than predicted, or, negative, earlier.
+    one_sided: i32,
 }
 
 /// Learns and predicts refreshes. All times in nanoseconds.
@@ -182,8 +186,17 @@ impl Lock {
             return at - self.anchor < 0.3 * self.period;
         }
         let expected = self.anchor + refreshes * self.period;
-        let (phase, covariance, period) = self.predicted(refreshes);
+        let (mut phase, covariance, mut period) = self.predicted(refreshes);
         let error = at - expected;
+        let side = if error > 0.0 { 1 } else { -1 };
+        self.one_sided = if self.one_sided * side > 0 { self.one_sided + side } else { side };
+        if self.one_sided.abs() >= ONE_SIDED {
+            // This is no noise: the period is a little different from what it was.
+            self.one_sided = 0;
+            phase += error * error;
+            period += error * error / f64::from(ONE_SIDED).powi(2);
+            self.noise = self.noise.min(error * error);
+        }
         let variance = phase + self.noise;
         let gate = (5.0 * variance.sqrt()).clamp(0.03 * self.period, 0.3 * self.period);
         if error.abs() > gate {
@@ -251,6 +264,7 @@ fn fit(samples: &[f64], about: f64) -> Option<Lock> {
         covariance: noise * from_mean / spread,
         period_variance: noise / spread,
         noise,
+        one_sided: 0,
     })
 }
 
@@ -306,6 +320,16 @@ mod tests {
         let base = PERIOD * 52.3;
         (0..40).for_each(|n| clock.observe(base + 6.94e6 * f64::from(n)));
         assert!((clock.period().unwrap() - 6.94e6).abs() < 1e4, "{:?}", clock.period());
+    }
+
+    #[test]
+    fn a_period_that_changes_a_little_is_followed() {
+        let mut clock = locked((0..600).map(|n| PERIOD * f64::from(n)));
+        let slower = PERIOD * 1.0013;
+        (1..200).for_each(|n| clock.observe(PERIOD * 599.0 + slower * f64::from(n)));
+        assert!((clock.period().unwrap() / slower - 1.0).abs() < 1e-4, "{:?}", clock.period());
+        let next = clock.at_or_after(PERIOD * 599.0 + slower * 199.5).unwrap();
+        assert!((next - (PERIOD * 599.0 + slower * 200.0)).abs() < 0.01 * PERIOD);
     }
 
     #[test]
