@@ -9,6 +9,7 @@ mod margin;
 mod options;
 mod pacer;
 mod refresh_clock;
+mod statistics;
 mod time;
 
 pub use frame::{Feedback, FrameId, FrameTiming, Plan, Step, Wait, WaitReason};
@@ -17,6 +18,8 @@ pub use options::{
     PresentMode, PresentReports, Presentation, REFRESH_PERIOD, Refresh,
 };
 pub use pacer::Pacer;
+pub use statistics::{
+    Distribution, FrameStatistics, HISTOGRAM_BINS, HITCH_NEIGHBOURS, Histogram, HitchRule,
+    MAX_STATISTICS_FRAMES, Summary,
+};
 pub use time::Time;
-/// x
-pub const MAX_STATISTICS_FRAMES: usize = 1 << 20;

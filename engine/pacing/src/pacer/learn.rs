@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::Pacer;
+use super::{Pacer, RateSearch};
 use crate::frame::{Feedback, FrameId};
 use crate::margin::Margin;
 use crate::options::{PresentMode, PresentReports};
@@ -203,6 +203,7 @@ impl Pacer {
             // What was learnt of misses was learnt of a grid that is none.
             self.margin = Margin::new(self.presentation.reports);
             self.gpu_floor = 0.0;
+            self.rate_search = RateSearch::new();
             return;
         }
         for (frame, late) in [(replaced, true), (foretold.then_some(frame), was_late)] {

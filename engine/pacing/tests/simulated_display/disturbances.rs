@@ -108,8 +108,6 @@ fn swapchains_come_and_go() {
         let (missed, refreshes) = last.missed_refreshes(600 + 120);
         missed_in_all += missed;
         all += refreshes;
-        if std::env::var("DUMP").is_ok() && seed == 131 { println!("{:?}", last.scenario); for (i, o) in last.outcomes.iter().enumerate().skip(590).take(200) { let p = last.scenario.period(); let w = |t: f64| (t - 5e9) / p;
-                println!("{i} start {:.3} fin {:.3} shown {:?} exp {:?} q {}", w(o.start), w(o.finish), o.shown.map(w), o.expected.map(w), o.queued); } }
         let late = mean(&last.latency_excess(600 + 120));
         assert!(late < 1.0, "seed {seed}: {late} refreshes over the optimum");
     }

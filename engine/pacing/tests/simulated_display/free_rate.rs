@@ -80,6 +80,6 @@ fn a_display_that_waits_gets_even_frames_at_low_latency() {
         let overhead = scenario.report_delay + 2.0 * scenario.wake_lateness + 0.1 * MILLISECOND;
         let possible = busy(&scenario).max(min_period) + overhead;
         assert!(mean(&steps) < 1.15 * possible, "seed {seed}: {} {possible}", mean(&steps));
-        assert!(high < 1.4 * low, "seed {seed}: uneven, {low} to {high}");
+        assert!(high < 1.6 * low, "seed {seed}: uneven, {low} to {high}");
     }
 }
