@@ -26,9 +26,8 @@ impl Estimate {
     pub(crate) fn observe(&mut self, sample: f64) {
         let sample = sample.clamp(0.0, 10e9);
         let off = sample - self.mean;
-        let usual = (SURPRISE * self.deviation)
-            .max(LEAST_SURPRISE * self.mean)
-            .max(LEAST_SURPRISE_NS);
+        let usual =
+            (SURPRISE * self.deviation).max(LEAST_SURPRISE * self.mean).max(LEAST_SURPRISE_NS);
         if self.count >= 4 && off.abs() > usual {
             self.surprises[self.surprised] = sample;
             self.surprised += 1;

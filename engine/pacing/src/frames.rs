@@ -13,6 +13,8 @@ pub(crate) struct Record {
     pub(crate) target: Option<f64>,
     /// The clock's generation that foretold it.
     pub(crate) generation: u32,
+    /// The margin it was given.
+    pub(crate) margin: u32,
     /// It started later than was wanted, so that its miss says nothing of the margin.
     pub(crate) compromised: bool,
     /// Acquires return early or late; how long this one kept the CPU waiting.
@@ -103,6 +105,12 @@ impl Frames {
                 record.unfinished = now;
             }
         }
+    }
+
+    /// Times of before mean nothing any more.
+    pub(crate) fn forget_all(&mut self) {
+        self.records.fill(Record { left: true, dropped: true, ..Record::default() });
+        self.skip_left();
     }
 
     /// There is a new swapchain: none is queued but what is being recorded, and counting begins anew.

@@ -24,6 +24,8 @@ const LEAST_NS: f64 = 100.0 * MICROSECOND_NS;
 pub(crate) struct Margin {
     periods: f64,
     misses_in_a_row: u32,
+    /// Counts steps up: a frame that had less tells nothing of what is needed on top.
+    version: u32,
 }
 
 impl Margin {
@@ -32,14 +34,19 @@ impl Margin {
             PresentReports::Times => FIRST,
             PresentReports::Missing => BLIND,
         };
-        Self { periods, misses_in_a_row: 0 }
+        Self { periods, misses_in_a_row: 0, version: 0 }
     }
 
     pub(crate) fn ns(&self, period: f64) -> f64 {
         (self.periods * period).max(LEAST_NS)
     }
 
+    pub(crate) const fn version(&self) -> u32 {
+        self.version
+    }
+
     pub(crate) fn missed(&mut self) {
+        self.version = self.version.wrapping_add(1);
         // Misses in a row tell of a constant delay, which is not learnt in small steps.
         let step = STEP * f64::from(1_u32 << self.misses_in_a_row.min(2));
         self.misses_in_a_row = self.misses_in_a_row.saturating_add(1);

@@ -237,6 +237,7 @@ impl Pacer {
             start: now,
             target: schedule.target,
             generation: self.clock.generation(),
+            margin: self.margin.version(),
             compromised: now - schedule.wanted > excuse,
             ..Record::default()
         });
@@ -288,16 +289,13 @@ impl Pacer {
     fn advance(&mut self, now: f64) -> f64 {
         let last = self.now.unwrap_or(now);
         if now < last - BACKWARDS_NS {
-            self.frames.begin_anew();
-            self.presented = 0;
+            self.frames.forget_all();
             self.clock.forget(None);
             self.silence = Silence::default();
             self.ledger.interrupt();
-            self.last_start = None;
-            self.last_left = (0, 0.0);
-            self.limit_due = 0.0;
-            self.slept_until = None;
-            self.newest_report = None;
+            (self.last_start, self.slept_until, self.newest_report) = (None, None, None);
+            (self.last_left, self.limit_due) = ((0, 0.0), 0.0);
+            self.presented = 0;
             self.now = Some(now);
             return now;
         }

@@ -60,7 +60,15 @@ pub(crate) struct RefreshClock {
 
 impl RefreshClock {
     pub(crate) const fn new(hint: Option<f64>) -> Self {
-        Self { hint, samples: [0.0; WINDOW], count: 0, lock: None, discord: 0, stale: 0, generation: 0 }
+        Self {
+            hint,
+            samples: [0.0; WINDOW],
+            count: 0,
+            lock: None,
+            discord: 0,
+            stale: 0,
+            generation: 0,
+        }
     }
 
     /// A refresh was seen then. Times not after the last one say nothing.

@@ -9,8 +9,8 @@
 use std::time::Duration;
 
 use antumbra_pacing::{
-    Distribution, FrameStatistics, FrameTiming, HISTOGRAM_BINS, HITCH_NEIGHBOURS, HitchRule,
-    Histogram, PacingError,
+    Distribution, FrameStatistics, FrameTiming, HISTOGRAM_BINS, HITCH_NEIGHBOURS, Histogram,
+    HitchRule, PacingError,
 };
 use proptest::prelude::*;
 
@@ -108,6 +108,8 @@ fn any_timing() -> impl Strategy<Value = FrameTiming> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
     #[test]
     fn equal_an_offline_calculation(
         timings in prop::collection::vec(any_timing(), 0..400),

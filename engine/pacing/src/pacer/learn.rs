@@ -121,7 +121,8 @@ impl Pacer {
     fn finished(&mut self, frame: u64, at: f64, exactness: Exactness) {
         // Where the frame before is not known to be finished, this one's beginning is not known.
         let older = frame.checked_sub(1).and_then(|older| self.frames.get(older));
-        let before = older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
+        let before =
+            older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
         let Some(record) = self.frames.get_mut(frame) else { return };
         if record.finished.is_some() || record.dropped {
             return;
@@ -229,7 +230,7 @@ impl Pacer {
             // The one before took its refresh: one miss, not two.
             shown > target - 0.5 * self.some_period_ns()
         });
-        if record.compromised || pushed {
+        if record.compromised || pushed || record.margin != self.margin.version() {
             return;
         }
         self.margin.missed();

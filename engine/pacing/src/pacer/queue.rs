@@ -134,9 +134,10 @@ impl Pacer {
         }
         let frame = oldest.filter(|_| count >= limit)?;
         let period = self.some_period_ns();
-        let expected = self.frames.get(frame).map_or(now, |record| {
-            self.knowledge(f64::NEG_INFINITY).finish(record, 0.0)
-        });
+        let expected = self
+            .frames
+            .get(frame)
+            .map_or(now, |record| self.knowledge(f64::NEG_INFINITY).finish(record, 0.0));
         let until = expected.clamp(now + period / 16.0, now + period);
         Some((until, WaitReason::QueueFull(FrameId(frame))))
     }

@@ -95,7 +95,10 @@ impl Pacer {
             return None;
         }
         let (frame, record) = self.frames.newest_first().next()?;
-        if record.finished.is_some() || record.gpu_timed || record.queued.is_none() || record.dropped
+        if record.finished.is_some()
+            || record.gpu_timed
+            || record.queued.is_none()
+            || record.dropped
         {
             return None;
         }
@@ -126,9 +129,8 @@ impl Pacer {
         }
         let search = self.phase_search;
         let period = self.some_period_ns();
-        let uncertainty = |time| {
-            self.clock.uncertainty(time).map_or(f64::INFINITY, |deviation| 3.0 * deviation)
-        };
+        let uncertainty =
+            |time| self.clock.uncertainty(time).map_or(f64::INFINITY, |deviation| 3.0 * deviation);
         let toggle = if search.active {
             let sure = uncertainty(now + SEARCH_AHEAD * period) < WORST_PHASE * period;
             sure || search.frames >= LONGEST_SEARCH

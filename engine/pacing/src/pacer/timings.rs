@@ -58,9 +58,7 @@ impl Pacer {
                 let later = self.frames.newest_first().take_while(|(id, _)| *id > frame);
                 record.left && later.into_iter().any(|(_, record)| record.shown.is_some())
             }
-            PresentReports::Missing => {
-                record.left && age > u64::from(self.presentation.images)
-            }
+            PresentReports::Missing => record.left && age > u64::from(self.presentation.images),
         }
     }
 
@@ -72,9 +70,10 @@ impl Pacer {
             shown.zip(self.ledger.last_shown).map(|(shown, last)| (shown - last).max(0.0));
         let refreshes = present_interval.and_then(in_refreshes);
         let latency = shown.map(|shown| shown - start);
-        let intended = self.options.frame_limit_hz.map_or(1, |hz| {
-            in_refreshes(1.45 * SECOND_NS / hz).unwrap_or(1).max(1)
-        });
+        let intended = self
+            .options
+            .frame_limit_hz
+            .map_or(1, |hz| in_refreshes(1.45 * SECOND_NS / hz).unwrap_or(1).max(1));
         let timing = FrameTiming {
             start_interval: self.ledger.last_start.map(|last| span(start - last)),
             present_interval: present_interval.map(span),

@@ -16,7 +16,6 @@ pub enum Panel {
 #[derive(Clone, Copy, Debug)]
 struct Presented {
     frame: usize,
-    finish: f64,
     /// Never, if it was replaced first.
     shown: Option<f64>,
     /// When its image can be acquired again.
@@ -70,7 +69,7 @@ impl Display {
         }
         self.last_shown = shown;
         let released = f64::INFINITY;
-        self.held.push_back(Presented { frame, finish, shown: Some(shown), released });
+        self.held.push_back(Presented { frame, shown: Some(shown), released });
         (shown, replaced)
     }
 

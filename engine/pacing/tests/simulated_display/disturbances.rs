@@ -65,7 +65,8 @@ fn a_hidden_window_is_throttled_and_resumes_at_once() {
         let run = run_for(&scenario, 24.5 * SECOND);
         assert!(run.ended > 28.5 * SECOND, "seed {seed}: never came back");
         let interval = scenario.options.hidden_interval.as_nanos() as f64;
-        let while_hidden = |o: &&crate::run::Outcome| (8.2 * SECOND..28.0 * SECOND).contains(&o.start);
+        let while_hidden =
+            |o: &&crate::run::Outcome| (8.2 * SECOND..28.0 * SECOND).contains(&o.start);
         let hidden = run.outcomes.iter().filter(while_hidden).count() as f64;
         let most = 20.0 * SECOND / interval + 10.0;
         assert!(hidden <= most, "seed {seed}: {hidden} frames while hidden");
@@ -169,7 +170,8 @@ fn a_clock_of_sixty_four_hertz_does_not_break_it() {
         let run = run(&scenario);
         assert!(run.most_queued() <= scenario.options.queue_limit as usize, "seed {seed}");
         let took = (run.ended - 5.0 * SECOND) / SECOND;
-        let rate = run.outcomes.iter().filter(|outcome| outcome.shown.is_some()).count() as f64 / took;
+        let rate =
+            run.outcomes.iter().filter(|outcome| outcome.shown.is_some()).count() as f64 / took;
         assert!(rate > 15.0, "seed {seed}: {rate} frames a second");
     }
 }
@@ -191,4 +193,40 @@ fn reports_need_not_wake_the_loop() {
     }
     println!("not woken: {missed_in_all} of {all} missed");
     assert!(missed_in_all * 500 <= all, "{missed_in_all} of {all}");
+}
+
+/// A compositor that takes pictures long before the display shows them: nobody says so, misses do.
+#[test]
+fn an_early_latch_is_learnt() {
+    let (mut missed_in_all, mut all) = (0, 0);
+    for seed in 0..300 {
+        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        scenario.options.queue_limit = 3;
+        scenario.images = 4;
+        let period = scenario.period();
+        scenario.latch = (0.1 + 0.3 * (seed % 10) as f64 / 3.0) * period;
+        scenario.cpu = scenario.cpu.min(0.6 * period);
+        scenario.gpu = scenario.gpu.min(0.6 * period);
+        scenario.frames = 1_200;
+        let run = run(&scenario);
+        let (missed, refreshes) = run.missed_refreshes(400);
+        missed_in_all += missed;
+        all += refreshes;
+        let late = mean(&run.latency_excess(400));
+        assert!(late < 1.0, "seed {seed}: {late} refreshes over the optimum");
+        assert!(run.most_queued() <= 3, "seed {seed}");
+    }
+    println!("early latch: {missed_in_all} of {all} missed");
+    assert!(missed_in_all * 500 <= all, "{missed_in_all} of {all}");
+}
+
+/// Sleeping is done in few sleeps.
+#[test]
+fn the_loop_wakes_a_few_times_a_frame() {
+    for seed in 0..300 {
+        let mode = [PresentMode::Fifo, PresentMode::Mailbox, PresentMode::Immediate];
+        let run = run(&Scenario::random(seed, mode[seed as usize % 3]));
+        let wakes = run.steps as f64 / run.outcomes.len() as f64;
+        assert!(wakes < 12.0, "seed {seed}: {wakes} wakes a frame");
+    }
 }

@@ -46,7 +46,10 @@ impl Tally {
         println!(
             "{name}: missed {:.4} % (worst {:?}), latency over the optimum: mean {:.3}, p99 {late:.3}, \
              worst mean {:?}",
-            100.0 * share, self.worst_missed, mean(&self.excess), self.worst_latency
+            100.0 * share,
+            self.worst_missed,
+            mean(&self.excess),
+            self.worst_latency
         );
         assert!(share <= 0.001, "{name}: {} of {} missed", self.missed, self.refreshes);
         assert!(late <= 1.0, "{name}: p99 {late} refreshes over the optimum");
@@ -132,9 +135,12 @@ fn starting_at_once_has_worse_latency_and_longer_queues() {
         let [paced, at_once] = [run(&paced), run(&at_once)];
         let excess = |run: &Run| mean(&run.latency_excess(LEARNT));
         worse += u32::from(excess(&at_once) > excess(&paced) + 0.5);
-        too_many += u32::from(at_once.most_queued() > at_once.scenario.options.queue_limit as usize);
+        too_many +=
+            u32::from(at_once.most_queued() > at_once.scenario.options.queue_limit as usize);
     }
-    println!("at once: {worse} of 300 are half a refresh worse, {too_many} queue more than allowed");
+    println!(
+        "at once: {worse} of 300 are half a refresh worse, {too_many} queue more than allowed"
+    );
     assert!(worse > 285, "{worse}");
     assert!(too_many > 200, "{too_many}");
 }

@@ -47,7 +47,8 @@ fn immediate_mode_starts_when_the_gpu_is_about_to_be_free() {
         // As fast as the slower of the two allows.
         let took = run.outcomes[299].shown.unwrap() - run.outcomes[120].shown.unwrap();
         let serial = scenario.options.queue_limit == 1;
-        let busy = if serial { scenario.cpu + scenario.gpu } else { scenario.cpu.max(scenario.gpu) };
+        let busy =
+            if serial { scenario.cpu + scenario.gpu } else { scenario.cpu.max(scenario.gpu) };
         // What reports and sleeps cost, a frame.
         let overhead = scenario.report_delay + 2.0 * scenario.wake_lateness + 0.1 * MILLISECOND;
         let share = 179.0 * (busy + overhead) / took;

@@ -14,4 +14,4 @@ mod measure;
 mod random;
 mod run;
 mod scenario;
-mod explore;
+mod timings;

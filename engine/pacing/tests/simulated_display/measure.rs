@@ -62,7 +62,16 @@ mod tests {
 
     fn outcome(start: f64, cpu: f64, gpu: f64, shown: f64) -> Outcome {
         let finish = start + cpu + gpu;
-        Outcome { start, cpu, gpu, finish, shown: Some(shown), dropped: false, queued: 1, expected: None }
+        Outcome {
+            start,
+            cpu,
+            gpu,
+            finish,
+            shown: Some(shown),
+            dropped: false,
+            queued: 1,
+            expected: None,
+        }
     }
 
     #[test]

@@ -102,7 +102,6 @@ impl Simulation {
                 return;
             }
         };
-        if std::env::var("TRACE").is_ok() { match step { Step::Start(_) => println!("  {:.4} START {}", self.now/1e9, self.outcomes.len()), Step::Wait(w) => println!("  {:.4} wait {:.4} {:?}", self.now/1e9, (w.until.as_nanos() as f64)/1e9, w.reason) } }
         match step {
             Step::Start(plan) => {
                 assert_eq!(plan.frame.0, self.outcomes.len() as u64);
@@ -231,7 +230,8 @@ impl Simulation {
     }
 
     fn change(&mut self, number: usize) {
-        if let Some((_, panel)) = self.scenario.silent_change.filter(|(frame, _)| *frame == number) {
+        if let Some((_, panel)) = self.scenario.silent_change.filter(|(frame, _)| *frame == number)
+        {
             self.display.panel = panel;
         }
         let Some(change) = self.scenario.changes.iter().find(|c| c.frame == number).copied() else {

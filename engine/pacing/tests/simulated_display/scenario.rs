@@ -154,10 +154,9 @@ impl Scenario {
     pub fn presentation(&self) -> Presentation {
         let span = |ns: f64| Duration::from_nanos(ns as u64);
         let refresh = match self.panel {
-            Panel::Variable { min_period, max_period } => Refresh::Variable {
-                min_period: span(min_period),
-                max_period: span(max_period),
-            },
+            Panel::Variable { min_period, max_period } => {
+                Refresh::Variable { min_period: span(min_period), max_period: span(max_period) }
+            }
             // Rounded, as window systems do.
             Panel::Fixed { period, .. } if self.hinted => {
                 Refresh::About(span(SECOND / (SECOND / period).round()))
