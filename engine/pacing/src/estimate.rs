@@ -2,6 +2,8 @@
 
 /// Weight of a new sample once there are enough.
 const GAIN: f64 = 1.0 / 24.0;
+/// Weight of a guess.
+const DRIFT: f64 = 0.2;
 /// Samples further off than so many mean deviations (and `LEAST_SURPRISE`) surprise.
 const SURPRISE: f64 = 8.0;
 /// Of the mean: smaller surprises are noise.
@@ -47,9 +49,19 @@ impl Estimate {
         self.deviation += gain * (deviation - self.deviation);
     }
 
+    /// It may be that: nothing was measured, so nothing is known of the spread.
+    pub(crate) fn drift_to(&mut self, maybe: f64) {
+        self.mean += DRIFT * (maybe.clamp(0.0, 10e9) - self.mean);
+    }
+
     /// It is at least that, known for sure.
     pub(crate) fn raise_to(&mut self, least: f64) {
         self.mean = self.mean.max(least.clamp(0.0, 10e9));
+    }
+
+    /// It was no more than that this time.
+    pub(crate) fn lower_to(&mut self, most: f64) {
+        self.mean = self.mean.min(most.max(0.0) + self.spread());
     }
 
     pub(crate) const fn known(&self) -> bool {

@@ -111,10 +111,12 @@ impl RefreshClock {
 
     /// What was believed of the period does not come true: looks at the newest samples again.
     pub(crate) fn doubt(&mut self) {
+        let before = self.period();
         self.lock = None;
         self.discord = 0;
-        self.generation += 1;
         self.learn();
+        let same = before.zip(self.period()).is_some_and(|(a, b)| (a / b - 1.0).abs() < 0.02);
+        self.generation += u32::from(!same);
     }
 
     /// Forgets the phase, keeps what the period may be.

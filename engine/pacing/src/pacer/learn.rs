@@ -20,7 +20,7 @@ const HOPE: f64 = 0.9;
 /// So many late frames in a row: the display is not what it seems.
 const DOUBTFUL: u32 = 8;
 /// What a miss taught is forgotten at that rate, a frame.
-const FORGET: f64 = 1e-4;
+const FORGET: f64 = 2e-3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Exactness {
@@ -137,23 +137,35 @@ impl Pacer {
             record.finished = Some(at);
             return;
         };
-        let took = match exactness {
-            Exactness::Exact => at - begin,
-            // Somewhere between two looks. Where what we believe is possible we believe a little less:
-            // a later start leaves time for better looks.
-            Exactness::AtMost if self.gpu.known() => {
-                // Seen at work for longer: more than one such sample would be a surprise else.
-                self.gpu.raise_to((at_least - begin).min(1.25 * self.gpu.expected()));
-                let expected = self.gpu.expected();
-                let believed = (HOPE * expected).max(expected.min(self.gpu_floor));
-                believed.clamp((at_least - begin).max(0.0), (at - begin).max(0.0))
-            }
-            Exactness::AtMost => at - begin,
-        };
-        record.finished = Some((begin + took).min(at));
+        let took = (at - begin).max(0.0);
         record.found = exactness == Exactness::AtMost;
+        if exactness == Exactness::Exact || !self.gpu.known() {
+            record.finished = Some(at);
+            if !timed {
+                self.gpu.observe(took);
+            }
+            return;
+        }
+        // Somewhere between two looks.
+        let at_least = (at_least - begin).clamp(0.0, took);
+        record.finished = Some((begin + self.gpu.expected().clamp(at_least, took)).min(at));
         if !timed {
-            self.gpu.observe(took.max(0.0));
+            self.gpu_took(at_least, took);
+        }
+    }
+
+    /// The GPU took something in between.
+    fn gpu_took(&mut self, at_least: f64, at_most: f64) {
+        // Seen at work for longer: more than one such sample would be a surprise else.
+        self.gpu.raise_to(at_least.min(1.25 * self.gpu.expected()));
+        self.gpu.lower_to(at_most);
+        let expected = self.gpu.expected();
+        if (at_least..at_most).contains(&expected) {
+            // Where what we believe is possible we believe a little less: a later start leaves time
+            // for better looks.
+            self.gpu.drift_to((HOPE * expected).max(expected.min(self.gpu_floor)).max(at_least));
+        } else {
+            self.gpu.observe(expected.clamp(at_least, at_most));
         }
     }
 
@@ -235,10 +247,8 @@ impl Pacer {
         }
         self.margin.missed();
         if record.found {
-            // Nobody saw when it ended, but it was after its refresh, unless the display is to blame.
-            let begin = record.queued.unwrap_or(target);
-            self.gpu.raise_to((target - begin).min(1.5 * self.gpu.expected()));
-            self.gpu_floor = self.gpu.expected();
+            // Nobody saw when it ended: to hope for less would be too much.
+            self.gpu_floor = self.gpu_floor.max(1.03 * self.gpu.expected());
         }
     }
 }

@@ -32,7 +32,7 @@ fn a_frame_limit_is_kept_and_used() {
             assert!(window as f64 <= most, "seed {seed}: {window} frames, at most {most}");
         }
         let reached = 279.0 / ((starts[399] - starts[120]) / SECOND);
-        assert!(reached > 0.96 * limit, "seed {seed}: {reached} of {limit} frames per second");
+        assert!(reached > 0.95 * limit, "seed {seed}: {reached} of {limit} frames per second");
         assert!(run.most_queued() <= scenario.options.queue_limit as usize, "seed {seed}");
     }
 }
