@@ -2,8 +2,10 @@
 
 /// Weight of a new sample once there are enough.
 const GAIN: f64 = 1.0 / 24.0;
+/// Mean deviation of what is not measured well, relative.
+const USUAL_SPREAD: f64 = 1.0 / 16.0;
 /// Weight of a guess.
-const DRIFT: f64 = 0.2;
+const DRIFT: f64 = 0.1;
 /// Samples further off than so many mean deviations (and `LEAST_SURPRISE`) surprise.
 const SURPRISE: f64 = 8.0;
 /// Of the mean: smaller surprises are noise.
@@ -49,9 +51,10 @@ impl Estimate {
         self.deviation += gain * (deviation - self.deviation);
     }
 
-    /// It may be that: nothing was measured, so nothing is known of the spread.
+    /// It may be that: nothing was measured, and the spread is assumed to be usual.
     pub(crate) fn drift_to(&mut self, maybe: f64) {
         self.mean += DRIFT * (maybe.clamp(0.0, 10e9) - self.mean);
+        self.deviation += GAIN * (USUAL_SPREAD * self.mean - self.deviation);
     }
 
     /// It is at least that, known for sure.

@@ -20,7 +20,7 @@ const HOPE: f64 = 0.9;
 /// So many late frames in a row: the display is not what it seems.
 const DOUBTFUL: u32 = 8;
 /// What a miss taught is forgotten at that rate, a frame.
-const FORGET: f64 = 2e-3;
+const FORGET: f64 = 1e-4;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Exactness {

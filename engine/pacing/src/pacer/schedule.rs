@@ -14,7 +14,7 @@ const OVERLOAD: f64 = 0.95;
 const WORST_PHASE: f64 = 1.0 / 24.0;
 /// A search for the phase looks so many refreshes ahead, lasts at most so long, and rests so long.
 const SEARCH_AHEAD: f64 = 512.0;
-const LONGEST_SEARCH: u32 = 96;
+const LONGEST_SEARCH: u32 = 64;
 const SEARCH_REST: u32 = 512;
 
 /// The next frame, if it went by what is known now. Times in nanoseconds.
