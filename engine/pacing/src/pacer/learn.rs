@@ -160,6 +160,8 @@ impl Pacer {
         self.gpu.raise_to(at_least.min(1.25 * self.gpu.expected()));
         self.gpu.lower_to(at_most);
         let expected = self.gpu.expected();
+        // It was seen to take that long: hope ends there, above all where nobody reports misses.
+        self.gpu_floor = self.gpu_floor.max(at_least.min(1.03 * expected));
         if (at_least..at_most).contains(&expected) {
             // Where what we believe is possible we believe a little less: a later start leaves time
             // for better looks.
