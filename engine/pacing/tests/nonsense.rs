@@ -100,7 +100,7 @@ fn any_word() -> impl Strategy<Value = Word> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 1_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 60_000, ..ProptestConfig::default() })]
 
     #[test]
     fn any_words_in_any_order(words in prop::collection::vec(any_word(), 1..300)) {
@@ -167,6 +167,33 @@ fn a_caller_that_reports_nothing_is_throttled_not_hung() {
     }
     assert!((20..=90).contains(&frames), "{frames} frames in 20 s");
     assert!(steps < 3_000, "{steps} steps");
+}
+
+/// A GPU that never finishes: looked after ever more rarely, whatever the user chose.
+#[test]
+fn a_gpu_that_hangs_does_not_make_the_loop_spin() {
+    for frame_limit_hz in [None, Some(0.5)] {
+        let options = PacerOptions { frame_limit_hz, ..PacerOptions::default() };
+        let mut pacer = Pacer::new(options, presentation()).unwrap();
+        let mut now = Time::from_origin(SECOND);
+        let end = now.after(SECOND * 20);
+        let mut steps = 0;
+        while now < end {
+            steps += 1;
+            match pacer.next(now) {
+                Step::Wait(wait) => now = wait.until,
+                Step::Start(plan) => {
+                    pacer.feedback(plan.frame, Feedback::Queued { at: now });
+                    if plan.frame.0 < 50 {
+                        now = now.after(Duration::from_millis(20));
+                        pacer.feedback(plan.frame, Feedback::FoundFinished { at: now });
+                        pacer.feedback(plan.frame, Feedback::Shown { at: now });
+                    }
+                }
+            }
+        }
+        assert!(steps < 3_000, "{steps} steps in 20 s");
+    }
 }
 
 #[test]

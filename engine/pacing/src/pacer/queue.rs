@@ -11,6 +11,8 @@ const PATIENCE_REFRESHES: f64 = 8.0;
 const PATIENCE_NS: f64 = 100.0 * MILLISECOND_NS;
 /// A hidden window is asked after so often, so that it goes on soon after it shows again.
 const HIDDEN_POLL_NS: f64 = 50.0 * MILLISECOND_NS;
+/// Between two looks at a queue that is full.
+const SHORTEST_PAUSE_NS: f64 = 0.1 * MILLISECOND_NS;
 /// First pause after frames in a row that could not be presented.
 const DROP_PAUSE_NS: f64 = 4.0 * MILLISECOND_NS;
 
@@ -112,7 +114,8 @@ impl Pacer {
         }
         let leaves = self.knowledge(now).forecast(&self.frames, None).first_leaves;
         let until = if leaves.is_finite() { leaves } else { now };
-        let until = until.clamp(now + period / 16.0, now + patience);
+        let pause = (period / 16.0).max(SHORTEST_PAUSE_NS).max((now - self.silence.since) / 8.0);
+        let until = until.clamp(now + pause, now + patience.max(pause));
         Some((until, WaitReason::QueueFull(FrameId(oldest))))
     }
 
@@ -138,7 +141,8 @@ impl Pacer {
             .frames
             .get(frame)
             .map_or(now, |record| self.knowledge(f64::NEG_INFINITY).finish(record, 0.0));
-        let until = expected.clamp(now + period / 16.0, now + period);
+        let pause = (period / 16.0).max(SHORTEST_PAUSE_NS).max(0.25 * (now - expected));
+        let until = expected.clamp(now + pause, now + period.max(pause));
         Some((until, WaitReason::QueueFull(FrameId(frame))))
     }
 

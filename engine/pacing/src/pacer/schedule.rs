@@ -106,7 +106,9 @@ impl Pacer {
         let begin = record.queued.unwrap_or(now).max(before.unwrap_or(0.0));
         // A little early, or we would never learn that it got faster.
         let hoped = begin + 0.95 * self.gpu.expected();
-        let again = (self.some_period_ns() / 32.0).max(100.0 * MICROSECOND_NS);
+        // Ever more rarely, the longer it has been at work: one that hangs must not make us spin.
+        let again =
+            (self.some_period_ns() / 32.0).max(100.0 * MICROSECOND_NS).max(0.25 * (now - hoped));
         Some((hoped.max(now + again), FrameId(frame)))
     }
 
