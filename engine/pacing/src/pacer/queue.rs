@@ -4,13 +4,15 @@ use super::Pacer;
 use crate::frame::{FrameId, WaitReason};
 use crate::frames::Record;
 use crate::options::PresentReports;
-use crate::time::{MILLISECOND_NS, ns};
+use crate::time::{MILLISECOND_NS, SECOND_NS, ns};
 
 /// Nothing leaves a full queue for so long: the window is hidden.
 const PATIENCE_REFRESHES: f64 = 8.0;
 const PATIENCE_NS: f64 = 100.0 * MILLISECOND_NS;
 /// A hidden window is asked after so often, so that it goes on soon after it shows again.
 const HIDDEN_POLL_NS: f64 = 50.0 * MILLISECOND_NS;
+/// Work that is not told to be finished for so long is not waited for any more.
+const GPU_PATIENCE_NS: f64 = 5.0 * SECOND_NS;
 /// Between two looks at a queue that is full.
 const SHORTEST_PAUSE_NS: f64 = 0.1 * MILLISECOND_NS;
 /// First pause after frames in a row that could not be presented.
@@ -96,7 +98,8 @@ impl Pacer {
         let (oldest, record) = self.frames.oldest_queued()?;
         let period = self.some_period_ns();
         // A GPU that still works is no hidden window.
-        if self.sees_finishes && record.finished.is_none() {
+        let works = record.queued.is_some_and(|queued| now - queued < GPU_PATIENCE_NS);
+        if self.sees_finishes && record.finished.is_none() && works {
             self.silence.since = now;
         }
         let patience = PATIENCE_NS.max(PATIENCE_REFRESHES * period);
@@ -126,7 +129,9 @@ impl Pacer {
         }
         let limit = self.options.queue_limit as usize;
         let unfinished = |record: &Record| {
-            record.finished.is_none() && record.queued.is_some() && !record.dropped
+            record.finished.is_none()
+                && record.queued.is_some_and(|queued| now - queued < GPU_PATIENCE_NS)
+                && !record.dropped
         };
         let recent = self.frames.newest_first().take(limit);
         let mut oldest = None;
