@@ -72,11 +72,11 @@ impl Frames {
         self.next.saturating_sub(REMEMBERED as u64)
     }
 
-    pub(crate) fn get(&self, frame: u64) -> Option<&Record> {
+    pub(crate) fn record(&self, frame: u64) -> Option<&Record> {
         (self.oldest()..self.next).contains(&frame).then(|| &self.records[Self::slot(frame)])
     }
 
-    pub(crate) fn get_mut(&mut self, frame: u64) -> Option<&mut Record> {
+    pub(crate) fn record_mut(&mut self, frame: u64) -> Option<&mut Record> {
         (self.oldest()..self.next).contains(&frame).then(|| &mut self.records[Self::slot(frame)])
     }
 
@@ -129,7 +129,7 @@ impl Frames {
 
     /// This one has left.
     pub(crate) fn leave(&mut self, frame: u64) {
-        if let Some(record) = self.get_mut(frame) {
+        if let Some(record) = self.record_mut(frame) {
             record.left = true;
         }
         self.skip_left();

@@ -210,7 +210,7 @@ impl Pacer {
     pub fn next(&mut self, now: Time) -> Step {
         let now = self.advance(now.to_ns());
         if let Some(newest) = self.frames.next().checked_sub(1)
-            && self.frames.get(newest).is_some_and(Record::open)
+            && self.frames.record(newest).is_some_and(Record::open)
         {
             self.drop_frame(newest);
         }
@@ -336,7 +336,7 @@ impl Pacer {
     }
 
     fn drop_frame(&mut self, frame: u64) {
-        let Some(record) = self.frames.get_mut(frame) else { return };
+        let Some(record) = self.frames.record_mut(frame) else { return };
         if record.dropped || record.shown.is_some() {
             return;
         }

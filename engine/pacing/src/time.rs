@@ -71,8 +71,8 @@ mod tests {
     #[test]
     fn arithmetic_is_bounded() {
         let last = Time::from_nanos(u64::MAX);
-        assert_eq!(last.after(Duration::MAX), last);
-        assert_eq!(Time::from_origin(Duration::MAX), last);
+        assert_eq!(last.after(Duration::from_secs(1 << 62)), last);
+        assert_eq!(Time::from_origin(Duration::from_secs(1 << 62)), last);
         assert_eq!(Time::ZERO.since(last), Duration::ZERO);
         assert_eq!(Time::from_ns(f64::NAN), Time::ZERO);
         assert_eq!(Time::from_ns(-5.0), Time::ZERO);

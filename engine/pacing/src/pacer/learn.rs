@@ -32,7 +32,7 @@ impl Pacer {
     /// Something became known of a frame. Frames that are unknown or long gone are ignored, as are
     /// times before the frame's start.
     pub fn feedback(&mut self, frame: FrameId, feedback: Feedback) {
-        let Some(start) = self.frames.get(frame.0).map(|record| record.start) else { return };
+        let Some(start) = self.frames.record(frame.0).map(|record| record.start) else { return };
         let sane = |time: Time| {
             let time = time.to_ns();
             let latest = self.now.unwrap_or(time) + FUTURE_NS;
@@ -70,7 +70,7 @@ impl Pacer {
     /// With n images, an acquire that returns has one that an image n - 1 presents ago took the place
     /// of: that one is shown. If the acquire had to wait, it is shown since just now.
     fn acquired(&mut self, frame: u64, to: f64, waited: f64) {
-        if let Some(record) = self.frames.get_mut(frame).filter(|record| record.open()) {
+        if let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) {
             record.waited = waited;
         }
         if !self.presentation.in_order() {
@@ -89,7 +89,7 @@ impl Pacer {
         if waited > long && self.learns_from_acquires() {
             self.clock.observe(to);
             self.shown_at(shown, to);
-            if let Some(record) = self.frames.get_mut(shown) {
+            if let Some(record) = self.frames.record_mut(shown) {
                 record.shown = record.shown.or(Some(to));
             }
         }
@@ -103,7 +103,7 @@ impl Pacer {
 
     fn queued(&mut self, frame: u64, at: Option<f64>) {
         let ordinal = self.presented;
-        let Some(record) = self.frames.get_mut(frame).filter(|record| record.open()) else {
+        let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) else {
             return;
         };
         // Without a usable time it is still queued.
@@ -120,10 +120,10 @@ impl Pacer {
 
     fn finished(&mut self, frame: u64, at: f64, exactness: Exactness) {
         // Where the frame before is not known to be finished, this one's beginning is not known.
-        let older = frame.checked_sub(1).and_then(|older| self.frames.get(older));
+        let older = frame.checked_sub(1).and_then(|older| self.frames.record(older));
         let before =
             older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
-        let Some(record) = self.frames.get_mut(frame) else { return };
+        let Some(record) = self.frames.record_mut(frame) else { return };
         if record.finished.is_some() || record.dropped {
             return;
         }
@@ -172,14 +172,14 @@ impl Pacer {
     }
 
     fn gpu_timed(&mut self, frame: u64, duration: Duration) {
-        if let Some(record) = self.frames.get_mut(frame).filter(|record| !record.gpu_timed) {
+        if let Some(record) = self.frames.record_mut(frame).filter(|record| !record.gpu_timed) {
             record.gpu_timed = true;
             self.gpu.observe(ns(duration));
         }
     }
 
     fn shown(&mut self, frame: u64, at: Option<f64>) {
-        let Some(record) = self.frames.get_mut(frame) else { return };
+        let Some(record) = self.frames.record_mut(frame) else { return };
         if record.shown.is_some() || record.dropped {
             return;
         }
@@ -206,7 +206,7 @@ impl Pacer {
         }
         let replaced = frame.checked_sub(1).filter(|_| newest_wins).filter(|before| {
             // It came too late for its refresh, and this one took its place: nobody reports that.
-            self.frames.get(*before).is_some_and(|before| {
+            self.frames.record(*before).is_some_and(|before| {
                 let passed = before.target.zip(self.clock.period());
                 before.shown.is_none()
                     && !before.dropped
@@ -229,7 +229,7 @@ impl Pacer {
     }
 
     fn learn_margin(&mut self, frame: u64, late: bool) {
-        let record = self.frames.get(frame).copied();
+        let record = self.frames.record(frame).copied();
         let Some((record, target)) = record.and_then(|record| record.target.map(|t| (record, t)))
         else {
             return;
@@ -239,7 +239,7 @@ impl Pacer {
             self.margin.in_time();
             return;
         }
-        let before = frame.checked_sub(1).and_then(|before| self.frames.get(before));
+        let before = frame.checked_sub(1).and_then(|before| self.frames.record(before));
         let pushed = before.and_then(|before| before.shown).is_some_and(|shown| {
             // The one before took its refresh: one miss, not two.
             shown > target - 0.5 * self.some_period_ns()

@@ -144,7 +144,7 @@ impl Pacer {
         let period = self.some_period_ns();
         let expected = self
             .frames
-            .get(frame)
+            .record(frame)
             .map_or(now, |record| self.knowledge(f64::NEG_INFINITY).finish(record, 0.0));
         let pause = (period / 16.0).max(SHORTEST_PAUSE_NS).max(0.25 * (now - expected));
         let until = expected.clamp(now + pause, now + period.max(pause));

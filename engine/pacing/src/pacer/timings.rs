@@ -35,7 +35,7 @@ impl Pacer {
         self.ledger.next = self.ledger.next.max(self.frames.oldest());
         loop {
             let frame = self.ledger.next;
-            let record = *self.frames.get(frame)?;
+            let record = *self.frames.record(frame)?;
             if !record.dropped && !self.is_settled(frame) {
                 return None;
             }
@@ -47,7 +47,7 @@ impl Pacer {
     }
 
     fn is_settled(&self, frame: u64) -> bool {
-        let Some(record) = self.frames.get(frame) else { return true };
+        let Some(record) = self.frames.record(frame) else { return true };
         let age = self.frames.next() - frame;
         if record.shown.is_some() || age > PATIENCE_FRAMES {
             return true;
