@@ -76,6 +76,8 @@ fn crates_depend_only_downwards() {
             ("engine/cull/Cargo.toml", "[dependencies]\ngpu.workspace = true\n"),
             ("engine/cull/Cargo.toml", "[dev-dependencies]\nash = \"0.38\"\n"),
             ("engine/cull/Cargo.toml", "[dependencies]\nx = { package = \"antumbra-gpu\" }\n"),
+            ("engine/pacing/Cargo.toml", "[dependencies]\nash.workspace = true\n"),
+            ("engine/pacing/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
             ("engine/gpu/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
             (
                 "engine/gpu/Cargo.toml",
@@ -96,6 +98,7 @@ fn crates_without_unsafe_code_forbid_it() {
         rules::forbids_unsafe,
         &[
             ("engine/cull/src/lib.rs", "//! Cull.\n"),
+            ("engine/pacing/src/lib.rs", "//! Pacing.\n"),
             ("engine/render/src/lib.rs", "//! #![forbid(unsafe_code)]\n"),
             ("samples/src/lib.rs", "// #![forbid(unsafe_code)]\n"),
             ("samples/src/bin/a.rs", "fn main() {}\n"),

@@ -64,15 +64,27 @@ pub fn length(files: &[SourceFile]) -> Vec<String> {
     files.iter().filter(written).filter_map(too_long).collect()
 }
 
-/// `cull` knows no Vulkan, `gpu` knows no scene, nobody knows a sample.
+/// `cull` knows no Vulkan, `gpu` knows no scene, `pacing` knows nobody, nobody knows a sample.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
     const VULKAN: &[&str] =
         &["gpu", "antumbra-gpu", "ash", "ash-window", "gpu-allocator", "render", "antumbra-render"];
+    const ALL: &[&str] = &[
+        "gpu",
+        "antumbra-gpu",
+        "ash",
+        "ash-window",
+        "gpu-allocator",
+        "render",
+        "antumbra-render",
+        "cull",
+        "antumbra-cull",
+    ];
     const SCENE: &[&str] = &["cull", "antumbra-cull", "render", "antumbra-render"];
     let mut findings = Vec::new();
     for file in files {
         let forbidden = match file.path.as_str() {
             "engine/cull/Cargo.toml" => VULKAN,
+            "engine/pacing/Cargo.toml" => ALL,
             "engine/gpu/Cargo.toml" => SCENE,
             "engine/render/Cargo.toml" => &[],
             _ => continue,
@@ -110,8 +122,13 @@ fn dependencies(manifest: &str) -> Vec<(usize, String)> {
 /// Libraries without unsafe code, and the samples, say so to the compiler.
 pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     let must = |file: &&SourceFile| {
-        ["engine/cull/src/lib.rs", "engine/render/src/lib.rs", "samples/src/lib.rs"]
-            .contains(&file.path.as_str())
+        [
+            "engine/cull/src/lib.rs",
+            "engine/pacing/src/lib.rs",
+            "engine/render/src/lib.rs",
+            "samples/src/lib.rs",
+        ]
+        .contains(&file.path.as_str())
             || (file.path.starts_with("samples/src/bin/") && file.is_rust())
     };
     let forbids = |file: &&SourceFile| {

@@ -1,0 +1,117 @@
+//! When to start a frame, and how evenly frames came: time in, deadlines out.
+//!
+//! A frame that starts too early waits in line to be shown, and its input is old by then; one that
+//! starts too late misses its refresh. A [`Pacer`] learns when the display refreshes and how long CPU
+//! and GPU take, and says when to start so that each frame is ready for the next refresh it can reach,
+//! and hardly sooner. It does so as frame pacers of engines and compositors do: predicted times plus a
+//! margin, few frames queued, feedback from the presentation engine as far as there is any.
+//!
+//! Nothing here knows Vulkan, reads a clock, sleeps, starts a thread, or allocates after creation, and
+//! equal calls give equal answers.
+//!
+//! - [`Pacer::next`]: what to do now, [`Step::Wait`] or [`Step::Start`].
+//! - [`Pacer::feedback`]: what became known of a frame; all of it is optional but that it was queued
+//!   or dropped.
+//! - [`Pacer::present_through`]: there is another swapchain. [`Pacer::choose`]: the user chose anew.
+//! - [`Pacer::completed`]: what became of each frame, for [`FrameStatistics`].
+//!
+//! # What is promised
+//!
+//! Shown against a simulated presentation engine in `tests/simulated_display`, at loads of up to
+//! 80 %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
+//! latency is within a refresh of the optimum, and all is well again five frames after a stall.
+//!
+//! With [`PresentReports::Missing`], nothing but an acquire that had to wait tells of refreshes. While
+//! the phase is searched for, as many frames may be queued as there are images: ask for no more images
+//! than frames may be queued.
+//!
+//! # The loop
+//!
+//! In this example the display refreshes every 10 ms, and the clock is a variable.
+//!
+//! ```
+//! use std::time::Duration;
+//!
+//! use antumbra_pacing::{
+//!     Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentMode, PresentReports,
+//!     Presentation, Refresh, Step, Time,
+//! };
+//!
+//! let mut pacer = Pacer::new(
+//!     PacerOptions::default(),
+//!     Presentation {
+//!         mode: PresentMode::Fifo,
+//!         images: 3,
+//!         refresh: Refresh::Unknown,
+//!         reports: PresentReports::Times,
+//!     },
+//! )?;
+//! let mut statistics = FrameStatistics::new(100, HitchRule::default())?;
+//! let millis = Duration::from_millis;
+//! let mut now = Time::from_origin(millis(5_000));
+//! let mut reports = Vec::new();
+//! let mut shown = now;
+//!
+//! for _ in 0..2_000 {
+//!     // 1. What became known since: ticks, present waits, errors.
+//!     reports.retain(|&(frame, at): &(_, Time)| {
+//!         if at <= now {
+//!             pacer.feedback(frame, Feedback::Shown { at });
+//!         }
+//!         at > now
+//!     });
+//!     while let Some((_, timing)) = pacer.completed() {
+//!         statistics.record(timing);
+//!     }
+//!     // 2. What to do.
+//!     match pacer.next(now) {
+//!         // 3. Sleep until then, or until more is known, and ask again.
+//!         Step::Wait(wait) => now = wait.until,
+//!         // 4. At once: take the input, record, acquire, submit, present.
+//!         Step::Start(plan) => {
+//!             now = now.after(millis(2));
+//!             pacer.feedback(plan.frame, Feedback::Acquired { from: now, to: now });
+//!             pacer.feedback(plan.frame, Feedback::Queued { at: now });
+//!             let finished = now.after(millis(3));
+//!             pacer.feedback(plan.frame, Feedback::Finished { at: finished });
+//!             // The display shows it at its next refresh.
+//!             let ready = finished.max(shown.after(millis(1))).as_nanos();
+//!             shown = Time::from_nanos(ready.next_multiple_of(10_000_000));
+//!             reports.push((plan.frame, shown));
+//!         }
+//!     }
+//! }
+//!
+//! let summary = statistics.summary();
+//! let period = pacer.refresh_period().ok_or("unknown")?;
+//! assert_eq!(period.as_micros(), 10_000);
+//! assert_eq!(summary.missed_refreshes, Some(0));
+//! // 5 ms of work, a little margin, and no waiting in line.
+//! let latency = summary.latencies.ok_or("unknown")?.median;
+//! assert!(latency < millis(7), "{latency:?}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod estimate;
+mod forecast;
+mod frame;
+mod frames;
+mod margin;
+mod options;
+mod pacer;
+mod refresh_clock;
+mod statistics;
+mod time;
+
+pub use frame::{Feedback, FrameId, FrameTiming, Plan, Step, Wait, WaitReason};
+pub use options::{
+    FRAME_LIMIT_HZ, HIDDEN_INTERVAL, MAX_IMAGES, MAX_QUEUE_LIMIT, PacerOptions, PacingError,
+    PresentMode, PresentReports, Presentation, REFRESH_PERIOD, Refresh,
+};
+pub use pacer::Pacer;
+pub use statistics::{
+    Distribution, FrameStatistics, HISTOGRAM_BINS, HITCH_NEIGHBOURS, Histogram, HitchRule,
+    MAX_STATISTICS_FRAMES, Summary,
+};
+pub use time::Time;

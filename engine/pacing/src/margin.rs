@@ -1,0 +1,94 @@
+//! How much earlier than predicted a frame must be ready, learnt from those that came too late.
+//!
+//! Each miss adds a step, each frame in time takes away a small part of one, so that the share of
+//! misses settles where both balance: a quantile tracked by stochastic approximation (Robbins and
+//! Monro 1951). It covers what no prediction knows, such as a compositor that latches early.
+
+use crate::options::PresentReports;
+use crate::time::MICROSECOND_NS;
+
+/// Of a period.
+const STEP: f64 = 1.0 / 16.0;
+/// Frames in time that outweigh a miss: the share of misses it settles at, or below.
+const FRAMES_PER_MISS: f64 = 4_000.0;
+const FIRST: f64 = 1.0 / 16.0;
+/// Where nobody tells of misses it is chosen once, with room for what it cannot learn.
+const BLIND: f64 = 3.0 / 16.0;
+const LEAST: f64 = 1.0 / 64.0;
+const MOST: f64 = 1.5;
+/// No scheduler wakes us better than that.
+const LEAST_NS: f64 = 100.0 * MICROSECOND_NS;
+
+/// In periods, so that it means the same on another display.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Margin {
+    periods: f64,
+    misses_in_a_row: u32,
+    /// Counts steps up: a frame that had less tells nothing of what is needed on top.
+    version: u32,
+}
+
+impl Margin {
+    pub(crate) const fn new(reports: PresentReports) -> Self {
+        let periods = match reports {
+            PresentReports::Times => FIRST,
+            PresentReports::Missing => BLIND,
+        };
+        Self { periods, misses_in_a_row: 0, version: 0 }
+    }
+
+    pub(crate) fn ns(&self, period: f64) -> f64 {
+        (self.periods * period).max(LEAST_NS)
+    }
+
+    pub(crate) const fn version(&self) -> u32 {
+        self.version
+    }
+
+    pub(crate) fn missed(&mut self) {
+        self.version = self.version.wrapping_add(1);
+        // Misses in a row tell of a constant delay, which is not learnt in small steps.
+        let step = STEP * f64::from(1_u32 << self.misses_in_a_row.min(2));
+        self.misses_in_a_row = self.misses_in_a_row.saturating_add(1);
+        self.periods = (self.periods + step).min(MOST);
+    }
+
+    pub(crate) fn in_time(&mut self) {
+        self.misses_in_a_row = 0;
+        self.periods = (self.periods - STEP / FRAMES_PER_MISS).max(LEAST);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settles_where_misses_are_rare() {
+        // What is needed is spread evenly over half a period.
+        let mut margin = Margin::new(PresentReports::Times);
+        let mut state = 9_u64;
+        let mut misses = 0;
+        for frame in 0..200_000 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let needed = 0.5 * (state >> 40) as f64 / f64::from(1 << 24);
+            if needed > margin.ns(1e9) / 1e9 {
+                margin.missed();
+                misses += i32::from(frame >= 1_000);
+            } else {
+                margin.in_time();
+            }
+        }
+        assert!(misses < 200, "{misses}");
+        assert!(margin.ns(1e9) < 0.65e9);
+    }
+
+    #[test]
+    fn is_bounded() {
+        let mut margin = Margin::new(PresentReports::Times);
+        (0..1_000).for_each(|_| margin.missed());
+        assert!(margin.ns(1e6) <= 1.5e6);
+        (0..1_000_000).for_each(|_| margin.in_time());
+        assert!(margin.ns(0.0) > 0.0);
+    }
+}

@@ -1,0 +1,256 @@
+//! What is learnt from what became known of a frame. Nonsense teaches nothing.
+
+use std::time::Duration;
+
+use super::{Pacer, RateSearch};
+use crate::frame::{Feedback, FrameId};
+use crate::margin::Margin;
+use crate::options::{PresentMode, PresentReports};
+use crate::time::{MICROSECOND_NS, SECOND_NS, Time, ns};
+
+/// Reports from further ahead than that are of another clock.
+const FUTURE_NS: f64 = 10.0 * SECOND_NS;
+/// An acquire that took longer did wait for a refresh: absolute, and in periods.
+const WAITED_NS: f64 = 250.0 * MICROSECOND_NS;
+const WAITED_PERIODS: f64 = 0.02;
+
+/// Of what we believe the GPU takes.
+const HOPE: f64 = 0.9;
+
+/// So many late frames in a row: the display is not what it seems.
+const DOUBTFUL: u32 = 8;
+/// What a miss taught is forgotten at that rate, a frame.
+const FORGET: f64 = 1e-4;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Exactness {
+    Exact,
+    AtMost,
+}
+
+impl Pacer {
+    /// Something became known of a frame. Frames that are unknown or long gone are ignored, as are
+    /// times before the frame's start.
+    pub fn feedback(&mut self, frame: FrameId, feedback: Feedback) {
+        let Some(start) = self.frames.record(frame.0).map(|record| record.start) else { return };
+        let sane = |time: Time| {
+            let time = time.to_ns();
+            let latest = self.now.unwrap_or(time) + FUTURE_NS;
+            (start..=latest).contains(&time).then_some(time)
+        };
+        match feedback {
+            Feedback::Acquired { from, to } => {
+                if let (Some(from), Some(to)) = (sane(from), sane(to)) {
+                    self.acquired(frame.0, to, (to - from).max(0.0));
+                }
+            }
+            Feedback::Queued { at } => {
+                let at = sane(at);
+                self.queued(frame.0, at);
+            }
+            Feedback::Finished { at } => {
+                if let Some(at) = sane(at) {
+                    self.finished(frame.0, at, Exactness::Exact);
+                }
+            }
+            Feedback::FoundFinished { at } => {
+                if let Some(at) = sane(at) {
+                    self.finished(frame.0, at, Exactness::AtMost);
+                }
+            }
+            Feedback::GpuTime(duration) => self.gpu_timed(frame.0, duration),
+            Feedback::Shown { at } => {
+                let at = sane(at);
+                self.shown(frame.0, at);
+            }
+            Feedback::Dropped => self.drop_frame(frame.0),
+        }
+    }
+
+    /// With n images, an acquire that returns has one that an image n - 1 presents ago took the place
+    /// of: that one is shown. If the acquire had to wait, it is shown since just now.
+    fn acquired(&mut self, frame: u64, to: f64, waited: f64) {
+        if let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) {
+            record.waited = waited;
+        }
+        if !self.presentation.in_order() {
+            return;
+        }
+        self.sees_acquires = true;
+        let Some(ordinal) = self.ordinal_in_the_way() else { return };
+        let shown = self.frames.of_ordinal(ordinal).map(|(frame, record)| (frame, !record.left));
+        let Some((shown, newly)) = shown else { return };
+        self.frames.leave_through(shown);
+        if newly {
+            self.shown_at(shown, self.last_refresh(to));
+            self.heard();
+        }
+        let long = WAITED_NS.max(WAITED_PERIODS * self.some_period_ns());
+        if waited > long && self.learns_from_acquires() {
+            self.clock.observe(to);
+            self.shown_at(shown, to);
+            if let Some(record) = self.frames.record_mut(shown) {
+                record.shown = record.shown.or(Some(to));
+            }
+        }
+    }
+
+    /// When something was shown at the latest that is known to be shown by then.
+    fn last_refresh(&self, by: f64) -> f64 {
+        let period = self.clock.period().filter(|_| self.presentation.has_grid());
+        period.and_then(|period| self.clock.at_or_after(by - period)).unwrap_or(by).min(by)
+    }
+
+    fn queued(&mut self, frame: u64, at: Option<f64>) {
+        let ordinal = self.presented;
+        let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) else {
+            return;
+        };
+        // Without a usable time it is still queued.
+        let queued = at.unwrap_or(record.start);
+        record.queued = Some(queued);
+        record.ordinal = Some(ordinal);
+        let busy = queued - record.start - record.waited;
+        self.presented += 1;
+        self.dropped_in_a_row = 0;
+        if at.is_some() {
+            self.cpu.observe(busy.max(0.0));
+        }
+    }
+
+    fn finished(&mut self, frame: u64, at: f64, exactness: Exactness) {
+        // Where the frame before is not known to be finished, this one's beginning is not known.
+        let older = frame.checked_sub(1).and_then(|older| self.frames.record(older));
+        let before =
+            older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
+        let Some(record) = self.frames.record_mut(frame) else { return };
+        if record.finished.is_some() || record.dropped {
+            return;
+        }
+        // What shows is finished, whenever anyone looked.
+        let at = record.shown.map_or(at, |shown| at.min(shown));
+        let timed = record.gpu_timed;
+        let begin = record.queued.zip(before).map(|(queued, before)| queued.max(before));
+        let at_least = record.unfinished.min(at);
+        self.sees_finishes = true;
+        let Some(begin) = begin else {
+            record.finished = Some(at);
+            return;
+        };
+        let took = (at - begin).max(0.0);
+        record.found = exactness == Exactness::AtMost;
+        if exactness == Exactness::Exact || !self.gpu.known() {
+            record.finished = Some(at);
+            if !timed {
+                self.gpu.observe(took);
+            }
+            return;
+        }
+        // Somewhere between two looks.
+        let at_least = (at_least - begin).clamp(0.0, took);
+        record.finished = Some((begin + self.gpu.expected().clamp(at_least, took)).min(at));
+        if !timed {
+            self.gpu_took(at_least, took);
+        }
+    }
+
+    /// The GPU took something in between.
+    fn gpu_took(&mut self, at_least: f64, at_most: f64) {
+        // Seen at work for longer: more than one such sample would be a surprise else.
+        self.gpu.raise_to(at_least.min(1.25 * self.gpu.expected()));
+        self.gpu.lower_to(at_most);
+        let expected = self.gpu.expected();
+        // It was seen to take that long: hope ends there, above all where nobody reports misses.
+        self.gpu_floor = self.gpu_floor.max(at_least.min(1.03 * expected));
+        if (at_least..at_most).contains(&expected) {
+            // Where what we believe is possible we believe a little less: a later start leaves time
+            // for better looks.
+            self.gpu.drift_to((HOPE * expected).max(expected.min(self.gpu_floor)).max(at_least));
+        } else {
+            self.gpu.observe(expected.clamp(at_least, at_most));
+        }
+    }
+
+    fn gpu_timed(&mut self, frame: u64, duration: Duration) {
+        if let Some(record) = self.frames.record_mut(frame).filter(|record| !record.gpu_timed) {
+            record.gpu_timed = true;
+            self.gpu.observe(ns(duration));
+        }
+    }
+
+    fn shown(&mut self, frame: u64, at: Option<f64>) {
+        let Some(record) = self.frames.record_mut(frame) else { return };
+        if record.shown.is_some() || record.dropped {
+            return;
+        }
+        record.shown = at;
+        let record = *record;
+        self.frames.leave_through(frame);
+        self.heard();
+        let Some(at) = at else { return };
+        self.shown_at(frame, at);
+        self.newest_report = Some(self.newest_report.map_or(at, |newest: f64| newest.max(at)));
+        if self.presentation.reports == PresentReports::Missing || !self.presentation.has_grid() {
+            return;
+        }
+        let generation = self.clock.generation();
+        let newest_wins = self.presentation.mode == PresentMode::Mailbox;
+        let late = |period: f64| record.target.is_some_and(|target| at > target + 0.5 * period);
+        let foretold = record.generation == generation;
+        let was_late = foretold && self.clock.period().is_some_and(late);
+        self.clock.observe(at);
+        self.late_in_a_row = if was_late { self.late_in_a_row.saturating_add(1) } else { 0 };
+        if self.late_in_a_row >= DOUBTFUL {
+            self.late_in_a_row = 0;
+            self.clock.doubt();
+        }
+        let replaced = frame.checked_sub(1).filter(|_| newest_wins).filter(|before| {
+            // It came too late for its refresh, and this one took its place: nobody reports that.
+            self.frames.record(*before).is_some_and(|before| {
+                let passed = before.target.zip(self.clock.period());
+                before.shown.is_none()
+                    && !before.dropped
+                    && before.generation == generation
+                    && passed.is_some_and(|(target, period)| target < at - 0.5 * period)
+            })
+        });
+        if self.clock.generation() != generation {
+            // What was learnt of misses was learnt of a grid that is none.
+            self.margin = Margin::new(self.presentation.reports);
+            self.gpu_floor = 0.0;
+            self.rate_search = RateSearch::new();
+            return;
+        }
+        for (frame, late) in [(replaced, true), (foretold.then_some(frame), was_late)] {
+            if let Some(frame) = frame {
+                self.learn_margin(frame, late);
+            }
+        }
+    }
+
+    fn learn_margin(&mut self, frame: u64, late: bool) {
+        let record = self.frames.record(frame).copied();
+        let Some((record, target)) = record.and_then(|record| record.target.map(|t| (record, t)))
+        else {
+            return;
+        };
+        if !late {
+            self.gpu_floor *= 1.0 - FORGET;
+            self.margin.in_time();
+            return;
+        }
+        let before = frame.checked_sub(1).and_then(|before| self.frames.record(before));
+        let pushed = before.and_then(|before| before.shown).is_some_and(|shown| {
+            // The one before took its refresh: one miss, not two.
+            shown > target - 0.5 * self.some_period_ns()
+        });
+        if record.compromised || pushed || record.margin != self.margin.version() {
+            return;
+        }
+        self.margin.missed();
+        if record.found {
+            // Nobody saw when it ended: to hope for less would be too much.
+            self.gpu_floor = self.gpu_floor.max(1.03 * self.gpu.expected());
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! When the next frame should start: as late as its refresh allows, and for the first it can reach.
+
+use super::{Pacer, PhaseSearch, RATE_SEARCH_FRAMES, RATE_SEARCH_PAUSES};
+use crate::forecast::Forecast;
+use crate::frame::{FrameId, WaitReason};
+use crate::time::{MICROSECOND_NS, SECOND_NS};
+
+/// Standard deviations that are kept free before a refresh.
+const SAFE: f64 = 4.0;
+/// Of a period: work of one unit that fills more cannot reach every refresh, and then the GPU must
+/// not wait for us.
+const OVERLOAD: f64 = 0.95;
+/// Of a period: a worse known phase is searched for again.
+const WORST_PHASE: f64 = 1.0 / 24.0;
+/// A search for the phase looks so many refreshes ahead, lasts at most so long, and rests so long.
+const SEARCH_AHEAD: f64 = 512.0;
+const LONGEST_SEARCH: u32 = 64;
+const SEARCH_REST: u32 = 512;
+
+/// The next frame, if it went by what is known now. Times in nanoseconds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Schedule {
+    /// Not before now.
+    pub(super) start: f64,
+    /// Where it would have started if it still could.
+    pub(super) wanted: f64,
+    /// When it should be shown.
+    pub(super) target: Option<f64>,
+    pub(super) reason: WaitReason,
+}
+
+impl Pacer {
+    pub(super) fn schedule(&self, now: f64) -> Schedule {
+        let forecast = self.knowledge(now).forecast(&self.frames, self.ordinal_in_the_way());
+        let limited = self.limit_due > now;
+        let earliest = now.max(self.limit_due);
+        let [cpu, gpu] = [self.cpu.expected(), self.gpu.expected()];
+        // Sooner it would only stand in line before the GPU.
+        let gpu_ready = forecast.gpu_free - cpu - SAFE * self.cpu.spread();
+        let mut target = None;
+        let wanted = if self.searches_phase() {
+            now
+        } else if let Some(min_period) = self.presentation.variable_ns() {
+            let ready = self.ready(earliest, &forecast);
+            let shown = ready.max(forecast.last_shown + min_period);
+            target = Some(shown);
+            // To be late costs what it is late by, no more: no margin.
+            (shown - gpu - cpu).max(gpu_ready)
+        } else if let Some((shown, period)) = self.reachable_refresh(earliest, &forecast) {
+            target = Some(shown);
+            let late = shown - self.lead_ns(now);
+            let overloaded = cpu.max(gpu) > OVERLOAD * period;
+            let early = if self.rate_search.remaining > 0 { 0.5 * period } else { 0.0 };
+            (if overloaded { late.min(gpu_ready) } else { late }) - early
+        } else {
+            gpu_ready
+        };
+        let start = wanted.max(earliest);
+        let by_limit = limited && wanted <= self.limit_due;
+        let reason = if by_limit { WaitReason::FrameLimit } else { WaitReason::Deadline };
+        Schedule { start, wanted, target, reason }
+    }
+
+    /// When the GPU is done with a frame that starts then, if all goes as expected.
+    fn ready(&self, start: f64, forecast: &Forecast) -> f64 {
+        let submitted = (start + self.cpu.expected()).max(forecast.image_free);
+        submitted.max(forecast.gpu_free) + self.gpu.expected()
+    }
+
+    /// The first refresh that a frame started then would reach, and the period. Refreshes are tried
+    /// for that are more likely reached than not: margins make us early, they do not make us give up.
+    fn reachable_refresh(&self, start: f64, forecast: &Forecast) -> Option<(f64, f64)> {
+        if !self.presentation.has_grid() {
+            return None;
+        }
+        let period = self.clock.period()?;
+        let hope = self.cpu.spread().hypot(self.gpu.spread());
+        let ready = self.ready(start, forecast) - hope;
+        let shown = self.clock.at_or_after(ready.max(forecast.last_shown + 0.5 * period))?;
+        Some((shown, period))
+    }
+
+    /// How long before its refresh a frame starts.
+    fn lead_ns(&self, now: f64) -> f64 {
+        let estimates = [&self.wake, &self.cpu, &self.gpu];
+        let expected: f64 = estimates.iter().map(|estimate| estimate.expected()).sum();
+        let variance: f64 = estimates.iter().map(|estimate| estimate.spread().powi(2)).sum();
+        let phase = self.clock.uncertainty(now).unwrap_or(0.0);
+        expected + SAFE * (variance.sqrt() + phase) + self.margin_ns()
+    }
+
+    /// When to look whether the GPU is done with the newest frame, if a look tells anything.
+    pub(super) fn poll_due(&self, now: f64) -> Option<(f64, FrameId)> {
+        if !self.sees_finishes {
+            return None;
+        }
+        let (frame, record) = self.frames.newest_first().next()?;
+        if record.finished.is_some()
+            || record.gpu_timed
+            || record.queued.is_none()
+            || record.dropped
+        {
+            return None;
+        }
+        let before = self.frames.newest_first().skip(1).find_map(|(_, record)| record.finished);
+        let begin = record.queued.unwrap_or(now).max(before.unwrap_or(0.0));
+        // A little early, or we would never learn that it got faster.
+        let hoped = begin + 0.95 * self.gpu.expected();
+        // Ever more rarely, the longer it has been at work: one that hangs must not make us spin.
+        let again =
+            (self.some_period_ns() / 32.0).max(100.0 * MICROSECOND_NS).max(0.25 * (now - hoped));
+        Some((hoped.max(now + again), FrameId(frame)))
+    }
+
+    /// The limit holds on average: a frame may come early by what the ones before it were late, up
+    /// to an interval, as they are where they wait for refreshes.
+    pub(super) fn account_limit(&mut self, start: f64) {
+        let Some(hz) = self.options.frame_limit_hz else { return };
+        let interval = SECOND_NS / hz;
+        self.limit_due = self.limit_due.max(start - interval) + interval;
+    }
+
+    pub(super) fn searches_phase(&self) -> bool {
+        self.learns_from_acquires() && self.phase_search.active
+    }
+
+    /// Begins and ends the search for the phase where only acquires tell of it.
+    pub(super) fn search(&mut self, now: f64) {
+        if !self.learns_from_acquires() || self.options.queue_limit == 0 {
+            return;
+        }
+        let search = self.phase_search;
+        let period = self.some_period_ns();
+        let uncertainty =
+            |time| self.clock.uncertainty(time).map_or(f64::INFINITY, |deviation| 3.0 * deviation);
+        let toggle = if search.active {
+            let sure = uncertainty(now + SEARCH_AHEAD * period) < WORST_PHASE * period;
+            sure || search.frames >= LONGEST_SEARCH
+        } else {
+            uncertainty(now) > WORST_PHASE * period && search.frames >= SEARCH_REST
+        };
+        if toggle {
+            self.phase_search = PhaseSearch { active: !search.active, frames: 0 };
+        }
+    }
+
+    /// Counts frames to the next search for a higher rate, and through it.
+    pub(super) fn advance_rate_search(&mut self) {
+        let Some(period) = self.clock.period() else { return };
+        if !self.presentation.has_grid() || self.clock.agrees_with_hint() {
+            return;
+        }
+        if self.rate_search.remaining > 0 {
+            self.rate_search.remaining -= 1;
+        } else if self.rate_search.pause > 0 {
+            self.rate_search.pause -= 1;
+        } else if self.cpu.expected().max(self.gpu.expected()) < 0.45 * period {
+            let pause = self.rate_search.next_pause;
+            self.rate_search.remaining = RATE_SEARCH_FRAMES;
+            self.rate_search.pause = pause;
+            self.rate_search.next_pause = (4 * pause).min(RATE_SEARCH_PAUSES[1]);
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What became of each frame, in order, once all is known that will be.
+
+use std::time::Duration;
+
+use super::Pacer;
+use crate::frame::{FrameId, FrameTiming};
+use crate::frames::REMEMBERED;
+use crate::options::PresentReports;
+use crate::time::SECOND_NS;
+
+/// Frames after which nothing more is expected of one.
+const PATIENCE_FRAMES: u64 = 3 * REMEMBERED as u64 / 4;
+
+/// Frames handed out, and what their successors are compared with.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ledger {
+    next: u64,
+    last_start: Option<f64>,
+    last_shown: Option<f64>,
+}
+
+impl Ledger {
+    /// What comes now has no neighbour.
+    pub(super) const fn interrupt(&mut self) {
+        self.last_start = None;
+        self.last_shown = None;
+    }
+}
+
+impl Pacer {
+    /// The next frame of which all is known that will be, once each and in order; dropped ones are
+    /// left out. Ask until there is none, after delivering feedback: what lies back more than about
+    /// sixty frames is forgotten.
+    pub fn completed(&mut self) -> Option<(FrameId, FrameTiming)> {
+        self.ledger.next = self.ledger.next.max(self.frames.oldest());
+        loop {
+            let frame = self.ledger.next;
+            let record = *self.frames.record(frame)?;
+            if !record.dropped && !self.is_settled(frame) {
+                return None;
+            }
+            self.ledger.next += 1;
+            if !record.dropped {
+                return Some((FrameId(frame), self.timing(record.start, record.shown)));
+            }
+        }
+    }
+
+    fn is_settled(&self, frame: u64) -> bool {
+        let Some(record) = self.frames.record(frame) else { return true };
+        let age = self.frames.next() - frame;
+        if record.shown.is_some() || age > PATIENCE_FRAMES {
+            return true;
+        }
+        match self.presentation.reports {
+            // One after it was shown: no report of this one will come, or it was replaced.
+            PresentReports::Times => {
+                let later = self.frames.newest_first().take_while(|(id, _)| *id > frame);
+                record.left && later.into_iter().any(|(_, record)| record.shown.is_some())
+            }
+            PresentReports::Missing => record.left && age > u64::from(self.presentation.images),
+        }
+    }
+
+    fn timing(&mut self, start: f64, shown: Option<f64>) -> FrameTiming {
+        let span = |ns: f64| Duration::from_nanos(ns.max(0.0).round() as u64);
+        let period = self.period_ns();
+        let in_refreshes = |ns: f64| period.map(|period| (ns / period).round() as u32);
+        let present_interval =
+            shown.zip(self.ledger.last_shown).map(|(shown, last)| (shown - last).max(0.0));
+        let refreshes = present_interval.and_then(in_refreshes);
+        let latency = shown.map(|shown| shown - start);
+        let intended = self
+            .options
+            .frame_limit_hz
+            .map_or(1, |hz| in_refreshes(1.45 * SECOND_NS / hz).unwrap_or(1).max(1));
+        let timing = FrameTiming {
+            start_interval: self.ledger.last_start.map(|last| span(start - last)),
+            present_interval: present_interval.map(span),
+            latency: latency.map(span),
+            refreshes,
+            latency_refreshes: latency.and_then(in_refreshes),
+            missed: refreshes.map(|refreshes| refreshes.saturating_sub(intended)),
+        };
+        self.ledger.last_start = Some(start);
+        // A frame that was replaced before it showed leaves the picture as it was; of one that is
+        // unknown nobody can say how long it showed.
+        if shown.is_some() || self.presentation.in_order() {
+            self.ledger.last_shown = shown;
+        }
+        timing
+    }
+}

@@ -1,0 +1,242 @@
+//! How evenly frames came: percentiles, hitches and histograms over the newest frames.
+//!
+//! All of it is integer arithmetic on nanoseconds, so that a calculation elsewhere from the same
+//! timings gives the same numbers. Percentiles are nearest ranks: the least sample that so many
+//! thousandths of all samples do not exceed.
+
+use std::time::Duration;
+
+use crate::frame::FrameTiming;
+use crate::options::PacingError;
+
+/// Most frames that statistics may look at.
+pub const MAX_STATISTICS_FRAMES: usize = 1 << 20;
+/// Bins of a [`Histogram`].
+pub const HISTOGRAM_BINS: usize = 10;
+/// Frames on each side that a frame is compared with to tell a hitch.
+pub const HITCH_NEIGHBOURS: usize = 4;
+
+/// When a frame that took long is a hitch: where both hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HitchRule {
+    /// It took longer than that.
+    pub longer_than: Duration,
+    /// It took longer than so many hundredths of the median of its neighbours, at most
+    /// [`HITCH_NEIGHBOURS`] before it and as many after it.
+    pub percent_of_neighbours: u32,
+}
+
+impl Default for HitchRule {
+    /// Longer than 12 ms, and than 1.8 times its neighbours: a missed refresh at up to 144 Hz.
+    fn default() -> Self {
+        Self { longer_than: Duration::from_millis(12), percent_of_neighbours: 180 }
+    }
+}
+
+/// Of durations, as far as they are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Distribution {
+    /// How many are known.
+    pub samples: usize,
+    /// Their mean, rounded down to nanoseconds.
+    pub mean: Duration,
+    /// Half are at most that long.
+    pub median: Duration,
+    /// 95 of 100 are at most that long.
+    pub p95: Duration,
+    /// 99 of 100.
+    pub p99: Duration,
+    /// 999 of 1000.
+    pub p99_9: Duration,
+    /// The longest.
+    pub worst: Duration,
+    /// Mean of the longest hundredth of them, at least of one, rounded down to nanoseconds. Its
+    /// reciprocal is known as "1 % low".
+    pub slowest_percent: Duration,
+}
+
+impl Distribution {
+    /// Frames per second of the slowest hundredth of the frames.
+    #[must_use]
+    pub fn low_1_percent_hz(&self) -> f64 {
+        1.0 / self.slowest_percent.as_secs_f64()
+    }
+}
+
+/// How many frames took 0, 1, 2.. refreshes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Histogram {
+    /// By refreshes; the last bin has all that took more.
+    pub frames: [u32; HISTOGRAM_BINS],
+    /// Frames of which it is not known.
+    pub unknown: u32,
+}
+
+impl Histogram {
+    fn count(&mut self, refreshes: Option<u32>) {
+        match refreshes {
+            Some(refreshes) => self.frames[(refreshes as usize).min(HISTOGRAM_BINS - 1)] += 1,
+            None => self.unknown += 1,
+        }
+    }
+}
+
+/// What the newest frames were like. `None` where nothing is known, never 0 for it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Summary {
+    /// Frames looked at.
+    pub frames: usize,
+    /// From showing to showing.
+    pub present_intervals: Option<Distribution>,
+    /// From start to start.
+    pub start_intervals: Option<Distribution>,
+    /// From start to showing.
+    pub latencies: Option<Distribution>,
+    /// Refreshes that should have shown a new frame and did not.
+    pub missed_refreshes: Option<u64>,
+    /// Hitches among the intervals from showing to showing.
+    pub hitches: Option<u32>,
+    /// Hitches among the intervals from start to start.
+    pub start_hitches: Option<u32>,
+    /// Intervals from showing to showing, in refreshes.
+    pub refreshes: Histogram,
+    /// Latencies in refreshes.
+    pub latency_refreshes: Histogram,
+}
+
+/// The newest frames, up to a number that is chosen once. Allocates when it is made, never after.
+#[derive(Clone, Debug)]
+pub struct FrameStatistics {
+    ring: Box<[FrameTiming]>,
+    /// Where the next goes.
+    next: usize,
+    count: usize,
+    rule: HitchRule,
+    sorted: Vec<u64>,
+}
+
+type Span = fn(&FrameTiming) -> Option<Duration>;
+
+impl FrameStatistics {
+    /// Over so many newest frames.
+    ///
+    /// # Errors
+    /// Unless they are 1 to [`MAX_STATISTICS_FRAMES`].
+    pub fn new(frames: usize, rule: HitchRule) -> Result<Self, PacingError> {
+        if !(1..=MAX_STATISTICS_FRAMES).contains(&frames) {
+            return Err(PacingError::StatisticsFrames(frames));
+        }
+        let ring = vec![FrameTiming::default(); frames].into_boxed_slice();
+        Ok(Self { ring, next: 0, count: 0, rule, sorted: Vec::with_capacity(frames) })
+    }
+
+    /// Takes a frame in; the oldest goes if there are too many.
+    pub fn record(&mut self, timing: FrameTiming) {
+        self.ring[self.next] = timing;
+        self.next = (self.next + 1) % self.ring.len();
+        self.count = (self.count + 1).min(self.ring.len());
+    }
+
+    /// Forgets all frames.
+    pub const fn clear(&mut self) {
+        (self.next, self.count) = (0, 0);
+    }
+
+    /// Frames held, oldest first: for graphs.
+    pub fn frames(&self) -> impl ExactSizeIterator<Item = &FrameTiming> {
+        (0..self.count).map(|age| self.at(age))
+    }
+
+    /// All numbers over the frames held. Sorts them, so call it for a report, or a few times a
+    /// second for a display.
+    pub fn summary(&mut self) -> Summary {
+        let mut summary = Summary { frames: self.count, ..Summary::default() };
+        for age in 0..self.count {
+            let timing = *self.at(age);
+            summary.refreshes.count(timing.refreshes);
+            summary.latency_refreshes.count(timing.latency_refreshes);
+            if let Some(missed) = timing.missed {
+                let before = summary.missed_refreshes.unwrap_or(0);
+                summary.missed_refreshes = Some(before + u64::from(missed));
+            }
+        }
+        summary.hitches = self.hitches(|timing| timing.present_interval);
+        summary.start_hitches = self.hitches(|timing| timing.start_interval);
+        summary.present_intervals = self.distribution(|timing| timing.present_interval);
+        summary.start_intervals = self.distribution(|timing| timing.start_interval);
+        summary.latencies = self.distribution(|timing| timing.latency);
+        summary
+    }
+
+    /// The oldest has age 0.
+    fn at(&self, age: usize) -> &FrameTiming {
+        &self.ring[(self.next + self.ring.len() - self.count + age) % self.ring.len()]
+    }
+
+    fn distribution(&mut self, span: Span) -> Option<Distribution> {
+        let mut sorted = std::mem::take(&mut self.sorted);
+        sorted.clear();
+        sorted.extend(self.frames().filter_map(span).map(nanos));
+        sorted.sort_unstable();
+        let distribution = distribution(&sorted);
+        self.sorted = sorted;
+        distribution
+    }
+
+    fn hitches(&self, span: Span) -> Option<u32> {
+        let known = |age: usize| span(self.at(age)).map(nanos);
+        let mut hitches = None;
+        for age in 0..self.count {
+            let Some(took) = known(age) else { continue };
+            let first = age.saturating_sub(HITCH_NEIGHBOURS);
+            let last = (age + HITCH_NEIGHBOURS + 1).min(self.count);
+            let mut neighbours = [0; 2 * HITCH_NEIGHBOURS];
+            let mut count = 0;
+            for near in (first..last).filter(|near| *near != age).filter_map(known) {
+                neighbours[count] = near;
+                count += 1;
+            }
+            // Alone it cannot be told.
+            if count == 0 {
+                continue;
+            }
+            neighbours[..count].sort_unstable();
+            let usual = u128::from(rank(&neighbours[..count], 500));
+            let stands_out =
+                u128::from(took) * 100 > usual * u128::from(self.rule.percent_of_neighbours);
+            let is_hitch = stands_out && took > nanos(self.rule.longer_than);
+            hitches = Some(hitches.unwrap_or(0) + u32::from(is_hitch));
+        }
+        hitches
+    }
+}
+
+fn nanos(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}
+
+/// The least of them that so many thousandths do not exceed.
+fn rank(sorted: &[u64], thousandths: usize) -> u64 {
+    sorted[(sorted.len() * thousandths).div_ceil(1_000).max(1) - 1]
+}
+
+fn mean(of: &[u64]) -> Duration {
+    let sum: u128 = of.iter().map(|nanos| u128::from(*nanos)).sum();
+    // A mean of 64-bit numbers is one.
+    Duration::from_nanos((sum / of.len() as u128) as u64)
+}
+
+fn distribution(sorted: &[u64]) -> Option<Distribution> {
+    let worst = *sorted.last()?;
+    let at = |thousandths| Duration::from_nanos(rank(sorted, thousandths));
+    Some(Distribution {
+        samples: sorted.len(),
+        mean: mean(sorted),
+        median: at(500),
+        p95: at(950),
+        p99: at(990),
+        p99_9: at(999),
+        worst: Duration::from_nanos(worst),
+        slowest_percent: mean(&sorted[sorted.len() - sorted.len().div_ceil(100)..]),
+    })
+}

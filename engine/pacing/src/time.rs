@@ -1,0 +1,82 @@
+//! Points in time on the caller's clock. Nothing in this crate reads that clock.
+
+use std::time::Duration;
+
+/// A point in time in nanoseconds on one monotonic clock of the caller's choice, from any origin.
+///
+/// All times given to one [`Pacer`](crate::Pacer) must be of the same clock: reports of the
+/// presentation engine are converted by the caller if theirs is another.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Time(u64);
+
+impl Time {
+    /// The origin of the clock.
+    pub const ZERO: Self = Self(0);
+
+    /// So many nanoseconds after the origin.
+    #[must_use]
+    pub const fn from_nanos(nanos: u64) -> Self {
+        Self(nanos)
+    }
+
+    /// After the origin by what a clock such as `Instant::elapsed` says; the last representable
+    /// time (584 years) if that is too long.
+    #[must_use]
+    pub fn from_origin(elapsed: Duration) -> Self {
+        Self(u64::try_from(elapsed.as_nanos()).unwrap_or(u64::MAX))
+    }
+
+    /// Nanoseconds since the origin.
+    #[must_use]
+    pub const fn as_nanos(self) -> u64 {
+        self.0
+    }
+
+    /// How long after `earlier` this is; zero if it is not after it.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> Duration {
+        Duration::from_nanos(self.0.saturating_sub(earlier.0))
+    }
+
+    /// Later by a duration, at most the last representable time.
+    #[must_use]
+    pub fn after(self, duration: Duration) -> Self {
+        Self(self.0.saturating_add(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)))
+    }
+
+    /// For predictions. Exact up to 104 days from the origin, within 64 ns for a decade.
+    pub(crate) const fn to_ns(self) -> f64 {
+        self.0 as f64
+    }
+
+    /// The nearest representable time; the origin for what is no number.
+    pub(crate) fn from_ns(ns: f64) -> Self {
+        Self(ns.round() as u64)
+    }
+}
+
+/// A span in nanoseconds as predictions use it.
+pub(crate) fn ns(duration: Duration) -> f64 {
+    duration.as_nanos() as f64
+}
+
+pub(crate) const MICROSECOND_NS: f64 = 1e3;
+pub(crate) const MILLISECOND_NS: f64 = 1e6;
+pub(crate) const SECOND_NS: f64 = 1e9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arithmetic_is_bounded() {
+        let last = Time::from_nanos(u64::MAX);
+        assert_eq!(last.after(Duration::from_secs(1 << 62)), last);
+        assert_eq!(Time::from_origin(Duration::from_secs(1 << 62)), last);
+        assert_eq!(Time::ZERO.since(last), Duration::ZERO);
+        assert_eq!(Time::from_ns(f64::NAN), Time::ZERO);
+        assert_eq!(Time::from_ns(-5.0), Time::ZERO);
+        assert_eq!(Time::from_ns(f64::INFINITY), last);
+        assert_eq!(Time::from_nanos(7).after(Duration::from_nanos(5)).as_nanos(), 12);
+    }
+}

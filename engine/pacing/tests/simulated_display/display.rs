@@ -1,0 +1,205 @@
+//! A presentation engine in an event-free form: what was presented, with the time its GPU work ends,
+//! is enough to say when it will show. True times, in nanoseconds.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use antumbra_pacing::PresentMode;
+
+/// Refreshes: at fixed times whatever happens, or when a frame is there.
+#[derive(Clone, Copy, Debug)]
+pub enum Panel {
+    Fixed { period: f64, phase: f64 },
+    Variable { min_period: f64, max_period: f64 },
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Presented {
+    frame: usize,
+    /// Never, if it was replaced first.
+    shown: Option<f64>,
+    /// When its image can be acquired again.
+    released: f64,
+}
+
+#[derive(Clone, Debug)]
+pub struct Display {
+    pub panel: Panel,
+    pub mode: PresentMode,
+    pub images: usize,
+    /// How long before a refresh an image must be finished.
+    pub latch: f64,
+    /// When nothing is shown at all.
+    pub hidden: Range<f64>,
+    held: VecDeque<Presented>,
+    last_shown: f64,
+}
+
+impl Display {
+    pub fn new(panel: Panel, mode: PresentMode, images: usize) -> Self {
+        let held = VecDeque::new();
+        Self { panel, mode, images, latch: 0.0, hidden: 0.0..0.0, held, last_shown: -1e9 }
+    }
+
+    /// When an image can be had, if it is asked for now; never, if none comes free by itself.
+    pub fn image_free(&mut self, now: f64) -> f64 {
+        self.held.retain(|held| held.released > now);
+        let mut released: Vec<f64> = self.held.iter().map(|held| held.released).collect();
+        released.sort_by(f64::total_cmp);
+        let excess = (released.len() + 1).saturating_sub(self.images);
+        if excess == 0 { now } else { released[excess - 1] }
+    }
+
+    /// Takes a frame whose GPU work ends then; answers when it will show, and which frame will now
+    /// never show.
+    pub fn present(&mut self, frame: usize, finish: f64) -> (f64, Option<usize>) {
+        let (shown, replaces) = self.shown(finish);
+        let mut replaced = None;
+        if let Some(last) = self.held.back_mut() {
+            if replaces {
+                replaced = Some(last.frame);
+                last.shown = None;
+                last.released = finish;
+            }
+            // What is on the screen stays there until this frame shows.
+            let on_screen = self.held.iter_mut().rev().find(|held| held.shown.is_some());
+            if let Some(on_screen) = on_screen {
+                on_screen.released = shown;
+            }
+        }
+        self.last_shown = shown;
+        let released = f64::INFINITY;
+        self.held.push_back(Presented { frame, shown: Some(shown), released });
+        (shown, replaced)
+    }
+
+    /// A new swapchain: what has not been shown by now never is.
+    pub fn recreate(&mut self, mode: PresentMode, images: usize, now: f64) -> Vec<usize> {
+        let unseen = self.held.iter().filter(|held| held.shown.is_some_and(|shown| shown > now));
+        let lost = unseen.map(|held| held.frame).collect();
+        let shown = self.held.iter().filter_map(|held| held.shown).filter(|shown| *shown <= now);
+        self.last_shown = shown.fold(-1e9, f64::max);
+        self.held.clear();
+        self.mode = mode;
+        self.images = images;
+        lost
+    }
+
+    fn shown(&self, finish: f64) -> (f64, bool) {
+        let ready = finish + self.latch;
+        match (self.mode, self.panel) {
+            (PresentMode::Immediate, _) => (self.visible(ready.max(self.last_shown)), false),
+            (_, Panel::Variable { .. }) => (self.variable(ready), false),
+            (PresentMode::Fifo, Panel::Fixed { period, .. }) => {
+                (self.refresh(ready.max(self.last_shown + 0.5 * period)), false)
+            }
+            (PresentMode::FifoRelaxed, Panel::Fixed { period, .. }) => {
+                let next = self.refresh(self.last_shown + 0.5 * period);
+                let late = ready > next;
+                (if late { self.visible(ready) } else { next }, false)
+            }
+            (PresentMode::Mailbox, Panel::Fixed { .. }) => {
+                let shown = self.refresh(ready);
+                let pending = self.held.back().is_some_and(|held| held.shown == Some(shown));
+                (shown, pending)
+            }
+        }
+    }
+
+    /// The first refresh at or after a time that anyone sees.
+    pub fn refresh(&self, time: f64) -> f64 {
+        let Panel::Fixed { period, phase } = self.panel else { return self.visible(time) };
+        let next = |time: f64| phase + ((time - phase) / period - 1e-9).ceil() * period;
+        let at = next(time);
+        if self.hidden.contains(&at) { next(self.hidden.end) } else { at }
+    }
+
+    fn visible(&self, time: f64) -> f64 {
+        if self.hidden.contains(&time) { self.hidden.end } else { time }
+    }
+
+    /// A variable panel repeats its picture when none has come for too long, and is busy with that
+    /// for the shortest period.
+    fn variable(&self, ready: f64) -> f64 {
+        let Panel::Variable { min_period, max_period } = self.panel else { return ready };
+        let waited = ready - self.last_shown;
+        let repeats = (waited / max_period).floor().max(0.0);
+        let last_scan = self.last_shown + repeats * max_period;
+        self.visible(ready.max(last_scan + min_period))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: f64 = 10.0;
+
+    fn fixed(mode: PresentMode, images: usize) -> Display {
+        Display::new(Panel::Fixed { period: PERIOD, phase: 0.0 }, mode, images)
+    }
+
+    #[test]
+    fn fifo_shows_one_a_refresh_in_order_and_blocks_when_full() {
+        let mut display = fixed(PresentMode::Fifo, 3);
+        let shown: Vec<f64> = (0..3).map(|n| display.present(n, 1.0 + n as f64).0).collect();
+        assert_eq!(shown, [10.0, 20.0, 30.0]);
+        // All three are held: the first comes free when the second takes its place.
+        assert_eq!(display.image_free(4.0), 20.0);
+        assert_eq!(display.image_free(20.0), 20.0);
+        // A late one waits for the next refresh.
+        assert_eq!(display.present(3, 40.5).0, 50.0);
+        display.latch = 2.0;
+        assert_eq!(display.present(4, 59.0).0, 70.0);
+        assert_eq!(display.present(5, 78.0).0, 80.0);
+    }
+
+    #[test]
+    fn two_images_wait_for_each_refresh() {
+        let mut display = fixed(PresentMode::Fifo, 2);
+        display.present(0, 1.0);
+        assert_eq!(display.image_free(2.0), 2.0);
+        display.present(1, 3.0);
+        assert_eq!(display.image_free(4.0), 20.0);
+    }
+
+    #[test]
+    fn mailbox_shows_the_newest_and_replaces_the_others() {
+        let mut display = fixed(PresentMode::Mailbox, 3);
+        assert_eq!(display.present(0, 1.0), (10.0, None));
+        assert_eq!(display.present(1, 4.0), (10.0, Some(0)));
+        assert_eq!(display.present(2, 12.0), (20.0, None));
+        assert_eq!(display.image_free(12.0), 12.0);
+    }
+
+    #[test]
+    fn relaxed_tears_only_when_late() {
+        let mut display = fixed(PresentMode::FifoRelaxed, 3);
+        assert_eq!(display.present(0, 1.0).0, 1.0);
+        assert_eq!(display.present(1, 4.0).0, 10.0);
+        assert_eq!(display.present(2, 23.0).0, 23.0);
+    }
+
+    #[test]
+    fn variable_panels_wait_within_their_range() {
+        let panel = Panel::Variable { min_period: 7.0, max_period: 20.0 };
+        let mut display = Display::new(panel, PresentMode::Fifo, 3);
+        display.last_shown = 0.0;
+        assert_eq!(display.present(0, 3.0).0, 7.0);
+        assert_eq!(display.present(1, 17.0).0, 17.0);
+        // Nothing came until 37: repeated then, and busy until 44.
+        assert_eq!(display.present(2, 38.0).0, 44.0);
+    }
+
+    #[test]
+    fn a_hidden_window_shows_nothing_until_it_is_seen_again() {
+        let mut display = fixed(PresentMode::Fifo, 3);
+        display.hidden = 15.0..995.0;
+        assert_eq!(display.present(0, 1.0).0, 10.0);
+        assert_eq!(display.present(1, 11.0).0, 1000.0);
+        assert_eq!(display.present(2, 12.0).0, 1010.0);
+        assert_eq!(display.image_free(13.0), 1000.0);
+        assert_eq!(display.recreate(PresentMode::Immediate, 3, 20.0), [1, 2]);
+        assert_eq!(display.present(3, 1_001.0).0, 1_001.0);
+    }
+}

@@ -1,0 +1,177 @@
+//! What is promised for displays of a fixed rate, over thousands of random machines and loads.
+
+use antumbra_pacing::{PresentMode, PresentReports};
+
+use crate::measure::{mean, quantile};
+use crate::run::{Run, run};
+use crate::scenario::{Policy, Scenario};
+
+/// Frames that a pacer is given to learn.
+const LEARNT: usize = 120;
+
+#[derive(Default)]
+struct Tally {
+    missed: usize,
+    refreshes: usize,
+    worst_missed: (usize, u64),
+    worst_latency: (f64, u64),
+    excess: Vec<f64>,
+}
+
+impl Tally {
+    /// Counts a run in, and checks what must hold for each.
+    fn add(&mut self, run: &Run, queue_limit: u32) {
+        let seed = run.scenario.seed;
+        assert_eq!(run.outcomes.len(), run.scenario.frames);
+        assert!(run.most_queued() <= queue_limit as usize, "seed {seed}: too many queued");
+        let (missed, refreshes) = run.missed_refreshes(LEARNT);
+        self.missed += missed;
+        self.refreshes += refreshes;
+        self.worst_missed = self.worst_missed.max((missed, seed));
+        let excess = run.latency_excess(LEARNT);
+        assert!(!excess.is_empty());
+        let average = mean(&excess);
+        assert!(average < 1.0, "seed {seed}: latency {average} refreshes over the optimum");
+        // No frame is shown before the optimum allows: the yardstick is one.
+        assert!(excess.iter().all(|excess| *excess > -1e-6), "seed {seed}: beats the optimum");
+        if average > self.worst_latency.0 {
+            self.worst_latency = (average, seed);
+        }
+        self.excess.extend(excess);
+    }
+
+    fn check(&self, name: &str) {
+        let share = self.missed as f64 / self.refreshes as f64;
+        let late = quantile(&self.excess, 0.99);
+        println!(
+            "{name}: missed {:.4} % (worst {:?}), latency over the optimum: mean {:.3}, p99 {late:.3}, \
+             worst mean {:?}",
+            100.0 * share,
+            self.worst_missed,
+            mean(&self.excess),
+            self.worst_latency
+        );
+        assert!(share <= 0.001, "{name}: {} of {} missed", self.missed, self.refreshes);
+        assert!(late <= 1.0, "{name}: p99 {late} refreshes over the optimum");
+    }
+}
+
+fn tally(name: &str, seeds: std::ops::Range<u64>, scenario: impl Fn(u64) -> Scenario) {
+    let mut tally = Tally::default();
+    for seed in seeds {
+        let scenario = scenario(seed);
+        tally.add(&run(&scenario), scenario.options.queue_limit);
+    }
+    tally.check(name);
+}
+
+#[test]
+fn fifo_with_present_times() {
+    tally("fifo", 0..4_000, |seed| Scenario::random(seed, PresentMode::Fifo));
+}
+
+#[test]
+fn relaxed_fifo_with_present_times() {
+    tally("relaxed fifo", 0..1_000, |seed| Scenario::random(seed, PresentMode::FifoRelaxed));
+}
+
+#[test]
+fn mailbox_with_present_times() {
+    tally("mailbox", 0..2_000, |seed| Scenario::random(seed, PresentMode::Mailbox));
+}
+
+/// Nothing but acquires and ticks. The queue can then be no shorter than the swapchain forces, so the
+/// caller asks for as many images as may be queued.
+#[test]
+fn fifo_with_acquires_only() {
+    tally("acquires only", 0..2_000, |seed| {
+        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        scenario.reports = PresentReports::Missing;
+        scenario.images = scenario.images.min(3);
+        scenario.options.queue_limit = scenario.options.queue_limit.max(scenario.images as u32);
+        scenario
+    });
+}
+
+/// Long runs one by one: what holds on average holds for each.
+#[test]
+fn long_runs_each_keep_the_promise() {
+    for seed in 0..40 {
+        let mode = [PresentMode::Fifo, PresentMode::Mailbox][seed as usize % 2];
+        let mut scenario = Scenario::random(seed, mode);
+        scenario.frames = 8_000;
+        let run = run(&scenario);
+        let (missed, refreshes) = run.missed_refreshes(LEARNT);
+        assert!(missed * 1_000 <= refreshes, "seed {seed}: {missed} of {refreshes} missed");
+        assert!(run.most_queued() <= scenario.options.queue_limit as usize, "seed {seed}");
+        assert!(mean(&run.latency_excess(LEARNT)) < 1.0, "seed {seed}");
+    }
+}
+
+/// A period that drifts away from what acquires once told must be looked for again.
+#[test]
+fn long_runs_with_acquires_only() {
+    for seed in 0..20 {
+        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        scenario.frames = 8_000;
+        scenario.reports = PresentReports::Missing;
+        scenario.images = scenario.images.min(3);
+        scenario.options.queue_limit = scenario.options.queue_limit.max(scenario.images as u32);
+        let run = run(&scenario);
+        let (missed, refreshes) = run.missed_refreshes(LEARNT);
+        assert!(missed * 1_000 <= refreshes, "seed {seed}: {missed} of {refreshes} missed");
+        assert!(mean(&run.latency_excess(LEARNT)) < 1.0, "seed {seed}");
+    }
+}
+
+/// The measure can tell: a loop that starts at once shows as many frames, much later.
+#[test]
+fn starting_at_once_has_worse_latency_and_longer_queues() {
+    let mut worse = 0;
+    let mut too_many = 0;
+    for seed in 0..300 {
+        let paced = Scenario::random(seed, PresentMode::Fifo);
+        let at_once = Scenario { policy: Policy::AtOnce, ..paced.clone() };
+        let [paced, at_once] = [run(&paced), run(&at_once)];
+        let excess = |run: &Run| mean(&run.latency_excess(LEARNT));
+        worse += u32::from(excess(&at_once) > excess(&paced) + 0.5);
+        too_many +=
+            u32::from(at_once.most_queued() > at_once.scenario.options.queue_limit as usize);
+    }
+    println!(
+        "at once: {worse} of 300 are half a refresh worse, {too_many} queue more than allowed"
+    );
+    assert!(worse > 285, "{worse}");
+    assert!(too_many > 200, "{too_many}");
+}
+
+/// The measure can tell misses as well: 130 % load cannot reach every refresh.
+#[test]
+fn overload_misses_refreshes_and_stays_bounded() {
+    for seed in 0..100 {
+        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        scenario.gpu = 1.3 * scenario.period();
+        scenario.options.queue_limit = scenario.options.queue_limit.max(2);
+        let run = run(&scenario);
+        let (missed, refreshes) = run.missed_refreshes(LEARNT);
+        let share = missed as f64 / refreshes as f64;
+        assert!((0.15..0.55).contains(&share), "seed {seed}: {share}");
+        assert!(run.most_queued() <= scenario.options.queue_limit as usize, "seed {seed}");
+    }
+}
+
+/// What the pacer says was expected is what came.
+#[test]
+fn expected_presents_come_true() {
+    for seed in 0..200 {
+        let scenario = Scenario::random(seed, PresentMode::Fifo);
+        let run = run(&scenario);
+        let later = &run.outcomes[LEARNT..];
+        let right = later.iter().filter(|outcome| {
+            let off = outcome.expected.zip(outcome.shown).map(|(expected, shown)| shown - expected);
+            off.is_some_and(|off| off.abs() < 0.1 * scenario.period())
+        });
+        let (right, all) = (right.count(), later.len());
+        assert!(right * 100 >= all * 98, "seed {seed}: {right} of {all}");
+    }
+}

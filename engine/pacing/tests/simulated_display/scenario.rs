@@ -1,0 +1,169 @@
+//! What a simulated run is like: the display, the machine, the load, and what the pacer is told.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use antumbra_pacing::{PacerOptions, PresentMode, PresentReports, Presentation, Refresh};
+
+use crate::display::Panel;
+use crate::random::Random;
+
+pub const MILLISECOND: f64 = 1e6;
+pub const SECOND: f64 = 1e9;
+
+/// How the end of GPU work becomes known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ticks {
+    /// Somebody waits for them.
+    Watched,
+    /// Whenever the loop wakes it looks.
+    Polled,
+    /// As polled, and timestamps tell how long the work took.
+    Timestamps,
+    Unknown,
+}
+
+/// Who decides when a frame starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Policy {
+    Paced,
+    /// As soon as the last was presented: what a loop does that does not pace.
+    AtOnce,
+}
+
+/// Something that keeps a frame from going on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stall {
+    Cpu { frame: usize, duration: f64 },
+    Gpu { frame: usize, duration: f64 },
+}
+
+/// Another swapchain, before that frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Change {
+    pub frame: usize,
+    pub mode: PresentMode,
+    pub panel: Panel,
+}
+
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    pub seed: u64,
+    pub frames: usize,
+    pub policy: Policy,
+    pub options: PacerOptions,
+    pub panel: Panel,
+    pub mode: PresentMode,
+    pub images: usize,
+    pub latch: f64,
+    /// Whether the period is told beforehand.
+    pub hinted: bool,
+    pub reports: PresentReports,
+    pub ticks: Ticks,
+    /// Means, in nanoseconds.
+    pub cpu: f64,
+    pub gpu: f64,
+    /// Standard deviation of both, relative.
+    pub jitter: f64,
+    /// A sleep ends so much late at most.
+    pub wake_lateness: f64,
+    /// Standard deviation of reported times.
+    pub report_noise: f64,
+    /// A report comes so much later at most.
+    pub report_delay: f64,
+    /// Whether reports wake the loop.
+    pub woken_by_reports: bool,
+    /// The clock advances in such steps.
+    pub clock_grain: f64,
+    pub stalls: Vec<Stall>,
+    pub hidden: Range<f64>,
+    pub changes: Vec<Change>,
+    /// The display changes before that frame, and nobody is told.
+    pub silent_change: Option<(usize, Panel)>,
+}
+
+impl Scenario {
+    /// A quiet machine at 60 Hz, with everything reported.
+    pub fn quiet(seed: u64) -> Self {
+        let period = SECOND / 60.0;
+        Self {
+            seed,
+            frames: 300,
+            policy: Policy::Paced,
+            options: PacerOptions::default(),
+            panel: Panel::Fixed { period, phase: 3e6 },
+            mode: PresentMode::Fifo,
+            images: 3,
+            latch: 0.0,
+            hinted: false,
+            reports: PresentReports::Times,
+            ticks: Ticks::Watched,
+            cpu: 0.3 * period,
+            gpu: 0.4 * period,
+            jitter: 0.02,
+            wake_lateness: 0.05 * MILLISECOND,
+            report_noise: 0.02 * MILLISECOND,
+            report_delay: 0.3 * MILLISECOND,
+            woken_by_reports: true,
+            clock_grain: 1.0,
+            stalls: Vec::new(),
+            hidden: 0.0..0.0,
+            changes: Vec::new(),
+            silent_change: None,
+        }
+    }
+
+    /// Any display of a fixed rate, any load up to 80 %, any machine that is not pathological.
+    pub fn random(seed: u64, mode: PresentMode) -> Self {
+        let mut random = Random::new(seed);
+        let hz = random.pick(&[60.0, 90.0, 120.0, 144.0]) * random.between(0.998, 1.002);
+        let period = SECOND / hz;
+        let mut scenario = Self::quiet(seed);
+        scenario.panel = Panel::Fixed { period, phase: random.between(0.0, period) };
+        scenario.mode = mode;
+        scenario.options.queue_limit = random.pick(&[1, 2, 2, 3]);
+        scenario.images = random.pick(&[2, 3, 3, 4]);
+        if mode == PresentMode::Mailbox {
+            scenario.images = scenario.images.max(3);
+        }
+        // With one frame at a time, its CPU and GPU work must both fit into the refresh.
+        let (cpu, gpu) = if scenario.options.queue_limit == 1 {
+            let (load, share) = (random.between(0.1, 0.8), random.between(0.1, 0.9));
+            (load * share, load * (1.0 - share))
+        } else {
+            (random.between(0.05, 0.8), random.between(0.05, 0.8))
+        };
+        (scenario.cpu, scenario.gpu) = (cpu * period, gpu * period);
+        scenario.jitter = random.between(0.0, 0.04);
+        scenario.latch = random.between(0.0, 0.05) * period;
+        scenario.hinted = random.unit() < 0.5;
+        scenario.ticks = random.pick(&[Ticks::Watched, Ticks::Polled, Ticks::Timestamps]);
+        scenario.wake_lateness = random.between(0.0, 0.15 * MILLISECOND);
+        scenario.report_noise = random.between(0.0, 0.1 * MILLISECOND);
+        scenario.report_delay = random.between(0.0, 0.3 * MILLISECOND);
+        scenario
+    }
+
+    pub fn period(&self) -> f64 {
+        match self.panel {
+            Panel::Fixed { period, .. } => period,
+            Panel::Variable { min_period, .. } => min_period,
+        }
+    }
+
+    pub fn presentation(&self) -> Presentation {
+        let span = |ns: f64| Duration::from_nanos(ns as u64);
+        let refresh = match self.panel {
+            Panel::Variable { min_period, max_period } => {
+                Refresh::Variable { min_period: span(min_period), max_period: span(max_period) }
+            }
+            // Rounded, as window systems do.
+            Panel::Fixed { period, .. } if self.hinted => {
+                Refresh::About(span(SECOND / (SECOND / period).round()))
+            }
+            Panel::Fixed { .. } => Refresh::Unknown,
+        };
+        let images = self.images as u32;
+        Presentation { mode: self.mode, images, refresh, reports: self.reports }
+    }
+}
