@@ -28,6 +28,8 @@ pub(super) struct Screen {
     pub(super) old: OldChains,
     pub(super) fallback: Option<Fallback>,
     fit: Fit,
+    /// The mode wanted when the chain was made or last compared.
+    mode: PresentMode,
     /// The window's size when the chain was made or last compared.
     window_size: [u32; 2],
     /// Acquire semaphores, by slot.
@@ -85,6 +87,7 @@ impl Screen {
             old: OldChains::default(),
             fallback: None,
             fit: Fit::Fits,
+            mode: options.mode,
             window_size: [0, 0],
             acquire: Vec::new(),
             held: None,
@@ -146,18 +149,24 @@ impl Screen {
 
     /// Makes the chain fit the window; false if the window has no pixel.
     fn keep_up(&mut self, window_size: [u32; 2]) -> Result<bool, Error> {
-        let is_known = self.fit == Fit::Fits && self.window_size == window_size;
+        let is_known = self.fit == Fit::Fits
+            && self.window_size == window_size
+            && self.mode == self.options.mode;
         if is_known && self.chain.is_some() {
             return Ok(true);
         }
         let state = self.surface.state(&self.device);
         let state = state.called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")?;
         let Some(size) = plan::extent(&state, window_size) else { return Ok(false) };
-        let is_same = self.chain.as_ref().is_some_and(|chain| chain.size == size);
+        let mut is_same = self.chain.as_ref().is_some_and(|chain| chain.size == size);
+        if self.mode != self.options.mode {
+            let mode = self.choose_mode()?;
+            is_same &= self.chain.as_ref().is_some_and(|chain| chain.mode == mode);
+        }
         if !is_same || self.fit == Fit::Unusable {
             self.replace(&state, size)?;
         }
-        (self.fit, self.window_size) = (Fit::Fits, window_size);
+        (self.fit, self.mode, self.window_size) = (Fit::Fits, self.options.mode, window_size);
         Ok(true)
     }
 
@@ -205,10 +214,7 @@ impl Screen {
     }
 
     pub(super) fn set_mode(&mut self, mode: PresentMode) {
-        if self.options.mode != mode {
-            self.options.mode = mode;
-            self.fit = Fit::Unusable;
-        }
+        self.options.mode = mode;
     }
 
     /// Has one acquire semaphore for each of `count` slots, all of them new.
