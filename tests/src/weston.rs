@@ -59,6 +59,21 @@ impl Weston {
         }
     }
 
+    /// Stops the compositor in its tracks, as one that has much to do.
+    pub fn freeze(&self) {
+        self.signal("-STOP");
+    }
+
+    /// Lets it go on.
+    pub fn thaw(&self) {
+        self.signal("-CONT");
+    }
+
+    fn signal(&self, signal: &str) {
+        let sent = Command::new("kill").args([signal, &self.compositor.id().to_string()]).status();
+        assert!(sent.expect("the command kill").success());
+    }
+
     /// Ends the compositor, whoever is connected.
     pub fn end(&mut self) {
         let _is_gone_already = self.compositor.kill();

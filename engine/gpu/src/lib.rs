@@ -62,6 +62,7 @@ mod target;
 mod timeline;
 mod timing;
 mod transfer;
+mod turns;
 mod upload;
 mod validation;
 mod window_system;

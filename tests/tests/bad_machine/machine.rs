@@ -39,6 +39,8 @@ pub struct Machine {
     pub is_imprecise: bool,
     /// The most draws that a device draws or counts at once.
     pub most_draws: Option<u32>,
+    /// Windows have no pixel: they are minimised.
+    pub is_minimised: bool,
     /// What fails.
     pub faults: Vec<Fault>,
 }
@@ -146,4 +148,6 @@ fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction
 mod replacements;
 
 use replacements::replacements;
-pub use replacements::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START};
+pub use replacements::{
+    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
+};

@@ -113,6 +113,34 @@ counted! { CALLS_THAT_RUN calls_that_run {
     device_wait_idle PFN_vkDeviceWaitIdle c"vkDeviceWaitIdle" (device: vk::Device);
 }}
 
+counted! { CALLS_THAT_SHOW calls_that_show {
+    create_swapchain PFN_vkCreateSwapchainKHR c"vkCreateSwapchainKHR" (
+        device: vk::Device, info: *const vk::SwapchainCreateInfoKHR<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::SwapchainKHR);
+    swapchain_images PFN_vkGetSwapchainImagesKHR c"vkGetSwapchainImagesKHR" (
+        device: vk::Device, swapchain: vk::SwapchainKHR, count: *mut u32, images: *mut vk::Image);
+    acquire_image PFN_vkAcquireNextImageKHR c"vkAcquireNextImageKHR" (
+        device: vk::Device, swapchain: vk::SwapchainKHR, bound_ns: u64, semaphore: vk::Semaphore,
+        fence: vk::Fence, index: *mut u32);
+    queue_present PFN_vkQueuePresentKHR c"vkQueuePresentKHR" (
+        queue: vk::Queue, info: *const vk::PresentInfoKHR<'_>);
+    surface_state PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR
+        c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR" (
+        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR,
+        state: *mut vk::SurfaceCapabilitiesKHR);
+    surface_formats PFN_vkGetPhysicalDeviceSurfaceFormatsKHR
+        c"vkGetPhysicalDeviceSurfaceFormatsKHR" (
+        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR, count: *mut u32,
+        formats: *mut vk::SurfaceFormatKHR);
+    surface_modes PFN_vkGetPhysicalDeviceSurfacePresentModesKHR
+        c"vkGetPhysicalDeviceSurfacePresentModesKHR" (
+        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR, count: *mut u32,
+        modes: *mut vk::PresentModeKHR);
+    create_fence PFN_vkCreateFence c"vkCreateFence" (
+        device: vk::Device, info: *const vk::FenceCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Fence);
+}}
+
 counted! { CALLS_THAT_SAVE calls_that_save {
     pipeline_cache_data PFN_vkGetPipelineCacheData c"vkGetPipelineCacheData" (
         device: vk::Device, cache: vk::PipelineCache, size: *mut usize, data: *mut c_void);
@@ -162,7 +190,8 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         ]
     };
     let counted =
-        [calls_that_make(), calls_that_run(), calls_that_save(), calls_that_start()].concat();
+        [calls_that_make(), calls_that_run(), calls_that_show(), calls_that_save(), calls_that_start()]
+            .concat();
     that_lie.into_iter().chain(counted).collect()
 }
 

@@ -8,6 +8,7 @@ use raw_window_handle::{
     DisplayHandle, HandleError, HasDisplayHandle, HasWindowHandle, RawDisplayHandle,
     RawWindowHandle, WaylandDisplayHandle, WaylandWindowHandle, WindowHandle,
 };
+use rustix::event::{PollFd, PollFlags, poll};
 use tests::weston::Weston;
 use wayland_client::globals::{GlobalListContents, registry_queue_init};
 use wayland_client::protocol::{wl_compositor, wl_registry, wl_surface};
@@ -68,8 +69,14 @@ impl WaylandWindow {
         let mut queue = self.queue.lock().unwrap();
         let (queue, events) = &mut *queue;
         queue.flush().unwrap();
+        // Where the driver waits for the compositor in another thread, reading waits for that thread
+        // unless there is something to read.
         if let Some(guard) = queue.prepare_read() {
-            let _nothing_came = guard.read();
+            let mut sockets = [PollFd::from_borrowed_fd(guard.connection_fd(), PollFlags::IN)];
+            let at_once = rustix::event::Timespec { tv_sec: 0, tv_nsec: 0 };
+            if poll(&mut sockets, Some(&at_once)).unwrap() > 0 {
+                let _nothing_came = guard.read();
+            }
         }
         queue.dispatch_pending(events).unwrap();
     }
