@@ -7,6 +7,7 @@
 )]
 
 #[path = "swapchain/stage.rs"]
+#[allow(dead_code, reason = "others need more of the stage")]
 mod stage;
 #[path = "swapchain/wayland_window.rs"]
 mod wayland_window;

@@ -41,6 +41,10 @@ pub struct Machine {
     pub most_draws: Option<u32>,
     /// Windows have no pixel: they are minimised.
     pub is_minimised: bool,
+    /// No device shows pictures in windows.
+    pub is_blind: bool,
+    /// No device has present fences.
+    pub is_fenceless: bool,
     /// What fails.
     pub faults: Vec<Fault>,
 }

@@ -119,15 +119,6 @@ counted! { CALLS_THAT_SHOW calls_that_show {
         made: *mut vk::SwapchainKHR);
     swapchain_images PFN_vkGetSwapchainImagesKHR c"vkGetSwapchainImagesKHR" (
         device: vk::Device, swapchain: vk::SwapchainKHR, count: *mut u32, images: *mut vk::Image);
-    acquire_image PFN_vkAcquireNextImageKHR c"vkAcquireNextImageKHR" (
-        device: vk::Device, swapchain: vk::SwapchainKHR, bound_ns: u64, semaphore: vk::Semaphore,
-        fence: vk::Fence, index: *mut u32);
-    queue_present PFN_vkQueuePresentKHR c"vkQueuePresentKHR" (
-        queue: vk::Queue, info: *const vk::PresentInfoKHR<'_>);
-    surface_state PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR
-        c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR" (
-        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR,
-        state: *mut vk::SurfaceCapabilitiesKHR);
     surface_formats PFN_vkGetPhysicalDeviceSurfaceFormatsKHR
         c"vkGetPhysicalDeviceSurfaceFormatsKHR" (
         physical: vk::PhysicalDevice, surface: vk::SurfaceKHR, count: *mut u32,
@@ -160,6 +151,23 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
     let that_lie = unsafe {
         [
             (
+                c"vkAcquireNextImageKHR",
+                transmute::<vk::PFN_vkAcquireNextImageKHR, Function>(acquire_image),
+            ),
+            (c"vkQueuePresentKHR", transmute::<vk::PFN_vkQueuePresentKHR, Function>(queue_present)),
+            (
+                c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR",
+                transmute::<vk::PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR, Function>(
+                    surface_state,
+                ),
+            ),
+            (
+                c"vkGetPhysicalDeviceSurfaceSupportKHR",
+                transmute::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR, Function>(
+                    surface_support,
+                ),
+            ),
+            (
                 c"vkGetDeviceProcAddr",
                 transmute::<vk::PFN_vkGetDeviceProcAddr, Function>(device_proc_addr),
             ),
@@ -189,9 +197,14 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
             ),
         ]
     };
-    let counted =
-        [calls_that_make(), calls_that_run(), calls_that_show(), calls_that_save(), calls_that_start()]
-            .concat();
+    let counted = [
+        calls_that_make(),
+        calls_that_run(),
+        calls_that_show(),
+        calls_that_save(),
+        calls_that_start(),
+    ]
+    .concat();
     that_lie.into_iter().chain(counted).collect()
 }
 
@@ -274,6 +287,13 @@ unsafe extern "system" fn features(
                         conditional.conditional_rendering = vk::FALSE;
                     }
                 }
+                vk::StructureType::PHYSICAL_DEVICE_SWAPCHAIN_MAINTENANCE_1_FEATURES_EXT => {
+                    let fences =
+                        &mut *next.cast::<vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'_>>();
+                    if machine(|machine| machine.is_fenceless) {
+                        fences.swapchain_maintenance1 = vk::FALSE;
+                    }
+                }
                 vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_2_FEATURES => {
                     let more = &mut *next.cast::<vk::PhysicalDeviceVulkan12Features<'_>>();
                     if lacks(Required::TimelineSemaphore) {
@@ -325,5 +345,86 @@ unsafe extern "system" fn format(
         if lacks(Required::Depth32) && format == vk::Format::D32_SFLOAT {
             (*properties).optimal_tiling_features = vk::FormatFeatureFlags::empty();
         }
+    }
+}
+
+unsafe extern "system" fn acquire_image(
+    device: vk::Device,
+    swapchain: vk::SwapchainKHR,
+    bound_ns: u64,
+    semaphore: vk::Semaphore,
+    fence: vk::Fence,
+    index: *mut u32,
+) -> vk::Result {
+    let name = c"vkAcquireNextImageKHR";
+    match due(name) {
+        Some(code) if code != vk::Result::SUBOPTIMAL_KHR => code,
+        // SAFETY: as above.
+        due => unsafe {
+            let real = real::<vk::PFN_vkAcquireNextImageKHR>(name);
+            let code = real(device, swapchain, bound_ns, semaphore, fence, index);
+            if code == vk::Result::SUCCESS { due.unwrap_or(code) } else { code }
+        },
+    }
+}
+
+unsafe extern "system" fn queue_present(
+    queue: vk::Queue,
+    info: *const vk::PresentInfoKHR<'_>,
+) -> vk::Result {
+    let name = c"vkQueuePresentKHR";
+    let is_done_all_the_same = |code: &vk::Result| {
+        [
+            vk::Result::SUBOPTIMAL_KHR,
+            vk::Result::ERROR_OUT_OF_DATE_KHR,
+            vk::Result::ERROR_SURFACE_LOST_KHR,
+        ]
+        .contains(code)
+    };
+    match due(name) {
+        Some(code) if !is_done_all_the_same(&code) => code,
+        // SAFETY: as above.
+        due => unsafe {
+            let code = real::<vk::PFN_vkQueuePresentKHR>(name)(queue, info);
+            due.unwrap_or(code)
+        },
+    }
+}
+
+unsafe extern "system" fn surface_state(
+    physical: vk::PhysicalDevice,
+    surface: vk::SurfaceKHR,
+    state: *mut vk::SurfaceCapabilitiesKHR,
+) -> vk::Result {
+    let name = c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR";
+    if let Some(code) = due(name) {
+        return code;
+    }
+    // SAFETY: as above.
+    unsafe {
+        let real = real::<vk::PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR>(name);
+        let code = real(physical, surface, state);
+        if machine(|machine| machine.is_minimised) {
+            (*state).current_extent = vk::Extent2D::default();
+        }
+        code
+    }
+}
+
+unsafe extern "system" fn surface_support(
+    physical: vk::PhysicalDevice,
+    family: u32,
+    surface: vk::SurfaceKHR,
+    presents: *mut vk::Bool32,
+) -> vk::Result {
+    let name = c"vkGetPhysicalDeviceSurfaceSupportKHR";
+    // SAFETY: as above.
+    unsafe {
+        let real = real::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR>(name);
+        let code = real(physical, family, surface, presents);
+        if machine(|machine| machine.is_blind) {
+            *presents = vk::FALSE;
+        }
+        code
     }
 }

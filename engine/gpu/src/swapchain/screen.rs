@@ -189,7 +189,14 @@ impl Screen {
         if let Some(before) = before {
             self.old.push(&self.device, before.retired())?;
         }
-        let chain = made?;
+        let chain = match made {
+            Ok(chain) => chain,
+            Err(error) => {
+                // No younger chain will prove the old ones over, and one may hold the window.
+                self.old.retire_behind_a_submit(&self.device, self.old.len())?;
+                return Err(error);
+            }
+        };
         tracing::debug!(
             "swapchain {}: {}x{}, {:?} in {:?}, {mode}, {} images",
             self.number.0,
