@@ -7,6 +7,7 @@
 
 pub mod shapes;
 pub mod walk;
+pub mod weston;
 pub mod xvfb;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -3,18 +3,22 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
+use x11rb::rust_connection::RustConnection;
+
 /// A running Xvfb, ended when dropped.
 pub struct Xvfb {
     server: Child,
     display: String,
+    // The server ends with its last client: it outlives no test, not even one that crashes.
+    _client: RustConnection,
 }
 
 impl Xvfb {
     /// Starts a server with one screen of 1280x1024 pixels of 24 bits, on a display that is free.
     pub fn start() -> Self {
-        // The server picks a free display and says which when it is ready; it stays when clients go.
+        // The server picks a free display and says which when it is ready.
         let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-terminate", "-nolisten", "tcp"])
             .args(["-screen", "0", "1280x1024x24"])
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -29,7 +33,9 @@ impl Xvfb {
         let says = server.stdout.take().expect("its output");
         BufReader::new(says).read_line(&mut number).expect("a display");
         assert!(!number.trim().is_empty(), "Xvfb ended without a display");
-        Self { server, display: format!(":{}", number.trim()) }
+        let display = format!(":{}", number.trim());
+        let (client, _) = RustConnection::connect(Some(&display)).expect("a connection to Xvfb");
+        Self { server, display, _client: client }
     }
 
     /// Its display, as in the variable `DISPLAY`.

@@ -10,6 +10,8 @@
 mod changes;
 #[path = "swapchain/stage.rs"]
 mod stage;
+#[path = "swapchain/steady.rs"]
+mod steady;
 #[path = "swapchain/x11_window.rs"]
 mod x11_window;
 

@@ -16,6 +16,7 @@ use crate::instance::{Instance, InstanceShared};
 use crate::open_device::{Extensions, create_raw, equip};
 use crate::pipeline_cache::PipelineCache;
 use crate::timeline::{Tick, Timeline};
+use crate::turns::Turns;
 
 /// How to make a [`Device`].
 #[derive(Debug, Clone)]
@@ -72,7 +73,7 @@ struct DeviceShared {
     extensions: Extensions,
     adapter: Adapter,
     queue_family: u32,
-    queue: Mutex<vk::Queue>,
+    queue: Turns<vk::Queue>,
     // None only while dropping.
     allocator: Mutex<Option<Allocator>>,
     deletion: Mutex<DeletionQueue<Garbage>>,
@@ -114,7 +115,7 @@ impl Device {
                 instance: Arc::clone(shared),
                 adapter: adapter.clone(),
                 queue_family,
-                queue: Mutex::new(queue),
+                queue: Turns::new(queue),
                 allocator: Mutex::new(Some(allocator)),
                 deletion: Mutex::new(DeletionQueue::new()),
                 timeline,
@@ -226,7 +227,11 @@ impl Device {
         if order.after.is_some_and(|(timeline, _)| !timeline.is_of(self)) {
             return Err(Error::WrongCommands("they wait for a timeline of another device"));
         }
-        let queue = lock(&self.shared.queue);
+        let bound = self.shared.wait_bound;
+        let Some(queue) = self.shared.queue.take(bound) else {
+            let what = "the picture before, which a hidden window holds back";
+            return Err(Error::Timeout { what, seconds: bound.as_secs_f64() });
+        };
         let tick = self.submitted().next();
         let commands =
             commands.map(|raw| vk::CommandBufferSubmitInfo::default().command_buffer(raw));
@@ -246,16 +251,17 @@ impl Device {
             .command_buffer_infos(commands.as_slice())
             .wait_semaphore_infos(&waits[..waiting])
             .signal_semaphore_infos(&signals[..signalling]);
-        // SAFETY: the queue is ours while the lock is held; the command buffer is complete.
-        unsafe { self.raw().queue_submit2(*queue, &[info], vk::Fence::null()) }
+        // SAFETY: the queue is ours while the turn lasts; the command buffer is complete.
+        unsafe { self.raw().queue_submit2(queue.value, &[info], vk::Fence::null()) }
             .called("vkQueueSubmit2")?;
         self.shared.submitted.store(tick.0, Ordering::Release);
         Ok(tick)
     }
 
-    /// Hands the queue to `present`, which nobody else uses meanwhile.
-    pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> R {
-        present(*lock(&self.shared.queue))
+    /// Hands the queue to `present`, which nobody else uses meanwhile. Others may hold it for longer
+    /// than the bound of every wait.
+    pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
+        Some(present(self.shared.queue.take(self.shared.wait_bound)?.value))
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is

@@ -95,6 +95,9 @@ pub enum Error {
         "no picture can be shown in this window: {0}; choose another device, or draw without a window"
     )]
     CannotPresent(String),
+    /// A thread could not be started.
+    #[error("the thread that presents cannot start: {0}; end other programs, or show no window")]
+    NoThread(String),
     /// Commands were recorded that no device could run. A mistake of the program that records them.
     #[error("the commands recorded cannot be run: {0}; correct the program that records them")]
     WrongCommands(&'static str),

@@ -64,6 +64,7 @@ mod texture;
 mod timeline;
 mod timing;
 mod transfer;
+mod turns;
 mod upload;
 mod validation;
 mod window_system;

@@ -68,6 +68,12 @@ impl Surface {
         Ok(Self { shared: Arc::new(shared) })
     }
 
+    /// How many hold it, and with it the window: clones, swapchains, and what those left that GPU and
+    /// presentation engine are not done with.
+    pub fn holders(&self) -> usize {
+        Arc::strong_count(&self.shared)
+    }
+
     /// The present modes that `device` has for this window.
     ///
     /// # Errors

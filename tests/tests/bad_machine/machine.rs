@@ -39,6 +39,12 @@ pub struct Machine {
     pub is_imprecise: bool,
     /// The most draws that a device draws or counts at once.
     pub most_draws: Option<u32>,
+    /// Windows have no pixel: they are minimised.
+    pub is_minimised: bool,
+    /// No device shows pictures in windows.
+    pub is_blind: bool,
+    /// No device has present fences.
+    pub is_fenceless: bool,
     /// What fails.
     pub faults: Vec<Fault>,
 }
@@ -146,4 +152,6 @@ fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction
 mod replacements;
 
 use replacements::replacements;
-pub use replacements::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START};
+pub use replacements::{
+    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
+};

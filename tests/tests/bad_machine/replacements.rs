@@ -113,6 +113,25 @@ counted! { CALLS_THAT_RUN calls_that_run {
     device_wait_idle PFN_vkDeviceWaitIdle c"vkDeviceWaitIdle" (device: vk::Device);
 }}
 
+counted! { CALLS_THAT_SHOW calls_that_show {
+    create_swapchain PFN_vkCreateSwapchainKHR c"vkCreateSwapchainKHR" (
+        device: vk::Device, info: *const vk::SwapchainCreateInfoKHR<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::SwapchainKHR);
+    swapchain_images PFN_vkGetSwapchainImagesKHR c"vkGetSwapchainImagesKHR" (
+        device: vk::Device, swapchain: vk::SwapchainKHR, count: *mut u32, images: *mut vk::Image);
+    surface_formats PFN_vkGetPhysicalDeviceSurfaceFormatsKHR
+        c"vkGetPhysicalDeviceSurfaceFormatsKHR" (
+        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR, count: *mut u32,
+        formats: *mut vk::SurfaceFormatKHR);
+    surface_modes PFN_vkGetPhysicalDeviceSurfacePresentModesKHR
+        c"vkGetPhysicalDeviceSurfacePresentModesKHR" (
+        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR, count: *mut u32,
+        modes: *mut vk::PresentModeKHR);
+    create_fence PFN_vkCreateFence c"vkCreateFence" (
+        device: vk::Device, info: *const vk::FenceCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Fence);
+}}
+
 counted! { CALLS_THAT_SAVE calls_that_save {
     pipeline_cache_data PFN_vkGetPipelineCacheData c"vkGetPipelineCacheData" (
         device: vk::Device, cache: vk::PipelineCache, size: *mut usize, data: *mut c_void);
@@ -131,6 +150,23 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
     // SAFETY: function pointers all; who asks for one knows its type by its name.
     let that_lie = unsafe {
         [
+            (
+                c"vkAcquireNextImageKHR",
+                transmute::<vk::PFN_vkAcquireNextImageKHR, Function>(acquire_image),
+            ),
+            (c"vkQueuePresentKHR", transmute::<vk::PFN_vkQueuePresentKHR, Function>(queue_present)),
+            (
+                c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR",
+                transmute::<vk::PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR, Function>(
+                    surface_state,
+                ),
+            ),
+            (
+                c"vkGetPhysicalDeviceSurfaceSupportKHR",
+                transmute::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR, Function>(
+                    surface_support,
+                ),
+            ),
             (
                 c"vkGetDeviceProcAddr",
                 transmute::<vk::PFN_vkGetDeviceProcAddr, Function>(device_proc_addr),
@@ -161,8 +197,14 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
             ),
         ]
     };
-    let counted =
-        [calls_that_make(), calls_that_run(), calls_that_save(), calls_that_start()].concat();
+    let counted = [
+        calls_that_make(),
+        calls_that_run(),
+        calls_that_show(),
+        calls_that_save(),
+        calls_that_start(),
+    ]
+    .concat();
     that_lie.into_iter().chain(counted).collect()
 }
 
@@ -245,6 +287,13 @@ unsafe extern "system" fn features(
                         conditional.conditional_rendering = vk::FALSE;
                     }
                 }
+                vk::StructureType::PHYSICAL_DEVICE_SWAPCHAIN_MAINTENANCE_1_FEATURES_EXT => {
+                    let fences =
+                        &mut *next.cast::<vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'_>>();
+                    if machine(|machine| machine.is_fenceless) {
+                        fences.swapchain_maintenance1 = vk::FALSE;
+                    }
+                }
                 vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_2_FEATURES => {
                     let more = &mut *next.cast::<vk::PhysicalDeviceVulkan12Features<'_>>();
                     if lacks(Required::TimelineSemaphore) {
@@ -296,5 +345,86 @@ unsafe extern "system" fn format(
         if lacks(Required::Depth32) && format == vk::Format::D32_SFLOAT {
             (*properties).optimal_tiling_features = vk::FormatFeatureFlags::empty();
         }
+    }
+}
+
+unsafe extern "system" fn acquire_image(
+    device: vk::Device,
+    swapchain: vk::SwapchainKHR,
+    bound_ns: u64,
+    semaphore: vk::Semaphore,
+    fence: vk::Fence,
+    index: *mut u32,
+) -> vk::Result {
+    let name = c"vkAcquireNextImageKHR";
+    match due(name) {
+        Some(code) if code != vk::Result::SUBOPTIMAL_KHR => code,
+        // SAFETY: as above.
+        due => unsafe {
+            let real = real::<vk::PFN_vkAcquireNextImageKHR>(name);
+            let code = real(device, swapchain, bound_ns, semaphore, fence, index);
+            if code == vk::Result::SUCCESS { due.unwrap_or(code) } else { code }
+        },
+    }
+}
+
+unsafe extern "system" fn queue_present(
+    queue: vk::Queue,
+    info: *const vk::PresentInfoKHR<'_>,
+) -> vk::Result {
+    let name = c"vkQueuePresentKHR";
+    let is_done_all_the_same = |code: &vk::Result| {
+        [
+            vk::Result::SUBOPTIMAL_KHR,
+            vk::Result::ERROR_OUT_OF_DATE_KHR,
+            vk::Result::ERROR_SURFACE_LOST_KHR,
+        ]
+        .contains(code)
+    };
+    match due(name) {
+        Some(code) if !is_done_all_the_same(&code) => code,
+        // SAFETY: as above.
+        due => unsafe {
+            let code = real::<vk::PFN_vkQueuePresentKHR>(name)(queue, info);
+            due.unwrap_or(code)
+        },
+    }
+}
+
+unsafe extern "system" fn surface_state(
+    physical: vk::PhysicalDevice,
+    surface: vk::SurfaceKHR,
+    state: *mut vk::SurfaceCapabilitiesKHR,
+) -> vk::Result {
+    let name = c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR";
+    if let Some(code) = due(name) {
+        return code;
+    }
+    // SAFETY: as above.
+    unsafe {
+        let real = real::<vk::PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR>(name);
+        let code = real(physical, surface, state);
+        if machine(|machine| machine.is_minimised) {
+            (*state).current_extent = vk::Extent2D::default();
+        }
+        code
+    }
+}
+
+unsafe extern "system" fn surface_support(
+    physical: vk::PhysicalDevice,
+    family: u32,
+    surface: vk::SurfaceKHR,
+    presents: *mut vk::Bool32,
+) -> vk::Result {
+    let name = c"vkGetPhysicalDeviceSurfaceSupportKHR";
+    // SAFETY: as above.
+    unsafe {
+        let real = real::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR>(name);
+        let code = real(physical, family, surface, presents);
+        if machine(|machine| machine.is_blind) {
+            *presents = vk::FALSE;
+        }
+        code
     }
 }

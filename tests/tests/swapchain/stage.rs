@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gpu::{
-    Device, DeviceOptions, Error, FrameRing, Instance, Readback, Shown, Surface, Swapchain,
+    Device, DeviceOptions, FrameRing, Instance, Readback, Shown, Surface, Swapchain,
     SwapchainOptions, Target, Window, WindowSystem,
 };
 use tests::{Driver, instance_for};
@@ -126,11 +126,6 @@ pub fn await_picture(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
         );
         std::thread::sleep(Duration::from_millis(5));
     }
-}
-
-/// The error of a call that must fail.
-pub fn error_of<T>(result: Result<T, Error>) -> String {
-    result.err().expect("an error").to_string()
 }
 
 /// Numbers that look random and are the same each time (SplitMix64, Steele, Lea, Flood 2014).

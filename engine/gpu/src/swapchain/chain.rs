@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use ash::{khr, vk};
 
+use super::outcome::PresentId;
 use super::plan;
 use crate::capabilities::Optional;
 use crate::device::Device;
@@ -33,7 +34,8 @@ pub(super) struct ChainImage {
 
 pub(super) struct Chain {
     pub(super) raw: vk::SwapchainKHR,
-    pub(super) surface: Surface,
+    // The window is there as long as its chains are.
+    _surface: Surface,
     functions: khr::swapchain::Device,
     pub(super) size: [u32; 2],
     pub(super) mode: PresentMode,
@@ -88,7 +90,8 @@ impl Chain {
         // From here on the chain owns what is made, and drops it if the rest fails.
         let (surface, functions) = (surface.clone(), functions.clone());
         let (size, mode) = (wanted.size, wanted.mode);
-        let mut chain = Self { raw, surface, functions, size, mode, format, images: Vec::new() };
+        let mut chain =
+            Self { raw, _surface: surface, functions, size, mode, format, images: Vec::new() };
         match chain.bring_images(device, wanted.number) {
             Ok(()) => Ok(chain),
             Err(error) => {
@@ -168,46 +171,32 @@ impl Chain {
         Ok(true)
     }
 
-    /// Hands an image that is being drawn to the presentation engine.
+    /// The call that hands an image that is being drawn to the presentation engine. From now on it
+    /// counts as made.
     pub(super) fn present(
         &mut self,
-        device: &Device,
         index: ImageIndex,
-        id: super::PresentId,
-    ) -> Result<bool, vk::Result> {
-        let (raw, functions) = (self.raw, self.functions.clone());
-        let Ok(image) = self.image(index) else { return Err(vk::Result::ERROR_UNKNOWN) };
-        let (chains, indices, drawn) = ([raw], [index.0], [image.drawn]);
-        let (fences, ids) = ([image.fence.unwrap_or_default()], [id.0]);
-        let mut fence_info = vk::SwapchainPresentFenceInfoEXT::default().fences(&fences);
-        let mut id_info = vk::PresentIdKHR::default().present_ids(&ids);
-        let times = [vk::PresentTimeGOOGLE { present_id: id.0 as u32, desired_present_time: 0 }];
-        let mut time_info = vk::PresentTimesInfoGOOGLE::default().times(&times);
-        let mut info = vk::PresentInfoKHR::default()
-            .wait_semaphores(&drawn)
-            .swapchains(&chains)
-            .image_indices(&indices);
-        if image.fence.is_some() {
-            info = info.push_next(&mut fence_info);
+        id: PresentId,
+    ) -> Result<PresentCall, Error> {
+        let (chain, functions) = (self.raw, self.functions.clone());
+        let image = self.image(index)?;
+        (image.is_fence_pending, image.was_presented) = (image.fence.is_some(), true);
+        Ok(PresentCall { functions, chain, index, drawn: image.drawn, fence: image.fence, id })
+    }
+
+    /// What came of that call. After some errors nothing was done; others are told of a present that
+    /// is carried out as far as its semaphore and fence go (Vulkan specification, vkQueuePresentKHR).
+    pub(super) fn presented(&mut self, index: ImageIndex, result: Result<bool, vk::Result>) {
+        const IS_DONE_ALL_THE_SAME: [vk::Result; 3] = [
+            vk::Result::ERROR_OUT_OF_DATE_KHR,
+            vk::Result::ERROR_SURFACE_LOST_KHR,
+            vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
+        ];
+        if let (Err(code), Ok(image)) = (result, self.image(index))
+            && !IS_DONE_ALL_THE_SAME.contains(&code)
+        {
+            image.is_fence_pending = false;
         }
-        if device.extensions().present_wait.is_some() {
-            info = info.push_next(&mut id_info);
-        }
-        if device.extensions().display_timing.is_some() {
-            info = info.push_next(&mut time_info);
-        }
-        // SAFETY: the image was acquired, its semaphore is signalled by a submit made before, its
-        // fence is unsignalled; the queue is ours meanwhile.
-        let result = device.with_queue(|queue| unsafe { functions.queue_present(queue, &info) });
-        // These are told of a present that is carried out as far as its semaphore and fence go (Vulkan
-        // specification, vkQueuePresentKHR); after other errors nothing was done.
-        let is_done = match result {
-            Ok(_) => true,
-            Err(code) => IS_DONE_ALL_THE_SAME.contains(&code),
-        };
-        image.is_fence_pending |= is_done && image.fence.is_some();
-        image.was_presented |= is_done;
-        result
     }
 
     pub(super) fn retired(self) -> RetiredChain {
@@ -217,11 +206,45 @@ impl Chain {
 
 const MOST_NS: u64 = 60_000_000_000;
 
-const IS_DONE_ALL_THE_SAME: [vk::Result; 3] = [
-    vk::Result::ERROR_OUT_OF_DATE_KHR,
-    vk::Result::ERROR_SURFACE_LOST_KHR,
-    vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
-];
+/// A present, to be made on the thread of the frame loop or on another.
+pub(super) struct PresentCall {
+    functions: khr::swapchain::Device,
+    chain: vk::SwapchainKHR,
+    index: ImageIndex,
+    drawn: vk::Semaphore,
+    fence: Option<vk::Fence>,
+    id: PresentId,
+}
+
+impl PresentCall {
+    /// Makes it. Also says whether the chain does not fit the window well any more.
+    pub(super) fn make(&self, device: &Device) -> Result<bool, vk::Result> {
+        let (chains, indices, drawn) = ([self.chain], [self.index.0], [self.drawn]);
+        let (fences, ids) = ([self.fence.unwrap_or_default()], [self.id.0]);
+        let mut fence_info = vk::SwapchainPresentFenceInfoEXT::default().fences(&fences);
+        let mut id_info = vk::PresentIdKHR::default().present_ids(&ids);
+        let times =
+            [vk::PresentTimeGOOGLE { present_id: self.id.0 as u32, desired_present_time: 0 }];
+        let mut time_info = vk::PresentTimesInfoGOOGLE::default().times(&times);
+        let mut info = vk::PresentInfoKHR::default()
+            .wait_semaphores(&drawn)
+            .swapchains(&chains)
+            .image_indices(&indices);
+        if self.fence.is_some() {
+            info = info.push_next(&mut fence_info);
+        }
+        if device.extensions().present_wait.is_some() {
+            info = info.push_next(&mut id_info);
+        }
+        if device.extensions().display_timing.is_some() {
+            info = info.push_next(&mut time_info);
+        }
+        // SAFETY: the image was acquired, its semaphore is signalled by a submit made before, its
+        // fence is unsignalled; nobody calls with the chain meanwhile, and the queue is ours.
+        let made = device.with_queue(|queue| unsafe { self.functions.queue_present(queue, &info) });
+        made.unwrap_or(Err(vk::Result::NOT_READY))
+    }
+}
 
 impl RetiredChain {
     /// Whether the presentation engine is done with it; nothing if it has no fences to tell.

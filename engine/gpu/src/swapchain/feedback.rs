@@ -51,7 +51,7 @@ impl Swapchain {
     pub fn wait_until_shown(&mut self, id: PresentId, bound: Duration) -> Result<bool, Error> {
         let screen = &mut self.screen;
         let (Some(functions), Some(chain)) =
-            (&screen.device.extensions().present_wait, &screen.chain)
+            (&screen.device.extensions().present_wait, screen.idle_chain())
         else {
             return Ok(false);
         };
@@ -84,7 +84,7 @@ impl Swapchain {
     pub fn timings(&mut self, mut each: impl FnMut(PresentTiming)) -> Result<(), Error> {
         let screen = &self.screen;
         let (Some(functions), Some(chain)) =
-            (&screen.device.extensions().display_timing, &screen.chain)
+            (&screen.device.extensions().display_timing, screen.idle_chain())
         else {
             return Ok(());
         };
@@ -123,7 +123,7 @@ impl Swapchain {
     pub fn refresh_duration(&self) -> Result<Option<Duration>, Error> {
         let screen = &self.screen;
         let (Some(functions), Some(chain)) =
-            (&screen.device.extensions().display_timing, &screen.chain)
+            (&screen.device.extensions().display_timing, screen.idle_chain())
         else {
             return Ok(None);
         };

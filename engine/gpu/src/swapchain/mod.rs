@@ -9,6 +9,8 @@
 //!   is over, and it may be given to an acquire again.
 //! - The presentation engine waits for the image's *drawn semaphore*. There is one an image: when the
 //!   image is acquired again, the present that waited for it is over.
+//! - Where a driver waits inside the present itself, for a window that may be hidden, another thread
+//!   makes that call ([`presenter`]).
 //!
 //! A frame is rendered and submitted before its image is asked for, so the GPU draws while the CPU
 //! waits for the screen, and a frame without a window is the same frame.
@@ -22,7 +24,10 @@ mod feedback;
 mod old_chains;
 mod outcome;
 mod plan;
+mod presenter;
+mod remains;
 mod screen;
+mod showing;
 
 use std::time::{Duration, Instant};
 
@@ -96,6 +101,19 @@ impl Swapchain {
         Ok(Self { ring, screen })
     }
 
+    /// Whether a frame may begin. Ask before each: a hidden window may hold the picture before back, and
+    /// with it the queue, so that nothing can be submitted. Waits for no longer than
+    /// [`SwapchainOptions::acquire_bound`].
+    ///
+    /// # Errors
+    /// What has no name in [`NotShown`]; those that have come with the next picture.
+    pub fn is_ready(&mut self) -> Result<bool, Error> {
+        match self.screen.is_ready() {
+            Ok(is_ready) => Ok(is_ready),
+            Err(error) => self.screen.settle(error).map(|_| true),
+        }
+    }
+
     /// Asks for an image of the window, which is `window_size` pixels large as far as the caller
     /// knows. Call it when the frame is submitted, not before: the wait for the screen is here.
     ///
@@ -130,6 +148,9 @@ impl Swapchain {
     }
 
     fn try_acquire(&mut self, window_size: [u32; 2]) -> Result<Option<NotShown>, Error> {
+        if !self.screen.is_ready()? {
+            return Ok(Some(NotShown::Hidden));
+        }
         if !self.ring.is_ready_within(self.screen.options.acquire_bound)? {
             return Ok(Some(NotShown::Hidden));
         }

@@ -1,39 +1,46 @@
 //! The window's side of a swapchain: which chain it has, whether it still fits, what is acquired of it.
 
-use std::time::{Duration, Instant};
-
 use ash::{khr, vk};
 
 use super::chain::{Chain, ChainNumber, ImageIndex, Wanted};
 use super::old_chains::OldChains;
-use super::outcome::{NotShown, PresentId, Presented, Shown};
+use super::outcome::{NotShown, PresentId};
+use super::presenter::Presenter;
+use super::remains::Held;
 use super::{SwapchainOptions, plan};
 use crate::capabilities::Optional;
 use crate::deletion::Garbage;
 use crate::device::{Device, Order};
 use crate::error::{Called, Error};
-use crate::frames::{Frame, SlotIndex};
+use crate::frames::SlotIndex;
 use crate::present_mode::{Fallback, PresentMode};
 use crate::surface::Surface;
-use crate::target::Target;
 
 pub(super) struct Screen {
     pub(super) device: Device,
-    functions: khr::swapchain::Device,
-    surface: Surface,
+    pub(super) functions: khr::swapchain::Device,
+    pub(super) surface: Surface,
     pub(super) options: SwapchainOptions,
     pub(super) chain: Option<Chain>,
     /// Number of the newest chain.
     pub(super) number: ChainNumber,
     pub(super) old: OldChains,
     pub(super) fallback: Option<Fallback>,
-    fit: Fit,
+    pub(super) fit: Fit,
+    /// The mode wanted when the chain was made or last compared.
+    pub(super) mode: PresentMode,
     /// The window's size when the chain was made or last compared.
-    window_size: [u32; 2],
+    pub(super) window_size: [u32; 2],
     /// Acquire semaphores, by slot.
-    acquire: Vec<vk::Semaphore>,
-    held: Option<Held>,
-    is_gone: bool,
+    pub(super) acquire: Vec<vk::Semaphore>,
+    pub(super) held: Option<Held>,
+    /// Presents, where that may take for ever.
+    pub(super) presenter: Option<Presenter>,
+    /// The present whose call has not come back.
+    pub(super) calling: Option<ImageIndex>,
+    pub(super) is_gone: bool,
+    /// The surface is a new one that has shown nothing yet.
+    pub(super) is_renewed: bool,
     /// The newest present.
     pub(super) newest: PresentId,
     /// The newest present before the chain was made.
@@ -44,21 +51,12 @@ pub(super) struct Screen {
 
 /// Whether the chain fits the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Fit {
+pub(super) enum Fit {
     Fits,
     /// The driver would do it otherwise today: compare sizes.
     Doubtful,
     /// It shows nothing any more.
     Unusable,
-}
-
-/// An image that was acquired and is not yet presented, and the semaphore that says when it is ours.
-#[derive(Clone, Copy)]
-struct Held {
-    index: ImageIndex,
-    acquired: vk::Semaphore,
-    /// It was presented before, so its present is over, and those of all older chains.
-    proves: bool,
 }
 
 impl Screen {
@@ -85,10 +83,14 @@ impl Screen {
             old: OldChains::default(),
             fallback: None,
             fit: Fit::Fits,
+            mode: options.mode,
             window_size: [0, 0],
             acquire: Vec::new(),
             held: None,
+            presenter: None,
+            calling: None,
             is_gone: false,
+            is_renewed: false,
             newest: PresentId::default(),
             before_chain: PresentId::default(),
             shown_until: PresentId::default(),
@@ -146,23 +148,32 @@ impl Screen {
 
     /// Makes the chain fit the window; false if the window has no pixel.
     fn keep_up(&mut self, window_size: [u32; 2]) -> Result<bool, Error> {
-        let is_known = self.fit == Fit::Fits && self.window_size == window_size;
+        let is_known = self.fit == Fit::Fits
+            && self.window_size == window_size
+            && self.mode == self.options.mode;
         if is_known && self.chain.is_some() {
             return Ok(true);
         }
         let state = self.surface.state(&self.device);
         let state = state.called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")?;
         let Some(size) = plan::extent(&state, window_size) else { return Ok(false) };
-        let is_same = self.chain.as_ref().is_some_and(|chain| chain.size == size);
+        let mut is_same = self.chain.as_ref().is_some_and(|chain| chain.size == size);
+        if self.mode != self.options.mode {
+            let mode = self.choose_mode()?;
+            is_same &= self.chain.as_ref().is_some_and(|chain| chain.mode == mode);
+        }
         if !is_same || self.fit == Fit::Unusable {
             self.replace(&state, size)?;
         }
-        (self.fit, self.window_size) = (Fit::Fits, window_size);
+        (self.fit, self.mode, self.window_size) = (Fit::Fits, self.options.mode, window_size);
         Ok(true)
     }
 
     fn replace(&mut self, state: &vk::SurfaceCapabilitiesKHR, size: [u32; 2]) -> Result<(), Error> {
         let mode = self.choose_mode()?;
+        if self.presenter.is_none() && mode.is_queued() && self.surface.may_hold_presents() {
+            self.presenter = Some(Presenter::new(&self.device)?);
+        }
         self.let_go()?;
         let before = self.chain.take();
         self.number.0 += 1;
@@ -178,7 +189,14 @@ impl Screen {
         if let Some(before) = before {
             self.old.push(&self.device, before.retired())?;
         }
-        let chain = made?;
+        let chain = match made {
+            Ok(chain) => chain,
+            Err(error) => {
+                // No younger chain will prove the old ones over, and one may hold the window.
+                self.old.retire_behind_a_submit(&self.device, self.old.len())?;
+                return Err(error);
+            }
+        };
         tracing::debug!(
             "swapchain {}: {}x{}, {:?} in {:?}, {mode}, {} images",
             self.number.0,
@@ -205,10 +223,7 @@ impl Screen {
     }
 
     pub(super) fn set_mode(&mut self, mode: PresentMode) {
-        if self.options.mode != mode {
-            self.options.mode = mode;
-            self.fit = Fit::Unusable;
-        }
+        self.options.mode = mode;
     }
 
     /// Has one acquire semaphore for each of `count` slots, all of them new.
@@ -249,61 +264,12 @@ impl Screen {
         self.device.submit(None, &order).map(|_| ())
     }
 
-    /// Copies the picture to the image that is held, and presents it.
-    pub(super) fn show(
-        &mut self,
-        frame: Frame<'_>,
-        target: &Target,
-        acquire_wait: Duration,
-    ) -> Result<Shown, Error> {
-        let (Some(held), Some(chain)) = (self.held, &mut self.chain) else {
-            return Err(Error::WrongCommands("an image is shown that was not acquired"));
-        };
-        if !target.has_picture() {
-            return Err(Error::WrongCommands(
-                "what is shown was drawn in no frame that was submitted",
-            ));
-        }
-        let (size, image) = (chain.size, chain.image(held.index)?);
-        frame.commands().pass("present", |commands| {
-            target.copy_to_window(commands, image.raw, size);
-        });
-        let order =
-            Order { acquired: Some(held.acquired), presents: Some(image.drawn), after: None };
-        let tick = frame.submit_in_order(&order)?;
-        self.held = None;
-        if held.proves {
-            self.old.retire_proven(&self.device);
-        }
-        let id = PresentId(self.newest.0 + 1);
-        let began = Instant::now();
-        let result = chain.present(&self.device, held.index, id);
-        let present_wait = began.elapsed();
-        match result {
-            Ok(is_suboptimal) => {
-                self.newest = id;
-                if is_suboptimal {
-                    self.fit = Fit::Doubtful;
-                }
-                Ok(Shown::Presented(Presented { id, tick, size, acquire_wait, present_wait }))
-            }
-            Err(code) => {
-                // The image is not ours any more, or its semaphore was left signalled.
-                self.fit = Fit::Unusable;
-                if is_outdated(code) {
-                    return Ok(Shown::Not(NotShown::OutOfDate));
-                }
-                Err(code).called("vkQueuePresentKHR")
-            }
-        }
-    }
-
     /// Gives an error its name, if it has one, and does what can be done about it.
     pub(super) fn settle(&mut self, error: Error) -> Result<NotShown, Error> {
         match error {
             Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => Ok(NotShown::DeviceLost),
             Error::Vulkan { code: vk::Result::ERROR_SURFACE_LOST_KHR, .. } => {
-                self.give_up_chain()?;
+                self.give_up_chain();
                 self.renew_surface()
             }
             Error::Vulkan { code, .. } if is_outdated(code) => {
@@ -316,12 +282,13 @@ impl Screen {
 
     /// Makes another surface for the same window, which tells whether the window is there.
     fn renew_surface(&mut self) -> Result<NotShown, Error> {
-        // Asked first: where the connection is gone, some drivers crash over a new surface.
-        if self.surface.is_there(&self.device)? {
+        // Asked first: where the connection is gone, some drivers crash over a new surface. Others make
+        // one, and lose it as soon as it is used.
+        if !self.is_renewed && self.surface.is_there(&self.device)? {
             match self.surface.renewed() {
                 Ok(surface) => match surface.state(&self.device) {
                     Ok(_) => {
-                        self.surface = surface;
+                        (self.surface, self.is_renewed) = (surface, true);
                         return Ok(NotShown::SurfaceLost);
                     }
                     Err(vk::Result::ERROR_SURFACE_LOST_KHR) => {}
@@ -336,33 +303,14 @@ impl Screen {
         self.is_gone = true;
         Ok(NotShown::WindowGone)
     }
-
-    /// Lets go of everything of the window.
-    fn give_up_chain(&mut self) -> Result<(), Error> {
-        let let_go = self.let_go();
-        if let Some(chain) = self.chain.take() {
-            self.old.push(&self.device, chain.retired())?;
-        }
-        self.old.retire_behind_a_submit(&self.device, self.old.len())?;
-        let_go
-    }
 }
 
 /// A window that changed; something else of it holds the screen until the old chain is gone.
-fn is_outdated(code: vk::Result) -> bool {
+pub(super) fn is_outdated(code: vk::Result) -> bool {
     [
         vk::Result::ERROR_OUT_OF_DATE_KHR,
         vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
         vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR,
     ]
     .contains(&code)
-}
-
-impl Drop for Screen {
-    fn drop(&mut self) {
-        if let Err(error) = self.give_up_chain() {
-            tracing::error!("a window was not closed in order: {error}");
-        }
-        std::mem::take(&mut self.acquire).into_iter().for_each(|semaphore| self.retire(semaphore));
-    }
 }

@@ -1,0 +1,96 @@
+//! A window that nothing happens to: no Vulkan object is made, no memory allocated, nobody waited for;
+//! and the renderer's frame in it is the frame without it.
+
+use std::time::Duration;
+
+use cull::Strategy;
+use gpu::{PresentId, Readback, Shown, SwapchainOptions};
+use render::scene::{CameraPath, PathKind};
+use render::{FrameRequest, Renderer, RendererOptions};
+use tests::walk::SceneKind;
+use tests::xvfb::Xvfb;
+
+use crate::stage::{Stage, await_picture};
+use crate::x11_window::X11Window;
+use crate::{WAYS, modes};
+
+#[test]
+fn the_renderers_picture_in_a_window_is_the_one_without_it() {
+    let server = Xvfb::start();
+    for (driver, library) in WAYS {
+        let size = [256, 144];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let scene = SceneKind::City.build(600);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let options = RendererOptions { size, ..Default::default() };
+        let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
+        let mut swapchain = stage.swapchain(&SwapchainOptions::default());
+        let error = renderer.present(&mut swapchain, size).err().expect("no picture yet");
+        assert!(error.to_string().contains("no frame that was submitted"), "{error}");
+
+        let mut windowed = renderer.new_view().unwrap();
+        let waits = stage.device.wait_counts().other;
+        let camera = |frame| path.camera(frame);
+        for frame in 0..12 {
+            let request = FrameRequest::new(Strategy::Antumbra, camera(frame));
+            renderer.render(&mut windowed, &request).unwrap();
+            let shown = renderer.present(&mut swapchain, size).unwrap();
+            assert!(shown.presented().is_some(), "{shown:?}");
+        }
+        assert_eq!(stage.device.wait_counts().other, waits, "nothing but slots was waited for");
+        let seen = || window.pixels(size);
+        // The same frame by itself, read back.
+        let picture = Readback::new(&stage.device, size).unwrap();
+        let mut headless = renderer.new_view().unwrap();
+        let request = FrameRequest {
+            picture: Some(&picture),
+            ..FrameRequest::new(Strategy::Frustum, camera(11))
+        };
+        renderer.render(&mut headless, &request).unwrap();
+        renderer.drain(&mut headless).unwrap();
+        let pixels = picture.rgba8().chunks_exact(4);
+        let expected: Vec<_> = pixels.map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        await_picture(&expected, seen);
+        // A picture that was read back is shown as well, and again, and larger.
+        for _ in 0..2 {
+            assert!(renderer.present(&mut swapchain, size).unwrap().presented().is_some());
+        }
+        await_picture(&expected, seen);
+        window.resize([512, 300]);
+        for _ in 0..3 {
+            let shown = renderer.present(&mut swapchain, [512, 300]).unwrap();
+            assert!(!matches!(shown, Shown::Not(gpu::NotShown::Hidden)));
+        }
+        drop((windowed, headless, picture, swapchain, renderer));
+        stage.end();
+    }
+}
+
+#[test]
+fn presents_are_numbered_and_told_of_where_the_driver_tells() {
+    let server = Xvfb::start();
+    for (driver, library) in WAYS {
+        let size = [64, 64];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let mut painter = crate::stage::Painter::new(&stage.device, size);
+        let mut swapchain = stage.swapchain(&SwapchainOptions::default());
+        assert_eq!((swapchain.newest_presented(), swapchain.size()), (None, None));
+        for number in 1..=5 {
+            painter.paint(number, None);
+            crate::stage::show_surely(&mut swapchain, &painter.target, size);
+            assert_eq!(swapchain.newest_presented(), Some(PresentId(number.into())));
+        }
+        assert!(swapchain.format().unwrap().contains("UNORM in SRGB_NONLINEAR"));
+        assert!(swapchain.image_count() >= 3);
+        // Neither driver tells: what is unknown is unknown, at once.
+        assert_eq!(swapchain.newest_shown().unwrap(), None);
+        assert!(!swapchain.wait_until_shown(PresentId(5), Duration::from_secs(9)).unwrap());
+        assert_eq!(swapchain.refresh_duration().unwrap(), None);
+        swapchain.timings(|timing| panic!("{timing:?}")).unwrap();
+        assert!(modes(driver).contains(&swapchain.mode()));
+        drop((swapchain, painter));
+        stage.end();
+    }
+}

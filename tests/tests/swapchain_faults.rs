@@ -1,0 +1,310 @@
+//! Whatever a driver answers about a window has a name, and the loop goes on where there is a window.
+// A program of its own: SwiftShader keeps shared memory of every swapchain until its program ends, and
+// the system has 4096 pieces.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+#[path = "bad_machine/machine.rs"]
+#[allow(dead_code, unused_imports, reason = "a window needs a part of the machine only")]
+mod machine;
+#[path = "swapchain/stage.rs"]
+#[allow(dead_code, reason = "others need more of the stage")]
+mod stage;
+#[path = "swapchain/x11_window.rs"]
+#[allow(dead_code, reason = "others need more of the window")]
+mod x11_window;
+
+use std::ffi::CStr;
+
+use gpu::raw_window_handle::{DisplayHandle, HandleError, HasDisplayHandle};
+use gpu::vk::Result as Code;
+use gpu::{Error, NotShown, Optional, Shown, Surface, Swapchain, SwapchainOptions, WindowSystem};
+use tests::xvfb::Xvfb;
+use tests::{Driver, instance, instance_for};
+
+use machine::{CALLS_THAT_SHOW, Fault, Machine, calls};
+use stage::{Painter, Stage, await_picture, show_surely};
+use x11_window::{Library, X11Window};
+
+const SIZE: [u32; 2] = [96, 64];
+const ACQUIRE: &CStr = c"vkAcquireNextImageKHR";
+const PRESENT: &CStr = c"vkQueuePresentKHR";
+
+/// A window on a machine that lies, after a few frames on which it did not.
+struct Liar {
+    stage: Stage,
+    window: std::sync::Arc<X11Window>,
+    painter: Painter,
+    swapchain: Swapchain,
+    frame: u32,
+}
+
+impl Liar {
+    fn new(server: &Xvfb, driver: Driver, machine: Machine) -> Self {
+        let window = X11Window::open(server, Library::Xcb, SIZE);
+        let stage = Stage::with_entry(machine.entry(), driver, window.clone());
+        let painter = Painter::new(&stage.device, SIZE);
+        let swapchain = stage.swapchain(&SwapchainOptions::default());
+        let mut liar = Self { stage, window, painter, swapchain, frame: 0 };
+        for _ in 0..4 {
+            assert!(liar.show().presented().is_some());
+        }
+        liar
+    }
+
+    fn try_show(&mut self) -> Result<Shown, Error> {
+        self.frame += 1;
+        self.painter.paint(self.frame, None);
+        self.swapchain.show(&self.painter.target, SIZE)
+    }
+
+    fn show(&mut self) -> Shown {
+        self.try_show().unwrap()
+    }
+
+    /// The machine stops lying: the right picture is shown, and everything ends in order.
+    fn end(mut self) {
+        Machine::default().install();
+        let expected = self.painter.expected(77);
+        show_surely(&mut self.swapchain, &self.painter.target, SIZE);
+        await_picture(&expected, || self.window.pixels(SIZE));
+        self.close();
+    }
+
+    fn close(self) {
+        let Self { stage, painter, swapchain, .. } = self;
+        drop((painter, swapchain));
+        stage.end();
+    }
+}
+
+fn failing(call: &'static CStr, fails: std::ops::Range<usize>, code: Code) -> Machine {
+    Machine { faults: vec![Fault { call, fails, code }], ..Machine::default() }
+}
+
+#[test]
+fn what_happens_to_a_window_has_a_name_and_is_got_over() {
+    let server = Xvfb::start();
+    let lost = Code::ERROR_SURFACE_LOST_KHR;
+    let outdated = Code::ERROR_OUT_OF_DATE_KHR;
+    for driver in Driver::ALL {
+        for (call, times, code, expected) in [
+            // Made anew and asked again at once.
+            (ACQUIRE, 1, outdated, None),
+            (ACQUIRE, 2, outdated, Some(NotShown::OutOfDate)),
+            (ACQUIRE, 1, Code::TIMEOUT, Some(NotShown::Hidden)),
+            (ACQUIRE, 1, Code::NOT_READY, Some(NotShown::Hidden)),
+            (ACQUIRE, 1, lost, Some(NotShown::SurfaceLost)),
+            (ACQUIRE, 1, Code::SUBOPTIMAL_KHR, None),
+            (PRESENT, 1, outdated, Some(NotShown::OutOfDate)),
+            (PRESENT, 1, lost, Some(NotShown::SurfaceLost)),
+            (PRESENT, 1, Code::SUBOPTIMAL_KHR, None),
+        ] {
+            let mut liar = Liar::new(&server, driver, Machine::default());
+            failing(call, 0..times, code).install();
+            let outcome = liar.show();
+            let named = match outcome {
+                Shown::Presented(_) => None,
+                Shown::Not(not_shown) => Some(not_shown),
+            };
+            assert_eq!(named, expected, "{driver:?}: {code:?} from {call:?}");
+            liar.end();
+        }
+    }
+}
+
+#[test]
+fn a_driver_that_always_has_a_better_idea_makes_nothing_anew() {
+    let server = Xvfb::start();
+    for driver in Driver::ALL {
+        for call in [ACQUIRE, PRESENT] {
+            let mut liar = Liar::new(&server, driver, Machine::default());
+            failing(call, 0..usize::MAX, Code::SUBOPTIMAL_KHR).install();
+            for _ in 0..50 {
+                assert!(liar.show().presented().is_some());
+            }
+            assert_eq!(liar.swapchain.replaced(), 0, "{driver:?}");
+            liar.end();
+        }
+    }
+}
+
+#[test]
+fn a_window_that_is_minimised_waits_until_it_is_not() {
+    let server = Xvfb::start();
+    for driver in Driver::ALL {
+        let mut liar = Liar::new(&server, driver, Machine::default());
+        Machine { is_minimised: true, ..failing(ACQUIRE, 0..1, Code::ERROR_OUT_OF_DATE_KHR) }
+            .install();
+        for _ in 0..5 {
+            assert_eq!(liar.show(), Shown::Not(NotShown::NoArea));
+        }
+        assert_eq!(liar.swapchain.replaced(), 0);
+        liar.end();
+    }
+}
+
+#[test]
+fn a_surface_that_is_lost_again_at_once_is_a_window_that_is_gone() {
+    let server = Xvfb::start();
+    let mut liar = Liar::new(&server, Driver::Lavapipe, Machine::default());
+    failing(ACQUIRE, 0..usize::MAX, Code::ERROR_SURFACE_LOST_KHR).install();
+    let outcomes: Vec<_> = (0..4).map(|_| liar.show()).collect();
+    assert_eq!(outcomes[0], Shown::Not(NotShown::SurfaceLost));
+    assert!(outcomes[1..].iter().all(|o| *o == Shown::Not(NotShown::WindowGone)), "{outcomes:?}");
+    liar.close();
+}
+
+#[test]
+fn a_lost_device_has_a_name_wherever_it_is_found_out() {
+    let server = Xvfb::start();
+    for driver in Driver::ALL {
+        for call in [ACQUIRE, PRESENT, c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR"] {
+            let mut liar = Liar::new(&server, driver, Machine::default());
+            let machine = failing(call, 0..usize::MAX, Code::ERROR_DEVICE_LOST);
+            machine.install();
+            // So that the window's state is asked for.
+            liar.swapchain.set_mode(gpu::PresentMode::Mailbox);
+            assert_eq!(liar.show(), Shown::Not(NotShown::DeviceLost), "{driver:?}, {call:?}");
+            liar.close();
+        }
+        let mut liar = Liar::new(&server, driver, Machine::default());
+        liar.painter.paint(1, None);
+        failing(c"vkQueueSubmit2", 0..usize::MAX, Code::ERROR_DEVICE_LOST).install();
+        let shown = liar.swapchain.show(&liar.painter.target, SIZE).unwrap();
+        assert_eq!(shown, Shown::Not(NotShown::DeviceLost));
+        Machine::default().install();
+        liar.end();
+    }
+}
+
+#[test]
+fn a_call_that_fails_is_named_and_the_next_frames_are_shown() {
+    let server = Xvfb::start();
+    let mut list = vec![ACQUIRE, PRESENT, c"vkCreateSemaphore", c"vkQueueSubmit2"];
+    list.push(c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+    list.extend(CALLS_THAT_SHOW);
+    for driver in Driver::ALL {
+        for &call in &list {
+            for number in 0..3 {
+                let mut liar = Liar::new(&server, driver, Machine::default());
+                failing(call, number..number + 1, Code::ERROR_OUT_OF_HOST_MEMORY).install();
+                let (mut errors, mut shown) = (Vec::new(), 0);
+                for frame in 0..6 {
+                    // Each time the window is made anew.
+                    let size = [SIZE[0] + frame, SIZE[1]];
+                    liar.window.resize(size);
+                    liar.frame += 1;
+                    if call != c"vkQueueSubmit2" {
+                        liar.painter.paint(frame, None);
+                    }
+                    match liar.swapchain.show(&liar.painter.target, size) {
+                        Ok(Shown::Presented(_)) => shown += 1,
+                        Ok(Shown::Not(NotShown::OutOfDate)) => {}
+                        Ok(other) => panic!("{driver:?}, {call:?}: {other:?}"),
+                        Err(error) => errors.push(error.to_string()),
+                    }
+                }
+                let is_called = calls(call) > number;
+                assert!(is_called || call == c"vkCreateFence", "{call:?} is never called");
+                assert_eq!(errors.len(), usize::from(is_called), "{call:?} {number}: {errors:?}");
+                assert!(shown >= 3, "{driver:?}, {call:?}, {number}: {shown} shown, {errors:?}");
+                for error in errors {
+                    assert!(error.contains(call.to_str().unwrap()), "{error}");
+                    assert!(error.contains("out of memory"), "{error}");
+                }
+                liar.window.resize(SIZE);
+                liar.end();
+            }
+        }
+    }
+}
+
+#[test]
+fn without_present_fences_old_swapchains_end_all_the_same() {
+    let server = Xvfb::start();
+    for driver in Driver::ALL {
+        let machine = Machine { is_fenceless: true, ..Machine::default() };
+        let mut liar = Liar::new(&server, driver, machine);
+        assert!(!liar.stage.device.capabilities().has(Optional::PresentFences));
+        let mut most = 0;
+        for step in 0..200 {
+            let size = [SIZE[0] + step % 50, SIZE[1]];
+            // Now and then a few frames of one size, and then many sizes at once.
+            if step % 40 > 20 {
+                liar.window.resize(size);
+            }
+            liar.painter.paint(step, None);
+            let _any = liar.swapchain.show(&liar.painter.target, size).unwrap();
+            most = most.max(liar.swapchain.retiring());
+        }
+        assert!(most > 1, "a proof is waited for");
+        liar.window.resize(SIZE);
+        for _ in 0..12 {
+            liar.show();
+        }
+        assert_eq!(liar.swapchain.retiring(), 0, "{driver:?}: the proof has come");
+        liar.end();
+    }
+}
+
+#[test]
+fn present_fences_are_used_where_there_are_any() {
+    let server = Xvfb::start();
+    for (driver, has_fences) in [(Driver::SwiftShader, true), (Driver::Lavapipe, false)] {
+        let liar = Liar::new(&server, driver, Machine::default());
+        assert_eq!(liar.stage.device.capabilities().has(Optional::PresentFences), has_fences);
+        assert_eq!(calls(c"vkCreateFence") > 0, has_fences);
+        liar.end();
+    }
+}
+
+#[test]
+fn nothing_shows_a_window_and_every_device_says_why() {
+    let server = Xvfb::start();
+    let window = X11Window::open(&server, Library::Xcb, SIZE);
+    let system = WindowSystem::of(&window).unwrap();
+    let machine = Machine { is_blind: true, ..Machine::default() };
+    let instance = instance_for(machine.entry(), Some(system));
+    let surface = Surface::new(&instance, window).unwrap();
+    for wanted in [None, Some("llvmpipe"), Some("swiftshader")] {
+        let error = instance.pick_adapter_for(&surface, wanted).unwrap_err();
+        assert!(matches!(error, Error::CannotPresent(_)), "{error}");
+        let text = error.to_string();
+        assert!(text.contains("has no queue that can show pictures in this window"), "{text}");
+        assert!(text.contains("draw without a window"), "{text}");
+    }
+    Machine::default().install();
+    let best = instance.pick_adapter_for(&surface, None).unwrap();
+    assert!(best.capabilities.has(Optional::Swapchain));
+    let error = instance.pick_adapter_for(&surface, Some("voodoo")).unwrap_err();
+    assert!(matches!(error, Error::UnknownDevice { .. }), "{error}");
+}
+
+/// A display that is gone.
+struct NoDisplay;
+
+impl HasDisplayHandle for NoDisplay {
+    fn display_handle(&self) -> Result<DisplayHandle<'_>, HandleError> {
+        Err(HandleError::Unavailable)
+    }
+}
+
+#[test]
+fn no_display_and_no_windows_say_so() {
+    let error = WindowSystem::of(&NoDisplay).unwrap_err().to_string();
+    assert!(error.contains("no display") && error.contains("draw without a window"), "{error}");
+    // An instance without windows is what it was before there were any.
+    let server = Xvfb::start();
+    let window = X11Window::open(&server, Library::Xcb, SIZE);
+    let instance = instance();
+    let error = Surface::new(&instance, window).err().expect("an error").to_string();
+    assert!(error.contains("InstanceOptions::windows"), "{error}");
+    let adapter = instance.pick_adapter(None).unwrap();
+    let windowed = [Optional::Swapchain, Optional::PresentFences, Optional::PresentWait];
+    assert!(windowed.into_iter().all(|optional| !adapter.capabilities.has(optional)));
+}

@@ -1,0 +1,94 @@
+//! A window that nothing happens to: its frame loop makes no Vulkan object and allocates no memory.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+#[path = "bad_machine/machine.rs"]
+#[allow(dead_code, unused_imports, reason = "a window needs a part of the machine only")]
+mod machine;
+#[path = "swapchain/stage.rs"]
+#[allow(dead_code, reason = "others need more of the stage")]
+mod stage;
+#[path = "swapchain/x11_window.rs"]
+#[allow(dead_code, reason = "others need more of the window")]
+mod x11_window;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use gpu::{PresentMode, SwapchainOptions};
+use machine::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, Machine, calls};
+use stage::{Painter, Stage};
+use tests::Driver;
+use tests::xvfb::Xvfb;
+use x11_window::{Library, X11Window};
+
+/// Counts what the thread allocates.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: the system's allocator does it all.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _no_count_while_the_thread_ends =
+            ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(place, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_window_at_rest_makes_nothing_and_allocates_nothing() {
+    let server = Xvfb::start();
+    for (driver, modes) in [
+        (Driver::Lavapipe, &PresentMode::ALL[..]),
+        (Driver::SwiftShader, &[PresentMode::Fifo, PresentMode::Mailbox]),
+    ] {
+        for &mode in modes {
+            let size = [200, 100];
+            let window = X11Window::open(&server, Library::Xcb, size);
+            let stage = Stage::with_entry(Machine::default().entry(), driver, window);
+            let mut painter = Painter::new(&stage.device, size);
+            let mut swapchain = stage.swapchain(&SwapchainOptions { mode, ..Default::default() });
+            let made = || CALLS_THAT_MAKE.iter().chain(CALLS_THAT_SHOW).map(|c| calls(c)).sum();
+            // begin, end and reset of command buffers are in the list, too: they come every frame.
+            let every_frame: [&std::ffi::CStr; 3] =
+                [c"vkBeginCommandBuffer", c"vkEndCommandBuffer", c"vkResetCommandPool"];
+            let made = || -> usize {
+                let all: usize = made();
+                all - every_frame.iter().map(|c| calls(c)).sum::<usize>()
+            };
+            let mut allocated = Vec::with_capacity(100);
+            let mut after_a_while = 0;
+            for frame in 0..100 {
+                painter.paint(frame, None);
+                let before = ALLOCATIONS.get();
+                let shown = swapchain.show(&painter.target, size).unwrap();
+                allocated.push(ALLOCATIONS.get() - before);
+                assert!(shown.presented().is_some());
+                if frame == 20 {
+                    after_a_while = made();
+                }
+            }
+            assert_eq!(made(), after_a_while, "{driver:?} {mode}: objects were made");
+            let late: u64 = allocated[20..].iter().sum();
+            assert_eq!(late, 0, "{driver:?} {mode}: {allocated:?}");
+            drop((swapchain, painter));
+            stage.end();
+        }
+    }
+}
