@@ -70,6 +70,8 @@ pub enum Optional {
     FragmentStores,
     /// Triangles drawn as their edges.
     Wires,
+    /// Reading the GPU's clock and ours at once.
+    CalibratedTimestamps,
     /// Pictures in windows. This one and those below are there only if the instance was made for
     /// windows ([`crate::InstanceOptions::windows`]).
     Swapchain,
@@ -83,13 +85,14 @@ pub enum Optional {
 
 impl Optional {
     /// All of them.
-    pub const ALL: [Optional; 10] = [
+    pub const ALL: [Optional; 11] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
         Optional::Timestamps,
         Optional::FragmentStores,
         Optional::Wires,
+        Optional::CalibratedTimestamps,
         Optional::Swapchain,
         Optional::PresentFences,
         Optional::PresentWait,
@@ -105,6 +108,7 @@ impl Optional {
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
             Optional::Wires => "fillModeNonSolid",
+            Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
             Optional::Swapchain => "VK_KHR_swapchain",
             Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
             Optional::PresentWait => "VK_KHR_present_wait",
@@ -198,6 +202,10 @@ impl Capabilities {
             (timestamps, Optional::Timestamps),
             (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
             (yes(core.fill_mode_non_solid), Optional::Wires),
+            (
+                timestamps && has_extension(ext::calibrated_timestamps::NAME),
+                Optional::CalibratedTimestamps,
+            ),
             (shows, Optional::Swapchain),
             (yes(present_fences.swapchain_maintenance1), Optional::PresentFences),
             (yes(present_id.present_id) && yes(present_wait.present_wait), Optional::PresentWait),

@@ -307,6 +307,10 @@ impl Device {
         Arc::ptr_eq(&self.shared, &other.shared)
     }
 
+    pub(crate) fn instance(&self) -> &InstanceShared {
+        &self.shared.instance
+    }
+
     pub(crate) fn queue_family(&self) -> u32 {
         self.shared.queue_family
     }

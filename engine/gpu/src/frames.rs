@@ -94,6 +94,20 @@ impl FrameRing {
         Ok(())
     }
 
+    /// Measures nothing from now on.
+    pub fn stop_timing_passes(&mut self) {
+        for slot in &mut self.slots {
+            slot.timer = None;
+            slot.is_timed = false;
+            slot.pass_times.clear();
+        }
+    }
+
+    /// Whether the GPU time of every pass is measured.
+    pub fn is_timing_passes(&self) -> bool {
+        self.slots.iter().any(|slot| slot.timer.is_some())
+    }
+
     /// The number of slots.
     pub fn frames_in_flight(&self) -> usize {
         self.slots.len()

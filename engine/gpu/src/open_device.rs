@@ -15,6 +15,7 @@ use crate::timeline::create_semaphore;
 pub(crate) struct Extensions {
     pub(crate) debug: Option<ext::debug_utils::Device>,
     pub(crate) conditional: Option<ext::conditional_rendering::Device>,
+    pub(crate) calibrated: Option<ext::calibrated_timestamps::Device>,
     pub(crate) swapchain: Option<khr::swapchain::Device>,
     pub(crate) present_wait: Option<khr::present_wait::Device>,
     pub(crate) display_timing: Option<google::display_timing::Device>,
@@ -31,6 +32,8 @@ impl Extensions {
             debug: instance.has_debug_utils.then(|| ext::debug_utils::Device::new(from, device)),
             conditional: has(Optional::ConditionalRendering)
                 .then(|| ext::conditional_rendering::Device::new(from, device)),
+            calibrated: has(Optional::CalibratedTimestamps)
+                .then(|| ext::calibrated_timestamps::Device::new(from, device)),
             swapchain: has(Optional::Swapchain).then(|| khr::swapchain::Device::new(from, device)),
             present_wait: has(Optional::PresentWait)
                 .then(|| khr::present_wait::Device::new(from, device)),
@@ -101,6 +104,9 @@ pub(crate) fn create_raw(
         vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default().swapchain_maintenance1(true);
     let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default().present_id(true);
     let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default().present_wait(true);
+    if has(Optional::CalibratedTimestamps) {
+        extensions.push(ext::calibrated_timestamps::NAME.as_ptr());
+    }
     if has(Optional::Swapchain) {
         extensions.push(khr::swapchain::NAME.as_ptr());
     }

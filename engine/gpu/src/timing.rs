@@ -17,6 +17,8 @@ pub struct PassTime {
     pub label: &'static str,
     /// Its time in milliseconds.
     pub gpu_ms: f64,
+    /// When it began, in nanoseconds of the GPU's clock ([`crate::Clocks`]).
+    pub began_ns: u64,
 }
 
 /// Timestamps of one frame slot.
@@ -66,7 +68,11 @@ impl PassTimer {
         for (label, pair) in self.labels.borrow().iter().zip(stamps.chunks_exact(2)) {
             let [begin, end] = [pair[0] & self.mask, pair[1] & self.mask];
             let steps = end.wrapping_sub(begin) & self.mask;
-            times.push(PassTime { label, gpu_ms: steps as f64 * self.ns_per_step * 1e-6 });
+            times.push(PassTime {
+                label,
+                gpu_ms: steps as f64 * self.ns_per_step * 1e-6,
+                began_ns: (begin as f64 * self.ns_per_step) as u64,
+            });
         }
     }
 

@@ -40,6 +40,12 @@ impl FlatOverlay {
         })
     }
 
+    /// Draws with other shaders.
+    pub(crate) fn reload(&mut self, shaders: &ShaderSet) -> Result<(), Error> {
+        self.pass = FlatPass::new(&self.device, shaders)?;
+        Ok(())
+    }
+
     /// Begins with another atlas of `size` pixels, all of them transparent.
     ///
     /// # Errors

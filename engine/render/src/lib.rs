@@ -29,6 +29,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod adjustments;
 mod birds_eye;
 mod calibration;
 mod dialogue_frame;

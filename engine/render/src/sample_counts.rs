@@ -135,6 +135,11 @@ impl SampleCounts {
         !self.watched.is_empty()
     }
 
+    /// The ring is made again by the next frame that asks, for as many frames as are in flight then.
+    pub(crate) fn forget_ring(&mut self) {
+        self.queries = None;
+    }
+
     pub(crate) fn newest(&self) -> &[VisibleSamples] {
         &self.newest
     }

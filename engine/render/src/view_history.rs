@@ -87,6 +87,30 @@ pub struct ViewHistory {
     outcomes: VecDeque<FrameOutcome>,
 }
 
+/// What is on its way between a view and the GPU, a slot for each frame in flight.
+struct Rings {
+    queries: QueryRing<Asked>,
+    flags: FlagRing<Asked>,
+    computed: FlagRing<Asked>,
+    parts: PartDraws<(FrameId, Generation)>,
+}
+
+impl Rings {
+    fn new(renderer: &Renderer) -> Result<Self, Error> {
+        let Renderer { device, hierarchy, frames, .. } = renderer;
+        let slots = frames.frames_in_flight();
+        let leaves = hierarchy.leaf_objects().len() as u32;
+        let counting = if renderer.is_exact() { Counting::Some } else { Counting::Samples };
+        let queries = QueryRing::new(device, slots, "occlusion queries")?;
+        Ok(Self {
+            queries: queries.counting(counting),
+            flags: FlagRing::new(device, slots, WordSource::Fragments, "proxy flags"),
+            computed: FlagRing::new(device, slots, WordSource::Compute, "box words"),
+            parts: PartDraws::new(device, slots, leaves),
+        })
+    }
+}
+
 /// Outcomes that are kept for who asks seldom, or never.
 const OUTCOMES_KEPT: usize = 1024;
 
@@ -94,16 +118,14 @@ impl ViewHistory {
     pub(crate) fn new(renderer: &Renderer, culler: Culler) -> Result<Self, Error> {
         let Renderer { device, hierarchy, .. } = renderer;
         let frames_in_flight = renderer.frames.frames_in_flight();
-        let leaves = hierarchy.leaf_objects().len() as u32;
-        let counting = if renderer.is_exact() { Counting::Some } else { Counting::Samples };
-        let queries = QueryRing::new(device, frames_in_flight, "occlusion queries")?;
+        let Rings { queries, flags, computed, parts } = Rings::new(renderer)?;
         Ok(Self {
             renderer: renderer.id,
             culler,
-            queries: queries.counting(counting),
-            flags: FlagRing::new(device, frames_in_flight, WordSource::Fragments, "proxy flags"),
-            computed: FlagRing::new(device, frames_in_flight, WordSource::Compute, "box words"),
-            parts: PartDraws::new(device, frames_in_flight, leaves),
+            queries,
+            flags,
+            computed,
+            parts,
             plan: FramePlan::default(),
             generation: hierarchy.generation(),
             questions: Questions::default(),
@@ -121,6 +143,23 @@ impl ViewHistory {
             pending: VecDeque::new(),
             outcomes: VecDeque::new(),
         })
+    }
+
+    /// Makes the rings anew where another number of frames is in flight. What was asked is never
+    /// answered then, and the culler asks again.
+    pub(crate) fn follow_ring(&mut self, renderer: &Renderer) -> Result<(), Error> {
+        let frames_in_flight = renderer.frames.frames_in_flight();
+        if self.frames_in_flight == frames_in_flight {
+            return Ok(());
+        }
+        let Rings { queries, flags, computed, parts } = Rings::new(renderer)?;
+        (self.queries, self.flags, self.computed, self.parts) = (queries, flags, computed, parts);
+        self.counts.forget_ring();
+        (self.dialogue, self.pyramid) = (None, None);
+        self.seen_changes = renderer.passes.geometry.draw_changes.count();
+        self.pending.clear();
+        self.frames_in_flight = frames_in_flight;
+        Ok(())
     }
 
     /// The plan of the newest frame.

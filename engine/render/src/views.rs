@@ -35,6 +35,15 @@ impl Area {
         Self { origin: [0, 0], size }
     }
 
+    /// Whether it is at least a pixel, and within a picture of `size` pixels.
+    pub fn fits(&self, size: [u32; 2]) -> bool {
+        let fits = |side: usize| {
+            let end = u64::from(self.origin[side]) + u64::from(self.size[side]);
+            self.size[side] > 0 && end <= u64::from(size[side])
+        };
+        fits(0) && fits(1)
+    }
+
     /// Where a view is drawn.
     pub fn of(view: &View) -> Self {
         Self { origin: view.origin, size: view.size }
@@ -90,9 +99,10 @@ impl Renderer {
         request: &ViewsRequest<'_>,
     ) -> Result<FrameReport, Error> {
         self.supports(request.strategy)?;
-        for eye in eyes.iter() {
+        for eye in eyes.iter_mut() {
             self.check_view(eye.history)?;
             self.check_area(eye.area)?;
+            eye.history.follow_ring(self)?;
         }
         request.picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         let began = Instant::now();
@@ -198,11 +208,7 @@ impl Renderer {
 
     pub(crate) fn check_area(&self, area: Area) -> Result<(), Error> {
         let picture = self.size();
-        let fits = |side: usize| {
-            let end = u64::from(area.origin[side]) + u64::from(area.size[side]);
-            area.size[side] > 0 && end <= u64::from(picture[side])
-        };
-        if fits(0) && fits(1) { Ok(()) } else { Err(Error::Area { area, picture }) }
+        if area.fits(picture) { Ok(()) } else { Err(Error::Area { area, picture }) }
     }
 }
 

@@ -236,6 +236,11 @@ impl Predicates {
         })
     }
 
+    /// Makes room for another number of frames in flight.
+    pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        self.lanes = std::array::from_fn(|_| Lane::new(frames_in_flight));
+    }
+
     /// All draws in GPU memory, to be changed between frames. [`Predication::Instances`] changes
     /// their instance counts.
     pub fn draws(&self) -> BufferSlice {

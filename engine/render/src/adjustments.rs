@@ -1,0 +1,119 @@
+//! What can be changed between two frames of a loop: the size of the picture, how many frames are in
+//! flight, the shaders. The scene and what views have learnt stay, and nothing waits for the GPU.
+
+use gpu::{FrameRing, Target};
+
+use crate::dialogue_frame::DialogueFrame;
+use crate::error::Error;
+use crate::explanation::Explainer;
+use crate::passes::{
+    ComputeTest, CountPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass,
+};
+use crate::pyramid_frame::PyramidFrame;
+use crate::renderer::Renderer;
+use crate::shaders::ShaderSet;
+
+impl Renderer {
+    /// Draws pictures of `size` pixels from now on. A bird's-eye view that does not fit into them is no
+    /// longer shown.
+    ///
+    /// # Errors
+    /// A size of 0, beyond the device's limits, or too large for a test that smaller pictures have; no
+    /// memory. Nothing has changed then.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Error> {
+        if size == self.size() {
+            return Ok(());
+        }
+        // Views plan with what the device could do when they were made.
+        if ComputeTest::check(&self.device, self.size()).is_ok() {
+            ComputeTest::check(&self.device, size)?;
+        }
+        self.passes.target = Target::new(&self.device, size, "target")?;
+        // These are made again by the next frame that needs them.
+        self.passes.compute_test = None;
+        self.pyramid = None;
+        if let Some(explainer) = &mut self.explainer {
+            let area = explainer.explanation.birds_eye;
+            let fits = area.filter(|area| area.fits(size));
+            explainer.explanation.birds_eye = fits;
+        }
+        Ok(())
+    }
+
+    /// How many frames may be on their way to the GPU at once.
+    pub fn frames_in_flight(&self) -> usize {
+        self.frames.frames_in_flight()
+    }
+
+    /// Changes how many frames may be on their way to the GPU at once; 0 counts as 1. Answers that are
+    /// still under way are lost, which costs some tests and no pixel.
+    ///
+    /// # Errors
+    /// A failed call. Nothing has changed then.
+    pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) -> Result<(), Error> {
+        let slots = frames_in_flight.max(1);
+        if slots == self.frames_in_flight() {
+            return Ok(());
+        }
+        let mut frames = FrameRing::new(&self.device, slots)?;
+        if self.frames.is_timing_passes() {
+            frames.time_passes()?;
+        }
+        self.frames = frames;
+        self.pass_times.clear();
+        self.passes.predicates.set_frames_in_flight(slots);
+        Ok(())
+    }
+
+    /// Measures the GPU time of passes no more.
+    pub fn stop_timing_passes(&mut self) {
+        self.frames.stop_timing_passes();
+        self.pass_times.clear();
+    }
+
+    /// Draws with other shaders from now on.
+    ///
+    /// # Errors
+    /// A shader that does not fit its pass, a failed call. Nothing has changed then.
+    pub fn reload(&mut self, shaders: ShaderSet) -> Result<(), Error> {
+        let (device, size) = (&self.device, self.size());
+        let opaque = OpaquePass::new(device, &shaders)?;
+        let proxies = ProxyPass::new(device, &shaders)?;
+        let scatter = ScatterPass::new(device, &shaders)?;
+        let leaf_boxes = self.passes.leaf_boxes.as_ref();
+        let leaf_boxes = again(leaf_boxes, || LeafBoxPass::new(device, &shaders))?;
+        let counts = again(self.passes.counts.as_ref(), || CountPass::new(device, &shaders))?;
+        let compute_test = self.passes.compute_test.as_ref();
+        let compute_test = again(compute_test, || ComputeTest::new(device, &shaders, size))?;
+        let birds_eye = again(self.birds_eye.as_ref(), || OverlayPass::new(device, &shaders))?;
+        let dialogue = again(self.dialogue.as_ref(), || {
+            DialogueFrame::new(device, &shaders, self.dialogue_options)
+        })?;
+        let pyramid = again(self.pyramid.as_ref(), || {
+            PyramidFrame::new(device, &shaders, &self.hierarchy, size)
+        })?;
+        let explanation = self.explanation();
+        let explainer =
+            again(self.explainer.as_ref(), || Explainer::new(device, &shaders, explanation))?;
+        if let Some(overlay) = &mut self.flat_overlay {
+            overlay.reload(&shaders)?;
+        }
+        let passes = &mut self.passes;
+        (passes.opaque, passes.proxies, passes.leaf_boxes) = (opaque, proxies, leaf_boxes);
+        (passes.counts, passes.compute_test, self.scatter) = (counts, compute_test, scatter);
+        (self.birds_eye, self.dialogue, self.pyramid) = (birds_eye, dialogue, pyramid);
+        self.explainer = explainer;
+        // Made again when it is next wanted.
+        self.seen_leaves = None;
+        self.shaders = shaders;
+        Ok(())
+    }
+}
+
+/// Makes again what there is.
+fn again<T>(
+    there: Option<&T>,
+    make: impl FnOnce() -> Result<T, Error>,
+) -> Result<Option<T>, Error> {
+    there.map(|_| make()).transpose()
+}
