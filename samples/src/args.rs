@@ -11,7 +11,7 @@ use crate::Options;
 use crate::choices::{DeviceChoice, Named, Predicates, Scene, Verify, parse_named};
 use crate::options::{
     DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
-    UsageError,
+    PathChoice, UsageError,
 };
 use crate::strategy::Strategy;
 
@@ -53,8 +53,14 @@ pub struct Arguments {
     /// Seed of the scene: the same one builds the same scene
     #[arg(long, value_name = "S", default_value = "1", help_heading = "Walk")]
     pub seed: String,
-    /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps)
-    #[arg(long, value_name = "street|fly|cut", default_value = "street", help_heading = "Walk")]
+    /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps), or
+    /// as in a file that the program city recorded, whose name has a dot or a slash
+    #[arg(
+        long,
+        value_name = "street|fly|cut|FILE",
+        default_value = "street",
+        help_heading = "Walk"
+    )]
     pub path: String,
     /// How many eyes look: 1, or 2 for a stereo pair side by side in one frame, half of it each
     #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
@@ -245,15 +251,20 @@ impl Arguments {
     }
 }
 
-fn usage<T>(message: impl Into<String>) -> Result<T, UsageError> {
+pub(crate) fn usage<T>(message: impl Into<String>) -> Result<T, UsageError> {
     Err(UsageError(message.into()))
 }
 
-fn named<T: Named>(option: &str, text: &str) -> Result<T, UsageError> {
+pub(crate) fn named<T: Named>(option: &str, text: &str) -> Result<T, UsageError> {
     parse_named(text).map_err(|message| UsageError(format!("{option}: {message}")))
 }
 
-fn parse_in_range<T>(option: &str, text: &str, least: T, most: T) -> Result<T, UsageError>
+pub(crate) fn parse_in_range<T>(
+    option: &str,
+    text: &str,
+    least: T,
+    most: T,
+) -> Result<T, UsageError>
 where
     T: FromStr + PartialOrd + std::fmt::Display,
 {
@@ -263,7 +274,7 @@ where
     }
 }
 
-fn parse_scene(text: &str) -> Result<Scene, UsageError> {
+pub(crate) fn parse_scene(text: &str) -> Result<Scene, UsageError> {
     let lower = text.to_lowercase();
     if lower.ends_with(".glb") || lower.ends_with(".gltf") {
         return usage(format!(
@@ -273,13 +284,18 @@ fn parse_scene(text: &str) -> Result<Scene, UsageError> {
     named("--scene", text)
 }
 
-fn parse_path(text: &str) -> Result<crate::choices::CameraPath, UsageError> {
-    named("--path", text).map_err(|UsageError(message)| {
-        UsageError(format!("{message} (the cameras of glTF files come in a later version)"))
+pub(crate) fn parse_path(text: &str) -> Result<PathChoice, UsageError> {
+    if text.contains(['.', '/', std::path::MAIN_SEPARATOR]) {
+        return Ok(PathChoice::Recorded(PathBuf::from(text)));
+    }
+    named("--path", text).map(PathChoice::Made).map_err(|UsageError(message)| {
+        UsageError(format!(
+            "{message}; a file has a dot or a slash in its name (the cameras of glTF files come in a later version)"
+        ))
     })
 }
 
-fn parse_size(text: &str) -> Result<FrameSize, UsageError> {
+pub(crate) fn parse_size(text: &str) -> Result<FrameSize, UsageError> {
     let side = |text: &str| text.parse::<u32>().ok().filter(|&side| side > 0);
     let sides = text.split_once(['x', 'X']).map(|(width, height)| (side(width), side(height)));
     match sides {
@@ -315,7 +331,7 @@ fn parse_verify(text: &str) -> Result<Verify, UsageError> {
     }
 }
 
-fn parse_device(text: Option<&str>) -> Result<DeviceChoice, UsageError> {
+pub(crate) fn parse_device(text: Option<&str>) -> Result<DeviceChoice, UsageError> {
     match text.map(str::trim) {
         None => Ok(DeviceChoice::Best),
         Some("") => {

@@ -27,7 +27,7 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     let options = parse(&[]).unwrap();
     assert_eq!(options.scene, Scene::City);
     assert_eq!(options.objects, 10_000);
-    assert_eq!(options.path, CameraPath::Street);
+    assert_eq!(options.path, PathChoice::Made(CameraPath::Street));
     assert_eq!(options.size, FrameSize { width: 1280, height: 720 });
     assert_eq!(options.strategies, [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal]);
     assert_eq!(options.verify, Verify::Off);
@@ -72,7 +72,7 @@ fn every_option_arrives() {
             scene: Scene::Field,
             objects: 2_000_000,
             seed: u64::MAX,
-            path: CameraPath::Cut,
+            path: PathChoice::Made(CameraPath::Cut),
             views: 2,
             moving_percent: 30,
             frames: 7,

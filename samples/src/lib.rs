@@ -9,6 +9,7 @@
 pub mod args;
 pub mod choices;
 pub mod compare;
+pub mod course;
 pub mod eyes;
 pub mod hud;
 pub mod measurement;
@@ -20,6 +21,7 @@ pub mod picture;
 pub mod pictures;
 pub mod progress;
 pub mod provenance;
+pub mod recorded_path;
 pub mod report;
 pub mod run;
 pub mod schedule;
@@ -29,5 +31,6 @@ pub mod strategy;
 pub mod table;
 pub mod verdict;
 pub mod walk;
+pub mod window;
 
 pub use options::Options;

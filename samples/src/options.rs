@@ -49,6 +49,24 @@ impl fmt::Display for FrameSize {
     }
 }
 
+/// Where the camera goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PathChoice {
+    /// Along a path of the scene.
+    Made(CameraPath),
+    /// Along the one in this file.
+    Recorded(PathBuf),
+}
+
+impl fmt::Display for PathChoice {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Made(path) => path.fmt(formatter),
+            Self::Recorded(file) => file.display().fmt(formatter),
+        }
+    }
+}
+
 /// A walk, fully described. Every value is in its range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
@@ -59,7 +77,7 @@ pub struct Options {
     /// The same seed builds the same scene and the same path.
     pub seed: u64,
     /// How the camera moves.
-    pub path: CameraPath,
+    pub path: PathChoice,
     /// How many eyes look: 1, or a pair side by side; the frame has at least a column for each.
     pub views: u32,
     /// How many objects of a hundred move: 0 to 100.

@@ -8,6 +8,7 @@ use std::process;
 use thiserror::Error;
 
 use crate::options::{Options, UsageError};
+use crate::window::args::CityOptions;
 
 /// A file that could not be written.
 #[derive(Debug, Error)]
@@ -46,18 +47,34 @@ impl Outputs {
             outputs.prepare_folder("--out", folder)?;
         }
         if let Some(report) = &options.report {
-            outputs.prepare_report(report)?;
+            outputs.prepare_file("--report", report)?;
         }
         Ok(outputs)
     }
 
-    fn prepare_report(&mut self, report: &Path) -> Result<(), UsageError> {
+    /// The same for `city`: the folder of pictures, that of the trace, the shaders.
+    ///
+    /// # Errors
+    /// As [`Outputs::prepare`].
+    pub fn for_city(options: &CityOptions) -> Result<Self, UsageError> {
+        let mut outputs = Self { made: Vec::new() };
+        options.shaders.as_deref().map_or(Ok(()), check_shaders)?;
+        if let Some(folder) = &options.out {
+            outputs.prepare_folder("--out", folder)?;
+        }
+        if let Some(trace) = &options.trace {
+            outputs.prepare_file("--trace", trace)?;
+        }
+        Ok(outputs)
+    }
+
+    fn prepare_file(&mut self, option: &str, report: &Path) -> Result<(), UsageError> {
         let shown = report.display();
         let ends_open = report.as_os_str().to_string_lossy().ends_with('/');
         if report.file_name().is_none() || ends_open || report.is_dir() {
-            return Err(UsageError(format!("--report: '{shown}' is not the name of a file")));
+            return Err(UsageError(format!("{option}: '{shown}' is not the name of a file")));
         }
-        self.prepare_folder("--report", folder_of(report))
+        self.prepare_folder(option, folder_of(report))
     }
 
     fn prepare_folder(&mut self, option: &str, folder: &Path) -> Result<(), UsageError> {

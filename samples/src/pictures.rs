@@ -5,9 +5,9 @@ use std::path::Path;
 use cull::Strategy;
 use gpu::Readback;
 use render::Renderer;
-use render::scene::CameraPath;
 
 use crate::Options;
+use crate::course::Course;
 use crate::eyes::Eyes;
 use crate::moving::Moving;
 use crate::picture::write_png;
@@ -25,7 +25,7 @@ const SETTLING_FRAMES: u32 = 60;
 /// When the device fails or a file cannot be written.
 pub fn write(
     renderer: &mut Renderer,
-    path: &CameraPath,
+    path: &Course,
     moving: &mut Moving,
     options: &Options,
     folder: &Path,
@@ -53,7 +53,7 @@ pub fn write(
 /// Walks with fresh histories to `frame`, whose picture is over when this returns.
 fn walk_to(
     renderer: &mut Renderer,
-    path: &CameraPath,
+    path: &Course,
     moving: &mut Moving,
     options: &Options,
     frame: u32,

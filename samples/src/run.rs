@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
-use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication};
+use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
 use render::{Costs, Renderer, RendererOptions, ShaderSet, object_bounds, scene};
 use thiserror::Error;
 
-use crate::choices::{CameraPath, DeviceChoice, Predicates, Scene, Validation};
+use crate::choices::{DeviceChoice, Predicates, Scene, Validation};
+use crate::course::Course;
 use crate::moving::Moving;
 use crate::options::{LeftOut, UsageError};
 use crate::progress::Progress;
@@ -109,7 +110,7 @@ impl From<scene::SceneError> for RunError {
 /// # Errors
 /// When the device is not there or cannot do it, or a picture cannot be written.
 pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, RunError> {
-    let instance = open_instance(options.validation)?;
+    let instance = open_instance(options.validation, None)?;
     let adapter = pick_adapter(&instance, &options.device)?;
     progress.stage(&format!("opening {}", adapter.name));
     let device_options =
@@ -127,7 +128,7 @@ pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, RunErro
 /// # Errors
 /// When there is no Vulkan loader or no driver.
 pub fn list_devices() -> Result<Vec<String>, RunError> {
-    let adapters = open_instance(Validation::Off)?.adapters()?;
+    let adapters = open_instance(Validation::Off, None)?.adapters()?;
     let line = |(index, adapter): (usize, &Adapter)| {
         let fitness = match adapter.missing() {
             None => String::new(),
@@ -138,30 +139,38 @@ pub fn list_devices() -> Result<Vec<String>, RunError> {
     Ok(adapters.iter().enumerate().map(line).collect())
 }
 
-fn open_instance(validation: Validation) -> Result<Instance, RunError> {
+/// An instance, for windows of that system if there will be one.
+pub(crate) fn open_instance(
+    validation: Validation,
+    windows: Option<WindowSystem>,
+) -> Result<Instance, RunError> {
     let options = InstanceOptions {
-        application: "Antumbra walkthrough".to_owned(),
+        application: "Antumbra sample".to_owned(),
         validation: match validation {
             Validation::Off => gpu::Validation::Off,
             Validation::On => gpu::Validation::Core,
             Validation::Sync => gpu::Validation::Synchronization,
         },
-        windows: None,
+        windows,
     };
     Ok(Instance::new(gpu::load_entry()?, &options)?)
 }
 
 fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapter, RunError> {
-    let wanted = match choice {
+    Ok(instance.pick_adapter(wanted(choice).as_deref())?)
+}
+
+/// A choice as the engine takes it.
+pub(crate) fn wanted(choice: &DeviceChoice) -> Option<String> {
+    match choice {
         DeviceChoice::Best => None,
         DeviceChoice::Index(index) => Some(index.to_string()),
         DeviceChoice::Name(name) => Some(name.clone()),
-    };
-    Ok(instance.pick_adapter(wanted.as_deref())?)
+    }
 }
 
 /// Where compiled pipelines are kept: the user's cache folder, if there is one.
-fn pipeline_cache_file() -> Option<PathBuf> {
+pub(crate) fn pipeline_cache_file() -> Option<PathBuf> {
     let absolute = |folder: &PathBuf| folder.is_absolute();
     let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(absolute);
     let home = || std::env::var_os("HOME").map(PathBuf::from).filter(absolute);
@@ -180,7 +189,7 @@ fn walk_on(
         Scene::City => scene::city(options.objects, options.seed)?,
         Scene::Field => scene::field(options.objects, options.seed)?,
     };
-    let path = scene::CameraPath::new(path_kind(options.path), &scene)?;
+    let path = Course::new(&options.path, &scene)?;
     let scene_ms = clock.lap_ms();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
     let hierarchy_ms = clock.lap_ms();
@@ -272,14 +281,6 @@ fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
         (name.to_owned(), value.is_finite().then(|| kept(value.into())))
     };
     entries.into_iter().flatten().map(entry).collect()
-}
-
-fn path_kind(path: CameraPath) -> scene::PathKind {
-    match path {
-        CameraPath::Street => scene::PathKind::Street,
-        CameraPath::Fly => scene::PathKind::Fly,
-        CameraPath::Cut => scene::PathKind::Cut,
-    }
 }
 
 /// The same threshold for the method of the literature that has one.

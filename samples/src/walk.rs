@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use cull::{FrameId, Strategy};
 use gpu::{Device, Readback};
-use render::scene::CameraPath;
 use render::{Renderer, VisibleSet};
 
 use crate::Options;
 use crate::choices::Verify;
+use crate::course::Course;
 use crate::eyes::Eyes;
 use crate::measurement::{FrameMeasurement, RunMeasurement};
 use crate::moving::Moving;
@@ -23,7 +23,7 @@ use crate::stopwatch::Stopwatch;
 pub struct Walk<'a> {
     renderer: &'a mut Renderer,
     device: Device,
-    path: &'a CameraPath,
+    path: &'a Course,
     moving: &'a mut Moving,
     views: u32,
     verify: Verify,
@@ -58,7 +58,7 @@ impl<'a> Walk<'a> {
     /// When the device fails.
     pub fn new(
         renderer: &'a mut Renderer,
-        path: &'a CameraPath,
+        path: &'a Course,
         moving: &'a mut Moving,
         options: &Options,
     ) -> Result<Self, RunError> {

@@ -1,0 +1,158 @@
+//! What deeds do to a session. Those that are about a window do nothing here.
+
+use super::deeds::Deed;
+use super::session::Session;
+use crate::hud::Hud;
+use crate::options::MAX_FRAMES_IN_FLIGHT;
+use crate::recorded_path::RecordedPath;
+use crate::run::RunError;
+use crate::strategy::Strategy;
+
+impl Session {
+    /// Does it, or says in the picture why it cannot be.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn act(&mut self, deed: Deed) -> Result<(), RunError> {
+        match deed {
+            Deed::NextStrategy => self.choose_next_strategy(),
+            Deed::Strategy(strategy) => self.choose(strategy),
+            Deed::NextFramesInFlight => {
+                let next = self.renderer.frames_in_flight() as u32 % MAX_FRAMES_IN_FLIGHT + 1;
+                self.set_frames_in_flight(next)?;
+            }
+            Deed::FramesInFlight(count) => self.set_frames_in_flight(count)?,
+            Deed::Freeze => self.freeze()?,
+            Deed::BirdsEye => {
+                self.has_birds_eye = !self.has_birds_eye;
+                self.explain()?;
+            }
+            Deed::Boxes => {
+                self.explanation.has_boxes = !self.explanation.has_boxes;
+                self.explain()?;
+            }
+            Deed::Wires => self.toggle_wires(),
+            Deed::TimePasses => self.toggle_times(),
+            Deed::Screenshot => self.wants_screenshot = true,
+            Deed::Record => self.toggle_recording()?,
+            Deed::Hud => self.toggle_hud(),
+            Deed::NextPresentMode | Deed::PresentMode(_) | Deed::Quit => {}
+        }
+        Ok(())
+    }
+
+    /// Says something in the picture.
+    pub fn tell(&mut self, text: String) {
+        self.notice.tell(self.clock.now(), text);
+    }
+
+    /// How many frames are in flight.
+    pub fn frames_in_flight(&self) -> usize {
+        self.renderer.frames_in_flight()
+    }
+
+    fn choose_next_strategy(&mut self) {
+        let all = Strategy::ALL;
+        let at = all.iter().position(|strategy| *strategy == self.strategy).unwrap_or(0);
+        let others = (1..=all.len()).map(|step| all[(at + step) % all.len()]);
+        let can = |strategy: &Strategy| {
+            *strategy != Strategy::Ideal && self.renderer.supports(*strategy).is_ok()
+        };
+        if let Some(next) = others.into_iter().find(can) {
+            self.choose(next);
+        }
+    }
+
+    fn choose(&mut self, strategy: Strategy) {
+        if strategy == Strategy::Ideal {
+            let reason = "ideal draws what was found visible beforehand, which nobody did here";
+            return self.tell(reason.to_owned());
+        }
+        match self.renderer.supports(strategy) {
+            Ok(()) => {
+                self.strategy = strategy;
+                self.tell(format!("strategy {strategy}"));
+            }
+            Err(error) => self.tell(error.to_string()),
+        }
+    }
+
+    fn set_frames_in_flight(&mut self, count: u32) -> Result<(), RunError> {
+        self.renderer.set_frames_in_flight(count as usize)?;
+        if let Some(trace) = &mut self.trace {
+            trace.forget_submitted();
+        }
+        self.tell(format!("{count} frames in flight"));
+        Ok(())
+    }
+
+    fn freeze(&mut self) -> Result<(), RunError> {
+        if self.frozen.take().is_some() {
+            self.tell("the culling goes on".to_owned());
+            return Ok(());
+        }
+        if self.frame == 0 {
+            self.tell("there is nothing to freeze yet".to_owned());
+            return Ok(());
+        }
+        let view = self.renderer.view_of(&self.seen_from);
+        self.frozen = Some(self.renderer.moment(&mut self.history, view)?);
+        self.tell("the culling stands still; fly on and look at it".to_owned());
+        Ok(())
+    }
+
+    fn toggle_wires(&mut self) {
+        self.explanation.has_wires = !self.explanation.has_wires;
+        if let Err(error) = self.explain() {
+            self.explanation.has_wires = !self.explanation.has_wires;
+            self.tell(error.to_string());
+        }
+    }
+
+    fn toggle_times(&mut self) {
+        if self.is_timing_passes {
+            self.is_timing_passes = false;
+            self.renderer.stop_timing_passes();
+            return;
+        }
+        match self.renderer.time_passes() {
+            Ok(()) => self.is_timing_passes = true,
+            Err(error) => self.tell(error.to_string()),
+        }
+    }
+
+    fn toggle_recording(&mut self) -> Result<(), RunError> {
+        if self.recording.is_some() {
+            return self.stop_recording();
+        }
+        self.recording = Some(RecordedPath::default());
+        self.seconds = 0.0;
+        self.tell("recording the path; the same key ends it".to_owned());
+        Ok(())
+    }
+
+    /// Writes the path that was recorded.
+    pub(super) fn stop_recording(&mut self) -> Result<(), RunError> {
+        let Some(recorded) = self.recording.take() else { return Ok(()) };
+        if recorded.frames().is_empty() {
+            self.tell("no frame was recorded".to_owned());
+            return Ok(());
+        }
+        let path = self.folder.join(format!("path_{:05}.txt", self.frame));
+        match recorded.write(&path) {
+            Ok(()) => {
+                let frames = recorded.frames().len();
+                self.tell(format!("{frames} frames in {}", path.display()));
+            }
+            Err(error) => self.notice.keep_telling(error.to_string()),
+        }
+        Ok(())
+    }
+
+    fn toggle_hud(&mut self) {
+        match self.hud.take() {
+            Some(_) => self.renderer.drop_flat_overlay(),
+            None => self.hud = Some(Hud::default()),
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! A capture of one frame by RenderDoc, where its library is loaded.
+
+use std::ptr::null;
+
+use renderdoc::{RenderDoc, V100};
+
+use crate::run::RunError;
+
+/// The frame to be captured.
+pub struct Capture {
+    renderdoc: RenderDoc<V100>,
+    frame: u32,
+    is_running: bool,
+}
+
+impl Capture {
+    /// Captures this frame when its turn comes. To be called before there is a device.
+    ///
+    /// # Errors
+    /// Where RenderDoc did not load its library into this program.
+    pub fn new(frame: u32) -> Result<Self, RunError> {
+        let renderdoc = RenderDoc::new().map_err(|error| {
+            RunError::machine(format!(
+                "--capture needs the library of RenderDoc in this program ({error}): start it from RenderDoc, or with `renderdoccmd capture`"
+            ))
+        })?;
+        Ok(Self { renderdoc, frame, is_running: false })
+    }
+
+    /// Frame `frame` begins.
+    pub fn begin(&mut self, frame: u32) {
+        if frame == self.frame && !self.is_running {
+            self.renderdoc.start_frame_capture(null(), null());
+            self.is_running = true;
+        }
+    }
+
+    /// It was submitted, and presented if there is a window. Answers whether it was captured.
+    pub fn end(&mut self) -> bool {
+        if std::mem::take(&mut self.is_running) {
+            self.renderdoc.end_frame_capture(null(), null());
+            return true;
+        }
+        false
+    }
+}

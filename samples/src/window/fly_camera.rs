@@ -1,0 +1,159 @@
+//! A camera that flies where it is steered: the same way in the same time, however many frames that takes.
+
+use cull::Camera;
+use glam::Vec3;
+
+/// Metres in a second, and so many times as much in a hurry.
+const SPEED_M: f32 = 4.0;
+const HURRY: f32 = 6.0;
+/// Radians for a pixel that the mouse moved.
+const TURN_RAD: f32 = 0.003;
+/// Looking straight up or down would leave no side to turn to.
+const STEEPEST_RAD: f32 = 1.55;
+/// After a pause the camera goes on, it does not jump.
+const LONGEST_STEP_S: f32 = 0.1;
+
+/// Where it is steered: each from -1 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Steering {
+    /// Ahead, or back.
+    pub ahead: f32,
+    /// To the right, or left.
+    pub right: f32,
+    /// Up, or down.
+    pub up: f32,
+    /// Whether it hurries.
+    pub hurries: bool,
+}
+
+/// A camera in flight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlyCamera {
+    eye: Vec3,
+    heading_rad: f32,
+    rise_rad: f32,
+    fov_y: f32,
+    near: f32,
+}
+
+impl From<Camera> for FlyCamera {
+    /// Begins where another camera is, upright.
+    fn from(camera: Camera) -> Self {
+        let forward = camera.forward.try_normalize().unwrap_or(Vec3::X);
+        Self {
+            eye: camera.eye,
+            heading_rad: forward.z.atan2(forward.x),
+            rise_rad: forward.y.clamp(-1.0, 1.0).asin().clamp(-STEEPEST_RAD, STEEPEST_RAD),
+            fov_y: camera.fov_y,
+            near: camera.near,
+        }
+    }
+}
+
+impl FlyCamera {
+    /// What it sees.
+    pub fn camera(&self) -> Camera {
+        Camera {
+            eye: self.eye,
+            forward: self.forward(),
+            up: Vec3::Y,
+            fov_y: self.fov_y,
+            near: self.near,
+        }
+    }
+
+    fn forward(&self) -> Vec3 {
+        let (sin, cos) = self.heading_rad.sin_cos();
+        let (rise, level) = self.rise_rad.sin_cos();
+        Vec3::new(cos * level, rise, sin * level)
+    }
+
+    /// Flies on for some seconds. Nothing happens without steering.
+    pub fn fly(&mut self, steering: &Steering, seconds: f32) {
+        let forward = self.forward();
+        let right = forward.cross(Vec3::Y).normalize_or_zero();
+        let way = forward * steering.ahead + right * steering.right + Vec3::Y * steering.up;
+        // Two keys at once are no faster than one.
+        let way = way.clamp_length_max(1.0);
+        let hurry = if steering.hurries { HURRY } else { 1.0 };
+        let seconds = if seconds.is_finite() { seconds.clamp(0.0, LONGEST_STEP_S) } else { 0.0 };
+        let eye = self.eye + way * (SPEED_M * hurry * seconds);
+        if eye.is_finite() {
+            self.eye = eye;
+        }
+    }
+
+    /// Looks around as the mouse moved: pixels to the right and down.
+    pub fn turn(&mut self, right: f64, down: f64) {
+        if !(right.is_finite() && down.is_finite()) {
+            return;
+        }
+        let around = std::f32::consts::TAU;
+        self.heading_rad = (self.heading_rad + right as f32 * TURN_RAD) % around;
+        self.rise_rad = (self.rise_rad - down as f32 * TURN_RAD).clamp(-STEEPEST_RAD, STEEPEST_RAD);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn level() -> FlyCamera {
+        let eye = Vec3::new(1.0, 2.0, 3.0);
+        let camera = Camera { eye, forward: Vec3::X, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+        FlyCamera::from(camera)
+    }
+
+    #[test]
+    fn it_goes_as_far_in_many_frames_as_in_few() {
+        let steering = Steering { ahead: 1.0, up: 0.5, ..Steering::default() };
+        let fly = |frames: u16| {
+            let mut camera = level();
+            for _ in 0..frames {
+                camera.fly(&steering, 1.0 / f32::from(frames));
+            }
+            camera.camera().eye
+        };
+        assert!((fly(10) - fly(240)).length() < 1e-3);
+        assert!((fly(60).x - 1.0 - SPEED_M / 1.25_f32.sqrt()).abs() < 1e-3);
+    }
+
+    #[test]
+    fn it_steers_and_turns_to_the_right_side() {
+        let mut camera = level();
+        camera.fly(&Steering { right: 1.0, ..Steering::default() }, 0.1);
+        assert!(camera.camera().eye.z > 3.0, "looking along x, the right hand is along z");
+        camera.turn(100.0, 0.0);
+        assert!(camera.camera().forward.z > 0.0);
+        camera.turn(0.0, 100.0);
+        assert!(camera.camera().forward.y < 0.0);
+        let mut hurried = level();
+        hurried.fly(&Steering { ahead: -1.0, hurries: true, ..Steering::default() }, 0.1);
+        assert!((hurried.camera().eye.x - 1.0 + SPEED_M * HURRY * 0.1).abs() < 1e-4);
+    }
+
+    #[test]
+    fn it_begins_where_the_other_looks() {
+        let camera = level().camera();
+        assert_eq!(FlyCamera::from(camera).camera(), camera);
+        let down = Camera { forward: -Vec3::Y, ..camera };
+        assert!(FlyCamera::from(down).camera().forward.y < -0.99);
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_comes_it_looks_somewhere(
+            steps in prop::collection::vec((-2.0_f32..2.0, -1e9_f64..1e9, prop::num::f32::ANY), 0..40)
+        ) {
+            let mut camera = level();
+            for (ahead, pixels, seconds) in steps {
+                camera.turn(pixels, -pixels);
+                camera.fly(&Steering { ahead, right: -ahead, up: ahead, hurries: true }, seconds);
+            }
+            let camera = camera.camera();
+            prop_assert!(camera.eye.is_finite() && (camera.forward.length() - 1.0).abs() < 1e-3);
+            prop_assert!(camera.forward.cross(camera.up).length() > 1e-3);
+        }
+    }
+}

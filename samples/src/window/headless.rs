@@ -1,0 +1,60 @@
+//! The program without a window: the same frames, one a sixtieth of a second, as pictures if wanted.
+
+use gpu::{Device, DeviceOptions, Readback};
+
+use super::args::CityOptions;
+use super::deeds::Deed;
+use super::fly_camera::Steering;
+use super::session::{Files, Session};
+use crate::options::FrameSize;
+use crate::picture::write_png;
+use crate::run::{self, RunError};
+
+const FRAME_SECONDS: f32 = 1.0 / 60.0;
+/// The text changes every so many frames.
+const HUD_FRAMES: u32 = 15;
+
+/// Draws the frames that the options ask for.
+///
+/// # Errors
+/// A device or a file that is not what it should be; messages of the validation layer.
+pub fn run(options: &CityOptions, files: Files) -> Result<(), RunError> {
+    let instance = run::open_instance(options.validation, None)?;
+    let adapter = instance.pick_adapter(run::wanted(&options.device).as_deref())?;
+    let device_options =
+        DeviceOptions { pipeline_cache: run::pipeline_cache_file(), ..Default::default() };
+    let device = Device::new(&instance, &adapter, &device_options)?;
+    let drawn = draw(&device, options, files);
+    drop(device);
+    let log = instance.validation_log().clone();
+    drop(instance);
+    drawn.and_then(|()| super::check_log(&log))
+}
+
+fn draw(device: &Device, options: &CityOptions, files: Files) -> Result<(), RunError> {
+    let size = [options.size.width, options.size.height];
+    let mut session = Session::new(device, options, files, size)?;
+    let picture = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
+    'frames: for frame in 0..options.frames.unwrap_or(1) {
+        let mut has_acted = false;
+        while let Some(deed) = session.next_scripted() {
+            if deed == Deed::Quit {
+                break 'frames;
+            }
+            session.act(deed)?;
+            has_acted = true;
+        }
+        if has_acted || frame % HUD_FRAMES == 0 {
+            session.lay_out(None, 1.0)?;
+        }
+        session.draw(&Steering::default(), FRAME_SECONDS, picture.as_ref())?;
+        if let (Some(picture), Some(folder)) = (&picture, &options.out) {
+            device.drain()?;
+            let size = FrameSize { width: size[0], height: size[1] };
+            let path = folder.join(format!("frame_{frame:05}.png"));
+            write_png(&path, size, picture.rgba8()).map_err(RunError::machine)?;
+        }
+        session.after_frame()?;
+    }
+    session.finish(options)
+}

@@ -1,0 +1,310 @@
+//! Where pictures are shown, and when: a swapchain and the pacer that says when to start frames.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use gpu::{
+    Device, Optional, PresentId, PresentMode, Shown, Surface, Swapchain, SwapchainOptions, Tick,
+};
+use pacing::{
+    Feedback, FrameId, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentReports,
+    Presentation, REFRESH_PERIOD, Refresh, Step, Summary, Time, Wait, WaitReason,
+};
+use render::Renderer;
+
+use super::args::CityOptions;
+use super::clock::Clock;
+use crate::run::RunError;
+
+/// Statistics are over so many frames.
+const FRAMES: usize = 600;
+/// Frames whose end is still of interest.
+const MOST_QUEUED: usize = 64;
+/// A swapchain that was not made yet is taken to have so many images.
+const USUAL_IMAGES: u32 = 3;
+/// The longest that the loop blocks to learn when a picture shows: keys wait meanwhile.
+const LONGEST_LOOK: Duration = Duration::from_millis(20);
+
+/// What there is to tell of a screen.
+#[derive(Clone, Copy, Debug)]
+pub struct ScreenFacts {
+    /// The present mode in use.
+    pub mode: PresentMode,
+    /// The one that was wanted, where the window has it not.
+    pub fallback: Option<PresentMode>,
+    /// Images of the window.
+    pub images: u32,
+    /// The refresh period, once it is known.
+    pub refresh: Option<Duration>,
+    /// How evenly frames came.
+    pub summary: Summary,
+}
+
+/// A frame that was given to the screen.
+#[derive(Clone, Copy, Debug)]
+struct Queued {
+    frame: FrameId,
+    id: PresentId,
+    tick: Tick,
+    is_finished: bool,
+    is_shown: bool,
+}
+
+/// A window's pictures and their times.
+pub struct Screen {
+    swapchain: Swapchain,
+    device: Device,
+    clock: Clock,
+    pacer: Pacer,
+    statistics: FrameStatistics,
+    queued: VecDeque<Queued>,
+    reports: PresentReports,
+    refresh: Refresh,
+    /// Which swapchain the pacer knows of: its mode, its images, how often it was replaced.
+    known: (PresentMode, usize, u64),
+}
+
+impl Screen {
+    /// Shows pictures of `device` in the window of `surface`; its monitor refreshes in about `refresh`,
+    /// if that is known.
+    ///
+    /// # Errors
+    /// A device that cannot; a failed call.
+    pub fn new(
+        device: &Device,
+        surface: &Surface,
+        options: &CityOptions,
+        refresh: Option<Duration>,
+    ) -> Result<Self, RunError> {
+        let swapchain = Swapchain::new(
+            device,
+            surface,
+            &SwapchainOptions {
+                mode: options.present_mode,
+                frames_in_flight: options.frames_in_flight as usize,
+                ..SwapchainOptions::default()
+            },
+        )?;
+        let has = |optional| device.capabilities().has(optional);
+        let reports = match has(Optional::PresentWait) || has(Optional::DisplayTiming) {
+            true => PresentReports::Times,
+            false => PresentReports::Missing,
+        };
+        let [shortest, longest] = REFRESH_PERIOD;
+        let sane = refresh.filter(|refresh| (shortest..=longest).contains(refresh));
+        let refresh = sane.map_or(Refresh::Unknown, Refresh::About);
+        let presentation = Presentation {
+            mode: pacers(options.present_mode),
+            images: USUAL_IMAGES,
+            refresh,
+            reports,
+        };
+        let pacer_options = PacerOptions {
+            queue_limit: options.frames_in_flight,
+            frame_limit_hz: options.frame_limit_hz,
+            ..PacerOptions::default()
+        };
+        Ok(Self {
+            known: (options.present_mode, USUAL_IMAGES as usize, 0),
+            swapchain,
+            device: device.clone(),
+            clock: Clock::default(),
+            pacer: Pacer::new(pacer_options, presentation).map_err(RunError::machine)?,
+            statistics: FrameStatistics::new(FRAMES, HitchRule::default())
+                .map_err(RunError::machine)?,
+            queued: VecDeque::with_capacity(MOST_QUEUED),
+            reports,
+            refresh,
+        })
+    }
+
+    /// What to do now: delivers what became known, then asks the pacer.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn next(&mut self) -> Result<Step, RunError> {
+        self.follow_swapchain()?;
+        self.look()?;
+        while let Some((_, timing)) = self.pacer.completed() {
+            self.statistics.record(timing);
+        }
+        let step = self.pacer.next(self.clock.now());
+        if let Step::Wait(wait) = step {
+            self.await_showing(&wait)?;
+        }
+        Ok(step)
+    }
+
+    /// Shows the newest picture of `renderer` as the pacer's `frame`.
+    ///
+    /// # Errors
+    /// What has no name in [`gpu::NotShown`].
+    pub fn show(
+        &mut self,
+        renderer: &Renderer,
+        frame: FrameId,
+        size: [u32; 2],
+    ) -> Result<Shown, RunError> {
+        let from = self.clock.now();
+        let shown = renderer.present(&mut self.swapchain, size);
+        let at = self.clock.now();
+        let presented = match shown? {
+            Shown::Presented(presented) => presented,
+            Shown::Not(reason) => {
+                self.pacer.feedback(frame, Feedback::Dropped);
+                return Ok(Shown::Not(reason));
+            }
+        };
+        self.follow_swapchain()?;
+        let to = from.after(presented.acquire_wait);
+        self.pacer.feedback(frame, Feedback::Acquired { from, to });
+        self.pacer.feedback(frame, Feedback::Queued { at });
+        if self.queued.len() == MOST_QUEUED {
+            self.queued.pop_front();
+        }
+        let (id, tick) = (presented.id, presented.tick);
+        self.queued.push_back(Queued { frame, id, tick, is_finished: false, is_shown: false });
+        Ok(Shown::Presented(presented))
+    }
+
+    /// The frame that started will not be shown.
+    pub fn drop_frame(&mut self, frame: FrameId) {
+        self.pacer.feedback(frame, Feedback::Dropped);
+    }
+
+    /// Whether a frame may begin: not while a hidden window holds the one before back.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn is_ready(&mut self) -> Result<bool, RunError> {
+        Ok(self.swapchain.is_ready()?)
+    }
+
+    /// Changes how pictures follow each other.
+    pub fn set_mode(&mut self, mode: PresentMode) {
+        self.swapchain.set_mode(mode);
+    }
+
+    /// The mode that was asked for last.
+    pub fn wanted_mode(&self) -> PresentMode {
+        self.swapchain.fallback().map_or(self.swapchain.mode(), |fallback| fallback.wanted)
+    }
+
+    /// Changes how many pictures are on their way.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn set_frames_in_flight(&mut self, count: usize) -> Result<(), RunError> {
+        self.swapchain.set_frames_in_flight(count)?;
+        let queue_limit = u32::try_from(count).unwrap_or(1);
+        let options = PacerOptions { queue_limit, ..*self.pacer.options() };
+        self.pacer.choose(options).map_err(RunError::machine)
+    }
+
+    /// What there is to tell.
+    pub fn facts(&mut self) -> ScreenFacts {
+        ScreenFacts {
+            mode: self.swapchain.mode(),
+            fallback: self.swapchain.fallback().map(|fallback| fallback.wanted),
+            images: self.swapchain.image_count() as u32,
+            refresh: self.pacer.refresh_period(),
+            summary: self.statistics.summary(),
+        }
+    }
+
+    /// The swapchain.
+    pub fn swapchain(&self) -> &Swapchain {
+        &self.swapchain
+    }
+
+    /// Tells the pacer of another swapchain.
+    fn follow_swapchain(&mut self) -> Result<(), RunError> {
+        let swapchain = &self.swapchain;
+        if swapchain.image_count() == 0 {
+            return Ok(());
+        }
+        let now = (swapchain.mode(), swapchain.image_count(), swapchain.replaced());
+        if std::mem::replace(&mut self.known, now) == now {
+            return Ok(());
+        }
+        if let Some(period) = swapchain.refresh_duration()?
+            && (REFRESH_PERIOD[0]..=REFRESH_PERIOD[1]).contains(&period)
+        {
+            self.refresh = Refresh::About(period);
+        }
+        self.queued.clear();
+        let presentation = Presentation {
+            mode: pacers(now.0),
+            images: u32::try_from(now.1).unwrap_or(u32::MAX).min(pacing::MAX_IMAGES),
+            refresh: self.refresh,
+            reports: self.reports,
+        };
+        self.pacer.present_through(presentation).map_err(RunError::machine)
+    }
+
+    /// Looks what became of the frames that are queued. Never waits.
+    fn look(&mut self) -> Result<(), RunError> {
+        let (completed, at) = (self.device.completed()?, self.clock.now());
+        let (queued, pacer) = (&mut self.queued, &mut self.pacer);
+        for queued in queued.iter_mut().filter(|queued| !queued.is_finished) {
+            if queued.tick <= completed {
+                queued.is_finished = true;
+                pacer.feedback(queued.frame, Feedback::FoundFinished { at });
+            }
+        }
+        // Of two reports the display's own times are the better ones.
+        self.swapchain.timings(|timing| {
+            if let Some(queued) = queued.iter_mut().find(|queued| queued.id == timing.id) {
+                let at = Time::from_nanos(timing.shown_ns);
+                queued.is_shown = true;
+                pacer.feedback(queued.frame, Feedback::Shown { at });
+            }
+        })?;
+        if self.device.capabilities().has(Optional::PresentWait)
+            && !self.device.capabilities().has(Optional::DisplayTiming)
+            && let Some(newest) = self.swapchain.newest_shown()?
+        {
+            let at = self.clock.now();
+            for queued in queued.iter_mut().filter(|queued| !queued.is_shown) {
+                if queued.id <= newest {
+                    queued.is_shown = true;
+                    pacer.feedback(queued.frame, Feedback::Shown { at });
+                }
+            }
+        }
+        let is_over = |queued: &Queued| {
+            queued.is_finished && (queued.is_shown || self.reports == PresentReports::Missing)
+        };
+        while queued.front().is_some_and(is_over) {
+            queued.pop_front();
+        }
+        Ok(())
+    }
+
+    /// Sleeps in the driver rather than in the loop, where that tells when a picture shows.
+    fn await_showing(&mut self, wait: &Wait) -> Result<(), RunError> {
+        if !matches!(wait.reason, WaitReason::Deadline | WaitReason::QueueFull(_)) {
+            return Ok(());
+        }
+        let Some(oldest) = self.queued.iter_mut().find(|queued| !queued.is_shown) else {
+            return Ok(());
+        };
+        let bound = wait.until.since(self.clock.now()).min(LONGEST_LOOK);
+        if self.swapchain.wait_until_shown(oldest.id, bound)? {
+            oldest.is_shown = true;
+            let at = self.clock.now();
+            self.pacer.feedback(oldest.frame, Feedback::Shown { at });
+        }
+        Ok(())
+    }
+}
+
+/// The same mode, as the pacer calls it.
+fn pacers(mode: PresentMode) -> pacing::PresentMode {
+    match mode {
+        PresentMode::Fifo => pacing::PresentMode::Fifo,
+        PresentMode::FifoRelaxed => pacing::PresentMode::FifoRelaxed,
+        PresentMode::Mailbox => pacing::PresentMode::Mailbox,
+        PresentMode::Immediate => pacing::PresentMode::Immediate,
+    }
+}

@@ -1,0 +1,100 @@
+//! Scripts: what is to be done before which frame, so that a run can be repeated without a hand.
+//!
+//! A line is the number of a frame and a [`Deed`]: `60 strategy pyramid`. Frames count from 0, and
+//! do not go back. Empty lines and lines that begin with `#` mean nothing.
+
+use std::fs;
+use std::path::Path;
+
+use super::deeds::Deed;
+use crate::options::UsageError;
+
+/// A larger file is no script.
+const MOST_BYTES: u64 = 16 << 20;
+
+/// Deeds in the order of their frames.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Script {
+    lines: Vec<(u32, Deed)>,
+    next: usize,
+}
+
+impl Script {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or the first line that cannot be, with its number.
+    pub fn read(path: &Path) -> Result<Self, UsageError> {
+        let shown = path.display();
+        let refuse = |reason: &dyn std::fmt::Display| {
+            UsageError(format!("cannot read the script '{shown}': {reason}"))
+        };
+        let size = fs::metadata(path).map_err(|error| refuse(&error))?.len();
+        if size > MOST_BYTES {
+            return Err(refuse(&"it is too long"));
+        }
+        let text = fs::read_to_string(path).map_err(|error| refuse(&error))?;
+        Self::parse(&text).map_err(|(line, reason)| UsageError(format!("{shown}:{line}: {reason}")))
+    }
+
+    fn parse(text: &str) -> Result<Self, (usize, String)> {
+        let mut lines: Vec<(u32, Deed)> = Vec::new();
+        for (number, line) in (1..).zip(text.lines().map(str::trim)) {
+            if line.is_empty() || line.starts_with('#') {
+                continue;
+            }
+            let wrong = |reason: String| (number, reason);
+            let (frame, deed) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+            let frame = frame.parse().map_err(|_| {
+                wrong(format!("a line begins with the number of a frame, not '{frame}'"))
+            })?;
+            if lines.last().is_some_and(|(last, _)| *last > frame) {
+                return Err(wrong(format!("frame {frame} comes before the line above")));
+            }
+            lines.push((frame, Deed::parse(deed).map_err(wrong)?));
+        }
+        Ok(Self { lines, next: 0 })
+    }
+
+    /// The next deed that is to be done before `frame`.
+    pub fn next_before(&mut self, frame: u32) -> Option<Deed> {
+        let (due, deed) = *self.lines.get(self.next)?;
+        if due > frame {
+            return None;
+        }
+        self.next += 1;
+        Some(deed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deeds_come_in_their_turn() {
+        let mut script =
+            Script::parse("# first\n2 hud\n2 strategy naive\n\n  5   quit  \n").unwrap();
+        assert_eq!(script.next_before(1), None);
+        assert_eq!(script.next_before(2), Some(Deed::Hud));
+        assert_eq!(script.next_before(2), Some(Deed::Strategy(crate::strategy::Strategy::Naive)));
+        assert_eq!(script.next_before(2), None);
+        assert_eq!(script.next_before(9), Some(Deed::Quit));
+        assert_eq!(script.next_before(9), None);
+    }
+
+    #[test]
+    fn a_broken_line_is_named() {
+        for (text, line, reason) in [
+            ("1 hud\nhud\n", 2, "number of a frame, not 'hud'"),
+            ("1 hud\n\n0 hud\n", 3, "frame 0 comes before"),
+            ("7\n", 1, "unknown deed ''"),
+            ("-1 hud\n", 1, "not '-1'"),
+        ] {
+            let (at, why) = Script::parse(text).unwrap_err();
+            assert!(at == line && why.contains(reason), "{text:?}: {at}: {why}");
+        }
+        let refused = Script::read(Path::new("/nowhere/script")).unwrap_err().to_string();
+        assert!(refused.contains("/nowhere/script"), "{refused}");
+    }
+}

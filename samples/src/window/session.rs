@@ -1,0 +1,331 @@
+//! The program without its window: scene, camera, and one frame after the other, whoever shows them.
+
+use std::path::PathBuf;
+
+use cull::Camera;
+use gpu::{Device, Readback, Tick};
+use render::scene::{self, Scene};
+use render::{
+    Area, Explanation, FrameOutcome, FrameReport, FrameRequest, Moment, Renderer, RendererOptions,
+    ShaderSet, ViewHistory,
+};
+
+use super::args::CityOptions;
+use super::capture::Capture;
+use super::clock::Clock;
+use super::fly_camera::{FlyCamera, Steering};
+use super::frame_times::FrameTimes;
+use super::notice::Notice;
+use super::screenshots::Screenshots;
+use super::script::Script;
+use super::shader_watch::ShaderWatch;
+use super::trace::Trace;
+use crate::choices;
+use crate::course::Course;
+use crate::hud::Hud;
+use crate::options::PathChoice;
+use crate::recorded_path::RecordedPath;
+use crate::run::RunError;
+use crate::strategy::Strategy;
+
+/// A flight.
+pub struct Session {
+    pub(super) clock: Clock,
+    pub(super) renderer: Renderer,
+    pub(super) history: ViewHistory,
+    pub(super) strategy: Strategy,
+    /// The number of the next frame.
+    pub(super) frame: u32,
+    pub(super) fly: FlyCamera,
+    /// The camera's own way, until somebody steers.
+    pub(super) course: Option<Course>,
+    pub(super) frozen: Option<Moment>,
+    /// What the newest frame was seen from.
+    pub(super) seen_from: Camera,
+    pub(super) explanation: Explanation,
+    pub(super) has_birds_eye: bool,
+    pub(super) hud: Option<Hud>,
+    pub(super) notice: Notice,
+    pub(super) times: FrameTimes,
+    pub(super) report: FrameReport,
+    pub(super) outcome: Option<FrameOutcome>,
+    pub(super) is_timing_passes: bool,
+    pub(super) wants_screenshot: bool,
+    pub(super) screenshots: Screenshots,
+    pub(super) recording: Option<RecordedPath>,
+    pub(super) seconds: f64,
+    pub(super) folder: PathBuf,
+    pub(super) watch: Option<ShaderWatch>,
+    pub(super) trace: Option<Trace>,
+    pub(super) capture: Option<Capture>,
+    script: Script,
+}
+
+impl Session {
+    /// Builds the scene and brings it to the device.
+    ///
+    /// # Errors
+    /// A file that is not what it should be; a device that cannot do it.
+    pub fn new(
+        device: &Device,
+        options: &CityOptions,
+        files: Files,
+        size: [u32; 2],
+    ) -> Result<Self, RunError> {
+        let scene = match options.scene {
+            choices::Scene::City => scene::city(options.objects, options.seed)?,
+            choices::Scene::Field => scene::field(options.objects, options.seed)?,
+        };
+        let course = options.path.as_ref().map(|choice| Course::new(choice, &scene)).transpose()?;
+        let start = match &course {
+            Some(course) => course.camera(0),
+            None => start(&scene)?.camera(0),
+        };
+        let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?;
+        let frames_in_flight = options.frames_in_flight as usize;
+        let options_of_renderer =
+            RendererOptions { size, frames_in_flight, shaders, ..RendererOptions::default() };
+        let mut renderer = Renderer::new(device, &scene, &options_of_renderer)?;
+        renderer.supports(options.strategy)?;
+        if options.times_passes {
+            renderer.time_passes()?;
+        }
+        let clock = Clock::default();
+        Ok(Self {
+            clock,
+            history: renderer.new_view()?,
+            strategy: options.strategy,
+            frame: 0,
+            fly: FlyCamera::from(start),
+            course,
+            frozen: None,
+            seen_from: start,
+            explanation: Explanation::default(),
+            has_birds_eye: false,
+            hud: options.has_hud.then(Hud::default),
+            notice: Notice::default(),
+            times: FrameTimes::default(),
+            report: FrameReport::default(),
+            outcome: None,
+            is_timing_passes: options.times_passes,
+            wants_screenshot: false,
+            screenshots: Screenshots::default(),
+            recording: None,
+            seconds: 0.0,
+            folder: options.out.clone().unwrap_or_else(|| PathBuf::from(".")),
+            watch: options.shaders.clone().map(ShaderWatch::new),
+            trace: options.trace.as_ref().map(|_| Trace::new(device)).transpose()?,
+            capture: files.capture,
+            script: files.script,
+            renderer,
+        })
+    }
+
+    /// The number of the next frame.
+    pub fn frame(&self) -> u32 {
+        self.frame
+    }
+
+    /// What draws.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// The next deed that the script has for the next frame.
+    pub fn next_scripted(&mut self) -> Option<super::deeds::Deed> {
+        self.script.next_before(self.frame)
+    }
+
+    /// Looks elsewhere, as the mouse moved; the camera's own way ends.
+    pub fn turn(&mut self, right: f64, down: f64) {
+        self.take_over();
+        self.fly.turn(right, down);
+    }
+
+    /// From here on somebody steers.
+    fn take_over(&mut self) {
+        if self.course.take().is_some() {
+            self.fly = FlyCamera::from(self.seen_from);
+        }
+    }
+
+    /// Draws pictures of another size from now on.
+    ///
+    /// # Errors
+    /// A size that the device cannot; no memory.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), RunError> {
+        self.renderer.resize(size)?;
+        self.explain()
+    }
+
+    /// The camera of the next frame, `seconds` after the last one.
+    fn camera(&mut self, steering: &Steering, seconds: f32) -> Camera {
+        if *steering != (Steering { hurries: steering.hurries, ..Steering::default() }) {
+            self.take_over();
+        }
+        if let Some(course) = &self.course {
+            return course.camera(self.frame);
+        }
+        self.fly.fly(steering, seconds);
+        self.fly.camera()
+    }
+
+    /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if it is wanted.
+    ///
+    /// # Errors
+    /// When the device fails, or a file cannot be written.
+    pub fn draw(
+        &mut self,
+        steering: &Steering,
+        seconds: f32,
+        picture: Option<&Readback>,
+    ) -> Result<Tick, RunError> {
+        let began = self.clock.now();
+        let camera = self.camera(steering, seconds);
+        self.seconds += f64::from(seconds);
+        if let Some(recording) = &mut self.recording {
+            recording.push(self.seconds, camera);
+        }
+        if let Some(capture) = &mut self.capture {
+            capture.begin(self.frame);
+        }
+        let screenshot = self.screenshot()?;
+        let wanted = picture.or(screenshot.as_ref().map(|(picture, _)| picture));
+        let tick = match &self.frozen {
+            Some(moment) => {
+                let tick = self.renderer.render_moment(moment, camera, wanted)?;
+                self.trace_submit(began, false)?;
+                tick
+            }
+            None => {
+                let request =
+                    FrameRequest { picture: wanted, ..FrameRequest::new(self.strategy, camera) };
+                self.report = self.renderer.render(&mut self.history, &request)?;
+                self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
+                self.trace_submit(began, true)?;
+                self.report.tick
+            }
+        };
+        if let Some((picture, path)) = screenshot {
+            self.screenshots.push(picture, tick, path);
+        }
+        self.seen_from = camera;
+        self.times.push(began);
+        self.frame += 1;
+        Ok(tick)
+    }
+
+    /// Room for the screenshot that is wanted, and its file.
+    fn screenshot(&mut self) -> Result<Option<(Readback, PathBuf)>, RunError> {
+        if !std::mem::take(&mut self.wants_screenshot) {
+            return Ok(None);
+        }
+        let picture = Readback::new(self.renderer.device(), self.renderer.size())?;
+        let name = format!("city_{:05}.png", self.frame);
+        Ok(Some((picture, self.folder.join(name))))
+    }
+
+    /// What the CPU did since `began`, for the trace.
+    pub fn trace_cpu(&mut self, name: &'static str, began: pacing::Time) {
+        if let Some(trace) = &mut self.trace {
+            trace.cpu(name, began, self.clock.now());
+        }
+    }
+
+    fn trace_submit(&mut self, began: pacing::Time, has_times: bool) -> Result<(), RunError> {
+        let Some(trace) = &mut self.trace else { return Ok(()) };
+        let known = self.clock.now();
+        trace.cpu("render", began, known);
+        let passes = if has_times { self.renderer.pass_times() } else { &[] };
+        trace.submitted([began, known], self.renderer.frames_in_flight(), passes)?;
+        Ok(())
+    }
+
+    /// What is to be done when the frame is submitted, and presented if there is a window: pictures are
+    /// written that are there, shaders are looked after.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn after_frame(&mut self) -> Result<(), RunError> {
+        let now = self.clock.now();
+        if self.capture.as_mut().is_some_and(Capture::end) {
+            self.notice.tell(now, "RenderDoc captured the frame".to_owned());
+        }
+        match self.screenshots.write_finished(self.renderer.device()) {
+            Ok(None) => {}
+            Ok(Some(path)) => self.notice.tell(now, format!("wrote {}", path.display())),
+            Err(error) => self.notice.keep_telling(error.to_string()),
+        }
+        if let Some(watch) = &mut self.watch
+            && watch.has_changed(now)
+        {
+            let loaded = ShaderSet::compiled_from(watch.folder());
+            match loaded.and_then(|shaders| self.renderer.reload(shaders)) {
+                Ok(()) => self.notice.tell(now, "new shaders".to_owned()),
+                Err(error) => self.notice.keep_telling(error.to_string()),
+            }
+        }
+        Ok(())
+    }
+
+    /// Shows the explanations that are wanted, the view from above in the lower right.
+    pub(super) fn explain(&mut self) -> Result<(), RunError> {
+        let corner = corner(self.renderer.size()).filter(|_| self.has_birds_eye);
+        self.explanation.birds_eye = corner;
+        if self.renderer.explanation() != self.explanation {
+            self.renderer.explain(self.explanation)?;
+        }
+        Ok(())
+    }
+
+    /// Writes what is left: a path being recorded, pictures on their way, the trace.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn finish(mut self, options: &CityOptions) -> Result<(), RunError> {
+        if self.recording.is_some() {
+            self.stop_recording()?;
+        }
+        self.screenshots.finish(self.renderer.device())?;
+        if let (Some(trace), Some(path)) = (&self.trace, &options.trace) {
+            trace.write(path).map_err(RunError::machine)?;
+        }
+        Ok(())
+    }
+}
+
+/// What a session needs from outside, found before there is a device.
+pub struct Files {
+    /// What is done by itself.
+    pub script: Script,
+    /// The frame that is captured.
+    pub capture: Option<Capture>,
+}
+
+impl Files {
+    /// Reads the files that the options name.
+    ///
+    /// # Errors
+    /// One that cannot be read, or is not what it should be.
+    pub fn open(options: &CityOptions) -> Result<Self, RunError> {
+        if let Some(PathChoice::Recorded(file)) = &options.path {
+            RecordedPath::read(file)?;
+        }
+        let script = options.script.as_deref().map(Script::read).transpose()?;
+        let capture = options.capture.map(Capture::new).transpose()?;
+        Ok(Self { script: script.unwrap_or_default(), capture })
+    }
+}
+
+/// Where one stands at first: in a street, or over it all where there are none.
+fn start(scene: &Scene) -> Result<Course, RunError> {
+    let made = |path| Course::new(&PathChoice::Made(path), scene);
+    made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))
+}
+
+/// The lower right corner of a picture.
+fn corner(size: [u32; 2]) -> Option<Area> {
+    let [width, height] = size.map(|side| side * 2 / 5);
+    let area = Area { origin: [size[0] - width, size[1] - height], size: [width, height] };
+    area.fits(size).then_some(area)
+}

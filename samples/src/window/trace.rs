@@ -1,0 +1,249 @@
+//! A trace of what CPU and GPU did when, on one time line, as Chrome and Perfetto read it.
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use gpu::{Clocks, Device, PassTime};
+use pacing::Time;
+use serde_json::{Value, json};
+
+use crate::outputs::{WriteError, replace_file};
+
+/// Frames that are kept; more are not traced.
+const MOST_EVENTS: usize = 1 << 20;
+/// The clocks are compared again after this time, because they drift.
+const COMPARE_EVERY_NS: u64 = 500_000_000;
+
+const CPU: u32 = 1;
+const GPU: u32 = 2;
+
+/// One bar of the trace.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Event {
+    name: &'static str,
+    thread: u32,
+    /// On the GPU's own clock for its events, until they are written.
+    began_ns: f64,
+    took_ns: f64,
+    /// From its clock to ours, if it is known.
+    offset_ns: Option<f64>,
+}
+
+/// How the GPU's clock is brought to ours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Calibration {
+    /// Both were read at once; so many nanoseconds may lie between the readings.
+    Read { offset_ns: f64, deviation_ns: u64, at_ns: u64 },
+    /// What the GPU did lies between our submitting it and our knowing of it.
+    Bounds { least_ns: f64, most_ns: f64 },
+}
+
+impl Calibration {
+    const UNKNOWN: Self = Self::Bounds { least_ns: f64::NEG_INFINITY, most_ns: f64::INFINITY };
+
+    fn read(clocks: &Clocks) -> Self {
+        let offset_ns = clocks.monotonic_ns as f64 - clocks.gpu_ns as f64;
+        let Clocks { deviation_ns, monotonic_ns: at_ns, .. } = *clocks;
+        Self::Read { offset_ns, deviation_ns, at_ns }
+    }
+
+    /// Work that was submitted and known to be finished at these times of ours ran between those of the
+    /// GPU's clock.
+    fn narrow(&mut self, ours_ns: [f64; 2], gpu_ns: [f64; 2]) {
+        if let Self::Bounds { least_ns, most_ns } = self {
+            *least_ns = least_ns.max(ours_ns[0] - gpu_ns[0]);
+            *most_ns = most_ns.min(ours_ns[1] - gpu_ns[1]);
+        }
+    }
+
+    /// What to add to times of the GPU. Work never starts before it is submitted, and soon after.
+    fn offset_ns(&self) -> f64 {
+        let offset = match *self {
+            Self::Read { offset_ns, .. } => offset_ns,
+            Self::Bounds { least_ns, .. } => least_ns,
+        };
+        if offset.is_finite() { offset } else { 0.0 }
+    }
+
+    /// How that was found out, for who reads the trace.
+    fn how(&self) -> String {
+        match self {
+            Self::Read { deviation_ns, .. } => {
+                format!("VK_EXT_calibrated_timestamps, within {deviation_ns} ns")
+            }
+            Self::Bounds { least_ns, most_ns } if most_ns >= least_ns && most_ns.is_finite() => {
+                let within_ns = most_ns - least_ns;
+                format!("between submit and finish of each frame, within {within_ns:.0} ns")
+            }
+            Self::Bounds { .. } => "between submit and finish of each frame".to_owned(),
+        }
+    }
+}
+
+/// Collects what happens until it is written.
+pub struct Trace {
+    device: Device,
+    events: Vec<Event>,
+    calibration: Calibration,
+    /// When the frames on their way were submitted, oldest first.
+    submitted: VecDeque<Time>,
+}
+
+impl Trace {
+    /// A trace of what `device` does from now on.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device) -> Result<Self, gpu::Error> {
+        let clocks = device.clocks()?;
+        Ok(Self {
+            device: device.clone(),
+            events: Vec::new(),
+            calibration: clocks.as_ref().map_or(Calibration::UNKNOWN, Calibration::read),
+            submitted: VecDeque::new(),
+        })
+    }
+
+    /// Something that the CPU did.
+    pub fn cpu(&mut self, name: &'static str, from: Time, to: Time) {
+        let took_ns = to.since(from).as_nanos() as f64;
+        let began_ns = from.as_nanos() as f64;
+        self.push(Event { name, thread: CPU, began_ns, took_ns, offset_ns: None });
+    }
+
+    /// A frame whose recording began at `began` is submitted, as one of so many in flight; what came
+    /// home of the passes of the frame that had its slot before is known since `known`.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn submitted(
+        &mut self,
+        [began, known]: [Time; 2],
+        frames_in_flight: usize,
+        passes: &[PassTime],
+    ) -> Result<(), gpu::Error> {
+        let before = if self.submitted.len() >= frames_in_flight {
+            self.submitted.drain(..=self.submitted.len() - frames_in_flight).next_back()
+        } else {
+            None
+        };
+        self.submitted.push_back(began);
+        if let Calibration::Read { at_ns, .. } = self.calibration
+            && known.as_nanos().saturating_sub(at_ns) > COMPARE_EVERY_NS
+            && let Some(clocks) = self.device.clocks()?
+        {
+            self.calibration = Calibration::read(&clocks);
+        }
+        let (Some(before), Some(first), Some(last)) = (before, passes.first(), passes.last())
+        else {
+            return Ok(());
+        };
+        let end_ns = last.began_ns as f64 + last.gpu_ms * 1e6;
+        let ours = [before, known].map(|time| time.as_nanos() as f64);
+        self.calibration.narrow(ours, [first.began_ns as f64, end_ns]);
+        let offset_ns = match self.calibration {
+            Calibration::Read { offset_ns, .. } => Some(offset_ns),
+            // Better known in the end.
+            Calibration::Bounds { .. } => None,
+        };
+        for pass in passes {
+            let (began_ns, took_ns) = (pass.began_ns as f64, pass.gpu_ms * 1e6);
+            self.push(Event { name: pass.label, thread: GPU, began_ns, took_ns, offset_ns });
+        }
+        Ok(())
+    }
+
+    /// Frames on their way never come home: the ring of frames was made anew.
+    pub fn forget_submitted(&mut self) {
+        self.submitted.clear();
+    }
+
+    fn push(&mut self, event: Event) {
+        if self.events.len() < MOST_EVENTS {
+            self.events.push(event);
+        }
+    }
+
+    /// Writes the file, whole or not at all.
+    ///
+    /// # Errors
+    /// When the folder or the disk refuses.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        let device = &self.device.adapter().name;
+        let text = to_json(&self.events, &self.calibration, device).to_string();
+        replace_file(path, text.as_bytes())
+    }
+}
+
+/// The format is "Trace Event Format" (Google, 2016): complete events, in microseconds.
+fn to_json(events: &[Event], calibration: &Calibration, device: &str) -> Value {
+    let placed = |event: &Event| match event.thread {
+        GPU => event.began_ns + event.offset_ns.unwrap_or_else(|| calibration.offset_ns()),
+        _ => event.began_ns,
+    };
+    let origin_ns = events.iter().map(placed).fold(f64::INFINITY, f64::min);
+    let thread = |id: u32, name: &str| json!({"name": "thread_name", "ph": "M", "pid": 1, "tid": id, "args": {"name": name}});
+    let complete = |event: &Event| {
+        json!({
+            "name": event.name,
+            "cat": if event.thread == GPU { "gpu" } else { "cpu" },
+            "ph": "X",
+            "ts": (placed(event) - origin_ns) / 1e3,
+            "dur": event.took_ns / 1e3,
+            "pid": 1,
+            "tid": event.thread,
+        })
+    };
+    let names = [thread(CPU, "frame loop"), thread(GPU, device)];
+    let all: Vec<Value> = names.into_iter().chain(events.iter().map(complete)).collect();
+    json!({
+        "displayTimeUnit": "ms",
+        "otherData": {"device": device, "gpu_clock": calibration.how()},
+        "traceEvents": all,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_close_in_on_the_offset() {
+        let mut calibration = Calibration::UNKNOWN;
+        assert_eq!(calibration.offset_ns(), 0.0);
+        // The GPU's clock is 1000 behind ours.
+        for (submit, start, end, known) in [(5.0, 9.0, 30.0, 50.0), (60.0, 61.0, 70.0, 90.0)] {
+            let gpu = [start - 1000.0, end - 1000.0];
+            calibration.narrow([submit, known], gpu);
+        }
+        let Calibration::Bounds { least_ns, most_ns } = calibration else { panic!() };
+        assert!(least_ns <= 1000.0 && 1000.0 <= most_ns, "{calibration:?}");
+        assert_eq!((calibration.offset_ns(), most_ns), (999.0, 1020.0));
+        assert!(calibration.how().contains("within 21 ns"), "{}", calibration.how());
+    }
+
+    #[test]
+    fn both_lie_on_one_time_line() {
+        let event = |name, thread, began_ns, offset_ns| Event {
+            name,
+            thread,
+            began_ns,
+            took_ns: 500.0,
+            offset_ns,
+        };
+        let events = [
+            event("render", CPU, 10_000.0, None),
+            event("visible", GPU, 2_000.0, Some(9_000.0)),
+            event("revealed", GPU, 3_000.0, None),
+        ];
+        let clocks = Clocks { gpu_ns: 0, monotonic_ns: 9_500, deviation_ns: 7 };
+        let json = to_json(&events, &Calibration::read(&clocks), "a GPU");
+        let read = json["traceEvents"].as_array().unwrap();
+        assert_eq!(read.len(), 5);
+        assert_eq!(read[1]["args"]["name"], "a GPU");
+        let at = |event: usize| read[event]["ts"].as_f64().unwrap();
+        assert_eq!((at(2), at(3), at(4)), (0.0, 1.0, 2.5));
+        assert_eq!((&read[3]["dur"], &read[3]["tid"]), (&json!(0.5), &json!(GPU)));
+        assert!(json["otherData"]["gpu_clock"].as_str().unwrap().contains("within 7 ns"));
+    }
+}
