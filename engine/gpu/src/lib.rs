@@ -48,6 +48,8 @@ mod flag_ring;
 mod frames;
 mod image;
 mod instance;
+#[cfg(feature = "loaded")]
+mod open;
 mod open_device;
 mod part_draws;
 mod pipeline;
@@ -84,6 +86,8 @@ pub use frames::{Frame, FrameRing, SlotIndex};
 #[cfg(feature = "loaded")]
 pub use instance::load_entry;
 pub use instance::{Instance, InstanceOptions, Validation};
+#[cfg(feature = "loaded")]
+pub use open::open;
 pub use part_draws::{LISTED_DRAWS, PartDraws, Parts, SwitchedOn};
 pub use pipeline::{
     Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,

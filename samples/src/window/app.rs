@@ -45,8 +45,14 @@ pub fn run(options: &CityOptions, files: Files) -> Result<(), RunError> {
 }
 
 fn no_display(error: impl std::fmt::Display) -> RunError {
+    // winit says first where in its own text that was found out.
+    let text = error.to_string();
+    let reason = text.rsplit_once(".rs:").map_or(text.as_str(), |(_, found)| {
+        found.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':' || c == ' ')
+    });
+    let reason = reason.trim_end_matches('.');
     RunError::machine(format!(
-        "there is no display to open a window on ({error}); --headless does without"
+        "there is no display to open a window on ({reason}); --headless does without"
     ))
 }
 

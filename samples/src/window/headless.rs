@@ -35,6 +35,7 @@ fn draw(device: &Device, options: &CityOptions, files: Files) -> Result<(), RunE
     let size = [options.size.width, options.size.height];
     let mut session = Session::new(device, options, files, size)?;
     let picture = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
+    tracing::info!("the frames begin");
     'frames: for frame in 0..options.frames.unwrap_or(1) {
         let mut has_acted = false;
         while let Some(deed) = session.next_scripted() {

@@ -32,12 +32,26 @@ impl Drop for Scratch {
     }
 }
 
-/// The program in `folder`, with its pipeline cache in the target folder.
+/// `walkthrough` in `folder`.
 pub fn walkthrough(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_walkthrough"));
+    program(env!("CARGO_BIN_EXE_walkthrough"), folder, arguments)
+}
+
+/// A program in `folder`, with its pipeline cache in the target folder.
+pub fn program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(name);
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cache");
     command.current_dir(folder).args(arguments).env("XDG_CACHE_HOME", cache);
     command
+}
+
+/// The pixels of a picture: rows from the top, red, green, blue.
+pub fn pixels(path: &Path) -> Vec<[u8; 3]> {
+    let file = fs::File::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
+    let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
+    reader.next_frame(&mut bytes).expect("a frame");
+    bytes.as_chunks::<3>().0.to_vec()
 }
 
 /// What it wrote to standard error.

@@ -12,6 +12,7 @@ mod mesh;
 mod motion;
 mod path;
 mod random;
+mod single;
 #[cfg(test)]
 mod tests;
 

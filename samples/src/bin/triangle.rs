@@ -1,0 +1,86 @@
+//! The smallest complete program on the engine: a triangle in a window, or one frame with --headless.
+#![forbid(unsafe_code)]
+
+use std::{error::Error, sync::Arc};
+
+use render::{FrameRequest, Renderer, ViewHistory, scene};
+use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::window::{Window, WindowId};
+use winit::{application::ApplicationHandler, event::WindowEvent};
+
+struct Triangle(Renderer, ViewHistory, Option<gpu::Swapchain>);
+
+impl Triangle {
+    fn open(window: Option<Arc<dyn gpu::Window>>) -> Result<Self, Box<dyn Error>> {
+        let (device, swapchain) = gpu::open(window)?;
+        let red = ([-1.0, -0.8, 0.0], [1.0, 0.1, 0.1]);
+        let green = ([1.0, -0.8, 0.0], [0.1, 1.0, 0.1]);
+        let blue = ([0.0, 0.9, 0.0], [0.1, 0.1, 1.0]);
+        let mesh = scene::Mesh::of_triangles("triangle", &[red, green, blue]);
+        let renderer = Renderer::new(&device, &scene::Scene::single(mesh), &Default::default())?;
+        let view = renderer.new_view()?;
+        Ok(Self(renderer, view, swapchain))
+    }
+
+    fn frame(&mut self, picture: Option<&gpu::Readback>) -> Result<(), Box<dyn Error>> {
+        let [eye, forward, up] = [glam::Vec3::Z * 3.0, glam::Vec3::NEG_Z, glam::Vec3::Y];
+        let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
+        let request = FrameRequest::new(cull::Strategy::Antumbra, camera);
+        self.0.render(&mut self.1, &FrameRequest { picture, ..request })?;
+        Ok(())
+    }
+}
+
+#[derive(Default)]
+struct App(Option<(Triangle, Arc<Window>)>, Option<Box<dyn Error>>);
+
+impl App {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), Box<dyn Error>> {
+        let window = Arc::new(event_loop.create_window(Window::default_attributes())?);
+        self.0 = Some((Triangle::open(Some(window.clone()))?, window));
+        Ok(())
+    }
+
+    fn show(&mut self) -> Result<(), Box<dyn Error>> {
+        let Some((triangle, window)) = &mut self.0 else { return Ok(()) };
+        triangle.frame(None)?;
+        if let Some(swapchain) = &mut triangle.2 {
+            triangle.0.present(swapchain, window.inner_size().into())?;
+        }
+        window.request_redraw();
+        Ok(())
+    }
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        self.1 = self.open(event_loop).err();
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::RedrawRequested => self.1 = self.show().err(),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.1.is_some().then(|| event_loop.exit());
+    }
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    if std::env::args().any(|argument| argument == "--headless") {
+        let mut triangle = Triangle::open(None)?;
+        let picture = gpu::Readback::new(triangle.0.device(), triangle.0.size())?;
+        triangle.frame(Some(&picture))?;
+        triangle.0.drain(&mut triangle.1)?;
+        let middle = picture.rgba8().len() / 2 + 4 * 640;
+        println!("the middle is {:?}", &picture.rgba8()[middle..middle + 3]);
+        return Ok(());
+    }
+    let mut app = App::default();
+    EventLoop::new()?.run_app(&mut app)?;
+    app.1.map_or(Ok(()), Err)
+}

@@ -1,0 +1,218 @@
+//! Runs `city` without a window, and with what cannot be.
+
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod program;
+
+use std::fs;
+use std::process::{Command, Output};
+
+use program::{Scratch, pixels, program, stderr};
+
+const SMALL: [&str; 5] = ["--headless", "--objects", "500", "--size", "160x90"];
+
+fn city(scratch: &Scratch, arguments: &[&str]) -> Output {
+    let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, arguments);
+    // No test of this file may open a window.
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+    command.output().expect("the program runs")
+}
+
+fn headless(scratch: &Scratch, arguments: &[&str]) {
+    let output = city(scratch, &[&SMALL[..], arguments].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+}
+
+#[test]
+fn no_display_is_said_and_headless_offered() {
+    let scratch = Scratch::new("city-no-display");
+    let output = city(&scratch, &[]);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("no display") && message.contains("--headless"), "{message}");
+    let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &[]);
+    command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", ":4711");
+    let output = command.output().expect("the program runs");
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("no display") && message.contains("--headless"), "{message}");
+}
+
+#[test]
+fn what_cannot_be_ends_with_2_and_one_sentence() {
+    let scratch = Scratch::new("city-mistakes");
+    fs::write(scratch.0.join("bad.txt"), "antumbra path 1\n0 0 1\n").unwrap();
+    fs::write(scratch.0.join("bad.script"), "3 hud\n4 jump\n").unwrap();
+    for (mistake, sentence) in [
+        (["--path", "bad.txt"], "bad.txt:2: a frame has 12 numbers, not 3"),
+        (["--path", "missing.txt"], "'missing.txt'"),
+        (["--script", "bad.script"], "bad.script:2: unknown deed 'jump'"),
+        (["--strategy", "ideal"], "see walkthrough"),
+        (["--device", "no such"], "there is no device 'no such'"),
+        (["--trace", "/proc/trace.json"], "--trace: cannot write into the folder '/proc'"),
+    ] {
+        let output = city(&scratch, &[&SMALL[..], &mistake].concat());
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{mistake:?}: {message}");
+        assert!(message.contains(sentence) && message.lines().count() == 1, "{message}");
+    }
+}
+
+#[test]
+fn without_renderdoc_a_capture_is_refused_with_a_reason() {
+    let scratch = Scratch::new("city-capture");
+    let output = city(&scratch, &[&SMALL[..], &["--capture", "3"]].concat());
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("renderdoccmd capture"), "{message}");
+}
+
+/// The path that is recorded is walked again with the same pictures, by both programs.
+#[test]
+fn a_recorded_path_is_walked_again_bit_for_bit() {
+    let scratch = Scratch::new("city-path");
+    fs::write(scratch.0.join("script"), "0 record\n12 record\n").unwrap();
+    let record = ["--path", "street", "--frames", "13", "--script", "script", "--out", "first"];
+    headless(&scratch, &record);
+    assert!(scratch.names("first").contains(&"path_00012.txt".to_owned()));
+    let replay = ["--replay", "first/path_00012.txt", "--frames", "12", "--out", "second"];
+    headless(&scratch, &replay);
+    let mut seen = Vec::new();
+    for frame in 0..12 {
+        let [first, second] = ["first", "second"]
+            .map(|folder| pixels(&scratch.0.join(format!("{folder}/frame_{frame:05}.png"))));
+        assert!(first == second, "frame {frame} is another");
+        seen.push(first);
+    }
+    assert!(seen[0] != seen[11], "nobody walked");
+
+    let path = ["--path", "first/path_00012.txt", "--frames", "12", "--pictures", "12"];
+    let rest = ["--objects", "500", "--size", "160x90", "--strategy", "antumbra", "--quiet"];
+    let arguments = [&path[..], &rest, &["--out", "third", "--verify", "every"]].concat();
+    let output = program::walkthrough(&scratch.0, &arguments).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    for (frame, picture) in seen.iter().enumerate() {
+        let walked = pixels(&scratch.0.join(format!("third/frame_{frame:05}.png")));
+        assert!(walked == *picture, "frame {frame} of the walkthrough is another");
+    }
+}
+
+/// Whatever is done while it runs, the picture stays what it is.
+#[test]
+fn strategies_and_frames_in_flight_change_no_pixel() {
+    let scratch = Scratch::new("city-switches");
+    let strategies = ["naive", "pyramid", "coherent", "antumbra_flags", "next_frame", "antumbra"];
+    let mut script = String::new();
+    for frame in 0..36 {
+        // `next_frame` is not exact; here nothing moves, so it is after a few frames.
+        script += &format!("{frame} strategy {}\n", strategies[frame / 6]);
+        script += &format!("{frame} frames_in_flight {}\n", frame * 7 % 4 + 1);
+    }
+    fs::write(scratch.0.join("script"), script).unwrap();
+    for device in ["llvmpipe", "SwiftShader"] {
+        let common = ["--device", device, "--validation", "sync", "--frames", "36"];
+        headless(&scratch, &[&common[..], &["--script", "script", "--out", device]].concat());
+        let picture =
+            |frame: usize| pixels(&scratch.0.join(format!("{device}/frame_{frame:05}.png")));
+        let first = picture(0);
+        for frame in (1..36).filter(|frame| frame % 6 == 5 || frame / 6 != 4) {
+            assert!(picture(frame) == first, "{device}: frame {frame} is another");
+        }
+    }
+}
+
+#[test]
+fn explanations_are_drawn_and_go_again() {
+    let scratch = Scratch::new("city-explained");
+    let script = "2 boxes\n2 birds_eye\n4 wires\n6 hud\n8 boxes\n8 birds_eye\n8 wires\n8 hud\n\
+                  10 freeze\n12 freeze\n12 time_passes\n13 time_passes\n14 screenshot\n";
+    fs::write(scratch.0.join("script"), script).unwrap();
+    let rest = ["--validation", "sync", "--frames", "16", "--script", "script", "--out", "out"];
+    headless(&scratch, &rest);
+    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    let plain = picture(1);
+    for (frame, is_plain) in [
+        (2, false),
+        (4, false),
+        (7, false),
+        (8, true),
+        (9, true),
+        (10, false),
+        (12, true),
+        (15, true),
+    ] {
+        assert_eq!(picture(frame) == plain, is_plain, "frame {frame}");
+    }
+    assert!(picture(3) != picture(5) && picture(5) != picture(7));
+}
+
+#[test]
+fn a_trace_has_cpu_and_gpu_on_one_time_line() {
+    let scratch = Scratch::new("city-trace");
+    headless(&scratch, &["--frames", "10", "--trace", "traces/trace.json"]);
+    let text = fs::read_to_string(scratch.0.join("traces/trace.json")).unwrap();
+    let trace: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let events = trace["traceEvents"].as_array().unwrap();
+    let named = |name: &str| {
+        let of_name = events.iter().filter(|event| event["name"] == name);
+        of_name.map(|event| event["ts"].as_f64().unwrap()).collect::<Vec<_>>()
+    };
+    let (renders, visible) = (named("render"), named("visible"));
+    assert_eq!((renders.len(), visible.len()), (10, 8), "two frames are on their way in the end");
+    for (render, visible) in renders.iter().zip(&visible) {
+        assert!(visible > render, "the GPU draws at {visible} what is submitted after {render}");
+    }
+    assert!(trace["otherData"]["gpu_clock"].as_str().unwrap().contains("within"), "{trace}");
+}
+
+/// Shaders that change while it runs, the second time to something that does not compile.
+#[cfg(feature = "shader-compiler")]
+#[test]
+fn shaders_are_loaded_while_it_runs() {
+    use std::time::{Duration, Instant};
+    let scratch = Scratch::new("city-shaders");
+    let folder = scratch.0.join("shaders");
+    fs::create_dir(&folder).unwrap();
+    let committed = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+    for entry in fs::read_dir(committed).unwrap() {
+        let entry = entry.unwrap();
+        fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
+    }
+    let arguments = [&SMALL[..], &["--shaders", "shaders", "--frames", "1000000"]].concat();
+    let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &arguments);
+    let log = fs::File::create(scratch.0.join("log")).unwrap();
+    let mut running = command.env("RUST_LOG", "info").stderr(log).spawn().unwrap();
+    let await_text = |text: &str| {
+        let began = Instant::now();
+        while !fs::read_to_string(scratch.0.join("log")).unwrap().contains(text) {
+            assert!(began.elapsed() < Duration::from_secs(60), "never said: {text}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    };
+    await_text("the frames begin");
+    let shader = folder.join("opaque.frag");
+    let text = fs::read_to_string(&shader).unwrap();
+    fs::write(&shader, format!("{text}\n// changed\n")).unwrap();
+    await_text("new shaders");
+    fs::write(&shader, format!("{text}\nthis does not compile\n")).unwrap();
+    await_text("opaque.frag:");
+    assert!(running.try_wait().unwrap().is_none(), "it goes on with the old ones");
+    fs::write(&shader, text).unwrap();
+    running.kill().unwrap();
+    running.wait().unwrap();
+}
+
+#[test]
+fn the_triangle_is_in_the_middle() {
+    let scratch = Scratch::new("triangle");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_triangle"));
+    let output = command.arg("--headless").current_dir(&scratch.0).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let numbers = said.split(|c: char| !c.is_ascii_digit()).filter(|word| !word.is_empty());
+    let colour: Vec<u8> = numbers.map(|number| number.parse().unwrap()).collect();
+    let &[red, green, blue] = colour.as_slice() else { panic!("{said}") };
+    // A mixture of the corners, the same of red as of green.
+    assert!(red > 60 && green > 60 && blue > 60, "{said}");
+    assert!(red.abs_diff(green) < 8, "it stands upright: {said}");
+}
