@@ -59,6 +59,12 @@ impl Weston {
         }
     }
 
+    /// Has `command` open its windows here.
+    pub fn environment(&self, command: &mut Command) {
+        command.env("XDG_RUNTIME_DIR", &self.folder).env("WAYLAND_DISPLAY", SOCKET);
+        command.env_remove("DISPLAY").env_remove("WAYLAND_SOCKET");
+    }
+
     /// Stops the compositor in its tracks, as one that has much to do.
     pub fn freeze(&self) {
         self.signal("-STOP");

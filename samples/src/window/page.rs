@@ -71,6 +71,7 @@ impl Session {
             outcome.as_ref().map_or(UNKNOWN.to_owned(), |outcome| grouped(number(outcome)))
         };
         let age = match (report.youngest_answer_frames, report.oldest_answer_frames) {
+            (Some(1), Some(1)) => "1 frame".to_owned(),
             (Some(youngest), Some(oldest)) if youngest == oldest => format!("{oldest} frames"),
             (Some(youngest), Some(oldest)) => format!("{youngest} to {oldest} frames"),
             _ => UNKNOWN.to_owned(),

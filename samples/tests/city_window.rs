@@ -1,0 +1,255 @@
+//! Runs `city` and `triangle` in windows of an X server without a screen, and of a Wayland compositor.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+#[allow(dead_code, reason = "shared with the tests of walkthrough")]
+mod program;
+#[path = "program/x11.rs"]
+mod x11;
+
+use std::fs;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use program::{Scratch, pixels, program};
+use tests::weston::Weston;
+use tests::xvfb::Xvfb;
+use x11::Seen;
+
+const SIZE: &str = "320x180";
+const ESCAPE: u32 = 0xff1b;
+const TAB: u32 = 0xff09;
+
+/// A program in a window. It is killed if a test fails before it ends.
+struct Running {
+    process: Child,
+    log: std::path::PathBuf,
+}
+
+impl Running {
+    fn start(mut command: Command, scratch: &Scratch) -> Self {
+        let log = scratch.0.join("log");
+        let file = fs::File::create(&log).unwrap();
+        let process = command.stdout(Stdio::null()).stderr(file).spawn().unwrap();
+        Self { process, log }
+    }
+
+    fn city(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Self {
+        let all = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe"];
+        let all = [&all[..], &["--validation", "sync"], arguments].concat();
+        let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &all);
+        command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");
+        command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        Self::start(command, scratch)
+    }
+
+    fn log(&self) -> String {
+        fs::read_to_string(&self.log).unwrap()
+    }
+
+    fn await_text(&self, text: &str) {
+        let began = Instant::now();
+        while !self.log().contains(text) {
+            assert!(began.elapsed() < Duration::from_secs(60), "never said {text}: {}", self.log());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Waits for its end.
+    fn end(&mut self) -> ExitStatus {
+        let began = Instant::now();
+        loop {
+            if let Some(status) = self.process.try_wait().unwrap() {
+                return status;
+            }
+            assert!(began.elapsed() < Duration::from_secs(120), "it hangs: {}", self.log());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Waits for its end, which is a good one: so says the validation layer, too.
+    fn end_well(mut self) {
+        let status = self.end();
+        assert!(status.success(), "{status}: {}", self.log());
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _is_over = self.process.kill();
+        let _is_over = self.process.wait();
+    }
+}
+
+/// The picture of a camera that stands still, drawn without a window.
+fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
+    let all = ["--headless", "--frames", "2", "--objects", "500", "--device", "llvmpipe"];
+    let all = [&all[..], arguments, &["--out", "headless"]].concat();
+    let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &all);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", program::stderr(&output));
+    pixels(&scratch.0.join("headless/frame_00001.png"))
+}
+
+#[test]
+fn the_window_shows_what_is_drawn_without_one_in_every_mode() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-right"));
+    let expected = headless(&scratch, &["--size", SIZE]);
+    for mode in ["fifo", "fifo_relaxed", "mailbox", "immediate"] {
+        let arguments = ["--hud", "off", "--present-mode", mode];
+        let running = Running::city(&scratch, &server, &arguments);
+        let window = Seen::wait_for(&server);
+        window.await_pixels(&expected, "the picture");
+        window.close();
+        running.end_well();
+    }
+}
+
+#[test]
+fn keys_do_what_they_say() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-keys"));
+    let expected = headless(&scratch, &["--size", SIZE]);
+    let running = Running::city(&scratch, &server, &["--out", "shots"]);
+    let window = Seen::wait_for(&server);
+    window.await_that("a text", |found| found != expected && found.contains(&[235, 240, 245]));
+    window.strike('h'.into());
+    window.await_pixels(&expected, "the picture without text");
+    for (key, said) in [
+        (TAB, "strategy antumbra_queries"),
+        ('f'.into(), "3 frames in flight"),
+        ('p'.into(), "present mode fifo_relaxed"),
+        ('k'.into(), "wrote shots/city_"),
+        ('r'.into(), "recording the path"),
+    ] {
+        window.strike(key);
+        running.await_text(said);
+        window.await_pixels(&expected, "the same picture");
+    }
+    for key in ['b', 'x', 'g', 'c'] {
+        window.strike(key.into());
+        window.await_that(&format!("what {key} does"), |found| found != expected);
+        window.strike(key.into());
+        window.await_pixels(&expected, "the picture as it was");
+    }
+    window.press('w'.into(), Duration::from_millis(300));
+    window.await_that("another place", |found| found != expected);
+    window.strike('r'.into());
+    running.await_text(" frames in shots/path_");
+    let shot = scratch.names("shots").into_iter().find(|name| name.ends_with(".png")).unwrap();
+    assert!(pixels(&scratch.0.join("shots").join(shot)) == expected, "a screenshot shows it");
+    window.strike(ESCAPE);
+    running.end_well();
+}
+
+#[test]
+fn the_picture_follows_the_window() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-sizes"));
+    let running = Running::city(&scratch, &server, &["--hud", "off"]);
+    let window = Seen::wait_for(&server);
+    for size in [[200, 300], [1, 1], [801, 77], [320, 180]] {
+        let expected = headless(&scratch, &["--size", &format!("{}x{}", size[0], size[1])]);
+        window.resize(size);
+        window.await_pixels(&expected, &format!("the picture of {size:?}"));
+    }
+    let mut seed = 1_u32;
+    for _ in 0..200 {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        window.resize([1 + (seed >> 8) % 500, 1 + (seed >> 20) % 300]);
+        if seed.is_multiple_of(16) {
+            window.hide();
+            std::thread::sleep(Duration::from_millis(30));
+            window.show();
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    window.resize([320, 180]);
+    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the picture at last");
+    window.close();
+    running.end_well();
+}
+
+#[test]
+fn a_window_that_is_destroyed_is_a_good_end() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-destroyed"));
+    let running = Running::city(&scratch, &server, &["--hud", "off"]);
+    let window = Seen::wait_for(&server);
+    let expected = headless(&scratch, &["--size", SIZE]);
+    window.await_pixels(&expected, "the picture");
+    window.destroy();
+    running.end_well();
+}
+
+/// 1,000 changes while it runs, one before each frame.
+#[test]
+fn whatever_is_switched_the_picture_stays() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-switches"));
+    let expected = headless(&scratch, &["--size", SIZE]);
+    let strategies = [
+        "frustum",
+        "naive",
+        "batched",
+        "stop_and_wait",
+        "coherent",
+        "pyramid",
+        "antumbra",
+        "antumbra_queries",
+        "antumbra_flags",
+        "antumbra_compute",
+    ];
+    let modes = ["fifo", "fifo_relaxed", "mailbox", "immediate"];
+    let (mut script, mut seed) = (String::new(), 7_u32);
+    for frame in 0..1000 {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let number = (seed >> 16) as usize;
+        script += &match frame % 3 {
+            0 => format!("{frame} strategy {}\n", strategies[number % strategies.len()]),
+            1 => format!("{frame} frames_in_flight {}\n", number % 4 + 1),
+            _ => format!("{frame} present_mode {}\n", modes[number % modes.len()]),
+        };
+        if frame % 250 == 249 {
+            script += &format!("{frame} screenshot\n");
+        }
+    }
+    fs::write(scratch.0.join("script"), script).unwrap();
+    let arguments = ["--hud", "off", "--script", "script", "--out", "shots"];
+    let running = Running::city(&scratch, &server, &arguments);
+    let window = Seen::wait_for(&server);
+    running.await_text("city_00999.png");
+    window.await_pixels(&expected, "the picture");
+    for shot in scratch.names("shots") {
+        assert!(pixels(&scratch.0.join("shots").join(&shot)) == expected, "{shot} is another");
+    }
+    window.close();
+    running.end_well();
+}
+
+#[test]
+fn it_runs_under_wayland() {
+    let (compositor, scratch) = (Weston::start(), Scratch::new("window-wayland"));
+    for mode in ["mailbox", "fifo"] {
+        let small = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe"];
+        let rest = ["--frames", "30", "--validation", "sync", "--present-mode", mode];
+        let arguments = [small, rest].concat();
+        let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &arguments);
+        compositor.environment(&mut command);
+        Running::start(command, &scratch).end_well();
+    }
+}
+
+#[test]
+fn the_triangle_opens_a_window_and_closes_it() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-triangle"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_triangle"));
+    command.env("DISPLAY", server.display()).env_remove("WAYLAND_DISPLAY");
+    let running = Running::start(command, &scratch);
+    let window = Seen::wait_for(&server);
+    let is_red = |pixel: &[u8; 3]| pixel[0] > 150 && pixel[1] < 100 && pixel[2] < 100;
+    window.await_that("a red corner", |found| found.iter().any(is_red));
+    window.close();
+    running.end_well();
+}
