@@ -227,6 +227,17 @@ fn the_map_is_short() {
 }
 
 #[test]
+fn the_readme_quotes_the_smallest_program_whole() {
+    assert_obeyed(rules::quoted_program);
+    assert_catches(rules::quoted_program, &[("README.md", "```rust\nfn main() {}\n```\n")]);
+    let program = ("samples/src/bin/triangle.rs", "fn main() {}\n");
+    let files =
+        |readme| [SourceFile::new("README.md", readme), SourceFile::new(program.0, program.1)];
+    assert_eq!(rules::quoted_program(&files("A.\n```rust\nfn main() {}\n```\nB.\n")).len(), 0);
+    assert_eq!(rules::quoted_program(&files("A.\n```rust\nfn main() { }\n```\n")).len(), 1);
+}
+
+#[test]
 fn every_shader_has_its_spirv_and_every_spirv_its_shader() {
     assert_obeyed(rules::committed_spirv);
     assert_catches(

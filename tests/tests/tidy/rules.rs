@@ -259,6 +259,20 @@ pub fn architecture(files: &[SourceFile]) -> Vec<String> {
     if lines > MAX_MAP_LINES { vec![map.finding(lines, &reason)] } else { Vec::new() }
 }
 
+/// The program that the README shows is the one that runs.
+pub fn quoted_program(files: &[SourceFile]) -> Vec<String> {
+    const PROGRAM: &str = "samples/src/bin/triangle.rs";
+    let of = |path: &str| files.iter().find(|file| file.path == path);
+    match (of("README.md"), of(PROGRAM)) {
+        (Some(readme), Some(program)) => {
+            let quote = format!("```rust\n{}```\n", program.text);
+            let reason = format!("must quote {PROGRAM} whole, as it is");
+            if readme.text.contains(&quote) { Vec::new() } else { vec![readme.finding(1, &reason)] }
+        }
+        _ => vec![format!("README.md:1: or {PROGRAM} is missing")],
+    }
+}
+
 /// Whoever builds without a shader compiler finds what the shaders say today.
 pub fn committed_spirv(files: &[SourceFile]) -> Vec<String> {
     let exists = |path: &str| files.iter().any(|file| file.path == path);
