@@ -75,6 +75,11 @@ fn made() -> usize {
     all.filter(|call| !EVERY_FRAME.contains(call)).map(|call| calls(call)).sum()
 }
 
+/// Not the methods of the literature that wait by their nature or are not exact, nor the yardstick.
+fn is_ours(strategy: &Strategy) -> bool {
+    !strategy.is_dialogue() && ![Strategy::Ideal, Strategy::NextFrame].contains(strategy)
+}
+
 #[test]
 fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
     let server = Xvfb::start();
@@ -82,7 +87,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
     let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(0);
     let mut allocating = Vec::new();
     for (driver, _) in MODES {
-        for strategy in Strategy::ALL.into_iter().filter(|strategy| *strategy != Strategy::Ideal) {
+        for strategy in Strategy::ALL.into_iter().filter(is_ours) {
             let window = X11Window::open(&server, Library::Xcb, SIZE);
             let stage = Stage::with_entry(Machine::default().entry(), driver, window);
             let options = RendererOptions { size: SIZE, ..Default::default() };
@@ -120,16 +125,12 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
     let server = Xvfb::start();
     let scene = city(300, 1).unwrap();
     let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(0);
-    // What waits by its nature is another thing, and so is what is not exact.
-    let steady = |strategy: &Strategy| {
-        !strategy.is_dialogue() && ![Strategy::Ideal, Strategy::NextFrame].contains(strategy)
-    };
     for (driver, modes) in MODES {
         let window = X11Window::open(&server, Library::Xcb, SIZE);
         let stage = Stage::with_entry(Machine::default().entry(), driver, window);
         let options = RendererOptions { size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
-        let strategies = Strategy::ALL.into_iter().filter(steady);
+        let strategies = Strategy::ALL.into_iter().filter(is_ours);
         let strategies: Vec<_> = strategies.filter(|s| renderer.supports(*s).is_ok()).collect();
         let mut view = renderer.new_view().unwrap();
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());

@@ -255,14 +255,16 @@ impl Commands {
         let info = vk::DescriptorSetAllocateInfo::default()
             .descriptor_pool(self.descriptors)
             .set_layouts(&layouts);
-        // SAFETY: the pool belongs to these commands, and was reset after the tick of earlier ones.
-        let set = match unsafe { raw.allocate_descriptor_sets(&info) } {
-            Ok(sets) => sets.first().copied().unwrap_or_default(),
-            Err(code) => {
-                self.fail(Failure::Call("vkAllocateDescriptorSets", code));
-                return;
-            }
-        };
+        let mut set = vk::DescriptorSet::null();
+        // The function itself: ash would put the set on the heap.
+        let allocate = raw.fp_v1_0().allocate_descriptor_sets;
+        // SAFETY: the pool belongs to these commands, and was reset after the tick of earlier ones;
+        // there is room for the one set asked for.
+        let code = unsafe { allocate(raw.handle(), &raw const info, &raw mut set) };
+        if code != vk::Result::SUCCESS {
+            self.fail(Failure::Call("vkAllocateDescriptorSets", code));
+            return;
+        }
         for (binding, slice) in storage.iter().enumerate() {
             let buffers = [vk::DescriptorBufferInfo {
                 buffer: slice.raw,
