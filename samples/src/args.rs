@@ -54,7 +54,7 @@ pub struct Arguments {
     #[arg(long, value_name = "S", default_value = "1", help_heading = "Walk")]
     pub seed: String,
     /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps), or
-    /// as in a file that the program city recorded, whose name has a dot or a slash
+    /// as in a file that the program city recorded, whose name ends in .txt or has a slash
     #[arg(
         long,
         value_name = "street|fly|cut|FILE",
@@ -285,12 +285,12 @@ pub(crate) fn parse_scene(text: &str) -> Result<Scene, UsageError> {
 }
 
 pub(crate) fn parse_path(text: &str) -> Result<PathChoice, UsageError> {
-    if text.contains(['.', '/', std::path::MAIN_SEPARATOR]) {
+    if text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]) {
         return Ok(PathChoice::Recorded(PathBuf::from(text)));
     }
     named("--path", text).map(PathChoice::Made).map_err(|UsageError(message)| {
         UsageError(format!(
-            "{message}; a file has a dot or a slash in its name (the cameras of glTF files come in a later version)"
+            "{message}; a file ends in .txt, or has a slash in its name (the cameras of glTF files come in a later version)"
         ))
     })
 }

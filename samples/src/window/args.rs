@@ -48,7 +48,7 @@ pub struct CityArguments {
     #[arg(long, value_name = "S", default_value = "1", help_heading = "World")]
     pub seed: String,
     /// The camera goes along a path, until you take over: street, fly, cut, or a file that was
-    /// recorded, whose name has a dot or a slash [default: it stands where street begins]
+    /// recorded, whose name ends in .txt or has a slash [default: it stands where street begins]
     #[arg(
         long,
         visible_alias = "replay",

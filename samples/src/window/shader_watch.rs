@@ -63,7 +63,7 @@ mod tests {
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join("a.vert"), "1").unwrap();
         let mut watch = ShaderWatch::new(folder.clone());
-        let at = |ms| Time::from_nanos(ms * 1_000_000);
+        let at = |ms: u64| Time::from_nanos(ms * 1_000_000);
         assert!(!watch.has_changed(at(1)));
         fs::write(folder.join("a.vert"), "22").unwrap();
         assert!(!watch.has_changed(at(100)));
