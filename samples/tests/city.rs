@@ -1,13 +1,22 @@
 //! Runs `city` without a window, and with what cannot be.
 
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
+#[path = "program/picture.rs"]
+mod picture;
+#[allow(dead_code, reason = "shared with the tests of walkthrough")]
 mod program;
 
 use std::fs;
 use std::process::{Command, Output};
 
-use program::{Scratch, pixels, program, stderr};
+use picture::pixels;
+use program::{Scratch, program, stderr};
 
 const SMALL: [&str; 5] = ["--headless", "--objects", "500", "--size", "160x90"];
 

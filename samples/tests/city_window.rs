@@ -7,6 +7,8 @@
     reason = "a test fails by panicking"
 )]
 
+#[path = "program/picture.rs"]
+mod picture;
 #[allow(dead_code, reason = "shared with the tests of walkthrough")]
 mod program;
 #[path = "program/x11.rs"]
@@ -16,7 +18,8 @@ use std::fs;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use program::{Scratch, pixels, program};
+use picture::pixels;
+use program::{Scratch, program};
 use tests::weston::Weston;
 use tests::xvfb::Xvfb;
 use x11::Seen;

@@ -37,8 +37,8 @@ impl WindowSystem {
         let names = ash_window::enumerate_required_extensions(handle.as_raw());
         let names = names.called("enumerating the extensions for this display")?;
         // SAFETY: names of extensions, as constant strings.
-        let names = names.iter().map(|name| unsafe { constant(*name) });
-        match names.filter(|name| *name != khr::surface::NAME).last() {
+        let mut names = names.iter().map(|name| unsafe { constant(*name) });
+        match names.rfind(|name| *name != khr::surface::NAME) {
             Some(platform) => Ok(Self(platform)),
             None => Err(Error::NoDisplay("Vulkan knows no windows of its kind".to_owned())),
         }

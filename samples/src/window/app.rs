@@ -35,7 +35,7 @@ pub fn run(options: &CityOptions, files: Files) -> Result<(), RunError> {
         files: Some(files),
         opened: None,
         input: Input::default(),
-        clock: Clock::default(),
+        clock: Clock,
         outcome: Ok(()),
     };
     event_loop.run_app(&mut app).map_err(no_display)?;
@@ -142,7 +142,7 @@ impl Opened {
         if now < self.not_before {
             return Ok(Next::At(self.not_before));
         }
-        match self.screen.next()? {
+        match self.screen.next_step()? {
             Step::Wait(wait) => Ok(Next::At(wait.until)),
             Step::Start(plan) => self.frame(input, plan.frame),
         }

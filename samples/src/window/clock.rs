@@ -2,21 +2,9 @@
 
 use pacing::Time;
 
-/// Reads the time.
-#[derive(Clone, Copy, Debug)]
-pub struct Clock {
-    #[cfg(not(unix))]
-    origin: std::time::Instant,
-}
-
-impl Default for Clock {
-    fn default() -> Self {
-        Self {
-            #[cfg(not(unix))]
-            origin: std::time::Instant::now(),
-        }
-    }
-}
+/// Reads the time. All of them read the same.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Clock;
 
 impl Clock {
     /// The time now: `CLOCK_MONOTONIC` on Unix.
@@ -28,10 +16,12 @@ impl Clock {
         Time::from_nanos(seconds.saturating_mul(1_000_000_000).saturating_add(nanos))
     }
 
-    /// The time now, since the clock was made.
+    /// The time now, since the first time anybody asked.
     #[cfg(not(unix))]
     pub fn now(&self) -> Time {
-        Time::from_origin(self.origin.elapsed())
+        static ORIGIN: std::sync::LazyLock<std::time::Instant> =
+            std::sync::LazyLock::new(std::time::Instant::now);
+        Time::from_origin(ORIGIN.elapsed())
     }
 }
 
@@ -41,7 +31,7 @@ mod tests {
 
     #[test]
     fn time_goes_on() {
-        let clock = Clock::default();
+        let clock = Clock;
         let before = clock.now();
         std::thread::sleep(std::time::Duration::from_millis(2));
         let passed = clock.now().since(before);

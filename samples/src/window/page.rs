@@ -124,7 +124,7 @@ fn what_is_shown(screen: &ScreenFacts) -> Vec<(String, String)> {
     let of = |times: Option<Distribution>, pick: fn(&Distribution) -> Duration| {
         ms(times.as_ref().map(|times| pick(times).as_secs_f64() * 1e3))
     };
-    let count = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), |number| grouped(number));
+    let count = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), grouped);
     // What is not reported from the screen is known from the starts of frames at least.
     let intervals = summary.present_intervals.or(summary.start_intervals);
     let hitches = summary.hitches.or(summary.start_hitches);

@@ -108,7 +108,7 @@ impl Screen {
             known: (options.present_mode, USUAL_IMAGES as usize, 0),
             swapchain,
             device: device.clone(),
-            clock: Clock::default(),
+            clock: Clock,
             pacer: Pacer::new(pacer_options, presentation).map_err(RunError::machine)?,
             statistics: FrameStatistics::new(FRAMES, HitchRule::default())
                 .map_err(RunError::machine)?,
@@ -122,7 +122,7 @@ impl Screen {
     ///
     /// # Errors
     /// A lost device.
-    pub fn next(&mut self) -> Result<Step, RunError> {
+    pub fn next_step(&mut self) -> Result<Step, RunError> {
         self.follow_swapchain()?;
         self.look()?;
         while let Some((_, timing)) = self.pacer.completed() {

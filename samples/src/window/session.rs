@@ -90,7 +90,7 @@ impl Session {
         if options.times_passes {
             renderer.time_passes()?;
         }
-        let clock = Clock::default();
+        let clock = Clock;
         Ok(Self {
             clock,
             history: renderer.new_view()?,

@@ -45,15 +45,6 @@ pub fn program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// The pixels of a picture: rows from the top, red, green, blue.
-pub fn pixels(path: &Path) -> Vec<[u8; 3]> {
-    let file = fs::File::open(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
-    let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
-    reader.next_frame(&mut bytes).expect("a frame");
-    bytes.as_chunks::<3>().0.to_vec()
-}
-
 /// What it wrote to standard error.
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
