@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use gpu::{Device, DeviceOptions, Instance, NotShown, PresentMode, Shown, Surface, WindowSystem};
+use gpu::{
+    Device, DeviceOptions, Fallback, Instance, NotShown, PresentMode, Shown, Surface, WindowSystem,
+};
 use pacing::{FrameId, Step, Time};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
@@ -75,6 +77,8 @@ struct Opened {
     size: [u32; 2],
     is_occluded: bool,
     is_gone: bool,
+    /// The one that was told.
+    fallback: Option<Fallback>,
     last_frame: Option<Time>,
     next_layout: Time,
     not_before: Time,
@@ -120,6 +124,7 @@ impl Opened {
             size,
             is_occluded: false,
             is_gone: false,
+            fallback: None,
             last_frame: None,
             next_layout: Time::ZERO,
             not_before: Time::ZERO,
@@ -170,6 +175,7 @@ impl Opened {
         let began = self.clock_now();
         let shown = self.screen.show(self.session.renderer(), frame, self.size)?;
         self.session.trace_cpu("present", began);
+        self.tell_fallback();
         self.session.after_frame()?;
         if self.is_occluded {
             self.not_before = now.after(HIDDEN_INTERVAL);
@@ -207,13 +213,20 @@ impl Opened {
 
     fn set_mode(&mut self, mode: PresentMode) {
         self.screen.set_mode(mode);
-        match self.screen.swapchain().fallback() {
-            Some(fallback) => self.session.tell(format!(
-                "this window has no {}; it is {} instead",
-                fallback.wanted, fallback.taken
-            )),
-            None => self.session.tell(format!("present mode {mode}")),
+        self.fallback = None;
+        self.session.tell(format!("present mode {mode}"));
+    }
+
+    /// Says which present mode it is, if not the one that was wanted. That is known when the window has
+    /// its images.
+    fn tell_fallback(&mut self) {
+        let fallback = self.screen.swapchain().fallback();
+        if let Some(Fallback { wanted, taken }) = fallback
+            && self.fallback != fallback
+        {
+            self.session.tell(format!("this window has no {wanted}; it is {taken} instead"));
         }
+        self.fallback = fallback;
     }
 
     fn clock_now(&self) -> Time {
