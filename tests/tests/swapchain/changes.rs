@@ -172,6 +172,39 @@ fn an_image_that_is_not_shown_is_what_the_next_frame_gets() {
 }
 
 #[test]
+fn what_is_let_go_is_not_used_again_before_its_time() {
+    let server = Xvfb::start();
+    for (driver, library) in WAYS {
+        let size = [64, 64];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let mut painter = Painter::new(&stage.device, size);
+        let expected = painter.expected(3);
+        let mut swapchain = stage.swapchain(&SwapchainOptions::default());
+        show_surely(&mut swapchain, &painter.target, size);
+        for mode in [PresentMode::Mailbox, PresentMode::Fifo] {
+            // The GPU is held back, and with it the wait for the image that is given up.
+            let gate = gpu::Timeline::new(&stage.device, "gate").unwrap();
+            let mut ring = gpu::FrameRing::new(&stage.device, 1).unwrap();
+            drop(swapchain.acquire(size).unwrap());
+            ring.begin().unwrap().submit(Some((&gate, gpu::Tick(1)))).unwrap();
+            swapchain.set_mode(mode);
+            std::thread::scope(|scope| {
+                scope.spawn(|| {
+                    std::thread::sleep(std::time::Duration::from_millis(100));
+                    gate.signal(gpu::Tick(1)).unwrap();
+                });
+                // Some drivers wait for the GPU in here.
+                show_surely(&mut swapchain, &painter.target, size);
+            });
+            await_picture(&expected, || window.pixels(size));
+        }
+        drop((swapchain, painter));
+        stage.end();
+    }
+}
+
+#[test]
 fn a_window_that_is_destroyed_says_so_and_takes_nothing_with_it() {
     let server = Xvfb::start();
     for (driver, library) in WAYS {
