@@ -46,6 +46,7 @@ mod error;
 mod flag_ring;
 mod frames;
 mod instance;
+mod label;
 mod open_device;
 mod part_draws;
 mod pipeline;
