@@ -47,6 +47,7 @@ mod flag_ring;
 mod frames;
 mod image;
 mod instance;
+mod label;
 mod open_device;
 mod part_draws;
 mod pipeline;

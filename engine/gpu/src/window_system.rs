@@ -38,7 +38,7 @@ impl WindowSystem {
         let names = names.called("enumerating the extensions for this display")?;
         // SAFETY: names of extensions, as constant strings.
         let names = names.iter().map(|name| unsafe { constant(*name) });
-        match names.filter(|name| *name != khr::surface::NAME).last() {
+        match names.rev().find(|name| *name != khr::surface::NAME) {
             Some(platform) => Ok(Self(platform)),
             None => Err(Error::NoDisplay("Vulkan knows no windows of its kind".to_owned())),
         }
