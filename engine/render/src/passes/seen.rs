@@ -31,6 +31,7 @@ pub struct SeenIo {
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
     view_proj: [f32; 16],
+    snap_steps: [f32; 2],
 }
 
 impl SeenPass {
@@ -72,6 +73,6 @@ impl SeenPass {
         commands.bind(&self.pipeline, &[io.opaque.instances, io.seen]);
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
         let view_proj = view.view_proj.to_cols_array();
-        commands.push_constants(&self.pipeline, &Constants { view_proj });
+        commands.push_constants(&self.pipeline, &Constants { view_proj, snap_steps: view.snap_steps });
     }
 }
