@@ -37,8 +37,14 @@ pub fn render(report: &Report) -> String {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let lines =
-        [head(report), table.trim_fmt(), ratio_lines(report), pass_lines(report), foot(report)];
+    let lines = [
+        head(report),
+        table.trim_fmt(),
+        ratio_lines(report),
+        cost_lines(report),
+        pass_lines(report),
+        foot(report),
+    ];
     lines.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + "\n"
 }
 
@@ -111,6 +117,27 @@ fn ratio_lines(report: &Report) -> String {
         }
     }
     lines.join("\n")
+}
+
+/// A line for each run with a governor.
+fn cost_lines(report: &Report) -> String {
+    let line = |run: &RunReport| {
+        let learned = run.corrections?;
+        let saving_ms = run.expected_saving_ns.map(|saving_ns| saving_ns as f64 * 1e-6);
+        let prices = match (learned.frames, learned.proportion) {
+            (0, _) | (_, None) => "as measured, since the device times no frames".to_owned(),
+            (frames, Some(times)) => {
+                format!("{times:.2} times as measured, by {} frames", count(Some(frames)))
+            }
+        };
+        Some(format!(
+            "{}: {} objects a frame untested for the cost, tests save {} ms (expected), their price is {prices}",
+            run.strategy,
+            count(run.untested_by_cost),
+            milliseconds(saving_ms),
+        ))
+    };
+    report.runs.iter().filter_map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// A line for each run whose passes were timed.

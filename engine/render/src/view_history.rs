@@ -4,16 +4,17 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{
-    Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafRange, QueryKind,
-    QueryTag, Strategy, Tester, View,
+    Answer, Culler, FrameContents, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafRange,
+    QueryKind, QueryTag, Strategy, Tester, View,
 };
 use gpu::{
-    Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw, PartDraws, QueryRing, SwitchedOn,
-    Tick, WordSource,
+    Counting, Device, DrawRange, FlagRing, Frame, FrameTime, IndirectDraw, PartDraws, QueryRing,
+    SwitchedOn, Tick, WordSource,
 };
 
 use crate::dialogue_frame::DialogueHistory;
 use crate::error::Error;
+use crate::frame_times::SentFrames;
 use crate::geometry::Geometry;
 use crate::leaf_counts::Count;
 use crate::pyramid_history::PyramidHistory;
@@ -74,6 +75,8 @@ pub struct ViewHistory {
     pub(crate) dialogue: Option<DialogueHistory>,
     pyramid: Option<PyramidHistory>,
     pub(crate) frames_in_flight: usize,
+    /// What the frames were made of whose time is not home.
+    pub(crate) sent: SentFrames,
     pub(crate) device: Device,
     /// Up to which change of a draw `parts` knows the draws.
     seen_changes: u64,
@@ -111,6 +114,7 @@ impl ViewHistory {
             dialogue: None,
             pyramid: None,
             frames_in_flight,
+            sent: SentFrames::new(frames_in_flight),
             device: device.clone(),
             seen_changes: renderer.passes.geometry.draw_changes.count(),
             threshold_samples: renderer.threshold_samples,
@@ -145,7 +149,7 @@ impl ViewHistory {
         self.collect(completed, hierarchy, geometry);
         self.counts.collect(completed, hierarchy, self.plan.frame);
         let threshold = self.threshold_samples;
-        let Self { culler, pyramid, answers, newest: kept, pending, outcomes, .. } = self;
+        let Self { culler, pyramid, answers, newest: kept, pending, outcomes, sent, .. } = self;
         for Answered { answer, count } in answers.iter().filter(|home| home.answer.samples > 0) {
             let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
             let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
@@ -177,6 +181,7 @@ impl ViewHistory {
         }
         if let Some(newest) = newest {
             while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
+                sent.drew(&outcome);
                 keep_latest(outcomes, outcome);
             }
         }
@@ -333,6 +338,18 @@ impl ViewHistory {
         Ok(kept)
     }
 
+    /// Whether there is a governor to be told what frames take.
+    pub(crate) fn is_governed(&self) -> bool {
+        self.culler.governor().is_some()
+    }
+
+    /// A frame that showed this view, with others if they were drawn together, took so long.
+    pub(crate) fn took(&mut self, time: &FrameTime, contents: &FrameContents) {
+        if let Some(governor) = self.culler.governor_mut() {
+            governor.observe(time.gpu_ms * 1.0e6, contents);
+        }
+    }
+
     /// The newest frame is on its way: opens the books on it.
     pub(crate) fn submitted(&mut self, tick: Tick, geometry: &Geometry) {
         self.queries.submitted(tick);
@@ -357,6 +374,7 @@ impl ViewHistory {
         let is_counted_on_gpu =
             self.pyramid.as_mut().is_some_and(|kept| kept.submitted(tick, outcome.frame));
         if self.questions.is_empty() && !is_counted_on_gpu {
+            self.sent.drew(&outcome);
             keep_latest(&mut self.outcomes, outcome);
         } else {
             self.pending.push_back(outcome);
