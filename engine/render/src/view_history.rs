@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{
-    Answer, Culler, FrameContents, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafRange,
-    QueryKind, QueryTag, Strategy, Tester, View,
+    Answer, Corrections, Culler, FrameContents, FrameId, FramePlan, Generation, Governor,
+    Hierarchy, LeafIndex, LeafRange, QueryKind, QueryTag, Strategy, Tester, View,
 };
 use gpu::{
     Counting, Device, DrawRange, FlagRing, Frame, FrameTime, IndirectDraw, PartDraws, QueryRing,
@@ -336,6 +336,11 @@ impl ViewHistory {
         let kept = self.pyramid.insert(kept);
         kept.begin(&self.device, hierarchy, self.plan.frame, frame.slot())?;
         Ok(kept)
+    }
+
+    /// What frames taught this view's governor about the prices; `None` without one.
+    pub fn corrections(&self) -> Option<Corrections> {
+        self.culler.governor().map(Governor::corrections)
     }
 
     /// Whether there is a governor to be told what frames take.

@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use cull::{Camera, Governor, Strategy, View};
+use cull::{Camera, Strategy, View};
 use gpu::{Device, Readback, Tick, Timeline};
 
 use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
@@ -231,8 +231,7 @@ impl FrameReport {
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
         // Views that are drawn together learn the same.
-        self.corrections =
-            self.corrections.or(history.culler.governor().map(Governor::corrections));
+        self.corrections = self.corrections.or(history.corrections());
         // No age is less than any, so the larger of two is the older one that there is.
         self.oldest_answer_frames = self.oldest_answer_frames.max(history.answer_ages().max());
         let youngest = self.youngest_answer_frames.into_iter().chain(history.answer_ages().min());
