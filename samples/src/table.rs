@@ -124,14 +124,12 @@ fn cost_lines(report: &Report) -> String {
     let line = |run: &RunReport| {
         let learned = run.corrections?;
         let saving_ms = run.expected_saving_ns.map(|saving_ns| saving_ns as f64 * 1e-6);
-        let prices = match (learned.frames, learned.proportion) {
-            (0, _) | (_, None) => "as measured, since the device times no frames".to_owned(),
-            (frames, Some(times)) => {
-                format!("{times:.2} times as measured, by {} frames", count(Some(frames)))
-            }
+        let times = match (learned.frames, learned.proportion) {
+            (0, _) | (_, None) => "not learned: this device times no frames".to_owned(),
+            (frames, Some(times)) => format!("{times:.2}, from {} frames", count(Some(frames))),
         };
         Some(format!(
-            "{}: {} objects a frame untested for the cost, tests save {} ms (expected), their price is {prices}",
+            "{}, by cost: {} objects untested a frame, {} ms saved (expected); tests times {times}",
             run.strategy,
             count(run.untested_by_cost),
             milliseconds(saving_ms),
@@ -244,6 +242,7 @@ mod tests {
             "1.05",
             "3,000",
             "frustum takes 3.00 times as long a frame as antumbra",
+            "antumbra, by cost: 4 objects untested a frame, 0.00 ms saved (expected); tests times 1.00, from 7",
             "scene 1.50, hierarchy 2.50, upload 3.50; peak memory 123 MiB, on the device 56 MiB",
             "frames compared with frustum culling: 2; blocking waits: 0; validation messages: 0",
         ] {

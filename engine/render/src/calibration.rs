@@ -32,7 +32,7 @@ pub enum Costs {
     Ignored,
     /// As told.
     Table(CostTable),
-    /// Measured when the renderer is made, which takes a tenth of a second or so on a software driver.
+    /// Measured when the renderer is made, which takes a quarter of a second on a software driver.
     #[default]
     Measured,
 }

@@ -46,6 +46,14 @@ struct Answered {
     count: Count,
 }
 
+/// The outcome of a frame that is not told yet: frames are told in their order.
+#[derive(Clone, Copy)]
+struct Pending {
+    outcome: FrameOutcome,
+    /// Nothing was asked, so that no answer is to come.
+    is_known: bool,
+}
+
 /// Which renderer a view is of: its rings, its draws and what it knows fit no other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct RendererId(u64);
@@ -86,7 +94,7 @@ pub struct ViewHistory {
     answers: Vec<Answered>,
     behind: Vec<Asked>,
     newest: Vec<Answer>,
-    pending: VecDeque<FrameOutcome>,
+    pending: VecDeque<Pending>,
     outcomes: VecDeque<FrameOutcome>,
 }
 
@@ -152,8 +160,7 @@ impl ViewHistory {
         let Self { culler, pyramid, answers, newest: kept, pending, outcomes, sent, .. } = self;
         for Answered { answer, count } in answers.iter().filter(|home| home.answer.samples > 0) {
             let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
-            let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
-            let Some(outcome) = outcome else { continue };
+            let Some(outcome) = outcome_of(pending, answer.tag.frame) else { continue };
             if !shows(answer, threshold) {
                 let decides = is_drawn || answer.tag.kind == QueryKind::Parts;
                 outcome.neglected_samples += u64::from(answer.samples) * u64::from(decides);
@@ -171,19 +178,19 @@ impl ViewHistory {
         }
         while let Some(counts) = pyramid.as_mut().and_then(|kept| kept.take_counts(completed)) {
             newest = newest.max(Some(counts.frame));
-            if let Some(outcome) = pending.iter_mut().find(|pending| pending.frame == counts.frame)
-            {
+            if let Some(outcome) = outcome_of(pending, counts.frame) {
                 let [first, second] = counts.phases;
                 outcome.draws = u64::from(first.draws) + u64::from(second.draws);
                 outcome.triangles = first.triangles() + second.triangles();
                 outcome.revealed = second.draws.into();
             }
         }
-        if let Some(newest) = newest {
-            while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
-                sent.drew(&outcome);
-                keep_latest(outcomes, outcome);
-            }
+        let is_home = |it: &mut Pending| {
+            it.is_known || newest.is_some_and(|newest| it.outcome.frame <= newest)
+        };
+        while let Some(Pending { outcome, .. }) = pending.pop_front_if(is_home) {
+            sent.drew(&outcome);
+            keep_latest(outcomes, outcome);
         }
         culler.ingest(hierarchy, answers);
     }
@@ -378,13 +385,18 @@ impl ViewHistory {
         }
         let is_counted_on_gpu =
             self.pyramid.as_mut().is_some_and(|kept| kept.submitted(tick, outcome.frame));
-        if self.questions.is_empty() && !is_counted_on_gpu {
+        let is_known = self.questions.is_empty() && !is_counted_on_gpu;
+        if is_known && self.pending.is_empty() {
             self.sent.drew(&outcome);
             keep_latest(&mut self.outcomes, outcome);
         } else {
-            self.pending.push_back(outcome);
+            self.pending.push_back(Pending { outcome, is_known });
         }
     }
+}
+
+fn outcome_of(pending: &mut VecDeque<Pending>, frame: FrameId) -> Option<&mut FrameOutcome> {
+    pending.iter_mut().map(|pending| &mut pending.outcome).find(|outcome| outcome.frame == frame)
 }
 
 /// Parts are told by fragments, which do not count.
