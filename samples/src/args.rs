@@ -95,12 +95,12 @@ pub struct Arguments {
     /// above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: String,
-    /// What the governor does: nothing, or leave out tests that cost more than they save, by costs that
-    /// are measured on the device before the walk
+    /// What the governor does: leave out tests that cost more than they save, by costs that are measured
+    /// on the device before the walk and corrected by what frames take; or nothing
     #[arg(
         long,
         value_name = "ignored|measured",
-        default_value = "ignored",
+        default_value = "measured",
         help_heading = "Compare"
     )]
     pub costs: String,

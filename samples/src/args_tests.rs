@@ -67,7 +67,7 @@ fn every_option_arrives() {
     assert_eq!(
         options,
         Options {
-            costs: Costs::Ignored,
+            costs: Costs::Measured,
             time_passes: false,
             scene: Scene::Field,
             objects: 2_000_000,

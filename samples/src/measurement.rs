@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::report::{AgeReport, RunReport, kept_times};
+use cull::Corrections;
+
+use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
 use crate::statistics::{Summary, median_count};
 use crate::strategy::Strategy;
 
@@ -31,6 +33,8 @@ pub struct FrameMeasurement {
     pub retest_interval_frames: u64,
     /// What the tests are expected to save, in nanoseconds of GPU time.
     pub expected_saving_ns: u64,
+    /// What the governor has learned about prices; none without one.
+    pub corrections: Option<Corrections>,
     /// Age in frames of the oldest result that came home in it; none if none did.
     pub result_age_frames: Option<u64>,
     /// Waits of the frame loop other than for the frame's own slot.
@@ -116,6 +120,11 @@ impl RunMeasurement {
             untested_by_cost: count(|frame| frame.untested_by_cost),
             retest_interval_frames: count(|frame| frame.retest_interval_frames),
             expected_saving_ns: count(|frame| frame.expected_saving_ns),
+            corrections: self
+                .frames
+                .last()
+                .and_then(|frame| frame.corrections)
+                .map(CorrectionsReport::from),
             result_age_frames: AgeReport { median: median_count(ages()), max: ages().max() },
             waits: count(|frame| frame.blocking_waits),
             blocking_waits: timed_waits + self.untimed_blocking_waits,

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use cull::Corrections;
 use serde::Serialize;
 
 use crate::options::LeftOut;
@@ -113,6 +114,31 @@ pub struct AgeReport {
     pub max: Option<u64>,
 }
 
+/// What frames taught a governor about the costs, in times what was measured before the walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CorrectionsReport {
+    /// What draws seem to cost.
+    pub draws: Option<f64>,
+    /// What tests seem to cost.
+    pub tests: Option<f64>,
+    /// By what the prices of tests were multiplied at the end, since that much was sure.
+    pub proportion: Option<f64>,
+    /// From how many frames that was learned; 0 where the device tells no times.
+    pub frames: u64,
+}
+
+impl From<Corrections> for CorrectionsReport {
+    fn from(learned: Corrections) -> Self {
+        let factor = |value: f32| value.is_finite().then(|| kept(value.into()));
+        Self {
+            draws: factor(learned.draws),
+            tests: factor(learned.tests),
+            proportion: factor(learned.proportion),
+            frames: learned.frames,
+        }
+    }
+}
+
 /// One strategy's walk. Counts are medians per frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReport {
@@ -142,6 +168,8 @@ pub struct RunReport {
     pub retest_interval_frames: Option<u64>,
     /// What the tests were expected to save in a frame, in nanoseconds of GPU time.
     pub expected_saving_ns: Option<u64>,
+    /// What the governor had learned about the costs at the end; absent without one.
+    pub corrections: Option<CorrectionsReport>,
     /// GPU time of each pass by its label, where `--time-passes` asked for it.
     pub passes_ms: BTreeMap<String, Summary>,
     /// How old the results were that came home.

@@ -146,6 +146,7 @@ impl<'a> Walk<'a> {
                 untested_by_cost: report.plan.untested_by_cost.into(),
                 retest_interval_frames: report.plan.retest_interval_frames.into(),
                 expected_saving_ns: report.plan.expected_saving_ns,
+                corrections: report.corrections.filter(|_| run.strategy.is_governed()),
                 result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
                 is_compared: picture.is_some(),

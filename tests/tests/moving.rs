@@ -14,7 +14,7 @@ use gpu::{Device, Predication, Readback};
 use render::scene::{
     CameraPath, Cast, MeshId, Motion, Object, ObjectChange, PathKind, Scene, pack_unorm,
 };
-use render::{FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
 use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, pixels_that_differ};
 use tests::{Driver, run, run_on_all};
@@ -246,7 +246,9 @@ fn wall_and_crowd(count: usize) -> Vec<Aabb> {
 fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
     run_on_all(|device| {
         let scene = box_scene(&wall_and_crowd(300));
-        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        // Such small things are cheaper to draw than to test, on some device.
+        let options = RendererOptions { costs: Costs::Ignored, ..options(2) };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         let mut plain = renderer.new_view().unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());

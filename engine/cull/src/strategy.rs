@@ -104,6 +104,16 @@ impl Strategy {
         }
     }
 
+    /// True if it goes by a history, asks questions in its plans and is
+    /// [governed](crate::Culler::govern): those called `antumbra`.
+    #[must_use]
+    pub const fn is_governed(self) -> bool {
+        matches!(
+            self,
+            Self::Antumbra | Self::AntumbraQueries | Self::AntumbraFlags | Self::AntumbraCompute
+        )
+    }
+
     /// True if it can be told to take what shows few samples as hidden, and is not exact then
     /// ([`Culler::neglect`](crate::Culler::neglect),
     /// [`CoherentOptions`](crate::CoherentOptions)).

@@ -88,6 +88,6 @@ pub use shader::Spirv;
 pub use shader::compile;
 pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
 pub use timeline::{Tick, Timeline};
-pub use timing::PassTime;
+pub use timing::{FrameTime, PassTime};
 pub use upload::Uploads;
 pub use validation::{Message, ValidationLog};

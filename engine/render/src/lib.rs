@@ -35,6 +35,7 @@ mod dialogue_frame;
 mod draw_changes;
 mod error;
 mod frame_passes;
+mod frame_times;
 mod geometry;
 mod leaf_counts;
 mod moment;

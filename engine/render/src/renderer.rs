@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use cull::{
-    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId, Policy,
-    SceneCosts, Strategy, View,
+    Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId,
+    Policy, SceneCosts, Strategy, View,
 };
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
@@ -15,6 +15,7 @@ use crate::calibration::{self, Costs};
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::frame_times::FrameTimes;
 use crate::geometry::Geometry;
 use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::pyramid_frame::PyramidFrame;
@@ -50,7 +51,8 @@ pub struct RendererOptions {
     /// had. For [`Strategy::Antumbra`] and [`Strategy::AntumbraQueries`];
     /// [`Strategy::Coherent`] has [its own](cull::CoherentOptions::visibility_threshold_samples).
     pub threshold_samples: u32,
-    /// What things cost, so that nothing is tested at a loss.
+    /// What things cost, so that nothing is tested at a loss. Where the device has timestamps, what
+    /// frames take corrects it.
     pub costs: Costs,
     /// Room for objects that [come later](Renderer::update), beside the room of those that go.
     pub spare_objects: usize,
@@ -67,7 +69,7 @@ impl Default for RendererOptions {
             dialogue: DialogueOptions::default(),
             query_budget: 8192,
             threshold_samples: 0,
-            costs: Costs::Ignored,
+            costs: Costs::default(),
             spare_objects: 0,
         }
     }
@@ -117,6 +119,8 @@ pub struct FrameReport {
     pub youngest_answer_frames: Option<u64>,
     /// What the culler counted.
     pub plan: cull::PlanStats,
+    /// What frames taught the governor about the prices ([`Renderer::costs`]); `None` without one.
+    pub corrections: Option<Corrections>,
 }
 
 /// A scene on a device, and everything to draw it with.
@@ -136,6 +140,9 @@ pub struct Renderer {
     pub(crate) update_scratch: UpdateScratch,
     pub(crate) scatter: ScatterPass,
     pub(crate) pass_times: Vec<PassTime>,
+    pub(crate) frame_times: FrameTimes,
+    /// Whether governors are told what frames take.
+    pub(crate) learns: bool,
     policy: Policy,
     pub(crate) query_budget: usize,
     pub(crate) threshold_samples: u32,
@@ -197,10 +204,15 @@ impl Renderer {
         };
         let id = RendererId::new();
         let costs = calibration::cost_table(options.costs, device, &shaders, &mut passes);
+        let mut frames = FrameRing::new(device, slots)?;
+        let learns = costs.is_some() && device.capabilities().has(Optional::Timestamps);
+        if learns {
+            frames.time_frames()?;
+        }
         Ok(Self {
             id,
             device: device.clone(),
-            frames: FrameRing::new(device, slots)?,
+            frames,
             hierarchy,
             passes,
             shaders,
@@ -213,6 +225,8 @@ impl Renderer {
             update_scratch: UpdateScratch::default(),
             scatter,
             pass_times: Vec::new(),
+            frame_times: FrameTimes::default(),
+            learns,
             policy: options.policy,
             query_budget: options.query_budget,
             threshold_samples: options.threshold_samples,

@@ -100,9 +100,18 @@ impl Renderer {
         let mut frame = self.frames.begin()?;
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
+        if let Some(time) = frame.last_time() {
+            self.frame_times.take(time);
+        }
 
         let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
+        let is_timed = request.strategy.is_governed()
+            && self.learns
+            && eyes.iter().all(|eye| eye.history.is_governed());
+        if is_timed {
+            frame.begin_timing();
+        }
         let mut report = FrameReport::default();
         let last = eyes.len().saturating_sub(1);
         for (number, Eye { history, camera, visible, area }) in eyes.iter_mut().enumerate() {
@@ -150,10 +159,16 @@ impl Renderer {
         let tick = frame.submit(request.after)?;
         report.tick = tick;
         self.passes.geometry.submitted();
+        let views = eyes.len();
         for Eye { history, .. } in eyes.iter_mut() {
+            if is_timed {
+                history.sent.submitted(tick, &history.plan, views);
+            }
             history.submitted(tick, &self.passes.geometry);
             report.add(history);
         }
+        // What they learn is for the next frame.
+        self.frame_times.tell(eyes);
         report.cpu = began.elapsed().saturating_sub(waited);
         Ok(report)
     }
@@ -215,6 +230,8 @@ impl FrameReport {
         self.queries += plan.query_count() as u32;
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
+        // Views that are drawn together learn the same.
+        self.corrections = self.corrections.or(history.corrections());
         // No age is less than any, so the larger of two is the older one that there is.
         self.oldest_answer_frames = self.oldest_answer_frames.max(history.answer_ages().max());
         let youngest = self.youngest_answer_frames.into_iter().chain(history.answer_ages().min());
