@@ -9,7 +9,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::options::LeftOut;
-use crate::outputs::{WriteError, replace_file};
+use crate::outputs::{WriteError, write_file};
 use crate::provenance::Provenance;
 use crate::statistics::{Summary, kept, paired_ratio, ratio};
 
@@ -210,7 +210,7 @@ impl Report {
     /// When the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         let json = self.to_json().map_err(|error| WriteError::new(path, error))?;
-        replace_file(path, json.as_bytes())
+        write_file(path, json.as_bytes())
     }
 }
 
