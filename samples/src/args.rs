@@ -25,6 +25,8 @@ use crate::strategy::Strategy;
 #[command(
     name = "walkthrough",
     version,
+    // The last word counts, so that scripts can have options that their callers change.
+    args_override_self = true,
     allow_negative_numbers = true,
     after_help = "\
 Examples:

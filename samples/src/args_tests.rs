@@ -97,6 +97,29 @@ fn every_option_arrives() {
 }
 
 #[test]
+fn of_an_option_said_twice_the_last_counts() {
+    for argument in Arguments::command().get_arguments() {
+        let Some(name) = argument.get_long().filter(|name| !["help", "version"].contains(name))
+        else {
+            continue;
+        };
+        let option = format!("--{name}");
+        let line = match argument.get_action().takes_values() {
+            true => vec!["walkthrough", &option, "first", &option, "last"],
+            false => vec!["walkthrough", &option, &option],
+        };
+        let matches = Arguments::command().try_get_matches_from(line);
+        let matches = matches.unwrap_or_else(|error| panic!("{option}: {error}"));
+        if argument.get_action().takes_values() {
+            let said = matches.get_raw(argument.get_id().as_str()).unwrap();
+            assert!(said.eq(["last"]), "{option}");
+        }
+    }
+    let options = parse(&["--path=street", "--verify=15", "--path", "fly", "--quiet", "--quiet"]);
+    assert_eq!(options.unwrap().path, CameraPath::Fly);
+}
+
+#[test]
 fn numbers_outside_their_range_are_refused() {
     for (option, values) in [
         ("--objects", ["0", "4000001", "-5", "many", "", "1e6"]),

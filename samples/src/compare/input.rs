@@ -129,14 +129,16 @@ impl Measured {
     }
 
     /// The value of an option in the command line that made the report, as `--option value` or
-    /// `--option=value`.
+    /// `--option=value`; the last where it was said several times, as `walkthrough` has it.
     pub fn argument(&self, option: &str) -> Option<&str> {
         let words = &self.provenance.command;
         let with_sign = format!("{option}=");
-        words.iter().enumerate().find_map(|(place, word)| match word.strip_prefix(&with_sign) {
-            Some(value) => Some(value),
-            None if word == option => words.get(place + 1).map(String::as_str),
-            None => None,
+        words.iter().enumerate().rev().find_map(|(place, word)| {
+            match word.strip_prefix(&with_sign) {
+                Some(value) => Some(value),
+                None if word == option => words.get(place + 1).map(String::as_str),
+                None => None,
+            }
         })
     }
 
