@@ -212,16 +212,15 @@ impl Arguments {
             Some(text) => parse_strategies(text)?,
         };
         let mut left_out = Vec::new();
-        let is_ideal = |strategy: &Strategy| *strategy == Strategy::Ideal;
-        if moving_percent > 0 && strategies.iter().any(is_ideal) {
+        let is_refused = |strategy: &Strategy| moving_percent > 0 && strategy.needs_still_scene();
+        for refused in strategies.extract_if(.., |strategy| is_refused(strategy)) {
             if self.strategy.as_deref().is_some_and(|text| text != "all") {
                 return usage(format!(
-                    "--strategy ideal and --moving {moving_percent} do not go together: {STANDS_STILL}"
+                    "--strategy {refused} and --moving {moving_percent} do not go together: {STANDS_STILL}"
                 ));
             }
-            strategies.retain(|strategy| !is_ideal(strategy));
             let reason = STANDS_STILL.to_owned();
-            left_out.push(LeftOut { strategy: Strategy::Ideal.name().to_owned(), reason });
+            left_out.push(LeftOut { strategy: refused.name().to_owned(), reason });
         }
         Ok((strategies, left_out))
     }

@@ -112,6 +112,12 @@ impl Strategy {
         matches!(self, Self::Coherent | Self::Antumbra | Self::AntumbraQueries)
     }
 
+    /// True if it draws what was found beforehand, in a scene that does not change.
+    #[must_use]
+    pub const fn needs_still_scene(self) -> bool {
+        matches!(self, Self::Ideal)
+    }
+
     /// True if it needs answers before a frame can go on: a [`Dialogue`](crate::Dialogue) and no plan.
     #[must_use]
     pub const fn is_dialogue(self) -> bool {

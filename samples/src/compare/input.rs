@@ -112,6 +112,8 @@ pub struct MeasuredRun {
     pub cpu_ms: Summary,
     /// Draws a frame.
     pub draws: Option<u64>,
+    /// Boxes tested a frame, by whatever means.
+    pub tests: Option<u64>,
     /// Occlusion queries a frame.
     pub queries: Option<u64>,
     /// Nodes of the hierarchy that the culler looked at in a frame.
