@@ -8,7 +8,9 @@ use std::str::FromStr;
 use clap::Parser;
 
 use crate::Options;
-use crate::choices::{DeviceChoice, Named, Predicates, Scene, Verify, parse_named};
+use crate::choices::{
+    Costs, DeviceChoice, Named, Predicates, Scene, Verify, enumerate, parse_named,
+};
 use crate::options::{
     DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
     UsageError,
@@ -31,7 +33,7 @@ use crate::strategy::Strategy;
     after_help = "\
 Examples:
   walkthrough
-      A walk down the streets of a city of 10,000 objects, all strategies.
+      A walk down the streets of a city of 10,000 objects: plain frustum culling, ours, the ideal.
   walkthrough --path cut --verify every --out pictures
       Jumps about, compares every frame with frustum culling, leaves pictures.
   walkthrough --objects 1000000 --frames 10 --report million.json
@@ -45,8 +47,8 @@ Ends with 0 when all went well, 2 when something in the command line is wrong, 1
 cannot do it."
 )]
 pub struct Arguments {
-    /// What to walk through: city (nearly all hidden at street level) or field (nothing hides
-    /// anything)
+    /// What to walk through: city (nearly all hidden at street level) or field (objects side by side:
+    /// from above nothing hides anything)
     #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Walk")]
     pub scene: String,
     /// About how many objects the scene has, 1 to 2000000
@@ -78,7 +80,8 @@ pub struct Arguments {
     /// Print the name of every strategy, one a line, and end
     #[arg(long, help_heading = "Compare")]
     pub list_strategies: bool,
-    /// Compare frames bit for bit with frustum culling: every one, every K-th, or none
+    /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that warm
+    /// up too, from an empty history on
     #[arg(long, value_name = "every|K|off", default_value = "off", help_heading = "Compare")]
     pub verify: String,
     /// How many frames the CPU may be ahead of the GPU
@@ -167,6 +170,14 @@ impl Arguments {
                 "--threshold {threshold_pixels} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count or instances"
             ));
         }
+        let costs = named("--costs", &self.costs)?;
+        if threshold_pixels > 0 {
+            let option = format!("--threshold {threshold_pixels}");
+            refuse_unheeded(&option, &strategies, Strategy::can_neglect)?;
+        }
+        if costs == Costs::Measured {
+            refuse_unheeded("--costs measured", &strategies, Strategy::is_antumbra)?;
+        }
         Ok(Options {
             scene: parse_scene(&self.scene)?,
             objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
@@ -185,7 +196,7 @@ impl Arguments {
                 1,
                 MAX_FRAMES_IN_FLIGHT,
             )?,
-            costs: named("--costs", &self.costs)?,
+            costs,
             time_passes: self.time_passes,
             device: parse_device(self.device.as_deref())?,
             validation: named("--validation", &self.validation)?,
@@ -248,6 +259,25 @@ impl Arguments {
 
 fn usage<T>(message: impl Into<String>) -> Result<T, UsageError> {
     Err(UsageError(message.into()))
+}
+
+/// Refuses an option that none of the strategies heeds.
+fn refuse_unheeded(
+    option: &str,
+    strategies: &[Strategy],
+    heeds: fn(Strategy) -> bool,
+) -> Result<(), UsageError> {
+    if strategies.iter().any(|strategy| heeds(*strategy)) {
+        return Ok(());
+    }
+    let names = |strategies: &mut dyn Iterator<Item = Strategy>| {
+        enumerate(&strategies.map(Strategy::name).collect::<Vec<_>>())
+    };
+    let asked = names(&mut strategies.iter().copied());
+    let heeding = names(&mut Strategy::ALL.into_iter().filter(|strategy| heeds(*strategy)));
+    usage(format!(
+        "{option} changes nothing for --strategy {asked}: leave it out, or name one that heeds it ({heeding})"
+    ))
 }
 
 fn named<T: Named>(option: &str, text: &str) -> Result<T, UsageError> {

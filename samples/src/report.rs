@@ -152,9 +152,12 @@ pub struct RunReport {
     pub blocking_waits: u64,
     /// How many frames the times and counts come from.
     pub frames_timed: u64,
-    /// How many frames were compared with plain frustum culling.
+    /// How many of them were compared with plain frustum culling.
     pub frames_verified: u64,
-    /// Pixels that differed in all of them; absent where none was compared.
+    /// How many more were compared that are not timed: they warm the strategy up, the first of all from
+    /// an empty history.
+    pub warm_up_frames_verified: u64,
+    /// Pixels that differed in all that were compared; absent where none was compared.
     pub pixels_wrong: Option<u64>,
     /// How many of them a threshold accounts for at most: the samples that showed and were left out. 0
     /// without a threshold; absent where none was compared, or nothing is promised.

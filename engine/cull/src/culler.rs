@@ -217,13 +217,10 @@ impl Culler {
             hierarchy,
             view,
             policy: &policy,
-            knowledge: match strategy {
-                Strategy::Antumbra
-                | Strategy::AntumbraQueries
-                | Strategy::AntumbraFlags
-                | Strategy::AntumbraCompute => Knowledge::Used(&self.history),
+            knowledge: match strategy.is_antumbra() {
+                true => Knowledge::Used(&self.history),
                 // Those that decide elsewhere get what they start from.
-                _ => Knowledge::Ignored,
+                false => Knowledge::Ignored,
             },
             now,
             can_flag: tester != Tester::Query,
@@ -335,14 +332,7 @@ impl Culler {
     /// The constants for the next frame.
     fn tune(&mut self, strategy: Strategy, stats: &mut PlanStats) -> Policy {
         self.tuned = self.policy;
-        let knows = matches!(
-            strategy,
-            Strategy::Antumbra
-                | Strategy::AntumbraQueries
-                | Strategy::AntumbraFlags
-                | Strategy::AntumbraCompute
-        );
-        if let Some(governor) = self.governor.as_mut().filter(|_| knows) {
+        if let Some(governor) = self.governor.as_mut().filter(|_| strategy.is_antumbra()) {
             governor.begin_frame(self.visible);
             self.tuned = governor.tuned(&self.policy);
             stats.retest_interval_frames = self.tuned.retest_max;

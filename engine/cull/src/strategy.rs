@@ -85,7 +85,10 @@ impl Strategy {
         }
     }
 
-    /// True if it never misses an object that owns a pixel.
+    /// True if it never misses an object that owns a pixel, and draws what plain frustum culling draws,
+    /// as long as no option takes that from it: a threshold where it [can have
+    /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
+    /// [`Strategy::Coherent`], under which some devices choose another of two faces of equal depth.
     #[must_use]
     pub const fn is_exact(self) -> bool {
         match self {
@@ -116,6 +119,16 @@ impl Strategy {
     #[must_use]
     pub const fn needs_still_scene(self) -> bool {
         matches!(self, Self::Ideal)
+    }
+
+    /// True if it is one of ours: the history decides what is tested, and prices what is worth it
+    /// ([`Culler::govern`](crate::Culler::govern)).
+    #[must_use]
+    pub const fn is_antumbra(self) -> bool {
+        matches!(
+            self,
+            Self::Antumbra | Self::AntumbraQueries | Self::AntumbraFlags | Self::AntumbraCompute
+        )
     }
 
     /// True if it needs answers before a frame can go on: a [`Dialogue`](crate::Dialogue) and no plan.

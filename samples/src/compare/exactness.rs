@@ -102,7 +102,7 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
                 let neglects =
                     has_threshold && run.strategy.parse().is_ok_and(Strategy::can_neglect);
                 book.is_exact &= !neglects;
-                book.frames_compared += run.frames_verified;
+                book.frames_compared += run.frames_verified + run.warm_up_frames_verified;
                 book.pixels_wrong += run.pixels_wrong.unwrap_or(0);
             }
         }
@@ -153,11 +153,13 @@ mod tests {
     fn moving_objects_before_two_eyes_are_a_setting_of_their_own() {
         let mut both = verified("city", "street", 500, &[("antumbra", 12, 3)]);
         both.provenance.command = ["--moving=10", "--views=2"].map(str::to_owned).to_vec();
+        both.runs[0].warm_up_frames_verified = 4;
         let reports = [both];
         let books = books(&Cases::of(&reports));
         let wrong = books.iter().map(|book| (book.setting, book.pixels_wrong));
         let wrong: Vec<_> = wrong.filter(|(_, pixels)| *pixels > 0).collect();
         assert_eq!(wrong, [(Setting::MovingViews, 3)]);
+        assert!(books.iter().any(|book| book.frames_compared == 16), "with those that warm up");
     }
 
     #[test]

@@ -118,8 +118,10 @@ pub struct MeasuredRun {
     pub queries: Option<u64>,
     /// Nodes of the hierarchy that the culler looked at in a frame.
     pub nodes_visited: Option<u64>,
-    /// Frames compared with plain frustum culling.
+    /// Timed frames compared with plain frustum culling.
     pub frames_verified: u64,
+    /// Frames compared that only warmed up.
+    pub warm_up_frames_verified: u64,
     /// Pixels that differed in them.
     pub pixels_wrong: Option<u64>,
 }
