@@ -201,6 +201,19 @@ pub(crate) mod tests {
         assert_eq!(scratch.names().len(), 2);
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_may_take_the_report_wherever_it_lies() {
+        let scratch = Scratch::new("pipe");
+        let pipe = scratch.0.join("pipe");
+        assert!(process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        // Nobody reads: to prepare is not to open. Nor need the folder take files.
+        for place in [pipe.to_str().unwrap(), "/dev/zero"] {
+            drop(Outputs::prepare(&options(&["--report", place])).unwrap());
+        }
+        assert_eq!(scratch.names(), ["pipe"]);
+    }
+
     #[test]
     fn what_cannot_be_written_is_refused_and_leaves_nothing() {
         let scratch = Scratch::new("refused");
