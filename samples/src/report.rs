@@ -10,7 +10,7 @@ use cull::Corrections;
 use serde::Serialize;
 
 use crate::options::LeftOut;
-use crate::outputs::{WriteError, replace_file};
+use crate::outputs::{WriteError, write_file};
 use crate::provenance::Provenance;
 use crate::statistics::{Summary, kept, paired_ratio, ratio};
 
@@ -180,9 +180,12 @@ pub struct RunReport {
     pub blocking_waits: u64,
     /// How many frames the times and counts come from.
     pub frames_timed: u64,
-    /// How many frames were compared with plain frustum culling.
+    /// How many of them were compared with plain frustum culling.
     pub frames_verified: u64,
-    /// Pixels that differed in all of them; absent where none was compared.
+    /// How many more were compared that are not timed: they warm the strategy up, the first of all from
+    /// an empty history.
+    pub warm_up_frames_verified: u64,
+    /// Pixels that differed in all that were compared; absent where none was compared.
     pub pixels_wrong: Option<u64>,
     /// How many of them a threshold accounts for at most: the samples that showed and were left out. 0
     /// without a threshold; absent where none was compared, or nothing is promised.
@@ -238,7 +241,7 @@ impl Report {
     /// When the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         let json = self.to_json().map_err(|error| WriteError::new(path, error))?;
-        replace_file(path, json.as_bytes())
+        write_file(path, json.as_bytes())
     }
 }
 

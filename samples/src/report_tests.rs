@@ -76,7 +76,8 @@ fn the_keys_are_the_contract() {
             "corrections": {"draws": 1.0, "tests": 1.5, "proportion": 1.0, "frames": 7},
             "passes_ms": {},
             "result_age_frames": {"median": 2, "max": 2},
-            "waits": 0, "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1, "pixels_wrong": 0,
+            "waits": 0, "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1,
+            "warm_up_frames_verified": 0, "pixels_wrong": 0,
             "pixels_wrong_at_most": 0, "neglected_samples": 0,
         })
     };

@@ -152,7 +152,8 @@ fn pass_lines(report: &Report) -> String {
 
 fn foot(report: &Report) -> String {
     let waits: u64 = report.runs.iter().map(|run| run.blocking_waits).sum();
-    let verified: u64 = report.runs.iter().map(|run| run.frames_verified).sum();
+    let verified: u64 =
+        report.runs.iter().map(|run| run.frames_verified + run.warm_up_frames_verified).sum();
     let (build, memory) = (&report.build_ms, &report.memory);
     let mut text = format!(
         "built in ms: scene {}, hierarchy {}, upload {}; peak memory {} MiB, on the device {} MiB\n\

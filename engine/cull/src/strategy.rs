@@ -85,7 +85,10 @@ impl Strategy {
         }
     }
 
-    /// True if it never misses an object that owns a pixel.
+    /// True if it never misses an object that owns a pixel, and draws what plain frustum culling draws,
+    /// as long as no option takes that from it: a threshold where it [can have
+    /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
+    /// [`Strategy::Coherent`], under which some devices choose another of two faces of equal depth.
     #[must_use]
     pub const fn is_exact(self) -> bool {
         match self {
@@ -120,6 +123,12 @@ impl Strategy {
     #[must_use]
     pub const fn can_neglect(self) -> bool {
         matches!(self, Self::Coherent | Self::Antumbra | Self::AntumbraQueries)
+    }
+
+    /// True if it draws what was found beforehand, in a scene that does not change.
+    #[must_use]
+    pub const fn needs_still_scene(self) -> bool {
+        matches!(self, Self::Ideal)
     }
 
     /// True if it needs answers before a frame can go on: a [`Dialogue`](crate::Dialogue) and no plan.

@@ -60,7 +60,9 @@ pub use passes::{
     OverlayPass, OverlayVertex, ProxyBox, ProxyIo, ProxyPass, PyramidLevel, PyramidPass, ScatterIo,
     ScatterPass, SeenIo, SeenPass, pyramid_levels,
 };
-pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
+pub use renderer::{
+    FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, object_bounds,
+};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use update::UpdateReport;

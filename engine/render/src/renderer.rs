@@ -26,13 +26,17 @@ use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
 use crate::visible_set::{Edition, SeenLeaves, VisibleSet};
 
+/// The most frames that may be in flight: each has memory of its own for everything that a frame
+/// writes, and beyond a few they only make answers older.
+pub const MAX_FRAMES_IN_FLIGHT: usize = 16;
+
 /// How to make a [`Renderer`].
 #[derive(Debug, Clone)]
 pub struct RendererOptions {
     /// Size of the picture in pixels.
     pub size: [u32; 2],
-    /// Frames that may be on their way to the GPU at once; 0 counts as 1, and more than 4 only
-    /// make answers older.
+    /// Frames that may be on their way to the GPU at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts
+    /// as 1, and more than 4 only make answers older.
     pub frames_in_flight: usize,
     /// How hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
@@ -54,7 +58,8 @@ pub struct RendererOptions {
     /// What things cost, so that nothing is tested at a loss. Where the device has timestamps, what
     /// frames take corrects it.
     pub costs: Costs,
-    /// Room for objects that [come later](Renderer::update), beside the room of those that go.
+    /// Room for objects that [come later](Renderer::update), beside the room of those that go. With
+    /// those of the scene they must not be more than a hierarchy or the device holds.
     pub spare_objects: usize,
 }
 
@@ -72,6 +77,19 @@ impl Default for RendererOptions {
             costs: Costs::default(),
             spare_objects: 0,
         }
+    }
+}
+
+impl RendererOptions {
+    /// Refuses what can be on no device.
+    fn check(&self) -> Result<(), Error> {
+        if self.frames_in_flight > MAX_FRAMES_IN_FLIGHT {
+            return Err(Error::FramesInFlight { wanted: self.frames_in_flight });
+        }
+        if let Costs::Table(table) = self.costs {
+            table.checked()?;
+        }
+        Ok(())
     }
 }
 
@@ -153,11 +171,16 @@ impl Renderer {
     /// Builds the hierarchy over `scene` and uploads everything.
     ///
     /// # Errors
-    /// A scene or size beyond the device's limits, no memory, a shader that does not compile, a
-    /// failed call; a threshold where queries do not count, or under conditional rendering.
+    /// Options that cannot be: [`Error::FramesInFlight`], [`Error::Cost`], more objects and room for
+    /// them than there can be, a threshold where queries do not count or under conditional
+    /// rendering. A scene or size beyond the device's limits, no memory, a shader that does not
+    /// compile, a failed call.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
+        options.check()?;
         let mut bounds = object_bounds(scene)?;
-        bounds.resize(bounds.len().saturating_add(options.spare_objects), Aabb::EMPTY);
+        let count = bounds.len().saturating_add(options.spare_objects);
+        Geometry::check_size(device, count)?;
+        bounds.resize(count, Aabb::EMPTY);
         let hierarchy = Hierarchy::build(&bounds)?;
         Self::with_hierarchy(device, scene, hierarchy, options)
     }
@@ -173,6 +196,7 @@ impl Renderer {
         hierarchy: Hierarchy,
         options: &RendererOptions,
     ) -> Result<Self, Error> {
+        options.check()?;
         let shaders = match &options.shaders {
             Some(shaders) => shaders.clone(),
             None => ShaderSet::embedded()?,

@@ -81,13 +81,17 @@ impl Renderer {
     /// the frame that used this slot N frames ago, and for nothing else.
     ///
     /// # Errors
-    /// A strategy that the device has not what it takes for; a view of another renderer; an area that
+    /// [`Error::NoView`] where there is no eye: such a frame would leave its picture as it is. A
+    /// strategy that the device has not what it takes for; a view of another renderer; an area that
     /// is not in the picture; a picture of another size; no memory, a lost device, a frame that takes too long.
     pub fn render_views(
         &mut self,
         eyes: &mut [Eye<'_>],
         request: &ViewsRequest<'_>,
     ) -> Result<FrameReport, Error> {
+        if eyes.is_empty() {
+            return Err(Error::NoView);
+        }
         self.supports(request.strategy)?;
         for eye in eyes.iter() {
             self.check_view(eye.history)?;

@@ -73,6 +73,7 @@ impl SeenPass {
         commands.bind(&self.pipeline, &[io.opaque.instances, io.seen]);
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
         let view_proj = view.view_proj.to_cols_array();
-        commands.push_constants(&self.pipeline, &Constants { view_proj, snap_steps: view.snap_steps });
+        commands
+            .push_constants(&self.pipeline, &Constants { view_proj, snap_steps: view.snap_steps });
     }
 }
