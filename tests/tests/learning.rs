@@ -15,7 +15,9 @@ use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
 const SIZE: [u32; 2] = [160, 90];
-const FRAMES: u32 = 40;
+const FRAMES: u32 = 64;
+/// One frame in 16 is timed; one may not be home at the end.
+const LEAST_TIMED: u64 = FRAMES as u64 / 16 - 1;
 
 fn renderer(device: &Device, costs: Costs, frames_in_flight: usize) -> (Renderer, Vec<Camera>) {
     let scene = city(400, 5).unwrap();
@@ -27,7 +29,7 @@ fn renderer(device: &Device, costs: Costs, frames_in_flight: usize) -> (Renderer
 
 fn check(found: Corrections, least_frames: u64, what: &str) {
     println!("{what}: {found:?}");
-    assert!((least_frames..=u64::from(FRAMES)).contains(&found.frames), "{what}: {found:?}");
+    assert!((least_frames..=least_frames + 2).contains(&found.frames), "{what}: {found:?}");
     for factor in [found.draws, found.tests, found.proportion] {
         assert!((0.125..=8.0).contains(&factor), "{what}: {found:?}");
     }
@@ -64,9 +66,7 @@ fn frames_are_learned_from_and_pictures_are_right() {
                     let [expected, found] = &pictures;
                     assert_eq!(pixels_that_differ(expected.rgba8(), found.rgba8()), 0);
                 }
-                // Those that are on their way at the end are not home.
-                let least = u64::from(FRAMES) - 4;
-                check(learned, least, &format!("{strategy}, {frames_in_flight} in flight"));
+                check(learned, LEAST_TIMED, &format!("{strategy}, {frames_in_flight} in flight"));
             }
         }
     });
@@ -91,7 +91,7 @@ fn views_that_are_drawn_together_learn_the_same() {
                 *learned = view.corrections().expect("a governor");
             }
         }
-        check(learned[0], u64::from(FRAMES) - 4, "two eyes");
+        check(learned[0], LEAST_TIMED, "two eyes");
         assert_eq!(learned[0], learned[1]);
     });
 }
@@ -108,7 +108,7 @@ fn views_that_take_turns_learn_each_their_own() {
             }
         }
         for view in &views {
-            check(view.corrections().unwrap(), u64::from(FRAMES) - 4, "taking turns");
+            check(view.corrections().unwrap(), LEAST_TIMED, "taking turns");
         }
     });
 }

@@ -15,6 +15,15 @@ use crate::views::Eye;
 /// Times that are kept for views that are not drawn at the moment; older ones are lost.
 const TIMES_KEPT: usize = 8;
 
+/// One of so many frames of a view is timed. Timestamps keep frames from overlapping: on a software
+/// driver a frame that has them takes a tenth longer.
+const TIMED_INTERVAL_FRAMES: u64 = 16;
+
+/// Whether the frame after `frame` is timed.
+pub(crate) fn is_turn(frame: FrameId) -> bool {
+    frame.0.is_multiple_of(TIMED_INTERVAL_FRAMES)
+}
+
 /// Times that are home and that no governor was told of yet.
 #[derive(Debug, Default)]
 pub(crate) struct FrameTimes {

@@ -13,6 +13,7 @@ use gpu::{Device, Readback, Tick, Timeline};
 use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
 use crate::error::Error;
 use crate::frame_passes::FrameIo;
+use crate::frame_times;
 use crate::passes::{ComputeTest, CountPass};
 use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
@@ -112,7 +113,8 @@ impl Renderer {
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
         let is_timed = request.strategy.is_governed()
             && self.learns
-            && eyes.iter().all(|eye| eye.history.is_governed());
+            && eyes.iter().all(|eye| eye.history.is_governed())
+            && eyes.iter().any(|eye| frame_times::is_turn(eye.history.culler.frame()));
         if is_timed {
             frame.begin_timing();
         }
