@@ -106,7 +106,7 @@ pub use swapchain::{
 pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
 pub use texture::Texture;
 pub use timeline::{Tick, Timeline};
-pub use timing::PassTime;
+pub use timing::{FrameTime, PassTime};
 pub use upload::Uploads;
 pub use validation::{Message, ValidationLog};
 pub use window_system::WindowSystem;
