@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
 #include "opaque_constants.glsl"
+#include "snap.glsl"
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 normal; // w unused
@@ -18,7 +19,8 @@ invariant gl_Position;
 
 void main() {
     Instance instance = instances[gl_InstanceIndex];
-    gl_Position = view_proj * vec4(to_world(instance, position), 1.0);
+    vec4 clip = view_proj * vec4(to_world(instance, position), 1.0);
+    gl_Position = snapped(clip, vec2(towards_sun.w, sun.w));
     world_normal = direction_to_world(instance, normal.xyz);
     albedo = colour.rgb * mix(vec3(1.0), instance.tint.rgb, colour.a);
 }

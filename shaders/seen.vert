@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "instance.glsl"
+#include "snap.glsl"
 
 layout(location = 0) in vec3 position;
 
@@ -9,6 +10,7 @@ layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;
+    vec2 snap_steps;
 };
 
 layout(location = 0) flat out uint leaf;
@@ -16,6 +18,7 @@ layout(location = 0) flat out uint leaf;
 invariant gl_Position;
 
 void main() {
-    gl_Position = view_proj * vec4(to_world(instances[gl_InstanceIndex], position), 1.0);
+    vec4 clip = view_proj * vec4(to_world(instances[gl_InstanceIndex], position), 1.0);
+    gl_Position = snapped(clip, snap_steps);
     leaf = gl_InstanceIndex;
 }

@@ -8,7 +8,9 @@ use std::str::FromStr;
 use clap::Parser;
 
 use crate::Options;
-use crate::choices::{DeviceChoice, Named, Predicates, Scene, Verify, parse_named};
+use crate::choices::{
+    Costs, DeviceChoice, Named, Predicates, Scene, Verify, enumerate, parse_named,
+};
 use crate::options::{
     DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
     PathChoice, UsageError,
@@ -25,11 +27,13 @@ use crate::strategy::Strategy;
 #[command(
     name = "walkthrough",
     version,
+    // The last word counts, so that scripts can have options that their callers change.
+    args_override_self = true,
     allow_negative_numbers = true,
     after_help = "\
 Examples:
   walkthrough
-      A walk down the streets of a city of 10,000 objects, all strategies.
+      A walk down the streets of a city of 10,000 objects: plain frustum culling, ours, the ideal.
   walkthrough --path cut --verify every --out pictures
       Jumps about, compares every frame with frustum culling, leaves pictures.
   walkthrough --objects 1000000 --frames 10 --report million.json
@@ -43,8 +47,8 @@ Ends with 0 when all went well, 2 when something in the command line is wrong, 1
 cannot do it."
 )]
 pub struct Arguments {
-    /// What to walk through: city (nearly all hidden at street level) or field (nothing hides
-    /// anything)
+    /// What to walk through: city (nearly all hidden at street level) or field (objects side by side:
+    /// from above nothing hides anything)
     #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Walk")]
     pub scene: String,
     /// About how many objects the scene has, 1 to 2000000
@@ -82,7 +86,8 @@ pub struct Arguments {
     /// Print the name of every strategy, one a line, and end
     #[arg(long, help_heading = "Compare")]
     pub list_strategies: bool,
-    /// Compare frames bit for bit with frustum culling: every one, every K-th, or none
+    /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that warm
+    /// up too, from an empty history on
     #[arg(long, value_name = "every|K|off", default_value = "off", help_heading = "Compare")]
     pub verify: String,
     /// How many frames the CPU may be ahead of the GPU
@@ -101,15 +106,10 @@ pub struct Arguments {
     /// above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: String,
-    /// What the governor does: nothing, or leave out tests that cost more than they save, by costs that
-    /// are measured on the device before the walk
-    #[arg(
-        long,
-        value_name = "ignored|measured",
-        default_value = "ignored",
-        help_heading = "Compare"
-    )]
-    pub costs: String,
+    /// What the governor does: leave out tests that cost more than they save, by costs that are measured
+    /// on the device before the walk and corrected by what frames take; or nothing [default: measured]
+    #[arg(long, value_name = "ignored|measured", help_heading = "Compare")]
+    pub costs: Option<String>,
 
     /// Measure the GPU time of every pass too. It costs time, most of all on a software driver:
     /// leave it off for ratios
@@ -171,6 +171,11 @@ impl Arguments {
                 "--threshold {threshold_pixels} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count or instances"
             ));
         }
+        let costs = self.parse_costs(&strategies)?;
+        if threshold_pixels > 0 {
+            let option = format!("--threshold {threshold_pixels}");
+            refuse_unheeded(&option, &strategies, Strategy::can_neglect)?;
+        }
         Ok(Options {
             scene: parse_scene(&self.scene)?,
             objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
@@ -189,7 +194,7 @@ impl Arguments {
                 1,
                 MAX_FRAMES_IN_FLIGHT,
             )?,
-            costs: named("--costs", &self.costs)?,
+            costs,
             time_passes: self.time_passes,
             device: parse_device(self.device.as_deref())?,
             validation: named("--validation", &self.validation)?,
@@ -216,16 +221,15 @@ impl Arguments {
             Some(text) => parse_strategies(text)?,
         };
         let mut left_out = Vec::new();
-        let is_ideal = |strategy: &Strategy| *strategy == Strategy::Ideal;
-        if moving_percent > 0 && strategies.iter().any(is_ideal) {
+        let is_refused = |strategy: &Strategy| moving_percent > 0 && strategy.needs_still_scene();
+        for refused in strategies.extract_if(.., |strategy| is_refused(strategy)) {
             if self.strategy.as_deref().is_some_and(|text| text != "all") {
                 return usage(format!(
-                    "--strategy ideal and --moving {moving_percent} do not go together: {STANDS_STILL}"
+                    "--strategy {refused} and --moving {moving_percent} do not go together: {STANDS_STILL}"
                 ));
             }
-            strategies.retain(|strategy| !is_ideal(strategy));
             let reason = STANDS_STILL.to_owned();
-            left_out.push(LeftOut { strategy: Strategy::Ideal.name().to_owned(), reason });
+            left_out.push(LeftOut { strategy: refused.name().to_owned(), reason });
         }
         Ok((strategies, left_out))
     }
@@ -237,6 +241,19 @@ impl Arguments {
             (Some(_), None) => Ok(DEFAULT_PICTURES.min(frames)),
             (Some(_), Some(text)) => parse_in_range("--pictures", text, 0, frames),
         }
+    }
+
+    /// Nobody measures what none of the strategies heeds, unless he is told to: then he says so.
+    fn parse_costs(&self, strategies: &[Strategy]) -> Result<Costs, UsageError> {
+        let Some(costs) = &self.costs else {
+            let is_heeded = strategies.iter().any(|strategy| strategy.is_governed());
+            return Ok(if is_heeded { Costs::Measured } else { Costs::Ignored });
+        };
+        let costs = named("--costs", costs)?;
+        if costs == Costs::Measured {
+            refuse_unheeded("--costs measured", strategies, Strategy::is_governed)?;
+        }
+        Ok(costs)
     }
 
     fn parse_birds_eye(&self, frames: u32) -> Result<Option<u32>, UsageError> {
@@ -253,6 +270,25 @@ impl Arguments {
 
 pub(crate) fn usage<T>(message: impl Into<String>) -> Result<T, UsageError> {
     Err(UsageError(message.into()))
+}
+
+/// Refuses an option that none of the strategies heeds.
+fn refuse_unheeded(
+    option: &str,
+    strategies: &[Strategy],
+    heeds: fn(Strategy) -> bool,
+) -> Result<(), UsageError> {
+    if strategies.iter().any(|strategy| heeds(*strategy)) {
+        return Ok(());
+    }
+    let names = |strategies: &mut dyn Iterator<Item = Strategy>| {
+        enumerate(&strategies.map(Strategy::name).collect::<Vec<_>>())
+    };
+    let asked = names(&mut strategies.iter().copied());
+    let heeding = names(&mut Strategy::ALL.into_iter().filter(|strategy| heeds(*strategy)));
+    usage(format!(
+        "{option} changes nothing for --strategy {asked}: leave it out, or name one that heeds it ({heeding})"
+    ))
 }
 
 pub(crate) fn named<T: Named>(option: &str, text: &str) -> Result<T, UsageError> {

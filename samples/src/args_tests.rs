@@ -23,6 +23,19 @@ fn the_declaration_is_consistent() {
 }
 
 #[test]
+fn help_says_what_the_program_does() {
+    let help = Arguments::command().render_long_help().to_string().replace('\n', " ");
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    for words in [
+        "10,000 objects: plain frustum culling, ours, the ideal.",
+        "from above nothing hides anything",
+    ] {
+        assert!(help.contains(words), "{help}");
+    }
+    assert!(!help.contains("all strategies."), "the default is three");
+}
+
+#[test]
 fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     let options = parse(&[]).unwrap();
     assert_eq!(options.scene, Scene::City);
@@ -67,7 +80,7 @@ fn every_option_arrives() {
     assert_eq!(
         options,
         Options {
-            costs: Costs::Ignored,
+            costs: Costs::Measured,
             time_passes: false,
             scene: Scene::Field,
             objects: 2_000_000,
@@ -94,6 +107,29 @@ fn every_option_arrives() {
     );
     assert_eq!(parse(&["--device", "1"]).unwrap().device, DeviceChoice::Index(1));
     assert_eq!(parse(&["--verify", "every"]).unwrap().verify, Verify::EveryNth(NonZeroU32::MIN));
+}
+
+#[test]
+fn of_an_option_said_twice_the_last_counts() {
+    for argument in Arguments::command().get_arguments() {
+        let Some(name) = argument.get_long().filter(|name| !["help", "version"].contains(name))
+        else {
+            continue;
+        };
+        let option = format!("--{name}");
+        let line = match argument.get_action().takes_values() {
+            true => vec!["walkthrough", &option, "first", &option, "last"],
+            false => vec!["walkthrough", &option, &option],
+        };
+        let matches = Arguments::command().try_get_matches_from(line);
+        let matches = matches.unwrap_or_else(|error| panic!("{option}: {error}"));
+        if argument.get_action().takes_values() {
+            let said = matches.get_raw(argument.get_id().as_str()).unwrap();
+            assert!(said.eq(["last"]), "{option}");
+        }
+    }
+    let options = parse(&["--path=street", "--verify=15", "--path", "fly", "--quiet", "--quiet"]);
+    assert_eq!(options.unwrap().path, PathChoice::Made(CameraPath::Fly));
 }
 
 #[test]
@@ -165,6 +201,23 @@ fn a_threshold_cannot_be_compared_by_conditional_rendering() {
     assert!(refusal(&both).contains("do not go together"));
     assert!(parse(&["--threshold=0", "--predicates=conditional"]).is_ok());
     assert_eq!(parse(&["--threshold=4"]).unwrap().threshold_pixels, 4);
+}
+
+#[test]
+fn options_that_no_strategy_heeds_are_refused() {
+    let said = refusal(&["--threshold=4", "--strategy=frustum,pyramid"]);
+    assert!(said.contains("--threshold 4 changes nothing for --strategy frustum and pyramid"));
+    assert!(said.ends_with("(coherent, antumbra and antumbra_queries)"), "{said}");
+    let said = refusal(&["--costs=measured", "--strategy=coherent,ideal"]);
+    assert!(said.contains("--costs measured changes nothing for --strategy coherent and ideal"));
+    for line in [
+        &["--threshold=4", "--strategy=frustum,coherent"][..],
+        &["--threshold=0", "--strategy=frustum"],
+        &["--costs=measured", "--strategy=frustum,antumbra_flags"],
+        &["--costs=measured", "--threshold=4"],
+    ] {
+        assert!(parse(line).is_ok(), "{line:?}");
+    }
 }
 
 #[test]

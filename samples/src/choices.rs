@@ -38,7 +38,7 @@ macro_rules! named {
 pub enum Scene {
     /// Streets between buildings, with props: nearly everything is hidden from eye level.
     City,
-    /// Objects side by side on a plane: nothing hides anything.
+    /// Objects side by side on a plane: from above nothing hides anything.
     Field,
 }
 named!(Scene, "scene", City => "city", Field => "field");
@@ -105,12 +105,12 @@ impl Named for Strategy {
 pub enum Verify {
     /// None.
     Off,
-    /// Every K-th timed frame, beginning with the first.
+    /// Every K-th frame, beginning with the first; the same ones where they only warm up.
     EveryNth(NonZeroU32),
 }
 
 impl Verify {
-    /// Whether the timed frame of this number is compared.
+    /// Whether the frame of this number is compared.
     pub fn includes(self, frame: u32) -> bool {
         match self {
             Self::Off => false,
@@ -147,7 +147,7 @@ pub fn parse_named<T: Named>(text: &str) -> Result<T, String> {
 }
 
 /// Joins names as in a sentence: "a, b and c".
-fn enumerate(names: &[&str]) -> String {
+pub fn enumerate(names: &[&str]) -> String {
     match names {
         [] => String::new(),
         [name] => (*name).to_owned(),

@@ -10,6 +10,7 @@ pub mod args;
 pub mod choices;
 pub mod compare;
 pub mod course;
+pub mod destination;
 pub mod eyes;
 pub mod hud;
 pub mod measurement;

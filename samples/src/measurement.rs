@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::report::{AgeReport, RunReport, kept_times};
+use cull::Corrections;
+
+use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
 use crate::statistics::{Summary, median_count};
 use crate::strategy::Strategy;
 
@@ -31,6 +33,8 @@ pub struct FrameMeasurement {
     pub retest_interval_frames: u64,
     /// What the tests are expected to save, in nanoseconds of GPU time.
     pub expected_saving_ns: u64,
+    /// What the governor has learned about prices; none without one.
+    pub corrections: Option<Corrections>,
     /// Age in frames of the oldest result that came home in it; none if none did.
     pub result_age_frames: Option<u64>,
     /// Waits of the frame loop other than for the frame's own slot.
@@ -41,12 +45,21 @@ pub struct FrameMeasurement {
     pub is_compared: bool,
 }
 
+/// What counts of frames that are not timed.
+#[derive(Clone, Copy, Debug, Default)]
+struct WarmUp {
+    blocking_waits: u64,
+    frames_verified: u64,
+    /// In those that are compared.
+    neglected_samples: u64,
+}
+
 /// The frames of one strategy so far.
 #[derive(Clone, Debug)]
 pub struct RunMeasurement {
     strategy: Strategy,
     frames: Vec<FrameMeasurement>,
-    untimed_blocking_waits: u64,
+    warm_up: WarmUp,
     frames_verified: u64,
     pixels_wrong: u64,
     passes: BTreeMap<&'static str, Vec<f64>>,
@@ -58,7 +71,7 @@ impl RunMeasurement {
         Self {
             strategy,
             frames: Vec::new(),
-            untimed_blocking_waits: 0,
+            warm_up: WarmUp::default(),
             frames_verified: 0,
             pixels_wrong: 0,
             passes: BTreeMap::new(),
@@ -70,12 +83,22 @@ impl RunMeasurement {
         self.frames.push(frame);
     }
 
-    /// Adds the waits of a frame that is not timed: they count all the same.
-    pub fn waited_untimed(&mut self, blocking_waits: u64) {
-        self.untimed_blocking_waits += blocking_waits;
+    /// Adds a frame that is not timed: its waits count all the same, and what it leaves out if it is
+    /// compared.
+    pub fn warmed_up(&mut self, frame: &FrameMeasurement) {
+        self.warm_up.blocking_waits += frame.blocking_waits;
+        if frame.is_compared {
+            self.warm_up.neglected_samples += frame.neglected_samples;
+        }
     }
 
-    /// Adds a frame that was compared with plain frustum culling.
+    /// Adds what came out for a frame that is not timed and was compared.
+    pub fn verified_warm_up(&mut self, pixels_wrong: u64) {
+        self.warm_up.frames_verified += 1;
+        self.pixels_wrong += pixels_wrong;
+    }
+
+    /// Adds what came out for a timed frame that was compared with plain frustum culling.
     pub fn verified(&mut self, pixels_wrong: u64) {
         self.frames_verified += 1;
         self.pixels_wrong += pixels_wrong;
@@ -98,9 +121,10 @@ impl RunMeasurement {
         let count = |of: fn(&FrameMeasurement) -> u64| median_count(self.frames.iter().map(of));
         let neglected = |of: fn(&FrameMeasurement) -> bool| {
             let frames = self.frames.iter().filter(|frame| of(frame));
-            frames.map(|frame| frame.neglected_samples).sum()
+            frames.map(|frame| frame.neglected_samples).sum::<u64>()
         };
         let ages = || self.frames.iter().filter_map(|frame| frame.result_age_frames);
+        let is_verified = self.frames_verified + self.warm_up.frames_verified > 0;
         let timed_waits: u64 = self.frames.iter().map(|frame| frame.blocking_waits).sum();
         RunReport {
             strategy: self.strategy.name().to_owned(),
@@ -116,9 +140,14 @@ impl RunMeasurement {
             untested_by_cost: count(|frame| frame.untested_by_cost),
             retest_interval_frames: count(|frame| frame.retest_interval_frames),
             expected_saving_ns: count(|frame| frame.expected_saving_ns),
+            corrections: self
+                .frames
+                .last()
+                .and_then(|frame| frame.corrections)
+                .map(CorrectionsReport::from),
             result_age_frames: AgeReport { median: median_count(ages()), max: ages().max() },
             waits: count(|frame| frame.blocking_waits),
-            blocking_waits: timed_waits + self.untimed_blocking_waits,
+            blocking_waits: timed_waits + self.warm_up.blocking_waits,
             frames_timed: u64::try_from(self.frames.len()).unwrap_or(u64::MAX),
             frames_verified: self.frames_verified,
             passes_ms: self
@@ -126,9 +155,10 @@ impl RunMeasurement {
                 .iter()
                 .map(|(label, times)| ((*label).to_owned(), Summary::of(times.iter().copied())))
                 .collect(),
-            pixels_wrong: (self.frames_verified > 0).then_some(self.pixels_wrong),
-            pixels_wrong_at_most: (self.frames_verified > 0 && self.strategy.is_exact())
-                .then(|| neglected(|frame| frame.is_compared)),
+            warm_up_frames_verified: self.warm_up.frames_verified,
+            pixels_wrong: is_verified.then_some(self.pixels_wrong),
+            pixels_wrong_at_most: (is_verified && self.strategy.is_exact())
+                .then(|| neglected(|frame| frame.is_compared) + self.warm_up.neglected_samples),
             neglected_samples: neglected(|_| true),
         }
     }
@@ -151,7 +181,15 @@ mod tests {
                 ..FrameMeasurement::default()
             });
         }
-        run.waited_untimed(2);
+        for is_compared in [true, false] {
+            run.warmed_up(&FrameMeasurement {
+                blocking_waits: 1,
+                neglected_samples: 100,
+                is_compared,
+                ..FrameMeasurement::default()
+            });
+        }
+        run.verified_warm_up(3);
         run.verified(0);
         run.verified(4);
         for visible in [2.0, 4.0, 3.0] {
@@ -162,7 +200,8 @@ mod tests {
         assert_eq!(report.result_age_frames, AgeReport { median: Some(1), max: Some(3) });
         assert_eq!((report.waits, report.blocking_waits), (Some(0), 3));
         assert_eq!((report.frames_timed, report.frames_verified), (3, 2));
-        assert_eq!((report.pixels_wrong, report.pixels_wrong_at_most), (Some(4), Some(12)));
+        assert_eq!((report.pixels_wrong, report.pixels_wrong_at_most), (Some(7), Some(112)));
+        assert_eq!(report.warm_up_frames_verified, 1);
         assert_eq!(report.neglected_samples, 21);
         assert_eq!(report.passes_ms["visible"].median, Some(3.0));
         assert_eq!(report.passes_ms["revealed"].median, Some(1.5));

@@ -1,12 +1,12 @@
 //! Files a walk writes: that they can be is made sure before any work, and none is ever half there.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process;
 
 use thiserror::Error;
 
+use crate::destination::{Destination, folder_of};
 use crate::options::{Options, UsageError};
 use crate::window::args::CityOptions;
 
@@ -68,13 +68,20 @@ impl Outputs {
         Ok(outputs)
     }
 
-    fn prepare_file(&mut self, option: &str, report: &Path) -> Result<(), UsageError> {
-        let shown = report.display();
-        let ends_open = report.as_os_str().to_string_lossy().ends_with('/');
-        if report.file_name().is_none() || ends_open || report.is_dir() {
-            return Err(UsageError(format!("{option}: '{shown}' is not the name of a file")));
+    fn prepare_file(&mut self, option: &str, path: &Path) -> Result<(), UsageError> {
+        // With its folders made or not, it must be a name.
+        match Destination::of(path) {
+            Ok(Destination::File(file)) => self.prepare_folder(option, folder_of(&file)),
+            // Opened when there is something to tell: a reader takes the end of the first writer for
+            // the end of all.
+            Ok(Destination::Output(_) | Destination::Stream(_)) => Ok(()),
+            Err(error) => {
+                let shown = path.display();
+                Err(UsageError(format!(
+                    "{option}: cannot write '{shown}' ({error}); choose a place you can write"
+                )))
+            }
         }
-        self.prepare_folder(option, folder_of(report))
     }
 
     fn prepare_folder(&mut self, option: &str, folder: &Path) -> Result<(), UsageError> {
@@ -130,49 +137,33 @@ fn check_shaders(folder: &Path) -> Result<(), UsageError> {
     Err(UsageError(format!("--shaders: there is no folder '{}'", folder.display())))
 }
 
-fn folder_of(file: &Path) -> &Path {
-    match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
-/// Writes a file under another name beside it, then renames: the file is the old one or the whole
-/// new one, whatever goes wrong.
+/// Writes `bytes` where `path` leads: a file is the old one or the whole new one, whatever goes
+/// wrong; a pipe or a device is written into.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
-pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    let failed = |reason: &dyn std::fmt::Display| WriteError::new(path, reason);
-    let name = path.file_name().ok_or_else(|| failed(&"it is not the name of a file"))?;
-    let partial_name = format!(".{}.{}.partial", name.to_string_lossy(), process::id());
-    let partial = folder_of(path).join(partial_name);
-    let written = fs::File::create(&partial)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&partial, path));
-    written.map_err(|error| {
-        let _absent = fs::remove_file(&partial);
-        failed(&error)
-    })
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let written = Destination::of(path).and_then(|destination| destination.write(bytes));
+    written.map_err(|error| WriteError::new(path, error))
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::args::Arguments;
     use clap::Parser;
 
     /// A folder of the test's own that is gone afterwards.
-    struct Scratch(PathBuf);
+    pub(crate) struct Scratch(pub PathBuf);
 
     impl Scratch {
-        fn new(name: &str) -> Self {
+        pub(crate) fn new(name: &str) -> Self {
             let folder = std::env::temp_dir().join(format!("antumbra-{name}-{}", process::id()));
             fs::create_dir_all(&folder).unwrap();
             Self(folder)
         }
 
-        fn names(&self) -> Vec<String> {
+        pub(crate) fn names(&self) -> Vec<String> {
             let entries = fs::read_dir(&self.0).unwrap();
             entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
         }
@@ -206,7 +197,7 @@ mod tests {
         let scratch = Scratch::new("kept");
         let out = scratch.0.join("a/b");
         let outputs = Outputs::prepare(&options(&["--out", out.to_str().unwrap()])).unwrap();
-        replace_file(&out.join("x"), b"new").unwrap();
+        write_file(&out.join("x"), b"new").unwrap();
         drop(outputs);
         assert_eq!(fs::read(out.join("x")).unwrap(), b"new");
     }
@@ -215,16 +206,29 @@ mod tests {
     fn a_file_is_replaced_whole_or_not_at_all() {
         let scratch = Scratch::new("replace");
         let file = scratch.0.join("file");
-        replace_file(&file, b"old").unwrap();
-        replace_file(&file, b"new").unwrap();
+        write_file(&file, b"old").unwrap();
+        write_file(&file, b"new").unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"new");
         assert_eq!(scratch.names(), ["file"]);
 
         let folder = scratch.0.join("folder");
         fs::create_dir(&folder).unwrap();
-        let message = replace_file(&folder, b"x").unwrap_err().to_string();
+        let message = write_file(&folder, b"x").unwrap_err().to_string();
         assert!(message.starts_with("cannot write"), "{message}");
         assert_eq!(scratch.names().len(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_may_take_the_report_wherever_it_lies() {
+        let scratch = Scratch::new("pipe");
+        let pipe = scratch.0.join("pipe");
+        assert!(process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        // Nobody reads: to prepare is not to open. Nor need the folder take files.
+        for place in [pipe.to_str().unwrap(), "/dev/zero"] {
+            drop(Outputs::prepare(&options(&["--report", place])).unwrap());
+        }
+        assert_eq!(scratch.names(), ["pipe"]);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::path::Path;
 use thiserror::Error;
 
 use crate::options::FrameSize;
-use crate::outputs::{WriteError, replace_file};
+use crate::outputs::{WriteError, write_file};
 
 /// A picture that could not be written.
 #[derive(Debug, Error)]
@@ -46,7 +46,7 @@ pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<(), Pictu
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&rgb8)?;
     writer.finish()?;
-    Ok(replace_file(path, &file)?)
+    Ok(write_file(path, &file)?)
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use cull::Camera;
 use glam::Vec3;
 
 use crate::options::UsageError;
-use crate::outputs::{WriteError, replace_file};
+use crate::outputs::{WriteError, write_file};
 
 const HEADER: &str = "antumbra path 1";
 const COLUMNS: &str = "# seconds, eye, forward, up, field of view, near plane";
@@ -77,7 +77,7 @@ impl RecordedPath {
             }
             text.push('\n');
         }
-        replace_file(path, text.as_bytes())
+        write_file(path, text.as_bytes())
     }
 
     /// Reads a file.

@@ -6,10 +6,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use cull::Corrections;
 use serde::Serialize;
 
 use crate::options::LeftOut;
-use crate::outputs::{WriteError, replace_file};
+use crate::outputs::{WriteError, write_file};
 use crate::provenance::Provenance;
 use crate::statistics::{Summary, kept, paired_ratio, ratio};
 
@@ -113,6 +114,31 @@ pub struct AgeReport {
     pub max: Option<u64>,
 }
 
+/// What frames taught a governor about the costs, in times what was measured before the walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CorrectionsReport {
+    /// What draws seem to cost.
+    pub draws: Option<f64>,
+    /// What tests seem to cost.
+    pub tests: Option<f64>,
+    /// By what the prices of tests were multiplied at the end, since that much was sure.
+    pub proportion: Option<f64>,
+    /// From how many frames that was learned; 0 where the device tells no times.
+    pub frames: u64,
+}
+
+impl From<Corrections> for CorrectionsReport {
+    fn from(learned: Corrections) -> Self {
+        let factor = |value: f32| value.is_finite().then(|| kept(value.into()));
+        Self {
+            draws: factor(learned.draws),
+            tests: factor(learned.tests),
+            proportion: factor(learned.proportion),
+            frames: learned.frames,
+        }
+    }
+}
+
 /// One strategy's walk. Counts are medians per frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReport {
@@ -142,6 +168,8 @@ pub struct RunReport {
     pub retest_interval_frames: Option<u64>,
     /// What the tests were expected to save in a frame, in nanoseconds of GPU time.
     pub expected_saving_ns: Option<u64>,
+    /// What the governor had learned about the costs at the end; absent without one.
+    pub corrections: Option<CorrectionsReport>,
     /// GPU time of each pass by its label, where `--time-passes` asked for it.
     pub passes_ms: BTreeMap<String, Summary>,
     /// How old the results were that came home.
@@ -152,9 +180,12 @@ pub struct RunReport {
     pub blocking_waits: u64,
     /// How many frames the times and counts come from.
     pub frames_timed: u64,
-    /// How many frames were compared with plain frustum culling.
+    /// How many of them were compared with plain frustum culling.
     pub frames_verified: u64,
-    /// Pixels that differed in all of them; absent where none was compared.
+    /// How many more were compared that are not timed: they warm the strategy up, the first of all from
+    /// an empty history.
+    pub warm_up_frames_verified: u64,
+    /// Pixels that differed in all that were compared; absent where none was compared.
     pub pixels_wrong: Option<u64>,
     /// How many of them a threshold accounts for at most: the samples that showed and were left out. 0
     /// without a threshold; absent where none was compared, or nothing is promised.
@@ -210,7 +241,7 @@ impl Report {
     /// When the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         let json = self.to_json().map_err(|error| WriteError::new(path, error))?;
-        replace_file(path, json.as_bytes())
+        write_file(path, json.as_bytes())
     }
 }
 

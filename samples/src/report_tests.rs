@@ -20,6 +20,7 @@ fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
             untested_by_cost: 4,
             retest_interval_frames: 16,
             expected_saving_ns: 5,
+            corrections: Some(cull::Corrections { tests: 1.5, frames: 7, ..Default::default() }),
             result_age_frames: Some(2),
             blocking_waits: 0,
             neglected_samples: 0,
@@ -72,9 +73,11 @@ fn the_keys_are_the_contract() {
             "cpu_ms": {"median": (low + high) / 20.0, "p95": high / 10.0, "max": high / 10.0},
             "draws": 3, "triangles": 3000, "tests": 3, "queries": 2, "predicated_draws": 1, "nodes_visited": 9,
             "untested_by_cost": 4, "retest_interval_frames": 16, "expected_saving_ns": 5,
+            "corrections": {"draws": 1.0, "tests": 1.5, "proportion": 1.0, "frames": 7},
             "passes_ms": {},
             "result_age_frames": {"median": 2, "max": 2},
-            "waits": 0, "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1, "pixels_wrong": 0,
+            "waits": 0, "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1,
+            "warm_up_frames_verified": 0, "pixels_wrong": 0,
             "pixels_wrong_at_most": 0, "neglected_samples": 0,
         })
     };

@@ -72,10 +72,13 @@ impl From<render::Error> for RunError {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_)
             | render::Error::Scene(_)
+            | render::Error::FramesInFlight { .. }
+            | render::Error::Cost(_)
             | render::Error::CannotCount { .. } => Self::user(error),
             render::Error::Hierarchy(_)
             | render::Error::NoVisibleSet
             | render::Error::OldVisibleSet
+            | render::Error::NoView
             | render::Error::ForeignView
             | render::Error::ForeignHierarchy { .. }
             | render::Error::PictureSize { .. }

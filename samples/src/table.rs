@@ -37,8 +37,14 @@ pub fn render(report: &Report) -> String {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    let lines =
-        [head(report), table.trim_fmt(), ratio_lines(report), pass_lines(report), foot(report)];
+    let lines = [
+        head(report),
+        table.trim_fmt(),
+        ratio_lines(report),
+        cost_lines(report),
+        pass_lines(report),
+        foot(report),
+    ];
     lines.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + "\n"
 }
 
@@ -113,6 +119,25 @@ fn ratio_lines(report: &Report) -> String {
     lines.join("\n")
 }
 
+/// A line for each run with a governor.
+fn cost_lines(report: &Report) -> String {
+    let line = |run: &RunReport| {
+        let learned = run.corrections?;
+        let saving_ms = run.expected_saving_ns.map(|saving_ns| saving_ns as f64 * 1e-6);
+        let times = match (learned.frames, learned.proportion) {
+            (0, _) | (_, None) => "not learned: this device times no frames".to_owned(),
+            (frames, Some(times)) => format!("{times:.2}, from {} frames", count(Some(frames))),
+        };
+        Some(format!(
+            "{}, by cost: {} objects untested a frame, {} ms saved (expected); tests times {times}",
+            run.strategy,
+            count(run.untested_by_cost),
+            milliseconds(saving_ms),
+        ))
+    };
+    report.runs.iter().filter_map(line).collect::<Vec<_>>().join("\n")
+}
+
 /// A line for each run whose passes were timed.
 fn pass_lines(report: &Report) -> String {
     let timed = report.runs.iter().filter(|run| !run.passes_ms.is_empty());
@@ -127,7 +152,8 @@ fn pass_lines(report: &Report) -> String {
 
 fn foot(report: &Report) -> String {
     let waits: u64 = report.runs.iter().map(|run| run.blocking_waits).sum();
-    let verified: u64 = report.runs.iter().map(|run| run.frames_verified).sum();
+    let verified: u64 =
+        report.runs.iter().map(|run| run.frames_verified + run.warm_up_frames_verified).sum();
     let (build, memory) = (&report.build_ms, &report.memory);
     let mut text = format!(
         "built in ms: scene {}, hierarchy {}, upload {}; peak memory {} MiB, on the device {} MiB\n\
@@ -217,6 +243,7 @@ mod tests {
             "1.05",
             "3,000",
             "frustum takes 3.00 times as long a frame as antumbra",
+            "antumbra, by cost: 4 objects untested a frame, 0.00 ms saved (expected); tests times 1.00, from 7",
             "scene 1.50, hierarchy 2.50, upload 3.50; peak memory 123 MiB, on the device 56 MiB",
             "frames compared with frustum culling: 2; blocking waits: 0; validation messages: 0",
         ] {

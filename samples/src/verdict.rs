@@ -15,7 +15,8 @@ pub fn complaint(report: &Report) -> Option<String> {
         if let Some(pixels) = wrong {
             found.push(format!(
                 "{} has {pixels} pixels that differ from plain frustum culling, in {} frames",
-                run.strategy, run.frames_verified
+                run.strategy,
+                run.frames_verified + run.warm_up_frames_verified
             ));
         }
     }

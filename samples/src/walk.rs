@@ -116,21 +116,21 @@ impl<'a> Walk<'a> {
     /// that comparing costs nobody time.
     fn walk_turn(&mut self, turn: &[Step], progress: &dyn Progress) -> Result<(), RunError> {
         let verify = self.verify;
-        let compared = |step: &&Step| step.timed && verify.includes(step.frame);
-        let frames: Vec<u32> = turn.iter().filter(compared).map(|step| step.frame).collect();
-        self.draw_references(&frames)?;
-        while self.pictures.len() < frames.len() {
+        // Those that warm up, too: with the first of them, a history begins.
+        let compared = || turn.iter().filter(|step| verify.includes(step.frame));
+        self.draw_references(compared().map(|step| step.frame))?;
+        while self.pictures.len() < compared().count() {
             self.pictures.push(Readback::new(&self.device, self.renderer.size())?);
         }
         let Some(run) = turn.first().and_then(|step| self.runs.get_mut(step.strategy)) else {
             return Ok(());
         };
         let mut walked = Vec::with_capacity(turn.len());
+        let mut pictures = self.pictures.iter();
         let mut clock = Stopwatch::start();
         for step in turn {
             let moved = self.moving.show(self.renderer, step.frame)?;
-            let place = frames.iter().position(|frame| step.timed && *frame == step.frame);
-            let picture = place.and_then(|place| self.pictures.get(place));
+            let picture = verify.includes(step.frame).then(|| pictures.next()).flatten();
             let camera = self.path.camera(step.frame);
             let visible = self.visible_sets.get(&step.frame).map_or(&[][..], Vec::as_slice);
             let waits = self.device.wait_counts().other;
@@ -146,6 +146,7 @@ impl<'a> Walk<'a> {
                 untested_by_cost: report.plan.untested_by_cost.into(),
                 retest_interval_frames: report.plan.retest_interval_frames.into(),
                 expected_saving_ns: report.plan.expected_saving_ns,
+                corrections: report.corrections.filter(|_| run.strategy.is_governed()),
                 result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
                 is_compared: picture.is_some(),
@@ -162,22 +163,28 @@ impl<'a> Walk<'a> {
         }
         run.eyes.drain(self.renderer)?;
         book(run, walked);
-        for (picture, frame) in self.pictures.iter().zip(&frames) {
-            let reference = self.references.get(frame).map_or(&[][..], Vec::as_slice);
-            run.measurement.verified(pixels_that_differ(reference, picture.rgba8()));
+        for (picture, step) in self.pictures.iter().zip(compared()) {
+            let reference = self.references.get(&step.frame).map_or(&[][..], Vec::as_slice);
+            let pixels_wrong = pixels_that_differ(reference, picture.rgba8());
+            if step.timed {
+                run.measurement.verified(pixels_wrong);
+            } else {
+                run.measurement.verified_warm_up(pixels_wrong);
+            }
         }
         Ok(())
     }
 
     /// Draws the reference pictures of `frames` with plain frustum culling, unless they are there
     /// from another strategy's turn in the same round.
-    fn draw_references(&mut self, frames: &[u32]) -> Result<(), RunError> {
+    fn draw_references(&mut self, frames: impl Iterator<Item = u32>) -> Result<(), RunError> {
+        let frames: BTreeSet<u32> = frames.collect();
         if frames.iter().all(|frame| self.references.contains_key(frame)) {
             return Ok(());
         }
         self.references.clear();
         let picture = Readback::new(&self.device, self.renderer.size())?;
-        for &frame in frames {
+        for frame in frames {
             self.moving.show(self.renderer, frame)?;
             let (camera, picture) = (self.path.camera(frame), Some(&picture));
             self.reference.render(self.renderer, Strategy::Frustum, &camera, &[], picture)?;
@@ -201,7 +208,7 @@ fn book(run: &mut Run, mut walked: Vec<Walked>) {
         if timed {
             run.measurement.push(measurement);
         } else {
-            run.measurement.waited_untimed(measurement.blocking_waits);
+            run.measurement.warmed_up(&measurement);
         }
     }
 }

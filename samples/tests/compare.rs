@@ -23,7 +23,7 @@ fn report(path: &str, objects: u64, times_ms: &[(&str, f64)]) -> Value {
     let run = |&(name, time): &(&str, f64)| {
         json!({
             "strategy": name, "frame_ms": summary(time), "frame_times_ms": vec![time; 24],
-            "cpu_ms": summary(time / 20.0), "draws": 60, "queries": 170, "nodes_visited": 300,
+            "cpu_ms": summary(time / 20.0), "draws": 60, "tests": 480, "queries": 170, "nodes_visited": 300,
             "frames_verified": 0, "pixels_wrong": null,
         })
     };
@@ -108,7 +108,8 @@ fn page_table_and_picture_are_written() {
     let pictures = page.match_indices("<svg").zip(page.match_indices("</svg>"));
     let mut pictures: Vec<&str> =
         pictures.map(|((from, _), (to, _))| &page[from..to + 6]).collect();
-    assert_eq!(pictures.len(), 4, "ratios, the path, CPU time, queries and draws");
+    assert_eq!(pictures.len(), 4, "ratios, the path, CPU time, tests with queries and draws");
+    assert!(page.contains("boxes tested") && page.contains("480"));
     pictures.push(&svg);
     for picture in pictures {
         assert_picture(picture, &["antumbra", "ideal"]);

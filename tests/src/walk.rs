@@ -136,7 +136,9 @@ pub fn frame_loop(
     }
     let blocking_waits = renderer.device().wait_counts().other - waits;
     renderer.drain(view).expect("the end");
-    Loop { pictures, reports, outcomes: view.take_outcomes().collect(), blocking_waits }
+    let outcomes: Vec<FrameOutcome> = view.take_outcomes().collect();
+    assert!(outcomes.is_sorted_by_key(|outcome| outcome.frame), "{outcomes:?}");
+    Loop { pictures, reports, outcomes, blocking_waits }
 }
 
 /// Pixels whose bits differ.

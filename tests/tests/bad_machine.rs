@@ -12,7 +12,7 @@ mod machine;
 use std::time::Duration;
 
 use ash::vk;
-use cull::Strategy;
+use cull::{CostTable, Strategy};
 use gpu::{
     Adapter, Device, DeviceOptions, Error, IndirectDraw, Instance, Predicates, Predication,
     Readback, Required,
@@ -21,7 +21,7 @@ use machine::{
     CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START, Fault, Machine, calls,
 };
 use render::scene::{CameraPath, PathKind, Scene, city};
-use render::{FrameRequest, Renderer, RendererOptions};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use tests::{Driver, instance_with, take_turn};
 
 /// The error of opening an instance without validation on `machine` and picking a device there.
@@ -255,7 +255,9 @@ enum Goes {
 }
 
 fn options(predication: Predication) -> RendererOptions {
-    RendererOptions { size: [64, 64], predication: Some(predication), ..Default::default() }
+    // Whatever fails in a measurement is forgiven, and how much it does depends on the clock.
+    let costs = Costs::Table(CostTable::default());
+    RendererOptions { size: [64, 64], predication: Some(predication), costs, ..Default::default() }
 }
 
 /// How often a walk that nothing happens to calls each of `names`.
@@ -363,5 +365,45 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
             assert!(sentence.contains(call.to_str().unwrap()), "{sentence}");
         }
     }
+    stage.finish();
+}
+
+/// Each call fails once, or from then on, somewhere while prices are measured.
+#[test]
+fn prices_that_cannot_be_measured_are_no_reason_to_fail() {
+    let stage = Stage::new();
+    let told = options(Predication::Conditional);
+    let measured = RendererOptions { costs: Costs::Measured, ..told.clone() };
+    let made = |options: &RendererOptions| {
+        let device = Device::new(&stage.instance, &stage.adapter, &DeviceOptions::default())?;
+        let renderer = Renderer::new(&device, &stage.scene, options)?;
+        Ok::<_, render::Error>(renderer.costs())
+    };
+    let all: Vec<_> = CALLS_THAT_MAKE.iter().chain(CALLS_THAT_RUN).copied().collect();
+    let counts = |options: &RendererOptions| -> Vec<usize> {
+        Machine::default().install();
+        assert!(made(options).unwrap().is_some());
+        all.iter().map(|name| calls(name)).collect()
+    };
+    let (without, with) = (counts(&told), counts(&measured));
+    let mut forgiven = 0;
+    for (call, (without, with)) in all.iter().zip(without.into_iter().zip(with)) {
+        // What comes after it is a handful of calls; half of those that it makes are surely its own.
+        let own = with.saturating_sub(without) / 2;
+        for number in (without..without + own).step_by(own.div_ceil(3).max(1)) {
+            let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+            let once = Fault { call, fails: number..number + 1, code };
+            let place = format!("{once:?}");
+            let sentence = stage.walk_with(once.clone(), &measured, Goes::Home);
+            assert_eq!(sentence, None, "with {place}");
+            Machine { faults: vec![once], ..Machine::default() }.install();
+            forgiven += usize::from(made(&measured).unwrap() == Some(CostTable::default()));
+            let lost =
+                Fault { call, fails: number..usize::MAX, code: vk::Result::ERROR_DEVICE_LOST };
+            let sentence = stage.walk_with(lost, &measured, Goes::Home);
+            assert!(sentence.is_some(), "a device that is lost for good, with {place}");
+        }
+    }
+    assert!(forgiven > 10, "{forgiven}");
     stage.finish();
 }

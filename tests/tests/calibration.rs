@@ -78,8 +78,9 @@ fn pictures_are_right_at_any_price() {
         let free = CostTable { draw_ns: 1_000.0, ..CostTable::uniform(0.0) };
         assert_eq!(walk(device, &options(Costs::Table(free))).1, 0, "such tests cost nothing");
         let nonsense = CostTable { draw_ns: f32::NAN, ..dear };
-        let (costs, _) = walk(device, &options(Costs::Table(nonsense)));
-        assert_eq!(costs, Some(CostTable::default()), "the default counts instead");
+        let refused =
+            Renderer::new(device, &city(400, 5).unwrap(), &options(Costs::Table(nonsense)));
+        assert!(refused.err().expect("no price").to_string().contains("draw_ns"));
         assert_eq!(walk(device, &options(Costs::Ignored)), (None, 0));
     });
 }

@@ -11,7 +11,7 @@ use cull::{Aabb, Camera, ObjectId, Policy, Strategy};
 use glam::Vec3;
 use gpu::Readback;
 use render::scene::{CameraPath, ObjectChange, PathKind};
-use render::{Area, FrameRequest, Renderer, RendererOptions};
+use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
 use tests::run_on_all;
 use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, pixels_that_differ};
@@ -98,7 +98,8 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         // Any test may answer for any number of leaves, through whose gaps much of these shows.
         let policy =
             Policy { front_area: 0.0, fronts: 1_000, leaves_behind: u32::MAX, ..Policy::default() };
-        let options = RendererOptions { size, policy, ..Default::default() };
+        // No price keeps a test from being made.
+        let options = RendererOptions { size, policy, costs: Costs::Ignored, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut finder = renderer.new_view().unwrap();
         let mut view = renderer.new_view().unwrap();

@@ -7,10 +7,13 @@
     reason = "a test fails by panicking"
 )]
 
-use cull::{Aabb, Hierarchy, Strategy};
+use cull::{Aabb, CostTable, Hierarchy, Strategy};
 use gpu::Readback;
 use render::scene::{CameraPath, PathKind};
-use render::{Error, FrameRequest, Renderer, RendererOptions, object_bounds};
+use render::{
+    Costs, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, ViewsRequest,
+    object_bounds,
+};
 use tests::walk::SceneKind;
 use tests::{Driver, run};
 
@@ -80,6 +83,67 @@ fn a_hierarchy_over_other_objects_is_refused() {
         let larger = bounds.iter().map(|bounds| bounds.enlarged(0.5)).chain([Aabb::EMPTY; 3]);
         let hierarchy = Hierarchy::build(&larger.collect::<Vec<Aabb>>()).unwrap();
         Renderer::with_hierarchy(device, &scene, hierarchy, &options()).unwrap();
+    });
+}
+
+#[test]
+fn options_beyond_all_limits_are_refused_before_anything_is_made() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::Field.build(9);
+        let refused = |options: RendererOptions| {
+            Renderer::new(device, &scene, &options).err().unwrap().to_string()
+        };
+        for frames_in_flight in [MAX_FRAMES_IN_FLIGHT + 1, 100_000, usize::MAX] {
+            let sentence = refused(RendererOptions { frames_in_flight, ..options() });
+            assert!(sentence.starts_with(&format!("{frames_in_flight} frames")), "{sentence}");
+            assert!(sentence.contains("(16)"), "{sentence}");
+        }
+        for spare_objects in [usize::MAX, (1 << 30) + 1, 1 << 30] {
+            let sentence = refused(RendererOptions { spare_objects, ..options() });
+            assert!(sentence.contains("objects are more than one hierarchy holds"), "{sentence}");
+        }
+        // What a hierarchy could hold, and the device cannot: 64 bytes each.
+        let most = device.adapter().limits.max_storage_buffer_range as usize / 64;
+        let sentence = refused(RendererOptions { spare_objects: most, ..options() });
+        assert!(sentence.contains("number of objects") && sentence.contains("room"), "{sentence}");
+        for (value, words) in [(f32::NAN, "is NaN"), (-1.0, "is -1")] {
+            let costs = Costs::Table(CostTable { draw_ns: value, ..CostTable::default() });
+            let sentence = refused(RendererOptions { costs, ..options() });
+            assert!(sentence.contains(&format!("`draw_ns` {words}")), "{sentence}");
+        }
+    });
+}
+
+#[test]
+fn the_largest_options_that_are_taken_draw_a_frame() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(60);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let largest = RendererOptions {
+            frames_in_flight: MAX_FRAMES_IN_FLIGHT,
+            query_budget: usize::MAX,
+            ..options()
+        };
+        let mut renderer = Renderer::new(device, &scene, &largest).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        for frame in 0..2 * MAX_FRAMES_IN_FLIGHT as u32 {
+            let request = FrameRequest::new(Strategy::Antumbra, path.camera(frame));
+            renderer.render(&mut view, &request).unwrap();
+        }
+        renderer.drain(&mut view).unwrap();
+    });
+}
+
+#[test]
+fn a_frame_without_a_view_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let mut renderer = Renderer::new(device, &SceneKind::Field.build(9), &options()).unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        for picture in [None, Some(&picture)] {
+            let request = ViewsRequest { strategy: Strategy::Antumbra, picture, after: None };
+            let refused = renderer.render_views(&mut [], &request).unwrap_err();
+            assert!(matches!(refused, Error::NoView), "{refused}");
+        }
     });
 }
 

@@ -8,13 +8,14 @@
     reason = "a test fails by panicking"
 )]
 
+#[path = "moving/updates.rs"]
+mod updates;
+
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Predication, Readback};
-use render::scene::{
-    CameraPath, Cast, MeshId, Motion, Object, ObjectChange, PathKind, Scene, pack_unorm,
-};
-use render::{FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::scene::{CameraPath, Cast, Motion, ObjectChange, PathKind, Scene};
+use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
 use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, pixels_that_differ};
 use tests::{Driver, run, run_on_all};
@@ -246,7 +247,9 @@ fn wall_and_crowd(count: usize) -> Vec<Aabb> {
 fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
     run_on_all(|device| {
         let scene = box_scene(&wall_and_crowd(300));
-        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        // Such small things are cheaper to draw than to test, on some device.
+        let options = RendererOptions { costs: Costs::Ignored, ..options(2) };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         let mut plain = renderer.new_view().unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
@@ -386,44 +389,5 @@ fn memory_does_not_grow_while_objects_come_and_go() {
         }
         device.drain().unwrap();
         assert_eq!(bytes[30], bytes[89], "{bytes:?}");
-    });
-}
-
-#[test]
-fn changes_that_cannot_be_made_are_refused_by_their_place() {
-    run(Driver::Lavapipe, |device| {
-        let scene = box_scene(&wall_and_crowd(20));
-        let options = RendererOptions { spare_objects: 2, ..options(2) };
-        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
-        let far = Affine3A::from_translation(Vec3::X * 90.0);
-        let nowhere = Affine3A::from_translation(Vec3::NAN);
-        let someone = Object { mesh: MeshId(0), transform: far, tint: pack_unorm([1.0; 4]) };
-        let good = ObjectChange::Move { object: ObjectId(3), transform: far };
-        let moved = |object, transform| ObjectChange::Move { object: ObjectId(object), transform };
-        let bad = [
-            (moved(0, nowhere), "nowhere"),
-            (moved(21, far), "object 21 is not in the hierarchy"),
-            (moved(99, far), "object 99 is not in the hierarchy"),
-            (ObjectChange::Remove { object: ObjectId(22) }, "object 22"),
-            (ObjectChange::Add { object: Object { mesh: MeshId(7), ..someone } }, "no such mesh"),
-            (ObjectChange::Add { object: Object { transform: nowhere, ..someone } }, "no number"),
-        ];
-        for (change, reason) in bad {
-            let error = renderer.update(&[good, change, good]).unwrap_err().to_string();
-            assert!(error.contains("change 1 ") && error.contains(reason), "{error}");
-        }
-        // Room for two more, and for those that go.
-        let add = ObjectChange::Add { object: someone };
-        let report = renderer.update(&[add, add]).unwrap();
-        assert_eq!(report.added.len(), 2);
-        let error = renderer.update(&[add]).unwrap_err().to_string();
-        assert!(error.contains("no free leaf"), "{error}");
-        let gone = ObjectChange::Remove { object: report.added[0] };
-        assert_eq!(renderer.update(&[gone, add]).unwrap().added, report.added[..1]);
-
-        let mut view = renderer.new_view().unwrap();
-        let picture = Readback::new(device, SIZE).unwrap();
-        render(&mut renderer, &mut view, Strategy::Antumbra, square_camera(), &picture);
-        device.drain().unwrap();
     });
 }

@@ -9,8 +9,8 @@
 
 use cull::Strategy;
 use gpu::{Device, Predication};
-use render::RendererOptions;
 use render::scene::PathKind;
+use render::{Costs, RendererOptions};
 use tests::walk::{SceneKind, walk_with};
 use tests::{Driver, run, run_on_all};
 
@@ -34,9 +34,9 @@ fn walk_testers(device: &Device, objects: u32, options: &RendererOptions, frames
 #[test]
 fn every_tester_is_exact() {
     run_on_all(|device| {
-        for frames_in_flight in [1, 3] {
+        for (frames_in_flight, costs) in [(1, Costs::Ignored), (3, Costs::default())] {
             let options =
-                RendererOptions { size: [160, 90], frames_in_flight, ..Default::default() };
+                RendererOptions { size: [160, 90], frames_in_flight, costs, ..Default::default() };
             walk_testers(device, 400, &options, 22);
         }
     });
@@ -51,6 +51,8 @@ fn every_tester_is_exact_with_every_way_to_skip_draws() {
                 let options = RendererOptions {
                     size: [200, 120],
                     predication: Some(predication),
+                    // Everything is tested that may be hidden, whatever it costs.
+                    costs: Costs::Ignored,
                     ..Default::default()
                 };
                 let found = walk_with(device, &scene, PathKind::Cut, 25, &options, strategy);

@@ -12,7 +12,7 @@ use cull::{Aabb, Camera, CoherentOptions, DialogueOptions, Strategy};
 use glam::Vec3;
 use gpu::{Device, Predication, Readback};
 use render::scene::{CameraPath, Cast, Motion, PathKind, Scene};
-use render::{Area, FrameRequest, Renderer, RendererOptions};
+use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
 use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
 use tests::{Driver, run, run_on_all};
@@ -124,7 +124,8 @@ fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
         let cameras = vec![square_camera(); 30];
         let mut last = None;
         for threshold in [0, 1, 3, 10, 30, 60, 100, 1_000, u32::MAX] {
-            let options = RendererOptions { size, ..options(threshold) };
+            // All is tested, whatever it costs.
+            let options = RendererOptions { size, costs: Costs::Ignored, ..options(threshold) };
             let found = walk(device, &scene, &cameras, &options, Strategy::Antumbra);
             let (draws, wrong) = last.unwrap_or((found.draws, 0));
             assert!(found.draws <= draws && found.pixels_wrong >= wrong, "{threshold}: {found:?}");

@@ -11,8 +11,8 @@ use cull::{Camera, Strategy};
 use gpu::{Device, Predication, Readback};
 use render::scene::{CameraPath, Cast, Motion, PathKind, Scene};
 use render::{
-    Area, Eye, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory, ViewsRequest,
-    VisibleSet,
+    Area, Costs, Eye, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory,
+    ViewsRequest, VisibleSet,
 };
 use tests::walk::{SceneKind, pixels_that_differ};
 use tests::{Driver, run, run_on_all};
@@ -234,8 +234,10 @@ fn a_view_does_not_notice_the_others() {
         let scene = SceneKind::City.build(900);
         let path = CameraPath::new(PathKind::Street, &scene).unwrap();
         let half = [SIZE[0] / 2, SIZE[1]];
-        let mut both = Renderer::new(device, &scene, &options(2)).unwrap();
-        let alone_options = RendererOptions { size: half, ..options(2) };
+        // Plans are compared, so no prices that are measured.
+        let options = RendererOptions { costs: Costs::Ignored, ..options(2) };
+        let mut both = Renderer::new(device, &scene, &options).unwrap();
+        let alone_options = RendererOptions { size: half, ..options };
         let mut alone = Renderer::new(device, &scene, &alone_options).unwrap();
         let mut views = [(); 2].map(|()| both.new_view().unwrap());
         let mut single = alone.new_view().unwrap();

@@ -142,6 +142,25 @@ impl CostTable {
         }
     }
 
+    /// The table with tests, and the breaks that they need, so many times as dear in proportion to draws.
+    pub(crate) fn with_tests_at(&self, times: f32) -> Self {
+        let at = |price: f32| (price * times).min(f32::MAX);
+        Self {
+            query_ns: at(self.query_ns),
+            query_box_ns: at(self.query_box_ns),
+            flag_box_ns: at(self.flag_box_ns),
+            hidden_pixel_ns: at(self.hidden_pixel_ns),
+            flagged_pixel_ns: at(self.flagged_pixel_ns),
+            predicate_ns: at(self.predicate_ns),
+            draw_ns: self.draw_ns,
+            triangle_ns: self.triangle_ns,
+            break_ns: at(self.break_ns),
+            break_wait_share: at(self.break_wait_share),
+            compute_round_ns: at(self.compute_round_ns),
+            compute_box_ns: at(self.compute_box_ns),
+        }
+    }
+
     /// What drawing an object of so many triangles costs, where it is hidden by what was drawn
     /// before it.
     #[must_use]

@@ -217,13 +217,10 @@ impl Culler {
             hierarchy,
             view,
             policy: &policy,
-            knowledge: match strategy {
-                Strategy::Antumbra
-                | Strategy::AntumbraQueries
-                | Strategy::AntumbraFlags
-                | Strategy::AntumbraCompute => Knowledge::Used(&self.history),
+            knowledge: match strategy.is_governed() {
+                true => Knowledge::Used(&self.history),
                 // Those that decide elsewhere get what they start from.
-                _ => Knowledge::Ignored,
+                false => Knowledge::Ignored,
             },
             now,
             can_flag: tester != Tester::Query,
@@ -236,8 +233,8 @@ impl Culler {
             // What was needed last time is where to begin: each attempt is a walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
-        let knows = matches!(walk.knowledge, Knowledge::Used(_));
-        let economy = self.governor.as_ref().filter(|_| knows).map(|governor| Economy {
+        let governor = self.governor.as_ref().filter(|_| strategy.is_governed());
+        let economy = governor.map(|governor| Economy {
             governor,
             tester: (strategy != Strategy::Antumbra).then(|| self.tester(strategy)),
             has_flags: self.abilities.flags,
@@ -266,6 +263,8 @@ impl Culler {
         }
         for test in &self.scratch.tests {
             let node = NodeId(test.node);
+            let question = economy.map(|_| Economy::question(view, test));
+            plan.stats.proxy_pixels += question.map_or(0, |question| question.pixels as u64);
             let mut leaves = hierarchy.leaves(node);
             let mut kind = test.kind;
             if kind == QueryKind::Probe {
@@ -288,10 +287,10 @@ impl Culler {
                 bounds: test.proxy,
                 leaves,
                 level: hierarchy.level(node),
-                tester: match economy {
+                tester: match economy.zip(question) {
                     // Boxes of visible leaves are not counted as queries, nor asked by them.
-                    Some(economy) if kind != QueryKind::OwnBox => {
-                        economy.tester(&Economy::question(view, test))
+                    Some((economy, question)) if kind != QueryKind::OwnBox => {
+                        economy.tester(&question)
                     }
                     _ => tester,
                 },
@@ -335,14 +334,7 @@ impl Culler {
     /// The constants for the next frame.
     fn tune(&mut self, strategy: Strategy, stats: &mut PlanStats) -> Policy {
         self.tuned = self.policy;
-        let knows = matches!(
-            strategy,
-            Strategy::Antumbra
-                | Strategy::AntumbraQueries
-                | Strategy::AntumbraFlags
-                | Strategy::AntumbraCompute
-        );
-        if let Some(governor) = self.governor.as_mut().filter(|_| knows) {
+        if let Some(governor) = self.governor.as_mut().filter(|_| strategy.is_governed()) {
             governor.begin_frame(self.visible);
             self.tuned = governor.tuned(&self.policy);
             stats.retest_interval_frames = self.tuned.retest_max;

@@ -1,13 +1,15 @@
 //! The governor: whether a test is worth what it costs.
 //!
-//! It counts what tests told and sets prices against it; it reads no clock. What it keeps from being
+//! It counts what tests told and sets prices against it; it reads no clock, but is told what frames took
+//! and corrects its prices by that. What it keeps from being
 //! tested is drawn, so that no image depends on it. Evidence fades, so that what was true once is
 //! tried again, and leaves that were drawn without a test are still asked about on their own draw, now
 //! and then: both together notice within a bounded number of frames when a world changes in which
 //! testing did not pay.
 
+mod contents;
+mod corrections;
 mod evidence;
-mod observed;
 
 use crate::bounds::Aabb;
 use crate::costs::{BadCost, CostTable, SceneCosts};
@@ -15,9 +17,10 @@ use crate::culler::{Doubt, NodeState};
 use crate::plan::{QueryKind, Tester};
 use crate::policy::Policy;
 use crate::view::View;
+pub use contents::FrameContents;
+pub use corrections::Corrections;
+use corrections::Learner;
 use evidence::{Evidence, HideRate};
-pub use observed::FrameContents;
-use observed::Observed;
 
 /// An interval of own-draw tests from which on there are none.
 const NEVER_FRAMES: u32 = 1 << 20;
@@ -86,12 +89,13 @@ impl Judgement {
 #[derive(Clone, Debug)]
 pub struct Governor {
     table: CostTable,
+    /// The table with what tests are found to cost in proportion to draws.
+    prices: CostTable,
     leaf_ns: f32,
-    triangles_per_leaf: f32,
     unknown: Evidence,
     known: Evidence,
     hides: HideRate,
-    observed: Observed,
+    learner: Learner,
 }
 
 impl Governor {
@@ -107,26 +111,26 @@ impl Governor {
         }
         Ok(Self {
             table,
+            prices: table,
             // Finite prices may have a product that is not.
             leaf_ns: table.leaf_ns(triangles).min(f32::MAX),
-            triangles_per_leaf: triangles,
             unknown: Evidence::default(),
             known: Evidence::default(),
             hides: HideRate::default(),
-            observed: Observed::default(),
+            learner: Learner::default(),
         })
     }
 
-    /// The prices in use, corrected by what [`Governor::observe`] saw.
+    /// The prices as they were told.
     #[must_use]
     pub fn table(&self) -> CostTable {
         self.table
     }
 
-    /// How many times longer frames take than the table says.
+    /// What frames taught about them.
     #[must_use]
-    pub fn scale(&self) -> f32 {
-        self.observed.scale()
+    pub fn corrections(&self) -> Corrections {
+        self.learner.corrections()
     }
 
     /// How likely an unknown node turns out hidden.
@@ -179,7 +183,7 @@ impl Governor {
     /// the sum is least at the square root of twice the price over rate and cost of draws.
     pub(crate) fn retest_frames(&self, policy: &Policy) -> u32 {
         let least = policy.retest_max.max(1) as f32;
-        let price = f64::from(self.table.query_ns) / f64::from(self.leaf_ns);
+        let price = f64::from(self.prices.query_ns) / f64::from(self.leaf_ns);
         if price.is_nan() {
             return policy.retest_max;
         }
@@ -214,7 +218,7 @@ impl Governor {
     /// In which frames of a calm view questions are asked, so that waiting for answers costs no more
     /// than [`CALM_SHARE`] of all.
     fn gate_frames(&self) -> u32 {
-        ((self.table.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
+        ((self.prices.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
     }
 
     /// Weighs a test that `tester` answers.
@@ -226,7 +230,7 @@ impl Governor {
         };
         let fill = LEAF_FILL * question.pixels * self.table.hidden_pixel_ns;
         let drawing = question.leaves as f32 * self.leaf_ns + fill;
-        let cost_ns = self.box_ns(question.pixels, hidden, tester) + self.table.predicate_ns;
+        let cost_ns = self.box_ns(question.pixels, hidden, tester) + self.prices.predicate_ns;
         let saving_ns = (hidden * frames * drawing).min(f32::MAX);
         Judgement { saving_ns, cost_ns: cost_ns.min(f32::MAX) }
     }
@@ -259,7 +263,7 @@ impl Governor {
         let hidden = self.still_hidden();
         let per_box = |tester| self.box_ns(pixels / count.max(1.0), hidden, tester);
         let (flag, query) = (count * per_box(Tester::Flag), count * per_box(Tester::Query));
-        let compute = self.table.compute_round_ns + count * self.table.compute_box_ns;
+        let compute = self.prices.compute_round_ns + count * self.prices.compute_box_ns;
         let raster = if has_flags { flag.min(query) } else { query };
         if compute < raster {
             CheapestTester::Compute
@@ -274,19 +278,20 @@ impl Governor {
     /// are left out.
     pub(crate) fn break_ns(&self, leaves: usize) -> f32 {
         let drawn = leaves as f32 * self.leaf_ns;
-        (self.table.break_ns + self.table.break_wait_share * drawn).min(f32::MAX)
+        (self.prices.break_ns + self.prices.break_wait_share * drawn).min(f32::MAX)
     }
 
-    /// Compares a frame's GPU time with what its contents should have taken. If frames agree that the
-    /// table is too cheap or too dear, [`Governor::scale`] follows slowly. Times that cannot be are
-    /// ignored.
-    pub fn observe(&mut self, gpu_ms: f32, contents: &FrameContents) {
-        let predicted_ns = contents.predicted_ns(&self.table, self.triangles_per_leaf);
-        self.observed.note(gpu_ms * 1.0e6, predicted_ns);
+    /// A frame of these contents took so long on the GPU. Where frames that differ agree that tests are
+    /// dearer or cheaper in proportion to draws than the table says, the prices of tests follow
+    /// ([`Governor::corrections`]). Times that cannot be are ignored.
+    pub fn observe(&mut self, gpu_ns: f64, contents: &FrameContents) {
+        if self.learner.note(gpu_ns, contents.predicted(&self.table)) {
+            self.prices = self.table.with_tests_at(self.corrections().proportion);
+        }
     }
 
     fn box_ns(&self, pixels: f32, hidden: f32, tester: Tester) -> f32 {
-        let table = &self.table;
+        let table = &self.prices;
         match tester {
             Tester::Query => table.query_ns + table.query_box_ns + pixels * table.hidden_pixel_ns,
             Tester::Flag => {

@@ -3,7 +3,8 @@
 //! A rasteriser moves every vertex to a grid of `2^-b` pixels (`b` = `subPixelPrecisionBits`) before
 //! it looks which samples a triangle covers. A fragment of the object at sample `s` therefore
 //! stands for a point `p` of the object whose true projection is up to `e = sqrt(2) * 2^-b` pixels
-//! away from `s`, and it carries the depth of `p`. In the same way the fragment of the proxy at `s`
+//! away from `s`, and it carries the depth of `p`: what is drawn must see to that, since some rasterisers
+//! take depth from where the vertices were before ([`View::snap_steps`](crate::View::snap_steps)). In the same way the fragment of the proxy at `s`
 //! stands for the point `q` of the proxy's front that the true ray up to `e` away from `s` meets:
 //! that ray passes `p` in a distance of at most `2e` pixels. A shift by one pixel at view depth `w`
 //! is a shift by `footprint(w) = w * 2 tan(fov_y / 2) / height` in the plane through `p` parallel to

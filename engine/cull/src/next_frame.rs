@@ -7,7 +7,7 @@
 
 use crate::front_to_back::{InSight, Sight};
 use crate::hierarchy::Hierarchy;
-use crate::ids::{FrameId, NodeId};
+use crate::ids::{FrameId, Generation, NodeId};
 use crate::plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
 use crate::view::View;
 
@@ -26,10 +26,13 @@ struct Record {
     answered: FrameId,
     /// The last frame that had it in the frustum.
     in_sight: FrameId,
+    /// When it was about the object that has the id; one that came later has it anew.
+    since: Generation,
 }
 
 impl Record {
-    const NEW: Self = Self { is_visible: true, answered: FrameId(0), in_sight: FrameId(0) };
+    const NEW: Self =
+        Self { is_visible: true, answered: FrameId(0), in_sight: FrameId(0), since: Generation(0) };
 }
 
 /// The history of one view, by object.
@@ -110,13 +113,18 @@ impl NextFrame {
         }
     }
 
-    /// The record of a leaf's object, whatever generation of the hierarchy it is in.
+    /// The record of a leaf's object, whatever generation of the hierarchy it is in: a new one for an
+    /// object that came since, under whichever id.
     fn record(&mut self, hierarchy: &Hierarchy, leaf: NodeId) -> Option<&mut Record> {
         let objects = hierarchy.leaf_objects();
         if self.records.len() < objects.len() {
             self.records.resize(objects.len(), Record::NEW);
         }
         let object = objects.get(hierarchy.leaves(leaf).first.0 as usize)?;
-        self.records.get_mut(object.0 as usize)
+        let record = self.records.get_mut(object.0 as usize)?;
+        if !hierarchy.is_same_object_since(*object, record.since) {
+            *record = Record { since: hierarchy.generation(), ..Record::NEW };
+        }
+        Some(record)
     }
 }

@@ -179,6 +179,8 @@ pub struct PlanStats {
     pub retest_interval_frames: u32,
     /// What the tests are expected to save, their own cost deducted; 0 without a governor.
     pub expected_saving_ns: u64,
+    /// Pixels that the boxes of all tests cover, about; 0 without a governor.
+    pub proxy_pixels: u64,
     /// Rounds of tests that would cost least by compute shader.
     pub rounds_for_compute: u32,
     /// Leaves drawn to have occluders when nothing is known.
@@ -204,6 +206,7 @@ impl std::ops::AddAssign for PlanStats {
         self.untested_by_cost += other.untested_by_cost;
         self.retest_interval_frames = self.retest_interval_frames.max(other.retest_interval_frames);
         self.expected_saving_ns += other.expected_saving_ns;
+        self.proxy_pixels += other.proxy_pixels;
         self.rounds_for_compute += other.rounds_for_compute;
         self.occluders += other.occluders;
         self.over_budget += other.over_budget;

@@ -85,7 +85,10 @@ impl Strategy {
         }
     }
 
-    /// True if it never misses an object that owns a pixel.
+    /// True if it never misses an object that owns a pixel, and draws what plain frustum culling draws,
+    /// as long as no option takes that from it: a threshold where it [can have
+    /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
+    /// [`Strategy::Coherent`], under which some devices choose another of two faces of equal depth.
     #[must_use]
     pub const fn is_exact(self) -> bool {
         match self {
@@ -104,12 +107,28 @@ impl Strategy {
         }
     }
 
+    /// True if it goes by a history, asks questions in its plans and is
+    /// [governed](crate::Culler::govern): those called `antumbra`.
+    #[must_use]
+    pub const fn is_governed(self) -> bool {
+        matches!(
+            self,
+            Self::Antumbra | Self::AntumbraQueries | Self::AntumbraFlags | Self::AntumbraCompute
+        )
+    }
+
     /// True if it can be told to take what shows few samples as hidden, and is not exact then
     /// ([`Culler::neglect`](crate::Culler::neglect),
     /// [`CoherentOptions`](crate::CoherentOptions)).
     #[must_use]
     pub const fn can_neglect(self) -> bool {
         matches!(self, Self::Coherent | Self::Antumbra | Self::AntumbraQueries)
+    }
+
+    /// True if it draws what was found beforehand, in a scene that does not change.
+    #[must_use]
+    pub const fn needs_still_scene(self) -> bool {
+        matches!(self, Self::Ideal)
     }
 
     /// True if it needs answers before a frame can go on: a [`Dialogue`](crate::Dialogue) and no plan.

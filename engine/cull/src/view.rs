@@ -27,6 +27,9 @@ pub struct View {
     pub size: [u32; 2],
     /// Where the image lies in a larger picture: its upper left corner (pixels). Decides nothing here.
     pub origin: [u32; 2],
+    /// Steps of the device's sub-pixel grid from the middle of the image to its edges: vertices that are
+    /// drawn are moved onto it, so that no triangle carries a depth that is not its own.
+    pub snap_steps: [f32; 2],
     /// What is seen at all.
     pub frustum: Frustum,
     /// The proxies of boxes in this view.
@@ -53,6 +56,7 @@ impl View {
         let aspect = width as f32 / height as f32;
         let tan_half = [tan_y * aspect, tan_y];
         let footprint = 2.0 * tan_y / height as f32;
+        let steps_per_pixel = 2.0_f32.powi(sub_pixel_bits.min(24) as i32);
         Self {
             view_proj: projection(tan_half, near) * world_to_eye(eye, right, up, forward),
             eye,
@@ -63,6 +67,7 @@ impl View {
             tan_half,
             size: [width, height],
             origin: [0, 0],
+            snap_steps: [width, height].map(|side| side as f32 * 0.5 * steps_per_pixel),
             frustum: Frustum::new(eye, [right, up, forward], tan_half, near),
             margin: Margin::new(eye, forward, near, footprint, sub_pixel_bits),
         }

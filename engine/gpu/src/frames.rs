@@ -12,7 +12,7 @@ use crate::deletion::{Garbage, Recording};
 use crate::device::{Device, OpenRecording, Order, WaitFor};
 use crate::error::{Called, Error};
 use crate::timeline::{Tick, Timeline};
-use crate::timing::{PassTime, PassTimer};
+use crate::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
 use crate::transfer::{allocate_commands, begin_commands, create_command_pool, end_commands};
 use crate::upload::Uploads;
 
@@ -34,6 +34,7 @@ struct Slot {
     pass_times: Vec<PassTime>,
     /// Whether the timer holds the times of a whole frame: one that was given up leaves none.
     is_timed: bool,
+    whole: FrameTimer,
     tick: Tick,
 }
 
@@ -79,17 +80,11 @@ impl FrameRing {
     /// # Errors
     /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
     pub fn time_passes(&mut self) -> Result<(), Error> {
-        if !self.device.capabilities().has(Optional::Timestamps) {
-            return Err(Error::Unsupported {
-                device: self.device.adapter().name.clone(),
-                missing: Optional::Timestamps.name(),
-                wanted: "timing passes",
-            });
-        }
+        self.check_timestamps("timing passes")?;
         for (index, slot) in self.slots.iter_mut().enumerate() {
             slot.is_timed = false;
-            slot.timer =
-                Some(Rc::new(PassTimer::new(&self.device, &format!("pass times {index}"))?));
+            let timer = PassTimer::new(&self.device, &format!("pass times {index}"), PASSES)?;
+            slot.timer = Some(Rc::new(timer));
         }
         Ok(())
     }
@@ -106,6 +101,31 @@ impl FrameRing {
     /// Whether the GPU time of every pass is measured.
     pub fn is_timing_passes(&self) -> bool {
         self.slots.iter().any(|slot| slot.timer.is_some())
+    }
+
+    /// Lets frames be timed as a whole from now on, by two timestamps each: those that ask for it with
+    /// [`Frame::begin_timing`].
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
+    pub fn time_frames(&mut self) -> Result<(), Error> {
+        self.check_timestamps("timing frames")?;
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            let timer = PassTimer::new(&self.device, &format!("frame time {index}"), 1)?;
+            slot.whole = FrameTimer::new(timer);
+        }
+        Ok(())
+    }
+
+    fn check_timestamps(&self, wanted: &'static str) -> Result<(), Error> {
+        if self.device.capabilities().has(Optional::Timestamps) {
+            return Ok(());
+        }
+        Err(Error::Unsupported {
+            device: self.device.adapter().name.clone(),
+            missing: Optional::Timestamps.name(),
+            wanted,
+        })
     }
 
     /// The number of slots.
@@ -171,6 +191,7 @@ impl Slot {
             timer: None,
             pass_times: Vec::new(),
             is_timed: false,
+            whole: FrameTimer::default(),
             tick: Tick::ZERO,
         })
     }
@@ -192,6 +213,7 @@ impl Slot {
         {
             timer.read(&mut self.pass_times);
         }
+        self.whole.read(self.tick);
         self.uploads.reset()?;
         self.piece = 0;
         let (buffer, descriptors) = self.begin_piece()?;
@@ -287,6 +309,18 @@ impl Frame<'_> {
         &self.ring.slots[self.slot.0].pass_times
     }
 
+    /// Times the rest of this frame, if its ring [times frames](FrameRing::time_frames); else, and if it
+    /// was begun already, nothing happens. Not inside of a pass.
+    pub fn begin_timing(&mut self) {
+        let slot = &mut self.ring.slots[self.slot.0];
+        slot.whole.begin(&slot.commands);
+    }
+
+    /// The GPU time of the last frame that used this slot, if it was timed and not given up.
+    pub fn last_time(&self) -> Option<FrameTime> {
+        self.ring.slots[self.slot.0].whole.newest()
+    }
+
     /// Sends off what is recorded so far and goes on with the same frame in another command buffer.
     /// Not inside of a pass. The first piece starts once `after`, if given, is reached.
     ///
@@ -331,13 +365,18 @@ impl Frame<'_> {
 
     pub(crate) fn submit_in_order(self, order: &Order<'_>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
+        let mut has_stamps = slot.whole.end(&slot.commands);
         if let Some(timer) = &slot.timer {
             timer.read_back(&slot.commands);
+            has_stamps = true;
+        }
+        if has_stamps {
             let visible = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
             slot.commands.barrier(visible);
         }
         let tick = slot.submit(order)?;
         slot.is_timed = slot.timer.is_some();
+        slot.whole.submitted();
         self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
         Ok(tick)
     }

@@ -48,6 +48,7 @@ mod flag_ring;
 mod frames;
 mod image;
 mod instance;
+mod label;
 #[cfg(feature = "loaded")]
 mod open;
 mod open_device;
@@ -111,7 +112,7 @@ pub use swapchain::{
 pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
 pub use texture::Texture;
 pub use timeline::{Tick, Timeline};
-pub use timing::PassTime;
+pub use timing::{FrameTime, PassTime};
 pub use upload::Uploads;
 pub use validation::{Message, ValidationLog};
 pub use window_system::WindowSystem;

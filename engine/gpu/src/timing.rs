@@ -9,6 +9,7 @@ use crate::commands::Commands;
 use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
+use crate::timeline::Tick;
 
 /// How long a pass took on the GPU.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +22,15 @@ pub struct PassTime {
     pub began_ns: u64,
 }
 
+/// How long a frame took on the GPU, from [`Frame::begin_timing`](crate::Frame::begin_timing) to its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameTime {
+    /// Which frame.
+    pub tick: Tick,
+    /// Its time in milliseconds.
+    pub gpu_ms: f64,
+}
+
 /// Timestamps of one frame slot.
 pub(crate) struct PassTimer {
     device: Device,
@@ -31,19 +41,22 @@ pub(crate) struct PassTimer {
     ns_per_step: f64,
     mask: u64,
     needs_full_barriers: bool,
+    /// More passes than this go untimed.
+    passes: u32,
 }
 
 /// More passes than this in a frame go untimed.
-const PASSES: u32 = 512;
+pub(crate) const PASSES: u32 = 512;
 
 impl PassTimer {
-    pub(crate) fn new(device: &Device, name: &str) -> Result<Self, Error> {
-        let size_bytes = u64::from(2 * PASSES) * 8;
+    /// Room for so many passes.
+    pub(crate) fn new(device: &Device, name: &str, passes: u32) -> Result<Self, Error> {
+        let size_bytes = u64::from(2 * passes) * 8;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
         let results = Buffer::new(device, name, size_bytes, usage, Place::ReadBack)?;
         let info = vk::QueryPoolCreateInfo::default()
             .query_type(vk::QueryType::TIMESTAMP)
-            .query_count(2 * PASSES);
+            .query_count(2 * passes);
         // SAFETY: a plain query pool.
         let pool =
             unsafe { device.raw().create_query_pool(&info, None) }.called("vkCreateQueryPool")?;
@@ -58,22 +71,31 @@ impl PassTimer {
             ns_per_step: f64::from(adapter.limits.timestamp_period),
             mask: u64::MAX >> (64 - adapter.timestamp_bits.clamp(1, 64)),
             needs_full_barriers: adapter.is_software(),
+            passes,
         })
     }
 
     /// The times of the slot's last frame, which was submitted and is over.
     pub(crate) fn read(&self, times: &mut Vec<PassTime>) {
         times.clear();
-        let stamps = self.results.read::<u64>(0..2 * PASSES as usize);
-        for (label, pair) in self.labels.borrow().iter().zip(stamps.chunks_exact(2)) {
-            let [begin, end] = [pair[0] & self.mask, pair[1] & self.mask];
-            let steps = end.wrapping_sub(begin) & self.mask;
-            times.push(PassTime {
-                label,
-                gpu_ms: steps as f64 * self.ns_per_step * 1e-6,
-                began_ns: (begin as f64 * self.ns_per_step) as u64,
-            });
+        let stamps = self.results.read::<u64>(0..2 * self.passes as usize);
+        for (label, pair) in self.labels.borrow().iter().zip(stamps.as_chunks::<2>().0) {
+            let began_ns = ((pair[0] & self.mask) as f64 * self.ns_per_step) as u64;
+            times.push(PassTime { label, gpu_ms: self.between_ms(pair), began_ns });
         }
+    }
+
+    /// The time from the first stamp to the last of one pass, of a frame that is over.
+    pub(crate) fn span_ms(&self) -> Option<f64> {
+        let stamps = self.results.read::<u64>(0..2);
+        let pair = stamps.first_chunk::<2>().filter(|_| !self.labels.borrow().is_empty())?;
+        Some(self.between_ms(pair))
+    }
+
+    fn between_ms(&self, pair: &[u64; 2]) -> f64 {
+        let [begin, end] = pair.map(|stamp| stamp & self.mask);
+        let steps = end.wrapping_sub(begin) & self.mask;
+        steps as f64 * self.ns_per_step * 1e-6
     }
 
     pub(crate) fn reset(&self, commands: &Commands) {
@@ -81,7 +103,7 @@ impl PassTimer {
         self.is_inside.set(false);
         // SAFETY: the slot's tick is over, so no query is in use.
         unsafe {
-            self.device.raw().cmd_reset_query_pool(commands.raw(), self.pool, 0, 2 * PASSES);
+            self.device.raw().cmd_reset_query_pool(commands.raw(), self.pool, 0, 2 * self.passes);
         }
     }
 
@@ -92,7 +114,7 @@ impl PassTimer {
         }
         let mut labels = self.labels.borrow_mut();
         labels.push(label);
-        if labels.len() <= PASSES as usize {
+        if labels.len() <= self.passes as usize {
             self.stamp(commands, 2 * (labels.len() as u32 - 1));
         }
         true
@@ -102,14 +124,14 @@ impl PassTimer {
     pub(crate) fn end(&self, commands: &Commands) {
         self.is_inside.set(false);
         let passes = self.labels.borrow().len() as u32;
-        if passes <= PASSES {
+        if passes <= self.passes {
             self.stamp(commands, 2 * passes - 1);
         }
     }
 
     /// Copies the stamps to mapped memory. The last command of a frame.
     pub(crate) fn read_back(&self, commands: &Commands) {
-        let stamps = 2 * (self.labels.borrow().len() as u32).min(PASSES);
+        let stamps = 2 * (self.labels.borrow().len() as u32).min(self.passes);
         if stamps == 0 {
             return;
         }
@@ -151,6 +173,73 @@ impl PassTimer {
         let info = vk::DependencyInfo::default().memory_barriers(&barriers);
         // SAFETY: outside of rendering, as passes are.
         unsafe { self.device.raw().cmd_pipeline_barrier2(commands.raw(), &info) };
+    }
+}
+
+/// Times the frames of one slot as a whole, where asked to.
+#[derive(Default)]
+pub(crate) struct FrameTimer {
+    timer: Option<PassTimer>,
+    stage: Stage,
+    newest: Option<FrameTime>,
+}
+
+/// What a timer of whole frames is at.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+enum Stage {
+    #[default]
+    Idle,
+    /// The frame being recorded is timed.
+    Begun,
+    /// The frame on its way is.
+    Submitted,
+}
+
+impl FrameTimer {
+    /// One that can: by a timer with room for one pass.
+    pub(crate) fn new(timer: PassTimer) -> Self {
+        Self { timer: Some(timer), ..Self::default() }
+    }
+
+    /// The time of the slot's last frame, if it was timed.
+    pub(crate) fn newest(&self) -> Option<FrameTime> {
+        self.newest
+    }
+
+    /// Reads the time of the slot's frame of this tick, which is over.
+    pub(crate) fn read(&mut self, tick: Tick) {
+        let stage = std::mem::take(&mut self.stage);
+        self.newest = match &self.timer {
+            Some(timer) if stage == Stage::Submitted => {
+                timer.span_ms().map(|gpu_ms| FrameTime { tick, gpu_ms })
+            }
+            _ => None,
+        };
+    }
+
+    pub(crate) fn begin(&mut self, commands: &Commands) {
+        if let (Some(timer), Stage::Idle) = (&self.timer, self.stage) {
+            timer.reset(commands);
+            timer.begin(commands, "frame");
+            self.stage = Stage::Begun;
+        }
+    }
+
+    /// Ends what was begun. Answers whether a stamp is copied for the host.
+    pub(crate) fn end(&mut self, commands: &Commands) -> bool {
+        let Some(timer) = self.timer.as_ref().filter(|_| self.stage == Stage::Begun) else {
+            return false;
+        };
+        timer.end(commands);
+        timer.read_back(commands);
+        true
+    }
+
+    /// What was begun is on its way.
+    pub(crate) fn submitted(&mut self) {
+        if self.stage == Stage::Begun {
+            self.stage = Stage::Submitted;
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::passes::{
     ComputeTest, CountPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass,
 };
 use crate::pyramid_frame::PyramidFrame;
-use crate::renderer::Renderer;
+use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
 use crate::shaders::ShaderSet;
 
 impl Renderer {
@@ -46,11 +46,14 @@ impl Renderer {
     }
 
     /// Changes how many frames may be on their way to the GPU at once; 0 counts as 1. Answers that are
-    /// still under way are lost, which costs some tests and no pixel.
+    /// still under way are lost, and what those frames took: this costs some tests and no pixel.
     ///
     /// # Errors
-    /// A failed call. Nothing has changed then.
+    /// More than [`MAX_FRAMES_IN_FLIGHT`]; a failed call. Nothing has changed then.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) -> Result<(), Error> {
+        if frames_in_flight > MAX_FRAMES_IN_FLIGHT {
+            return Err(Error::FramesInFlight { wanted: frames_in_flight });
+        }
         let slots = frames_in_flight.max(1);
         if slots == self.frames_in_flight() {
             return Ok(());
@@ -58,6 +61,9 @@ impl Renderer {
         let mut frames = FrameRing::new(&self.device, slots)?;
         if self.frames.is_timing_passes() {
             frames.time_passes()?;
+        }
+        if self.learns {
+            frames.time_frames()?;
         }
         self.frames = frames;
         self.pass_times.clear();

@@ -32,6 +32,21 @@ pub enum Error {
         /// The threshold in samples.
         threshold_samples: u32,
     },
+    /// More frames in flight than make sense.
+    #[error(
+        "{wanted} frames in flight are more than a renderer takes ({}): two or three keep a GPU busy, more only make answers older",
+        crate::MAX_FRAMES_IN_FLIGHT
+    )]
+    FramesInFlight {
+        /// What was asked for.
+        wanted: usize,
+    },
+    /// A table of costs with one that cannot be.
+    #[error(transparent)]
+    Cost(#[from] cull::BadCost),
+    /// A frame without a view.
+    #[error("a frame needs a view, or there is nothing to draw: name at least one `Eye`")]
+    NoView,
     /// A view that another renderer made.
     #[error(
         "this view was made by another renderer: each renderer draws the views of its own `Renderer::new_view`"
@@ -57,7 +72,7 @@ pub enum Error {
         drawn: [u32; 2],
     },
     /// A change of the scene that cannot be made.
-    #[error("change {index} of the scene cannot be made, those before it were: {reason}")]
+    #[error("change {index} of the scene cannot be made, so none was: {reason}")]
     Change {
         /// Its place among the changes.
         index: usize,

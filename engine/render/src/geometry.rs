@@ -45,6 +45,20 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
+    /// Refuses more leaves than a hierarchy or the device can hold, before anything is made for them.
+    pub(crate) fn check_size(device: &Device, leaf_count: usize) -> Result<(), Error> {
+        if leaf_count > cull::MAX_OBJECTS {
+            return Err(cull::HierarchyError::TooMany { count: leaf_count }.into());
+        }
+        let limit: u64 = device.adapter().limits.max_storage_buffer_range.into();
+        let (most, wanted) = (limit / size_of::<Instance>() as u64, leaf_count as u64);
+        if wanted > most {
+            let what = "the number of objects, with room for those that come,".to_owned();
+            return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
+        }
+        Ok(())
+    }
+
     pub(crate) fn upload(
         device: &Device,
         scene: &Scene,
@@ -52,7 +66,7 @@ impl Geometry {
     ) -> Result<Self, Error> {
         let (vertices, indices, mesh_draws) = join_meshes(scene);
         let leaf_count = hierarchy.leaf_objects().len();
-        check_size(device, leaf_count)?;
+        Self::check_size(device, leaf_count)?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);
@@ -210,16 +224,6 @@ impl Geometry {
             }
         }
     }
-}
-
-fn check_size(device: &Device, leaf_count: usize) -> Result<(), Error> {
-    let limit: u64 = device.adapter().limits.max_storage_buffer_range.into();
-    let (most, wanted) = (limit / size_of::<Instance>() as u64, leaf_count as u64);
-    if wanted > most {
-        let what = "the number of objects".to_owned();
-        return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
-    }
-    Ok(())
 }
 
 fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {

@@ -38,6 +38,7 @@ mod error;
 mod explanation;
 mod flat_overlay;
 mod frame_passes;
+mod frame_times;
 mod geometry;
 mod leaf_counts;
 mod moment;
@@ -65,7 +66,9 @@ pub use passes::{
     LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
     ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, pyramid_levels,
 };
-pub use renderer::{FrameReport, FrameRequest, Renderer, RendererOptions, object_bounds};
+pub use renderer::{
+    FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, object_bounds,
+};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use update::UpdateReport;

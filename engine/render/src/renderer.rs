@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use cull::{
-    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId, Policy,
-    SceneCosts, Strategy, View,
+    Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId,
+    Policy, SceneCosts, Strategy, View,
 };
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
@@ -17,6 +17,7 @@ use crate::error::Error;
 use crate::explanation::{Explainer, Explanation};
 use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
+use crate::frame_times::FrameTimes;
 use crate::geometry::Geometry;
 use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::pyramid_frame::PyramidFrame;
@@ -27,13 +28,17 @@ use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
 use crate::visible_set::{Edition, SeenLeaves, VisibleSet};
 
+/// The most frames that may be in flight: each has memory of its own for everything that a frame
+/// writes, and beyond a few they only make answers older.
+pub const MAX_FRAMES_IN_FLIGHT: usize = 16;
+
 /// How to make a [`Renderer`].
 #[derive(Debug, Clone)]
 pub struct RendererOptions {
     /// Size of the picture in pixels.
     pub size: [u32; 2],
-    /// Frames that may be on their way to the GPU at once; 0 counts as 1, and more than 4 only
-    /// make answers older.
+    /// Frames that may be on their way to the GPU at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts
+    /// as 1, and more than 4 only make answers older.
     pub frames_in_flight: usize,
     /// How hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
@@ -52,9 +57,11 @@ pub struct RendererOptions {
     /// had. For [`Strategy::Antumbra`] and [`Strategy::AntumbraQueries`];
     /// [`Strategy::Coherent`] has [its own](cull::CoherentOptions::visibility_threshold_samples).
     pub threshold_samples: u32,
-    /// What things cost, so that nothing is tested at a loss.
+    /// What things cost, so that nothing is tested at a loss. Where the device has timestamps, what
+    /// frames take corrects it.
     pub costs: Costs,
-    /// Room for objects that [come later](Renderer::update), beside the room of those that go.
+    /// Room for objects that [come later](Renderer::update), beside the room of those that go. With
+    /// those of the scene they must not be more than a hierarchy or the device holds.
     pub spare_objects: usize,
 }
 
@@ -69,9 +76,22 @@ impl Default for RendererOptions {
             dialogue: DialogueOptions::default(),
             query_budget: 8192,
             threshold_samples: 0,
-            costs: Costs::Ignored,
+            costs: Costs::default(),
             spare_objects: 0,
         }
+    }
+}
+
+impl RendererOptions {
+    /// Refuses what can be on no device.
+    fn check(&self) -> Result<(), Error> {
+        if self.frames_in_flight > MAX_FRAMES_IN_FLIGHT {
+            return Err(Error::FramesInFlight { wanted: self.frames_in_flight });
+        }
+        if let Costs::Table(table) = self.costs {
+            table.checked()?;
+        }
+        Ok(())
     }
 }
 
@@ -119,6 +139,8 @@ pub struct FrameReport {
     pub youngest_answer_frames: Option<u64>,
     /// What the culler counted.
     pub plan: cull::PlanStats,
+    /// What frames taught the governor about the prices ([`Renderer::costs`]); `None` without one.
+    pub corrections: Option<Corrections>,
 }
 
 /// A scene on a device, and everything to draw it with.
@@ -140,6 +162,9 @@ pub struct Renderer {
     pub(crate) update_scratch: UpdateScratch,
     pub(crate) scatter: ScatterPass,
     pub(crate) pass_times: Vec<PassTime>,
+    pub(crate) frame_times: FrameTimes,
+    /// Whether governors are told what frames take.
+    pub(crate) learns: bool,
     policy: Policy,
     pub(crate) query_budget: usize,
     pub(crate) threshold_samples: u32,
@@ -150,11 +175,16 @@ impl Renderer {
     /// Builds the hierarchy over `scene` and uploads everything.
     ///
     /// # Errors
-    /// A scene or size beyond the device's limits, no memory, a shader that does not compile, a
-    /// failed call; a threshold where queries do not count, or under conditional rendering.
+    /// Options that cannot be: [`Error::FramesInFlight`], [`Error::Cost`], more objects and room for
+    /// them than there can be, a threshold where queries do not count or under conditional
+    /// rendering. A scene or size beyond the device's limits, no memory, a shader that does not
+    /// compile, a failed call.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
+        options.check()?;
         let mut bounds = object_bounds(scene)?;
-        bounds.resize(bounds.len().saturating_add(options.spare_objects), Aabb::EMPTY);
+        let count = bounds.len().saturating_add(options.spare_objects);
+        Geometry::check_size(device, count)?;
+        bounds.resize(count, Aabb::EMPTY);
         let hierarchy = Hierarchy::build(&bounds)?;
         Self::with_hierarchy(device, scene, hierarchy, options)
     }
@@ -170,6 +200,7 @@ impl Renderer {
         hierarchy: Hierarchy,
         options: &RendererOptions,
     ) -> Result<Self, Error> {
+        options.check()?;
         let shaders = match &options.shaders {
             Some(shaders) => shaders.clone(),
             None => ShaderSet::embedded()?,
@@ -201,10 +232,15 @@ impl Renderer {
         };
         let id = RendererId::new();
         let costs = calibration::cost_table(options.costs, device, &shaders, &mut passes);
+        let mut frames = FrameRing::new(device, slots)?;
+        let learns = costs.is_some() && device.capabilities().has(Optional::Timestamps);
+        if learns {
+            frames.time_frames()?;
+        }
         Ok(Self {
             id,
             device: device.clone(),
-            frames: FrameRing::new(device, slots)?,
+            frames,
             hierarchy,
             passes,
             shaders,
@@ -219,6 +255,8 @@ impl Renderer {
             update_scratch: UpdateScratch::default(),
             scatter,
             pass_times: Vec::new(),
+            frame_times: FrameTimes::default(),
+            learns,
             policy: options.policy,
             query_budget: options.query_budget,
             threshold_samples: options.threshold_samples,

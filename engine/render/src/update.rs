@@ -1,13 +1,15 @@
 //! Changes of the scene between frames: applied to the hierarchy at once, and to what the GPU reads
 //! at the start of the next frame, in its order. Nobody waits.
 
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, LeafRange, ObjectId};
+use cull::{Aabb, HierarchyError, LeafRange, ObjectId};
+use glam::Affine3A;
 
 use crate::error::Error;
 use crate::renderer::Renderer;
-use crate::scene::{Cast, Motion, ObjectChange};
+use crate::scene::{Cast, Motion, Object, ObjectChange};
 
 /// What an update did.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -31,35 +33,108 @@ pub struct UpdateReport {
 /// Lists of an update in the making, kept to allocate nothing.
 #[derive(Default)]
 pub(crate) struct UpdateScratch {
+    /// The box of what each change is about; empty where it goes.
+    bounds: Vec<Aabb>,
+    gone: HashSet<ObjectId>,
     moves: Vec<(ObjectId, Aabb)>,
     changed: Vec<ObjectId>,
     reordered: Vec<LeafRange>,
 }
 
 impl Renderer {
-    /// Applies `changes` in their order. The next frame shows them; frames on their way do not. The
-    /// cost is that of the changes, not of the scene: ancestors of what moved are refitted, leaves
-    /// that changed are written by the GPU itself.
+    /// Applies `changes` in their order: all of them, or none if one cannot be made. The next frame
+    /// shows them; frames on their way do not. The cost is that of the changes, not of the scene:
+    /// ancestors of what moved are refitted, leaves that changed are written by the GPU itself.
+    ///
+    /// Changes are about objects that were there before. An id that a change frees may be given to
+    /// a later one's object at once; to move or remove that one is for the next update, when its
+    /// id is known.
     ///
     /// # Errors
-    /// [`Error::Change`] for the first change that cannot be made; those before it were.
+    /// [`Error::Change`] for the first change that cannot be made; then nothing has changed.
     pub fn update(&mut self, changes: &[ObjectChange]) -> Result<UpdateReport, Error> {
         let began = Instant::now();
+        let mut scratch = std::mem::take(&mut self.update_scratch);
+        let outcome = self.check_changes(changes, &mut scratch);
+        let outcome = outcome.and_then(|()| self.make_changes(changes, &mut scratch));
+        self.update_scratch = scratch;
+        Ok(UpdateReport { cpu: began.elapsed(), ..outcome? })
+    }
+
+    /// Finds the first change that cannot be made after those before it, and the boxes of them all.
+    fn check_changes(
+        &self,
+        changes: &[ObjectChange],
+        scratch: &mut UpdateScratch,
+    ) -> Result<(), Error> {
+        let UpdateScratch { bounds, gone, .. } = scratch;
+        bounds.clear();
+        gone.clear();
+        let mut free_leaves = self.hierarchy.free_leaves();
+        for (index, change) in changes.iter().enumerate() {
+            let found = match change {
+                ObjectChange::Move { object, transform } => self
+                    .check_there(*object, gone)
+                    .and_then(|()| self.bounds_of_moved(*object, transform)),
+                ObjectChange::Remove { object } => self.check_there(*object, gone).map(|()| {
+                    gone.insert(*object);
+                    free_leaves += 1;
+                    Aabb::EMPTY
+                }),
+                ObjectChange::Add { object } => {
+                    let found = self.bounds_of_added(object);
+                    found.and_then(|found| match free_leaves.checked_sub(1) {
+                        Some(left) => {
+                            free_leaves = left;
+                            Ok(found)
+                        }
+                        None => Err(HierarchyError::NoFreeLeaf.to_string()),
+                    })
+                }
+            };
+            bounds.push(found.map_err(|reason| Error::Change { index, reason })?);
+        }
+        Ok(())
+    }
+
+    /// Refuses an object that was not there before the update, or is gone in it.
+    fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), String> {
+        if self.hierarchy.contains(object) && !gone.contains(&object) {
+            return Ok(());
+        }
+        Err(HierarchyError::UnknownObject { object }.to_string())
+    }
+
+    fn bounds_of_moved(&self, object: ObjectId, transform: &Affine3A) -> Result<Aabb, String> {
+        const NOWHERE: &str = "its transform takes it nowhere: check it for infinities and NaN";
+        self.passes.geometry.bounds_at(object, transform).ok_or_else(|| NOWHERE.to_owned())
+    }
+
+    fn bounds_of_added(&self, object: &Object) -> Result<Aabb, String> {
+        const NONE: &str = "the scene has no such mesh, or its transform is no number";
+        let bounds = self.passes.geometry.bounds_of(object.mesh.0, &object.transform);
+        bounds.ok_or_else(|| NONE.to_owned())
+    }
+
+    /// Makes changes that were checked.
+    fn make_changes(
+        &mut self,
+        changes: &[ObjectChange],
+        scratch: &mut UpdateScratch,
+    ) -> Result<UpdateReport, Error> {
         if !changes.is_empty() {
             self.edition.advance();
         }
         let before = self.hierarchy.work();
-        let mut scratch = std::mem::take(&mut self.update_scratch);
         let mut added = Vec::new();
-        let outcome = changes.iter().enumerate().try_for_each(|(index, change)| {
-            self.apply(change, &mut scratch, &mut added)
-                .map_err(|reason| Error::Change { index, reason })
-        });
-        let outcome = outcome.and(self.move_all(&mut scratch).map_err(Error::from));
+        let bounds = std::mem::take(&mut scratch.bounds);
+        for (change, bounds) in changes.iter().zip(&bounds) {
+            added.extend(self.make(change, *bounds, scratch)?);
+        }
+        scratch.bounds = bounds;
+        self.move_all(scratch)?;
         self.hierarchy.restructure(&mut scratch.reordered);
-        self.mark(&mut scratch);
-        self.update_scratch = scratch;
-        outcome?;
+        self.mark(scratch);
         let work = self.hierarchy.work();
         Ok(UpdateReport {
             added,
@@ -67,7 +142,7 @@ impl Renderer {
             rebuilt_leaves: work.rebuilt_leaves - before.rebuilt_leaves,
             stale_leaves: self.passes.geometry.stale_count(),
             is_worn: self.hierarchy.is_worn(),
-            cpu: began.elapsed(),
+            cpu: Duration::ZERO,
         })
     }
 
@@ -96,7 +171,8 @@ impl Renderer {
     /// Shows `motion` as it is in `frame`, with [`Renderer::update`].
     ///
     /// # Errors
-    /// As [`Renderer::update`], for instance when someone else removed a mover.
+    /// As [`Renderer::update`], for instance when someone else removed a mover. Then the scene and
+    /// `cast` are as they were.
     pub fn show(
         &mut self,
         motion: &Motion,
@@ -108,46 +184,39 @@ impl Renderer {
         Ok(report)
     }
 
-    fn apply(
+    /// Makes one change; answers the id of what was added.
+    fn make(
         &mut self,
         change: &ObjectChange,
+        bounds: Aabb,
         scratch: &mut UpdateScratch,
-        added: &mut Vec<ObjectId>,
-    ) -> Result<(), String> {
-        const NOWHERE: &str = "its transform takes it nowhere: check it for infinities and NaN";
-        let geometry = &mut self.passes.geometry;
+    ) -> Result<Option<ObjectId>, HierarchyError> {
         match change {
             ObjectChange::Move { object, transform } => {
-                if !self.hierarchy.contains(*object) {
-                    return Err(cull::HierarchyError::UnknownObject { object: *object }.to_string());
-                }
-                let bounds = geometry.bounds_at(*object, transform).ok_or(NOWHERE)?;
-                geometry.place(*object, transform);
+                self.passes.geometry.place(*object, transform);
                 scratch.moves.push((*object, bounds));
                 scratch.changed.push(*object);
+                Ok(None)
             }
             ObjectChange::Remove { object } => {
-                self.move_all(scratch).map_err(|error| error.to_string())?;
-                self.hierarchy.remove(*object).map_err(|error| error.to_string())?;
+                self.move_all(scratch)?;
+                self.hierarchy.remove(*object)?;
                 self.passes.geometry.replace(*object, None);
                 scratch.changed.push(*object);
+                Ok(None)
             }
             ObjectChange::Add { object } => {
-                let bounds = geometry.bounds_of(object.mesh.0, &object.transform);
-                let bounds =
-                    bounds.ok_or("the scene has no such mesh, or its transform is no number")?;
-                self.move_all(scratch).map_err(|error| error.to_string())?;
-                let id = self.hierarchy.insert(bounds).map_err(|error| error.to_string())?;
+                self.move_all(scratch)?;
+                let id = self.hierarchy.insert(bounds)?;
                 self.passes.geometry.replace(id, Some(object));
                 scratch.changed.push(id);
-                added.push(id);
+                Ok(Some(id))
             }
         }
-        Ok(())
     }
 
     /// Refits the hierarchy to the moves that were collected.
-    fn move_all(&mut self, scratch: &mut UpdateScratch) -> Result<(), cull::HierarchyError> {
+    fn move_all(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
         if scratch.moves.is_empty() {
             return Ok(());
         }

@@ -4,16 +4,17 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{
-    Answer, Culler, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafRange, QueryKind,
-    QueryTag, Strategy, Tester, View,
+    Answer, Corrections, Culler, FrameContents, FrameId, FramePlan, Generation, Governor,
+    Hierarchy, LeafIndex, LeafRange, QueryKind, QueryTag, Strategy, Tester, View,
 };
 use gpu::{
-    Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw, PartDraws, QueryRing, SwitchedOn,
-    Tick, WordSource,
+    Counting, Device, DrawRange, FlagRing, Frame, FrameTime, IndirectDraw, PartDraws, QueryRing,
+    SwitchedOn, Tick, WordSource,
 };
 
 use crate::dialogue_frame::DialogueHistory;
 use crate::error::Error;
+use crate::frame_times::SentFrames;
 use crate::geometry::Geometry;
 use crate::leaf_counts::Count;
 use crate::pyramid_history::PyramidHistory;
@@ -45,6 +46,14 @@ struct Answered {
     count: Count,
 }
 
+/// The outcome of a frame that is not told yet: frames are told in their order.
+#[derive(Clone, Copy)]
+struct Pending {
+    outcome: FrameOutcome,
+    /// Nothing was asked, so that no answer is to come.
+    is_known: bool,
+}
+
 /// Which renderer a view is of: its rings, its draws and what it knows fit no other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct RendererId(u64);
@@ -74,6 +83,8 @@ pub struct ViewHistory {
     pub(crate) dialogue: Option<DialogueHistory>,
     pyramid: Option<PyramidHistory>,
     pub(crate) frames_in_flight: usize,
+    /// What the frames were made of whose time is not home.
+    pub(crate) sent: SentFrames,
     pub(crate) device: Device,
     /// Up to which change of a draw `parts` knows the draws.
     seen_changes: u64,
@@ -83,7 +94,7 @@ pub struct ViewHistory {
     answers: Vec<Answered>,
     behind: Vec<Asked>,
     newest: Vec<Answer>,
-    pending: VecDeque<FrameOutcome>,
+    pending: VecDeque<Pending>,
     outcomes: VecDeque<FrameOutcome>,
 }
 
@@ -133,6 +144,7 @@ impl ViewHistory {
             dialogue: None,
             pyramid: None,
             frames_in_flight,
+            sent: SentFrames::new(frames_in_flight),
             device: device.clone(),
             seen_changes: renderer.passes.geometry.draw_changes.count(),
             threshold_samples: renderer.threshold_samples,
@@ -158,6 +170,7 @@ impl ViewHistory {
         (self.dialogue, self.pyramid) = (None, None);
         self.seen_changes = renderer.passes.geometry.draw_changes.count();
         self.pending.clear();
+        self.sent = SentFrames::new(frames_in_flight);
         self.frames_in_flight = frames_in_flight;
         Ok(())
     }
@@ -184,11 +197,10 @@ impl ViewHistory {
         self.collect(completed, hierarchy, geometry);
         self.counts.collect(completed, hierarchy, self.plan.frame);
         let threshold = self.threshold_samples;
-        let Self { culler, pyramid, answers, newest: kept, pending, outcomes, .. } = self;
+        let Self { culler, pyramid, answers, newest: kept, pending, outcomes, sent, .. } = self;
         for Answered { answer, count } in answers.iter().filter(|home| home.answer.samples > 0) {
             let is_drawn = matches!(answer.tag.kind, QueryKind::Proxy | QueryKind::Part);
-            let outcome = pending.iter_mut().find(|pending| pending.frame == answer.tag.frame);
-            let Some(outcome) = outcome else { continue };
+            let Some(outcome) = outcome_of(pending, answer.tag.frame) else { continue };
             if !shows(answer, threshold) {
                 let decides = is_drawn || answer.tag.kind == QueryKind::Parts;
                 outcome.neglected_samples += u64::from(answer.samples) * u64::from(decides);
@@ -206,18 +218,19 @@ impl ViewHistory {
         }
         while let Some(counts) = pyramid.as_mut().and_then(|kept| kept.take_counts(completed)) {
             newest = newest.max(Some(counts.frame));
-            if let Some(outcome) = pending.iter_mut().find(|pending| pending.frame == counts.frame)
-            {
+            if let Some(outcome) = outcome_of(pending, counts.frame) {
                 let [first, second] = counts.phases;
                 outcome.draws = u64::from(first.draws) + u64::from(second.draws);
                 outcome.triangles = first.triangles() + second.triangles();
                 outcome.revealed = second.draws.into();
             }
         }
-        if let Some(newest) = newest {
-            while let Some(outcome) = pending.pop_front_if(|outcome| outcome.frame <= newest) {
-                keep_latest(outcomes, outcome);
-            }
+        let is_home = |it: &mut Pending| {
+            it.is_known || newest.is_some_and(|newest| it.outcome.frame <= newest)
+        };
+        while let Some(Pending { outcome, .. }) = pending.pop_front_if(is_home) {
+            sent.drew(&outcome);
+            keep_latest(outcomes, outcome);
         }
         culler.ingest(hierarchy, answers);
     }
@@ -372,6 +385,23 @@ impl ViewHistory {
         Ok(kept)
     }
 
+    /// What frames taught this view's governor about the prices; `None` without one.
+    pub fn corrections(&self) -> Option<Corrections> {
+        self.culler.governor().map(Governor::corrections)
+    }
+
+    /// Whether there is a governor to be told what frames take.
+    pub(crate) fn is_governed(&self) -> bool {
+        self.culler.governor().is_some()
+    }
+
+    /// A frame that showed this view, with others if they were drawn together, took so long.
+    pub(crate) fn took(&mut self, time: &FrameTime, contents: &FrameContents) {
+        if let Some(governor) = self.culler.governor_mut() {
+            governor.observe(time.gpu_ms * 1.0e6, contents);
+        }
+    }
+
     /// The newest frame is on its way: opens the books on it.
     pub(crate) fn submitted(&mut self, tick: Tick, geometry: &Geometry) {
         self.queries.submitted(tick);
@@ -395,12 +425,18 @@ impl ViewHistory {
         }
         let is_counted_on_gpu =
             self.pyramid.as_mut().is_some_and(|kept| kept.submitted(tick, outcome.frame));
-        if self.questions.is_empty() && !is_counted_on_gpu {
+        let is_known = self.questions.is_empty() && !is_counted_on_gpu;
+        if is_known && self.pending.is_empty() {
+            self.sent.drew(&outcome);
             keep_latest(&mut self.outcomes, outcome);
         } else {
-            self.pending.push_back(outcome);
+            self.pending.push_back(Pending { outcome, is_known });
         }
     }
+}
+
+fn outcome_of(pending: &mut VecDeque<Pending>, frame: FrameId) -> Option<&mut FrameOutcome> {
+    pending.iter_mut().map(|pending| &mut pending.outcome).find(|outcome| outcome.frame == frame)
 }
 
 /// Parts are told by fragments, which do not count.

@@ -14,6 +14,7 @@ use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
 use crate::error::Error;
 use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FrameIo;
+use crate::frame_times;
 use crate::passes::{ComputeTest, CountPass};
 use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
@@ -91,13 +92,17 @@ impl Renderer {
     /// the frame that used this slot N frames ago, and for nothing else.
     ///
     /// # Errors
-    /// A strategy that the device has not what it takes for; a view of another renderer; an area that
+    /// [`Error::NoView`] where there is no eye: such a frame would leave its picture as it is. A
+    /// strategy that the device has not what it takes for; a view of another renderer; an area that
     /// is not in the picture; a picture of another size; no memory, a lost device, a frame that takes too long.
     pub fn render_views(
         &mut self,
         eyes: &mut [Eye<'_>],
         request: &ViewsRequest<'_>,
     ) -> Result<FrameReport, Error> {
+        if eyes.is_empty() {
+            return Err(Error::NoView);
+        }
         self.supports(request.strategy)?;
         for eye in eyes.iter_mut() {
             self.check_view(eye.history)?;
@@ -111,9 +116,19 @@ impl Renderer {
         let mut frame = self.frames.begin()?;
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
+        if let Some(time) = frame.last_time() {
+            self.frame_times.take(time);
+        }
 
         let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
+        let is_timed = request.strategy.is_governed()
+            && self.learns
+            && eyes.iter().all(|eye| eye.history.is_governed())
+            && eyes.iter().any(|eye| frame_times::is_turn(eye.history.culler.frame()));
+        if is_timed {
+            frame.begin_timing();
+        }
         let mut report = FrameReport::default();
         for Eye { history, camera, visible, area } in eyes.iter_mut() {
             let view = &view_in(&self.device, camera, *area);
@@ -165,10 +180,16 @@ impl Renderer {
         let tick = frame.submit(request.after)?;
         report.tick = tick;
         self.submitted();
+        let views = eyes.len();
         for Eye { history, .. } in eyes.iter_mut() {
+            if is_timed {
+                history.sent.submitted(tick, &history.plan, views);
+            }
             history.submitted(tick, &self.passes.geometry);
             report.add(history);
         }
+        // What they learn is for the next frame.
+        self.frame_times.tell(eyes);
         report.cpu = began.elapsed().saturating_sub(waited);
         Ok(report)
     }
@@ -241,6 +262,8 @@ impl FrameReport {
         self.queries += plan.query_count() as u32;
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
+        // Views that are drawn together learn the same.
+        self.corrections = self.corrections.or(history.corrections());
         // No age is less than any, so the larger of two is the older one that there is.
         self.oldest_answer_frames = self.oldest_answer_frames.max(history.answer_ages().max());
         let youngest = self.youngest_answer_frames.into_iter().chain(history.answer_ages().min());

@@ -13,6 +13,7 @@ use clap::Parser;
 #[command(
     name = "compare",
     version,
+    args_override_self = true,
     after_help = "\
 Examples:
   compare out/compare/reports --page out/compare/index.html
@@ -51,6 +52,8 @@ mod tests {
         Arguments::command().debug_assert();
         let arguments = Arguments::try_parse_from(["compare", "r", "--page=p.html"]).unwrap();
         assert_eq!((arguments.reports, arguments.page), ("r".into(), Some("p.html".into())));
+        let twice = ["compare", "r", "--page=p.html", "--page", "q.html"];
+        assert_eq!(Arguments::try_parse_from(twice).unwrap().page, Some("q.html".into()));
         assert!(Arguments::try_parse_from(["compare"]).is_err(), "the folder must be named");
     }
 }

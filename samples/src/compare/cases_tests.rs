@@ -30,6 +30,9 @@ fn what_was_asked_for_names_the_size() {
     let mut report = measured("city", "street", 1_940, &[(ANTUMBRA, 1.0)]);
     report.provenance.command = ["walkthrough", "--objects", "2000"].map(str::to_owned).to_vec();
     assert_eq!(Place::of(&report).objects, 2_000);
+    // Said again by who called a script: the last counts.
+    report.provenance.command.push("--objects=3000".to_owned());
+    assert_eq!(Place::of(&report).objects, 3_000);
     assert_eq!([7, 99, 104, 1_949, 99_600].map(two_digits), [7, 99, 100, 1_900, 100_000]);
 }
 

@@ -27,7 +27,9 @@ pub struct MethodRow {
     pub cpu_ms: Option<Spread>,
     /// Draws a frame.
     pub draws: Option<Spread>,
-    /// Queries a frame.
+    /// Boxes tested a frame, by whatever means.
+    pub tests: Option<Spread>,
+    /// Occlusion queries a frame.
     pub queries: Option<Spread>,
     /// Wrong pixels in all settings, if any frame was compared.
     pub pixels_wrong: Option<u64>,
@@ -185,6 +187,7 @@ fn methods(
         ratios: sizes.iter().map(|size| ratio(name, *size)).collect(),
         cpu_ms: detail.cpu_ms(name),
         draws: detail.count(name, |run| run.draws),
+        tests: detail.count(name, |run| run.tests),
         queries: detail.count(name, |run| run.queries),
         pixels_wrong: wrong(name),
     };

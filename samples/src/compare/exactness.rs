@@ -13,11 +13,13 @@ pub enum Setting {
     Moving,
     /// Several views of one scene.
     Views,
+    /// Both.
+    MovingViews,
 }
 
 impl Setting {
     /// Every setting.
-    pub const ALL: [Self; 3] = [Self::Still, Self::Moving, Self::Views];
+    pub const ALL: [Self; 4] = [Self::Still, Self::Moving, Self::Views, Self::MovingViews];
 
     /// In words.
     pub fn name(self) -> &'static str {
@@ -25,15 +27,23 @@ impl Setting {
             Self::Still => "still scenes",
             Self::Moving => "moving objects",
             Self::Views => "several views",
+            Self::MovingViews => "moving objects, several views",
         }
     }
 
     fn of(place: &Place) -> Self {
         match (place.moving, place.views) {
+            (1.., 2..) => Self::MovingViews,
             (1.., _) => Self::Moving,
             (_, 2..) => Self::Views,
             _ => Self::Still,
         }
+    }
+
+    /// Whether a strategy cannot be asked for here: that it was not compared is no gap.
+    fn refuses(self, strategy: &str) -> bool {
+        let moves = matches!(self, Self::Moving | Self::MovingViews);
+        moves && strategy.parse().is_ok_and(Strategy::needs_still_scene)
     }
 }
 
@@ -47,6 +57,8 @@ pub struct Book {
     pub is_exact: bool,
     /// In which setting.
     pub setting: Setting,
+    /// Whether it is refused there by design.
+    pub is_refused: bool,
     /// How many frames were compared.
     pub frames_compared: u64,
     /// How many of their pixels differed.
@@ -65,11 +77,12 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
         }
     }
     names.sort_by_key(|name| palette::place_of(name));
-    let book = |setting| {
+    let book = |setting: Setting| {
         move |name: &&str| Book {
             strategy: (*name).to_owned(),
             is_exact: name.parse().is_ok_and(Strategy::is_exact),
             setting,
+            is_refused: setting.refuses(name),
             frames_compared: 0,
             pixels_wrong: 0,
         }
@@ -89,7 +102,7 @@ pub fn books(cases: &Cases<'_>) -> Vec<Book> {
                 let neglects =
                     has_threshold && run.strategy.parse().is_ok_and(Strategy::can_neglect);
                 book.is_exact &= !neglects;
-                book.frames_compared += run.frames_verified;
+                book.frames_compared += run.frames_verified + run.warm_up_frames_verified;
                 book.pixels_wrong += run.pixels_wrong.unwrap_or(0);
             }
         }
@@ -114,7 +127,7 @@ mod tests {
         ];
         let cases = Cases::of(&reports);
         let books = books(&cases);
-        assert_eq!(books.len(), 3 * 3);
+        assert_eq!(books.len(), 3 * 4);
         let find = |name: &str, setting| {
             books.iter().find(|book| book.strategy == name && book.setting == setting).unwrap()
         };
@@ -125,6 +138,28 @@ mod tests {
         let mystery = find("mystery", Setting::Still);
         assert_eq!((mystery.pixels_wrong, mystery.is_exact), (7, false));
         assert_eq!(find("frustum", Setting::Still).frames_compared, 0);
+    }
+
+    #[test]
+    fn what_needs_a_still_scene_is_refused_where_objects_move() {
+        let reports = [verified("city", "street", 500, &[("antumbra", 12, 0), ("ideal", 12, 0)])];
+        let books = books(&Cases::of(&reports));
+        let refused = books.iter().filter(|book| book.is_refused);
+        let refused: Vec<_> = refused.map(|book| (book.strategy.as_str(), book.setting)).collect();
+        assert_eq!(refused, [("ideal", Setting::Moving), ("ideal", Setting::MovingViews)]);
+    }
+
+    #[test]
+    fn moving_objects_before_two_eyes_are_a_setting_of_their_own() {
+        let mut both = verified("city", "street", 500, &[("antumbra", 12, 3)]);
+        both.provenance.command = ["--moving=10", "--views=2"].map(str::to_owned).to_vec();
+        both.runs[0].warm_up_frames_verified = 4;
+        let reports = [both];
+        let books = books(&Cases::of(&reports));
+        let wrong = books.iter().map(|book| (book.setting, book.pixels_wrong));
+        let wrong: Vec<_> = wrong.filter(|(_, pixels)| *pixels > 0).collect();
+        assert_eq!(wrong, [(Setting::MovingViews, 3)]);
+        assert!(books.iter().any(|book| book.frames_compared == 16), "with those that warm up");
     }
 
     #[test]

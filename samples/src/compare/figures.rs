@@ -263,7 +263,7 @@ fn wrong_pixels(cases: &Cases<'_>) -> Vec<Figure> {
         let left: Vec<&str> = books
             .iter()
             .filter(exact)
-            .filter(|book| book.frames_compared == 0)
+            .filter(|book| book.frames_compared == 0 && !book.is_refused)
             .map(|book| book.strategy.as_str())
             .collect();
         let mut note = format!("{} frames compared", super::spread::thousands(frames as f64));

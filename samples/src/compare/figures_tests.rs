@@ -115,6 +115,19 @@ fn wrong_pixels_are_never_nearly_none() {
     assert_eq!(still.note, "18 frames compared");
     assert_eq!(find(&all, "several views", "wrong").verdict(), Verdict::NotMeasured);
 
+    let moving = |names: &[(&str, u64, u64)]| {
+        let mut report = verified("city", "street", 500, names);
+        report.provenance.command = vec!["--moving=10".to_owned()];
+        let still = verified("city", "street", 500, &[(ANTUMBRA, 9, 0), (IDEAL, 9, 0)]);
+        figures(&[still, report])
+    };
+    // The ideal cannot be where objects move; that antumbra is missing is a gap.
+    let reached = moving(&[(ANTUMBRA, 9, 0)]);
+    assert_eq!(find(&reached, "moving objects", "wrong").verdict(), Verdict::Reached);
+    let gap = moving(&[("frustum", 9, 0)]);
+    assert_eq!(find(&gap, "moving objects", "wrong").verdict(), Verdict::NotMeasured);
+    assert!(find(&gap, "moving objects", "wrong").note.ends_with("not compared: antumbra"));
+
     let one = figures(&[exact(0), exact(1), exact(0)]);
     assert_eq!(find(&one, "still scenes", "wrong pixels of all").verdict(), Verdict::Missed);
 

@@ -112,12 +112,16 @@ pub struct MeasuredRun {
     pub cpu_ms: Summary,
     /// Draws a frame.
     pub draws: Option<u64>,
+    /// Boxes tested a frame, by whatever means.
+    pub tests: Option<u64>,
     /// Occlusion queries a frame.
     pub queries: Option<u64>,
     /// Nodes of the hierarchy that the culler looked at in a frame.
     pub nodes_visited: Option<u64>,
-    /// Frames compared with plain frustum culling.
+    /// Timed frames compared with plain frustum culling.
     pub frames_verified: u64,
+    /// Frames compared that only warmed up.
+    pub warm_up_frames_verified: u64,
     /// Pixels that differed in them.
     pub pixels_wrong: Option<u64>,
 }
@@ -129,14 +133,16 @@ impl Measured {
     }
 
     /// The value of an option in the command line that made the report, as `--option value` or
-    /// `--option=value`.
+    /// `--option=value`; the last where it was said several times, as `walkthrough` has it.
     pub fn argument(&self, option: &str) -> Option<&str> {
         let words = &self.provenance.command;
         let with_sign = format!("{option}=");
-        words.iter().enumerate().find_map(|(place, word)| match word.strip_prefix(&with_sign) {
-            Some(value) => Some(value),
-            None if word == option => words.get(place + 1).map(String::as_str),
-            None => None,
+        words.iter().enumerate().rev().find_map(|(place, word)| {
+            match word.strip_prefix(&with_sign) {
+                Some(value) => Some(value),
+                None if word == option => words.get(place + 1).map(String::as_str),
+                None => None,
+            }
         })
     }
 

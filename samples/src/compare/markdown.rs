@@ -35,13 +35,14 @@ fn methods(content: &Content) -> String {
     };
     let mut text = format!(
         "\n## The methods\n\nFrame time on `street` in times of `{}`, by the number of objects; CPU \
-         time, draws and queries of a frame at {} objects.\n\n",
+         time, draws, boxes tested by whatever means and occlusion queries of a frame at {} objects.\n\n",
         content.yardstick,
         objects(detail as f64)
     );
     let mut columns = vec!["strategy".to_owned()];
     columns.extend(content.sizes.iter().map(|size| objects(*size as f64)));
-    columns.extend(["CPU ms", "draws", "queries", "wrong pixels"].map(str::to_owned));
+    columns
+        .extend(["CPU ms", "draws", "boxes tested", "queries", "wrong pixels"].map(str::to_owned));
     text.push_str(&head(&columns));
     let shown = |value: &Option<Spread>, text: fn(f64) -> String| {
         value.as_ref().map_or("-".to_owned(), |value| text(value.median()))
@@ -53,6 +54,7 @@ fn methods(content: &Content) -> String {
         cells.extend(method.ratios.iter().map(ratio));
         cells.push(shown(&method.cpu_ms, short));
         cells.push(shown(&method.draws, thousands));
+        cells.push(shown(&method.tests, thousands));
         cells.push(shown(&method.queries, thousands));
         let wrong = method.pixels_wrong.map(|pixels| thousands(pixels as f64));
         cells.push(wrong.unwrap_or_else(|| "not compared".to_owned()));
@@ -93,15 +95,22 @@ fn exactness(books: &[Book]) -> String {
         let mut cells = vec![format!("`{}`", book.strategy), promise.to_owned()];
         for setting in Setting::ALL {
             let same = |other: &&Book| other.strategy == book.strategy && other.setting == setting;
-            let compared = books.iter().find(same).filter(|book| book.frames_compared > 0);
-            cells.push(compared.map_or("not compared".to_owned(), |book| {
-                let [pixels, frames] = [book.pixels_wrong, book.frames_compared];
-                format!("{} in {} frames", thousands(pixels as f64), thousands(frames as f64))
-            }));
+            cells.push(wrong_pixels(books.iter().find(same)));
         }
         text.push_str(&row(&cells));
     }
     text
+}
+
+fn wrong_pixels(book: Option<&Book>) -> String {
+    match book {
+        Some(book) if book.is_refused => "refused by design".to_owned(),
+        Some(book) if book.frames_compared > 0 => {
+            let [pixels, frames] = [book.pixels_wrong, book.frames_compared];
+            format!("{} in {} frames", thousands(pixels as f64), thousands(frames as f64))
+        }
+        _ => "not compared".to_owned(),
+    }
 }
 
 #[cfg(test)]
@@ -113,7 +122,7 @@ mod tests {
     fn tables_have_as_many_cells_in_every_row() {
         let reports = [
             measured("city", "street", 10_000, &[("ideal", 1.0), ("antumbra", 1.25)]),
-            verified("city", "street", 500, &[("antumbra", 9, 0)]),
+            verified("city", "street", 500, &[("antumbra", 9, 0), ("ideal", 9, 0)]),
         ];
         let text = render(&Content::of(&reports).unwrap());
         let mut columns = 0;
@@ -128,7 +137,9 @@ mod tests {
             "| `antumbra` | 1.25 |",
             "| street 10k | antumbra / ideal | at most 1.22 | 1.25 | ✗ not reached |",
             "| street 40k | antumbra / ideal | at most 1.32 | not measured | – not measured |",
-            "| `antumbra` | exact | 0 in 9 frames | not compared | not compared |",
+            "| 50 | 300 | 120 | 0 |",
+            "| `antumbra` | exact | 0 in 9 frames | not compared | not compared | not compared |",
+            "| `ideal` | exact | 0 in 9 frames | refused by design | not compared | refused by design |",
         ] {
             assert!(text.contains(row), "{row} is missing in\n{text}");
         }

@@ -31,7 +31,7 @@ use self::args::Arguments;
 use self::canvas::DrawError;
 use self::content::Content;
 use self::input::{InputError, Measured, read_folder, read_notes};
-use crate::outputs::{WriteError, replace_file};
+use crate::outputs::{WriteError, write_file};
 
 /// Why there is no comparison: one sentence that says what is wrong and what to do.
 #[derive(Debug, Error)]
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<String, CompareError> {
         files.push((file, plot.svg.clone()));
     }
     for (file, text) in &files {
-        replace_file(file, text.as_bytes())?;
+        write_file(file, text.as_bytes())?;
     }
     let mut told: String = content.headline().map(|headline| headline + "\n").unwrap_or_default();
     for (verdict, count) in content.verdicts() {

@@ -18,7 +18,7 @@ pub fn render(content: &Content) -> String {
     body.push_str(&methods(content));
     body.push_str(&figures(content));
     if !content.plots.is_empty() {
-        body.push_str("<h2>Frame by frame, CPU, queries and draws</h2>\n");
+        body.push_str("<h2>Frame by frame, CPU, tests, queries and draws</h2>\n");
     }
     for plot in &content.plots {
         body.push_str(&figure(plot));
@@ -118,14 +118,15 @@ fn methods(content: &Content) -> String {
     let detail = objects(detail as f64);
     let mut text = format!(
         "<h2>The methods</h2>\n<p>Frame time on <i>street</i> in times of {}, by the number of \
-         objects; CPU time, draws and queries of a frame at {detail} objects.</p>\n\
+         objects; CPU time, draws, boxes tested by whatever means and occlusion queries of a frame at \
+         {detail} objects.</p>\n\
          <div class=\"scroll\"><table>\n<tr><th>strategy</th>",
         content.yardstick
     );
     for size in &content.sizes {
         text.push_str(&format!("<th class=\"number\">{}</th>", objects(*size as f64)));
     }
-    for column in ["CPU ms", "draws", "queries", "wrong pixels"] {
+    for column in ["CPU ms", "draws", "boxes tested", "queries", "wrong pixels"] {
         text.push_str(&format!("<th class=\"number\">{column}</th>"));
     }
     text.push_str("</tr>\n");
@@ -150,6 +151,7 @@ fn method(row: &MethodRow) -> String {
     }
     text.push_str(&number(row.cpu_ms.as_ref(), |ms| short(ms.median())));
     text.push_str(&number(row.draws.as_ref(), |count| thousands(count.median())));
+    text.push_str(&number(row.tests.as_ref(), |count| thousands(count.median())));
     text.push_str(&number(row.queries.as_ref(), |count| thousands(count.median())));
     let wrong =
         row.pixels_wrong.map_or("not compared".to_owned(), |pixels| thousands(pixels as f64));
@@ -219,6 +221,9 @@ fn exactness(books: &[Book]) -> String {
 }
 
 fn wrong_pixels(book: Option<&Book>) -> String {
+    if book.is_some_and(|book| book.is_refused) {
+        return "<td class=\"number open\">refused by design</td>".to_owned();
+    }
     let Some(book) = book.filter(|book| book.frames_compared > 0) else {
         return "<td class=\"number open\">not compared</td>".to_owned();
     };

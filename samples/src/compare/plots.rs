@@ -9,6 +9,7 @@ use super::input::{Measured, MeasuredRun};
 use super::line_chart::{LineChart, Marks, Point, Series};
 use super::palette;
 use super::spread::{Spread, objects};
+use crate::strategy::Strategy;
 
 /// Width of a plot over the whole page, in pixels.
 const WIDTH: u32 = 1120;
@@ -151,9 +152,7 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     let svg = picture((WIDTH, HEIGHT), &chart.title, |canvas| chart.draw(canvas))?;
     let late = case.reports().iter().map(|report| report.frames_in_flight).max().unwrap_or(0);
     let mut caption = match place.path.as_str() {
-        "cut" => format!(
-            "Every tenth frame jumps; its work shows {late} frames later, since as many are in flight."
-        ),
+        "cut" => caption_of_cuts(&case.strategies(), late),
         _ => "Medians of the repetitions, frame by frame.".to_owned(),
     };
     let both = |report: &&Measured| report.run(ANTUMBRA).is_some() && report.run(FRUSTUM).is_some();
@@ -163,7 +162,21 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     Ok(Some(Plot { svg, caption }))
 }
 
-/// Queries and draws a frame of every strategy.
+/// When the work of a jump shows: later, but for those that wait for it within the frame.
+fn caption_of_cuts(strategies: &[&str], late: u32) -> String {
+    let waits = |name: &&&str| name.parse().is_ok_and(Strategy::is_dialogue);
+    let waiting: Vec<&str> = strategies.iter().filter(waits).copied().collect();
+    let mut caption = format!(
+        "Every tenth frame jumps; its work shows {late} frames later, since as many are in flight"
+    );
+    if !waiting.is_empty() {
+        let waiting = waiting.join(", ");
+        caption.push_str(&format!("; at once for those that wait for answers ({waiting})"));
+    }
+    caption + "."
+}
+
+/// Tests, queries and draws a frame of every strategy.
 ///
 /// # Errors
 /// When it cannot be drawn.
@@ -181,15 +194,27 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
             .map(|name| ((*name).to_owned(), case.count(name, of).map(|count| count.median())))
             .collect(),
     };
+    // Whoever has few queries may test many boxes by other means: both, or neither.
+    let tests = chart("Boxes tested a frame", |run| run.tests);
     let queries = chart("Occlusion queries a frame", |run| run.queries);
     let draws = chart("Draws a frame", |run| run.draws);
-    let svg = picture((WIDTH, queries.height()), "Queries and draws a frame", |canvas| {
-        let (left, right) = canvas.split_at(i32::try_from(WIDTH / 2).unwrap_or(0));
-        queries.draw(&left)?;
+    let describe = "Boxes tested, occlusion queries and draws a frame";
+    let svg = picture((WIDTH, queries.height()), describe, |canvas| {
+        let third = i32::try_from(WIDTH / 3).unwrap_or(0);
+        let (left, rest) = canvas.split_at(third);
+        let (middle, right) = rest.split_at(third);
+        tests.draw(&left)?;
+        queries.draw(&middle)?;
         draws.draw(&right)
     })?;
     let name = case_name(&place.scene, &place.path, place.objects);
-    Ok(Some(Plot { svg, caption: format!("{name}; medians of all frames; logarithmic.") }))
+    let caption = format!(
+        "{name}; medians of all frames; logarithmic. Boxes are tested by queries, flags or compute \
+         shaders: one tested by a query is in both counts, and a visible object may be queried by its \
+         own draw, without a box. What the GPU tests by itself is not counted: all objects of \
+         pyramid, and leaves below a box of ours that showed."
+    );
+    Ok(Some(Plot { svg, caption }))
 }
 
 /// A line for each strategy, `antumbra` on top of all.
@@ -304,10 +329,23 @@ mod tests {
         let path = frame_times(&cases, &place).unwrap().unwrap();
         assert!(has_line(&path.svg, "antumbra") && has_line(&path.svg, "frustum"));
         assert!(path.svg.contains("logarithmic") && path.caption.contains("2 frames later"));
+        assert!(!path.caption.contains("at once"), "nobody waits: {}", path.caption);
         let bars = counts(&cases, &place).unwrap().unwrap();
-        for text in ["Occlusion queries a frame", "Draws a frame", "120", "0", "50"] {
+        let titles = ["Boxes tested a frame", "Occlusion queries a frame", "Draws a frame"];
+        for text in titles.into_iter().chain(["300", "120", "0", "50"]) {
             assert!(bars.svg.lines().any(|line| line.trim() == text), "{text}");
         }
+    }
+
+    #[test]
+    fn who_waits_shows_the_work_of_a_cut_at_once() {
+        let times = || vec![1.0; 30];
+        let names = ["antumbra", "stop_and_wait", "coherent"].map(|name| (name, times()));
+        let reports = [walked("city", "cut", 10_000, &names)];
+        let place = Place::still("city", "cut", 10_000);
+        let plot = frame_times(&Cases::of(&reports), &place).unwrap().unwrap();
+        let words = "at once for those that wait for answers (stop_and_wait, coherent)";
+        assert!(plot.caption.contains("2 frames later") && plot.caption.contains(words));
     }
 
     #[test]

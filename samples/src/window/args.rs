@@ -23,6 +23,7 @@ use crate::strategy::Strategy;
     name = "city",
     version,
     allow_negative_numbers = true,
+    args_override_self = true,
     after_help = "\
 Examples:
   city
@@ -252,6 +253,12 @@ mod tests {
             let path = parse(&["--replay", file]).unwrap().path;
             assert_eq!(path, Some(PathChoice::Recorded(PathBuf::from(file))));
         }
+    }
+
+    #[test]
+    fn of_an_option_said_twice_the_last_counts() {
+        let options = parse(&["--frames=1", "--headless", "--frames", "2", "--headless"]).unwrap();
+        assert_eq!((options.frames, options.is_headless), (Some(2), true));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use gpu::{Clocks, Device, PassTime};
 use pacing::Time;
 use serde_json::{Value, json};
 
-use crate::outputs::{WriteError, replace_file};
+use crate::outputs::{WriteError, write_file};
 
 /// Frames that are kept; more are not traced.
 const MOST_EVENTS: usize = 1 << 20;
@@ -171,7 +171,7 @@ impl Trace {
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         let device = &self.device.adapter().name;
         let text = to_json(&self.events, &self.calibration, device).to_string();
-        replace_file(path, text.as_bytes())
+        write_file(path, text.as_bytes())
     }
 }
 

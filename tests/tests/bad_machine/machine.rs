@@ -151,7 +151,7 @@ fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction
 #[path = "replacements.rs"]
 mod replacements;
 
+#[allow(unused_imports, reason = "only tests of windows show anything")]
+pub use replacements::CALLS_THAT_SHOW;
 use replacements::replacements;
-pub use replacements::{
-    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
-};
+pub use replacements::{CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START};

@@ -24,6 +24,7 @@ macro_rules! counted {
         )+
 
         /// The names of these calls.
+        #[allow(dead_code, reason = "not every test has use for each list")]
         pub const $list: &[&CStr] = &[$($name),+];
 
         fn $functions() -> Vec<(&'static CStr, Function)> {

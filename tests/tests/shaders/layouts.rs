@@ -75,7 +75,7 @@ fn proxies_are_two_corners() {
 
 #[test]
 fn the_seen_pass_reads_instances_and_writes_a_word_a_leaf() {
-    assert_eq!(interface("seen.vert"), (vec![(0, 64, vec![0, 48])], 64));
+    assert_eq!(interface("seen.vert"), (vec![(0, 64, vec![0, 48])], 72));
     assert_eq!(interface("seen.frag"), (vec![(1, 4, vec![0])], 0));
 }
 

@@ -1,6 +1,6 @@
 //! Windows that change in every way that a user can change them, a thousand times.
 
-use gpu::{NotShown, PresentMode, Shown, Swapchain, SwapchainOptions};
+use gpu::{Acquired, NotShown, PresentMode, Shown, Swapchain, SwapchainOptions};
 use tests::Driver;
 use tests::xvfb::Xvfb;
 
@@ -166,6 +166,38 @@ fn an_image_that_is_not_shown_is_what_the_next_frame_gets() {
         assert_eq!(swapchain.replaced(), 0, "{driver:?}");
         // Nor when the window goes with one.
         drop(swapchain.acquire(size).unwrap());
+        drop((swapchain, painter));
+        stage.end();
+    }
+}
+
+#[test]
+fn what_is_let_go_is_not_used_again_before_its_time() {
+    let server = Xvfb::start();
+    for (driver, library) in WAYS {
+        let size = [64, 64];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let mut painter = Painter::new(&stage.device, size);
+        let expected = painter.expected(3);
+        let mut swapchain = stage.swapchain(&SwapchainOptions::default());
+        show_surely(&mut swapchain, &painter.target, size);
+        for mode in [PresentMode::Mailbox, PresentMode::Fifo] {
+            // The GPU is held back, and with it the wait for the image that is given up.
+            let gate = gpu::Timeline::new(&stage.device, "gate").unwrap();
+            let mut ring = gpu::FrameRing::new(&stage.device, 1).unwrap();
+            drop(swapchain.acquire(size).unwrap());
+            ring.begin().unwrap().submit(Some((&gate, gpu::Tick(1)))).unwrap();
+            swapchain.set_mode(mode);
+            let image = match swapchain.acquire(size).unwrap() {
+                Acquired::Image(image) => image,
+                Acquired::Not(other) => panic!("{driver:?}: {other:?}"),
+            };
+            // What is presented may depend on nothing that is yet to be signalled.
+            gate.signal(gpu::Tick(1)).unwrap();
+            assert!(image.show(&painter.target).unwrap().presented().is_some());
+            await_picture(&expected, || window.pixels(size));
+        }
         drop((swapchain, painter));
         stage.end();
     }

@@ -26,7 +26,7 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         let options = RendererOptions { size, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
-        let error = renderer.present(&mut swapchain, size).err().expect("no picture yet");
+        let error = renderer.present(&mut swapchain, size).expect_err("no picture yet");
         assert!(error.to_string().contains("no frame that was submitted"), "{error}");
 
         let mut windowed = renderer.new_view().unwrap();

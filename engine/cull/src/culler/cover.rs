@@ -228,10 +228,12 @@ impl Outline {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec2;
+    use glam::{DVec2, DVec3};
 
     use super::*;
     use crate::camera::Camera;
+    use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
+    use crate::plan::QueryTag;
     use crate::rng::SplitMix64;
 
     /// Where a point is on the screen, in pixels, without much rounding.
@@ -278,5 +280,108 @@ mod tests {
             }
         }
         assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
+    }
+    /// Two tests in a row, and whether the second is taken as answered by the first.
+    fn shares(front: Aabb, behind: Aabb, view: &View) -> bool {
+        let leaves = LeafRange { first: LeafIndex(0), count: 4 };
+        let test = |bounds| ProxyTest {
+            tag: QueryTag {
+                node: NodeId(0),
+                generation: Generation(0),
+                frame: FrameId(1),
+                kind: QueryKind::Proxy,
+            },
+            bounds,
+            leaves,
+            level: 3,
+            tester: Tester::Flag,
+        };
+        let mut tests = [test(front), test(behind)];
+        let policy =
+            Policy { front_area: 1.0e-6, fronts: 4, leaves_behind: 100, ..Policy::default() };
+        let behind = share_answers(&mut tests, view, &policy, &mut Vec::new());
+        assert_eq!(behind == 1, matches!(tests[1].tester, Tester::Behind(0)));
+        behind == 1
+    }
+
+    /// How far along the way from `eye` to `point` the box is entered, if it is on this way.
+    fn entry(bounds: &Aabb, eye: DVec3, point: DVec3) -> Option<f64> {
+        let way = point - eye;
+        let (low, high) = (bounds.min.as_dvec3() - eye, bounds.max.as_dvec3() - eye);
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if way[axis] == 0.0 {
+                if low[axis] > 0.0 || high[axis] < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = (low[axis] / way[axis], high[axis] / way[axis]);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        (enter <= leave && leave >= 0.0).then_some(enter)
+    }
+
+    #[test]
+    fn what_is_behind_is_entered_after_what_is_in_front() {
+        let mut rng = SplitMix64::new(11);
+        let mut between = |low: f32, high: f32| {
+            low + (high - low) * (rng.between(0, 1 << 20) as f32 / (1 << 20) as f32)
+        };
+        let (mut shared, mut apart) = (0, 0);
+        for _ in 0..40_000 {
+            let mut sides = |least: f32, most: f32| {
+                Vec3::new(between(least, most), between(least, most), between(least, most))
+            };
+            let (forward, eye) = (sides(-1.0, 1.0), sides(-20.0, 20.0));
+            let camera = Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 };
+            let view = View::new(&camera, [640, 360], 8);
+            let front = (sides(-4.0, 4.0), sides(0.2, 6.0));
+            let behind = (sides(-9.0, 9.0), sides(0.1, 2.0));
+            let (near, far) = (between(4.0, 20.0), between(0.0, 40.0));
+            let at = |(aside, half): (Vec3, Vec3), distance: f32| {
+                let centre = eye + view.forward * distance + aside;
+                Aabb::new(centre - half, centre + half)
+            };
+            let (front, behind) = (at(front, near), at(behind, near + far));
+            if !shares(front, behind, &view) {
+                apart += 1;
+                continue;
+            }
+            shared += 1;
+            // What the margin of the proxy behind pays for is no object's: a quarter of a pixel.
+            let depth = (behind.centre() - eye).dot(view.forward).max(view.near);
+            let paid = 0.25 * depth * 2.0 * view.tan_half[1] / 360.0;
+            let (low, high) = (behind.min + paid, behind.max - paid);
+            for _ in 0..12 {
+                // A corner, or a point of an edge or a side.
+                let share = Vec3::from_array([0; 3].map(|_| between(-0.5, 1.5).clamp(0.0, 1.0)));
+                let point = low + (high - low).max(Vec3::ZERO) * share;
+                let at = exactly(point, &view);
+                if at.min_element() < 0.0 || at.x > 640.0 || at.y > 360.0 {
+                    continue;
+                }
+                let entered = entry(&front, eye.as_dvec3(), point.as_dvec3());
+                let is_beyond = entered.is_some_and(|at| at <= 1.0 + 1.0e-6);
+                assert!(is_beyond, "{front:?} {behind:?} {entered:?}");
+            }
+        }
+        assert!(shared > 500 && apart > 5_000, "{shared} share, {apart} do not");
+    }
+
+    #[test]
+    fn blunt_outlines_answer_for_nobody() {
+        let offsets = [(0.0, true), (3.0e6, false)];
+        for (home, may_share) in offsets {
+            let eye = Vec3::new(home, 0.0, 0.0);
+            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+            let view = View::new(&camera, [640, 360], 8);
+            let at = |z: f32, half: f32| {
+                let centre = eye + Vec3::new(0.0, 0.0, z);
+                Aabb::new(centre - Vec3::splat(half), centre + Vec3::splat(half))
+            };
+            assert_eq!(shares(at(-20.0, 4.0), at(-60.0, 2.0), &view), may_share, "{home} m away");
+        }
     }
 }

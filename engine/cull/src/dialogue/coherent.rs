@@ -123,7 +123,8 @@ impl Coherent {
     }
 
     /// Follows the hierarchy to its present generation. An object's new leaf was visible when its old
-    /// one was, an inner node when one of its children was.
+    /// one was, an inner node when one of its children was. Nothing is known of an object that came
+    /// since, whoever had its id before.
     fn adopt(&mut self, hierarchy: &Hierarchy) {
         let (identity, generation) = (hierarchy.journal().identity(), hierarchy.generation());
         let is_known = |known: &(Arc<()>, Generation)| {
@@ -131,6 +132,13 @@ impl Coherent {
         };
         if self.known.as_ref().is_some_and(is_known) {
             return;
+        }
+        if let Some((_, since)) = self.known.take_if(|known| Arc::ptr_eq(&known.0, identity)) {
+            for (object, record) in (0..).map(ObjectId).zip(&mut self.records) {
+                if !hierarchy.is_same_object_since(object, since) {
+                    *record = Record::NEW;
+                }
+            }
         }
         self.known = Some((Arc::clone(identity), generation));
         self.records.resize(hierarchy.leaf_objects().len(), Record::NEW);

@@ -14,6 +14,7 @@ mod governor;
 mod image;
 mod invariants;
 mod knowledge;
+mod learning;
 mod moving;
 mod next_frame;
 mod random;

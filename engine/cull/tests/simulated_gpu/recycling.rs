@@ -1,8 +1,9 @@
 //! What survives when nodes come to stand for something else, and what must not.
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, LeafRange, NodeId, NodeState, ObjectId,
-    Policy, QueryKind, QueryTag, Strategy, View,
+    Aabb, Answer, Batch, Camera, Culler, Dialogue, DialogueOptions, FramePlan, Hierarchy,
+    LeafRange, NodeId, NodeState, ObjectId, Policy, QueryKind, QueryTag, Step, Strategy,
+    TestAnswer, View,
 };
 use glam::Vec3;
 
@@ -215,4 +216,62 @@ impl Walk {
         twin.steps(&STREET, 80);
         twin.culler
     }
+}
+
+/// A cube of half a side around a point.
+fn cube(centre: Vec3, half: f32) -> Aabb {
+    Aabb::new(centre - Vec3::splat(half), centre + Vec3::splat(half))
+}
+
+#[test]
+fn next_frame_knows_nothing_of_who_comes_under_an_old_id() {
+    let camera = Camera { eye: Vec3::ZERO, ..STREET };
+    let view = View::new(&camera, SIZE, 8);
+    let screen = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
+    let mut hierarchy = Hierarchy::build(&[screen, cube(Vec3::NEG_Z * 50.0, 1.0)]).unwrap();
+    let (mut culler, mut plan) = (Culler::new(Policy::default()), FramePlan::default());
+    let hidden = hierarchy.node_of(ObjectId(1)).unwrap();
+    let is_drawn = |plan: &FramePlan, hierarchy: &Hierarchy| {
+        let leaf = hierarchy.leaf_of(ObjectId(1)).unwrap();
+        plan.draws.contains(&leaf) || plan.queried_draws.iter().any(|(drawn, _)| *drawn == leaf)
+    };
+    for _ in 0..20 {
+        culler.plan(&hierarchy, Strategy::NextFrame, &view, BUDGET, &mut plan);
+        let tags: Vec<QueryTag> = plan.tests.iter().map(|test| test.tag).collect();
+        let tags = tags.into_iter().chain(plan.queried_draws.iter().map(|(_, tag)| *tag));
+        let answer = |tag: QueryTag| Answer { tag, samples: u32::from(tag.node != hidden) };
+        culler.ingest(&hierarchy, tags.map(answer));
+    }
+    assert!(!is_drawn(&plan, &hierarchy), "what is hidden is not drawn");
+    hierarchy.remove(ObjectId(1)).unwrap();
+    let new = hierarchy.insert(cube(Vec3::new(0.5, 0.5, -3.0), 0.2)).unwrap();
+    assert_eq!(new, ObjectId(1), "the only free id");
+    culler.plan(&hierarchy, Strategy::NextFrame, &view, BUDGET, &mut plan);
+    assert!(is_drawn(&plan, &hierarchy), "nobody has seen the new one hidden");
+}
+
+#[test]
+fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
+    let camera = Camera { eye: Vec3::ZERO, ..STREET };
+    let view = View::new(&camera, SIZE, 8);
+    let near = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
+    let mut hierarchy = Hierarchy::build(&[near, cube(Vec3::new(3.0, 0.0, -50.0), 1.0)]).unwrap();
+    let mut dialogue = Dialogue::new(DialogueOptions::default());
+    // Everything shows. Answers how many tests a frame takes.
+    let mut tests = |hierarchy: &Hierarchy| {
+        let mut conversation = dialogue.begin(hierarchy, Strategy::Coherent, &view).unwrap();
+        let (mut batch, mut answers) = (Batch::default(), Vec::new());
+        while conversation.next(&answers, &mut batch) != Step::Done {
+            let drawn = batch.draws.iter().filter_map(|draw| draw.token);
+            let tokens = batch.tests.iter().map(|test| test.token).chain(drawn);
+            answers = tokens.map(|token| TestAnswer { token, samples: 9 }).collect();
+        }
+        conversation.stats().boxes + conversation.stats().own_draws
+    };
+    tests(&hierarchy);
+    assert_eq!(tests(&hierarchy), 0, "what was seen is assumed to be visible");
+    hierarchy.remove(ObjectId(1)).unwrap();
+    let new = hierarchy.insert(cube(Vec3::new(0.0, 0.0, -60.0), 0.2)).unwrap();
+    assert_eq!(new, ObjectId(1), "the only free id");
+    assert!(tests(&hierarchy) > 0, "nobody has seen the new one");
 }

@@ -14,6 +14,7 @@ use crate::capabilities::Optional;
 use crate::deletion::Recording;
 use crate::device::Device;
 use crate::error::{Called, Error};
+use crate::label::LabelName;
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
 use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
@@ -109,8 +110,8 @@ impl Commands {
     pub fn label(&self, label: &'static str, record: impl FnOnce(&Self)) {
         let debug = self.device.debug();
         if let Some(debug) = debug {
-            let mut place = [0; LABEL_BYTES];
-            let info = vk::DebugUtilsLabelEXT::default().label_name(label_name(label, &mut place));
+            let mut place = LabelName::default();
+            let info = vk::DebugUtilsLabelEXT::default().label_name(place.hold(label));
             // SAFETY: the command buffer is being recorded, here and in the rest of this file.
             unsafe { debug.cmd_begin_debug_utils_label(self.raw, &info) };
         }
@@ -406,14 +407,4 @@ impl Commands {
         // SAFETY: closes the query opened above.
         unsafe { raw.cmd_end_query(self.raw, pool, query.0) };
     }
-}
-
-/// Labels longer than this are cut.
-const LABEL_BYTES: usize = 64;
-
-/// The label as a string that ends with a zero, without memory of its own: passes come every frame.
-fn label_name<'a>(label: &str, place: &'a mut [u8; LABEL_BYTES]) -> &'a std::ffi::CStr {
-    let length = label.len().min(LABEL_BYTES - 1);
-    place[..length].copy_from_slice(&label.as_bytes()[..length]);
-    std::ffi::CStr::from_bytes_until_nul(place).unwrap_or_default()
 }

@@ -229,7 +229,8 @@ impl WindowImage<'_> {
     }
 
     /// Copies the picture of `target` to the image, byte for byte where their sizes are equal, and
-    /// has it shown.
+    /// has it shown. A frame that waits for a [`crate::Timeline`] is shown after the signal it waits
+    /// for, not before (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
     ///
     /// # Errors
     /// [`Error::WrongCommands`] for a target whose picture was not [submitted](Target::submitted); what

@@ -58,9 +58,11 @@ impl Drop for Remains {
 
 impl Screen {
     /// Lets go of all chains of the window.
-    pub(super) fn give_up_chain(&mut self) {
+    pub(super) fn give_up_chain(&mut self) -> Result<(), Error> {
+        self.let_go()?;
         self.fit = Fit::Unusable;
         drop(self.remains(Vec::new()));
+        Ok(())
     }
 
     fn remains(&mut self, acquire: Vec<vk::Semaphore>) -> Remains {

@@ -228,40 +228,53 @@ impl Screen {
 
     /// Has one acquire semaphore for each of `count` slots, all of them new.
     pub(super) fn set_slots(&mut self, count: usize) -> Result<(), Error> {
-        let mut made = Vec::with_capacity(count);
+        self.let_go()?;
+        let mut semaphores = Vec::with_capacity(count);
         for slot in 0..count {
-            // SAFETY: a plain semaphore.
-            let semaphore = unsafe {
-                self.device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None)
-            };
-            match semaphore.called("vkCreateSemaphore") {
-                Ok(semaphore) => {
-                    self.device.name(semaphore, &format!("window image acquired {slot}"));
-                    made.push(semaphore);
-                }
+            match self.new_semaphore(slot) {
+                Ok(semaphore) => semaphores.push(semaphore),
                 Err(error) => {
-                    made.drain(..).for_each(|semaphore| self.retire(semaphore));
+                    semaphores.into_iter().for_each(|semaphore| self.retire(semaphore));
                     return Err(error);
                 }
             }
         }
-        let let_go = self.let_go();
-        std::mem::swap(&mut self.acquire, &mut made);
-        made.drain(..).for_each(|semaphore| self.retire(semaphore));
-        let_go
+        std::mem::swap(&mut self.acquire, &mut semaphores);
+        semaphores.into_iter().for_each(|semaphore| self.retire(semaphore));
+        Ok(())
     }
 
-    fn retire(&self, semaphore: vk::Semaphore) {
+    fn new_semaphore(&self, slot: usize) -> Result<vk::Semaphore, Error> {
+        // SAFETY: a plain semaphore.
+        let semaphore = unsafe {
+            self.device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None)
+        };
+        let semaphore = semaphore.called("vkCreateSemaphore")?;
+        self.device.name(semaphore, &format!("window image acquired {slot}"));
+        Ok(semaphore)
+    }
+
+    pub(super) fn retire(&self, semaphore: vk::Semaphore) {
         self.device.retire(Garbage::Semaphore(semaphore));
     }
 
-    /// Lets go of an image that will not be presented. Its semaphore will be signalled, so something
-    /// has to wait for it before it can go, or be used again. The chain keeps the image for good.
-    fn let_go(&mut self) -> Result<(), Error> {
-        let Some(held) = self.held.take() else { return Ok(()) };
-        self.fit = Fit::Unusable;
+    /// Lets go of an image that will not be presented; the chain keeps it for good. Its semaphore will
+    /// be signalled, so a submit waits for it. Until that is over the semaphore may not be given to
+    /// another acquire (VUID-vkAcquireNextImageKHR-semaphore-01779), so its slot gets a new one.
+    pub(super) fn let_go(&mut self) -> Result<(), Error> {
+        let Some(held) = self.held else { return Ok(()) };
+        let slot = self.acquire.iter().position(|semaphore| *semaphore == held.acquired);
+        let slot = slot.ok_or(Error::WrongCommands("an image was acquired for no slot"))?;
+        let fresh = self.new_semaphore(slot)?;
         let order = Order { acquired: Some(held.acquired), ..Order::default() };
-        self.device.submit(None, &order).map(|_| ())
+        if let Err(error) = self.device.submit(None, &order) {
+            self.retire(fresh);
+            return Err(error);
+        }
+        let used = std::mem::replace(&mut self.acquire[slot], fresh);
+        self.retire(used);
+        (self.held, self.fit) = (None, Fit::Unusable);
+        Ok(())
     }
 
     /// Gives an error its name, if it has one, and does what can be done about it.
@@ -269,7 +282,7 @@ impl Screen {
         match error {
             Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => Ok(NotShown::DeviceLost),
             Error::Vulkan { code: vk::Result::ERROR_SURFACE_LOST_KHR, .. } => {
-                self.give_up_chain();
+                self.give_up_chain()?;
                 self.renew_surface()
             }
             Error::Vulkan { code, .. } if is_outdated(code) => {

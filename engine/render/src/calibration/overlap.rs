@@ -9,8 +9,8 @@ use super::batch::{Asks, Bench};
 use super::median;
 use crate::error::Error;
 
-/// Patches a frame: about two milliseconds on a software driver.
-const PATCHES: u32 = 96;
+/// Patches a frame: about three milliseconds on a software driver.
+const PATCHES: u32 = 48;
 
 /// Frames one after the other, several on their way at once.
 const FRAMES: usize = 4;

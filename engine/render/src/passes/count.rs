@@ -8,6 +8,7 @@ use gpu::{
 };
 
 use crate::error::Error;
+use crate::passes::seen::SeenConstants;
 use crate::passes::{OpaqueIo, ProxyIo};
 use crate::scene::Vertex;
 use crate::shaders::ShaderSet;
@@ -18,12 +19,6 @@ use crate::shaders::ShaderSet;
 pub struct CountPass {
     objects: GraphicsPipeline,
     proxies: GraphicsPipeline,
-}
-
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct ObjectConstants {
-    view_proj: [f32; 16],
 }
 
 #[repr(C)]
@@ -68,7 +63,7 @@ impl CountPass {
             storage: StorageLayout {
                 buffers: 1,
                 textures: 0,
-                push_bytes: size_of::<ObjectConstants>() as u32,
+                push_bytes: size_of::<SeenConstants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             polygon: Polygon::Filled,
@@ -86,8 +81,7 @@ impl CountPass {
     pub fn bind_objects(&self, commands: &Commands, io: &OpaqueIo, view: &View) {
         commands.bind(&self.objects, &[io.instances]);
         commands.bind_geometry(io.vertices, Some(io.indices));
-        let view_proj = view.view_proj.to_cols_array();
-        commands.push_constants(&self.objects, &ObjectConstants { view_proj });
+        commands.push_constants(&self.objects, &SeenConstants::of(view));
     }
 
     /// Draws an object. Not indirectly: Mesa 22.3's lavapipe lets an indirect draw take the count of

@@ -123,17 +123,18 @@ impl OpaquePass {
 
     /// Binds everything; the caller then records draws, each a leaf or a range of leaves.
     pub fn bind(&self, commands: &Commands, io: &OpaqueIo, view: &View, light: &Light) {
-        let padded = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+        let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
+        let [steps_across, steps_up] = view.snap_steps;
         commands.bind(&self.pipeline, &[io.instances]);
         commands.bind_geometry(io.vertices, Some(io.indices));
         commands.push_constants(
             &self.pipeline,
             &Constants {
                 view_proj: view.view_proj.to_cols_array(),
-                towards_sun: padded(light.towards_sun.normalize_or_zero().to_array()),
-                sun: padded(light.sun),
-                ambient_above: padded(light.ambient_above),
-                ambient_below: padded(light.ambient_below),
+                towards_sun: with(light.towards_sun.normalize_or_zero().to_array(), steps_across),
+                sun: with(light.sun, steps_up),
+                ambient_above: with(light.ambient_above, 0.0),
+                ambient_below: with(light.ambient_below, 0.0),
             },
         );
     }

@@ -27,10 +27,20 @@ pub struct SeenIo {
     pub seen: BufferSlice,
 }
 
+/// What `seen.vert` finds positions by.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Constants {
+pub(super) struct SeenConstants {
     view_proj: [f32; 16],
+    snap_steps: [f32; 2],
+}
+
+const _: () = assert!(size_of::<SeenConstants>() == 72);
+
+impl SeenConstants {
+    pub(super) fn of(view: &View) -> Self {
+        Self { view_proj: view.view_proj.to_cols_array(), snap_steps: view.snap_steps }
+    }
 }
 
 impl SeenPass {
@@ -60,7 +70,7 @@ impl SeenPass {
                 storage: StorageLayout {
                     buffers: 2,
                     textures: 0,
-                    push_bytes: size_of::<Constants>() as u32,
+                    push_bytes: size_of::<SeenConstants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
                 polygon: Polygon::Filled,
@@ -76,7 +86,6 @@ impl SeenPass {
     pub fn bind(&self, commands: &Commands, io: &SeenIo, view: &View) {
         commands.bind(&self.pipeline, &[io.opaque.instances, io.seen]);
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
-        let view_proj = view.view_proj.to_cols_array();
-        commands.push_constants(&self.pipeline, &Constants { view_proj });
+        commands.push_constants(&self.pipeline, &SeenConstants::of(view));
     }
 }

@@ -180,8 +180,9 @@ fn order(scene: &Scene, wanted: usize, random: &mut Random) -> Vec<u32> {
 #[derive(Clone, Debug)]
 pub struct Cast {
     ids: Vec<Option<ObjectId>>,
-    /// Movers that come with the newest changes.
+    /// Movers that come with the newest changes, and those that go.
     coming: Vec<usize>,
+    going: Vec<usize>,
     changes: Vec<ObjectChange>,
 }
 
@@ -189,22 +190,23 @@ impl Cast {
     /// The movers of `motion` in a renderer that shows the scene as it was built.
     pub fn new(motion: &Motion) -> Self {
         let ids = motion.movers.iter().map(|mover| Some(ObjectId(mover.index)));
-        Self { ids: ids.collect(), coming: Vec::new(), changes: Vec::new() }
+        Self { ids: ids.collect(), coming: Vec::new(), going: Vec::new(), changes: Vec::new() }
     }
 
-    /// What has to change to show `frame`. [`Cast::came`] must follow, with the ids that the update
-    /// gave to those who came.
+    /// What has to change to show `frame`. [`Cast::came`] must follow once it has, with the ids that
+    /// the update gave to those who came.
     pub fn changes(&mut self, motion: &Motion, frame: u32) -> &[ObjectChange] {
         self.coming.clear();
+        self.going.clear();
         self.changes.clear();
-        let Self { ids, coming, changes } = self;
+        let Self { ids, coming, going, changes } = self;
         let mut arrivals = Vec::new();
         let mut moves = Vec::new();
-        for (place, (mover, id)) in motion.movers.iter().zip(ids).enumerate() {
+        for (place, (mover, id)) in motion.movers.iter().zip(&*ids).enumerate() {
             match (mover.at(frame), *id) {
                 (None, Some(object)) => {
+                    going.push(place);
                     changes.push(ObjectChange::Remove { object });
-                    *id = None;
                 }
                 (Some(object), None) => {
                     coming.push(place);
@@ -222,8 +224,13 @@ impl Cast {
         &self.changes
     }
 
-    /// Notes the ids of those who came with the newest changes.
+    /// Notes that the newest changes were made, and the ids of those who came with them.
     pub fn came(&mut self, added: &[ObjectId]) {
+        for place in self.going.drain(..) {
+            if let Some(id) = self.ids.get_mut(place) {
+                *id = None;
+            }
+        }
         for (place, object) in self.coming.drain(..).zip(added) {
             if let Some(id) = self.ids.get_mut(place) {
                 *id = Some(*object);

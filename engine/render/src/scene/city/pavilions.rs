@@ -1,4 +1,4 @@
-//! Low buildings without an upper floor, for scenes in which nothing hides anything.
+//! Low buildings without an upper floor, for scenes in which nothing hides anything from above.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 

@@ -1,0 +1,117 @@
+//! Runs ci/compare and ci/demo with programs that only pretend: what the scripts themselves decide.
+#![cfg(unix)]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "program/mod.rs"]
+#[allow(dead_code, reason = "shared with the tests of walkthrough")]
+mod program;
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use program::{Scratch, stderr};
+
+/// Knows some strategies; a walk leaves its options where its report was to be.
+const WALKTHROUGH: &str = r#"#!/bin/sh
+case " $* " in *" --list-strategies "*) printf 'frustum\nantumbra\nideal\n'; exit ;; esac
+case "$*" in *ideal*--moving*) echo "error: --strategy ideal and --moving 10 do not go together" >&2; exit 2 ;; esac
+words="$*"
+while [ "$#" -gt 1 ]; do
+    [ "$1" != --report ] || { mkdir -p "$(dirname "$2")"; echo "$words" >"$2"; }
+    shift
+done
+"#;
+
+/// Builds nothing; what it is to run it names.
+const CARGO: &str = "#!/bin/sh\n[ \"$1\" != run ] || echo \"$*\"\n";
+
+fn program(path: &Path, text: &str) {
+    let folder = path.parent().expect("a folder");
+    fs::create_dir_all(folder).expect("the target folder is writable");
+    fs::write(path, text).expect("the target folder is writable");
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("ours");
+}
+
+/// A tree with one of our scripts and nothing real besides.
+fn tree(name: &str, script: &str) -> Scratch {
+    let scratch = Scratch::new(name);
+    let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("../ci").join(script);
+    program(&scratch.0.join("ci").join(script), &fs::read_to_string(ours).expect("the script"));
+    program(&scratch.0.join("ci/setup"), "#!/bin/sh\n");
+    program(&scratch.0.join("bin/cargo"), CARGO);
+    program(&scratch.0.join("target/release/walkthrough"), WALKTHROUGH);
+    program(&scratch.0.join("target/release/compare"), "#!/bin/sh\n");
+    scratch
+}
+
+fn run(scratch: &Scratch, script: &str, arguments: &[&str]) -> Output {
+    let path = std::env::var("PATH").expect("a path");
+    Command::new(scratch.0.join("ci").join(script))
+        .args(arguments)
+        .env("PATH", format!("{}:{path}", scratch.0.join("bin").display()))
+        .env_remove("CARGO_TARGET_DIR")
+        .output()
+        .expect("it starts")
+}
+
+fn assert_ends_with(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}", stderr(output));
+}
+
+#[test]
+fn a_folder_takes_reports_of_one_mode_and_device_only() {
+    let scratch = tree("script-compare", "compare");
+    let compare = |more: &[&str]| run(&scratch, "compare", &[&["--out", "out"], more].concat());
+    assert_ends_with(&compare(&["--quick"]), 0);
+    let quick = scratch.names("out/reports");
+    assert!(quick.contains(&"street-2000.1.json".to_owned()), "{quick:?}");
+    for other in [&["--full"][..], &["--quick", "--device", "other"]] {
+        let output = compare(other);
+        assert_ends_with(&output, 2);
+        assert!(stderr(&output).contains("another build, device or mode"), "{}", stderr(&output));
+        assert_eq!(scratch.names("out/reports"), quick, "nothing was walked");
+    }
+    // The same goes on where it was.
+    fs::remove_file(scratch.0.join("out/reports/street-2000.1.json")).expect("it is there");
+    let again = compare(&[]);
+    assert_ends_with(&again, 0);
+    assert!(String::from_utf8_lossy(&again.stdout).contains("1 walks to go"));
+    assert_ends_with(&compare(&["--full", "--fresh"]), 0);
+    assert!(scratch.names("out/reports").contains(&"street-2000.3.json".to_owned()));
+}
+
+#[test]
+fn moving_objects_are_compared_for_one_eye_and_for_two() {
+    let scratch = tree("script-compared", "compare");
+    assert_ends_with(&run(&scratch, "compare", &["--quick", "--out", "out"]), 0);
+    let words = |name: &str| {
+        let file = scratch.0.join(format!("out/reports/verify-{name}.1.json"));
+        fs::read_to_string(file).unwrap_or_else(|error| panic!("{name}: {error}"))
+    };
+    for (name, options) in [
+        ("moving", "--moving 10"),
+        ("views", "--views 2"),
+        ("moving-views", "--moving 10 --views 2"),
+    ] {
+        let words = words(name);
+        assert!(words.contains(options) && words.contains("--verify every"), "{words}");
+        assert_eq!(words.contains("ideal"), name == "views", "{words}");
+    }
+}
+
+#[test]
+fn options_of_the_demo_come_after_its_own() {
+    let scratch = tree("script-demo", "demo");
+    let output = run(&scratch, "demo", &["--path", "fly"]);
+    assert_ends_with(&output, 0);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let words = told.lines().next().expect("a call").split(" -- ").nth(1).expect("its options");
+    assert!(words.ends_with("--path fly"), "{words}");
+    // Read as the program reads them: the last word counts.
+    let line = ["walkthrough"].into_iter().chain(words.split(' '));
+    let arguments: samples::args::Arguments = clap::Parser::try_parse_from(line).expect("options");
+    let fly = samples::options::PathChoice::Made(samples::choices::CameraPath::Fly);
+    assert_eq!(arguments.options().expect("options").path, fly);
+}

@@ -1,0 +1,96 @@
+//! Updates are made whole or not at all.
+
+use cull::{Aabb, ObjectId, Strategy};
+use glam::{Affine3A, Vec3};
+use gpu::Readback;
+use render::scene::{Cast, MeshId, Object, ObjectChange, PathKind, pack_unorm};
+use render::{Renderer, RendererOptions};
+use tests::shapes::{box_scene, square_camera};
+use tests::walk::SceneKind;
+use tests::{Driver, run};
+
+use super::{Moving, SIZE, options, render, wall_and_crowd};
+
+/// The box of every object, empty where there is none.
+fn boxes(renderer: &Renderer) -> Vec<Aabb> {
+    let hierarchy = renderer.hierarchy();
+    let ids = (0..hierarchy.leaf_objects().len() as u32).map(ObjectId);
+    ids.map(|id| hierarchy.node_of(id).map_or(Aabb::EMPTY, |node| hierarchy.bounds(node))).collect()
+}
+
+#[test]
+fn a_motion_that_could_not_be_shown_is_shown_later() {
+    run(Driver::Lavapipe, |device| {
+        let moving = Moving::new(SceneKind::City.build(300), PathKind::Street, 100);
+        let mut renderer = Renderer::new(device, &moving.scene, &options(2)).unwrap();
+        let mut cast = Cast::new(&moving.motion);
+        // Somebody took the room of one who is to come back.
+        let away = |frame| {
+            moving.scene.objects.len() - moving.motion.scene_at(&moving.scene, frame).objects.len()
+        };
+        let fewest = (0..200).min_by_key(|frame| away(*frame)).unwrap();
+        let most = (0..200).max_by_key(|frame| away(*frame)).unwrap();
+        assert!(away(most) > away(fewest), "nobody comes and goes");
+        renderer.show(&moving.motion, &mut cast, most).unwrap();
+        let add = ObjectChange::Add { object: moving.scene.objects[0] };
+        let intruders = renderer.update(&vec![add; away(most)]).unwrap().added;
+        let refused = renderer.show(&moving.motion, &mut cast, fewest).unwrap_err();
+        assert!(refused.to_string().contains("no free leaf"), "{refused}");
+        let gone = |object: &ObjectId| ObjectChange::Remove { object: *object };
+        renderer.update(&intruders.iter().map(gone).collect::<Vec<_>>()).unwrap();
+        for frame in [fewest, most, fewest] {
+            renderer.show(&moving.motion, &mut cast, frame).unwrap();
+            let there = boxes(&renderer).iter().filter(|bounds| !bounds.is_empty()).count();
+            assert_eq!(there, moving.motion.scene_at(&moving.scene, frame).objects.len());
+        }
+    });
+}
+
+#[test]
+fn changes_are_made_all_or_none_and_the_first_that_cannot_be_is_named() {
+    run(Driver::Lavapipe, |device| {
+        let scene = box_scene(&wall_and_crowd(20));
+        let options = RendererOptions { spare_objects: 2, ..options(2) };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let far = Affine3A::from_translation(Vec3::X * 90.0);
+        let nowhere = Affine3A::from_translation(Vec3::NAN);
+        let someone = Object { mesh: MeshId(0), transform: far, tint: pack_unorm([1.0; 4]) };
+        let add = ObjectChange::Add { object: someone };
+        let moved = |object, transform| ObjectChange::Move { object: ObjectId(object), transform };
+        let removed = |object| ObjectChange::Remove { object: ObjectId(object) };
+        let before: Vec<Aabb> = boxes(&renderer);
+        let bad = [
+            (moved(0, nowhere), "nowhere"),
+            (moved(21, far), "object 21 is not in the hierarchy"),
+            (moved(99, far), "object 99 is not in the hierarchy"),
+            (removed(22), "object 22"),
+            // Gone, and whoever has the id now is not known yet.
+            (removed(5), "object 5"),
+            (moved(5, far), "object 5"),
+            (ObjectChange::Add { object: Object { mesh: MeshId(7), ..someone } }, "no such mesh"),
+            (ObjectChange::Add { object: Object { transform: nowhere, ..someone } }, "no number"),
+        ];
+        for (change, reason) in bad {
+            let good = [moved(3, far), add, removed(5), add];
+            let changes = [&good[..], &[change], &good].concat();
+            let error = renderer.update(&changes).unwrap_err().to_string();
+            assert!(error.contains("change 4 ") && error.contains(reason), "{error}");
+            assert_eq!(boxes(&renderer), before, "{reason}");
+        }
+        let error = renderer.update(&[add, removed(4), add, add, add]).unwrap_err().to_string();
+        assert!(error.contains("change 4 ") && error.contains("no free leaf"), "{error}");
+        assert_eq!(boxes(&renderer), before);
+        // Room for two more, and for those that go.
+        let report = renderer.update(&[add, add]).unwrap();
+        assert_eq!(report.added.len(), 2);
+        let error = renderer.update(&[add]).unwrap_err().to_string();
+        assert!(error.contains("no free leaf"), "{error}");
+        let gone = ObjectChange::Remove { object: report.added[0] };
+        assert_eq!(renderer.update(&[gone, add]).unwrap().added, report.added[..1]);
+
+        let mut view = renderer.new_view().unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        render(&mut renderer, &mut view, Strategy::Antumbra, square_camera(), &picture);
+        device.drain().unwrap();
+    });
+}
