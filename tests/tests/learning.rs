@@ -10,7 +10,9 @@
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
 use render::scene::{CameraPath, PathKind, city};
-use render::{Area, Costs, Eye, FrameRequest, Renderer, RendererOptions, ViewsRequest};
+use render::{
+    Area, Costs, Explanation, Eye, FrameRequest, Renderer, RendererOptions, ViewsRequest,
+};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
@@ -110,6 +112,57 @@ fn views_that_take_turns_learn_each_their_own() {
         for view in &views {
             check(view.corrections().unwrap(), LEAST_TIMED, "taking turns");
         }
+    });
+}
+
+/// Slots and sizes change under frames whose times are not home.
+#[test]
+fn learning_goes_on_whatever_changes_between_frames() {
+    run_on_all(|device| {
+        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
+        let mut known = 0;
+        for (frames_in_flight, size) in [(2, SIZE), (4, SIZE), (1, [96, 101]), (3, [201, 64])] {
+            renderer.set_frames_in_flight(frames_in_flight).unwrap();
+            renderer.resize(size).unwrap();
+            let pictures = [0, 1].map(|_| Readback::new(device, size).unwrap());
+            for (number, camera) in cameras.iter().enumerate() {
+                let strategies = [Strategy::Frustum, Strategy::Antumbra];
+                for ((view, picture), strategy) in views.iter_mut().zip(&pictures).zip(strategies) {
+                    let picture = (number % 8 == 0).then_some(picture);
+                    let request = FrameRequest { picture, ..FrameRequest::new(strategy, *camera) };
+                    renderer.render(view, &request).unwrap();
+                }
+                if number % 8 == 0 {
+                    device.drain().unwrap();
+                    let [expected, found] = &pictures;
+                    let differ = pixels_that_differ(expected.rgba8(), found.rgba8());
+                    assert_eq!(differ, 0, "{size:?}, {frames_in_flight} in flight, {number}");
+                }
+            }
+            let learned = views[1].corrections().expect("a governor").frames;
+            let new = learned - known;
+            assert!(new >= LEAST_TIMED, "{size:?}, {frames_in_flight} in flight: {new}");
+            known = learned;
+        }
+    });
+}
+
+#[test]
+fn what_is_drawn_to_explain_is_not_learned_from() {
+    run_on_all(|device| {
+        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let mut view = renderer.new_view().unwrap();
+        renderer.explain(Explanation { has_boxes: true, ..Default::default() }).unwrap();
+        for camera in &cameras {
+            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
+        }
+        assert_eq!(view.corrections(), Some(Corrections::default()));
+        renderer.explain(Explanation::default()).unwrap();
+        for camera in &cameras {
+            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
+        }
+        check(view.corrections().unwrap(), LEAST_TIMED, "explained before");
     });
 }
 

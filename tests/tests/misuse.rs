@@ -97,6 +97,10 @@ fn options_beyond_all_limits_are_refused_before_anything_is_made() {
             let sentence = refused(RendererOptions { frames_in_flight, ..options() });
             assert!(sentence.starts_with(&format!("{frames_in_flight} frames")), "{sentence}");
             assert!(sentence.contains("(16)"), "{sentence}");
+            let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+            let before = renderer.frames_in_flight();
+            let later = renderer.set_frames_in_flight(frames_in_flight).unwrap_err().to_string();
+            assert_eq!((later, renderer.frames_in_flight()), (sentence, before));
         }
         for spare_objects in [usize::MAX, (1 << 30) + 1, 1 << 30] {
             let sentence = refused(RendererOptions { spare_objects, ..options() });

@@ -122,8 +122,10 @@ impl Renderer {
 
         let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
+        // What explanations draw beside the plan says nothing about prices.
         let is_timed = request.strategy.is_governed()
             && self.learns
+            && self.explainer.is_none()
             && eyes.iter().all(|eye| eye.history.is_governed())
             && eyes.iter().any(|eye| frame_times::is_turn(eye.history.culler.frame()));
         if is_timed {
