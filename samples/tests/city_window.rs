@@ -102,14 +102,19 @@ fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
 #[test]
 fn the_window_shows_what_is_drawn_without_one_in_every_mode() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-right"));
-    let expected = headless(&scratch, &["--size", SIZE]);
-    for mode in ["fifo", "fifo_relaxed", "mailbox", "immediate"] {
-        let arguments = ["--hud", "off", "--present-mode", mode];
-        let running = Running::city(&scratch, &server, &arguments);
-        let window = Seen::wait_for(&server);
-        window.await_pixels(&expected, "the picture");
-        window.close();
-        running.end_well();
+    for (device, modes) in [
+        ("llvmpipe", &["fifo", "fifo_relaxed", "mailbox", "immediate"][..]),
+        ("SwiftShader", &["fifo", "mailbox"]),
+    ] {
+        let expected = headless(&scratch, &["--size", SIZE, "--device", device]);
+        for mode in modes {
+            let arguments = ["--device", device, "--hud", "off", "--present-mode", mode];
+            let running = Running::city(&scratch, &server, &arguments);
+            let window = Seen::wait_for(&server);
+            window.await_pixels(&expected, "the picture");
+            window.close();
+            running.end_well();
+        }
     }
 }
 

@@ -72,6 +72,8 @@ mod turns;
 mod upload;
 mod validation;
 mod window_system;
+#[cfg(feature = "loaded")]
+mod xcb;
 
 pub use access::{Access, LayoutChange, MemoryBarrier};
 pub use adapter::Adapter;

@@ -11,7 +11,9 @@ use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::instance::{Instance, InstanceShared};
 use crate::present_mode::PresentMode;
-use crate::window_system::{WindowFunctions, WindowSystem};
+use crate::window_system::{
+    WindowFunctions, WindowSystem, display_for_drivers, window_for_drivers,
+};
 
 /// A window of any library that knows `raw-window-handle`.
 pub trait Window: HasWindowHandle + HasDisplayHandle + Send + Sync {}
@@ -55,8 +57,8 @@ impl Surface {
         let gone = |error: raw_window_handle::HandleError| Error::NoDisplay(error.to_string());
         let functions = functions(instance)?.surface.clone();
         let system = WindowSystem::of(&window)?;
-        let display = window.display_handle().map_err(gone)?.as_raw();
-        let handle = window.window_handle().map_err(gone)?.as_raw();
+        let display = display_for_drivers(window.display_handle().map_err(gone)?.as_raw());
+        let handle = window_for_drivers(window.window_handle().map_err(gone)?.as_raw(), display);
         // SAFETY: the window is kept until the surface is destroyed, and with it both handles; the
         // surface keeps the instance, too.
         let made = unsafe {

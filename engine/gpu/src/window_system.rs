@@ -3,7 +3,7 @@
 use std::ffi::{CStr, CString, c_char};
 
 use ash::{ext, khr};
-use raw_window_handle::HasDisplayHandle;
+use raw_window_handle::{HasDisplayHandle, RawDisplayHandle, RawWindowHandle};
 
 use crate::error::{Called, Error};
 
@@ -34,7 +34,7 @@ impl WindowSystem {
     pub fn of(display: &impl HasDisplayHandle) -> Result<Self, Error> {
         let handle = display.display_handle();
         let handle = handle.map_err(|error| Error::NoDisplay(error.to_string()))?;
-        let names = ash_window::enumerate_required_extensions(handle.as_raw());
+        let names = ash_window::enumerate_required_extensions(display_for_drivers(handle.as_raw()));
         let names = names.called("enumerating the extensions for this display")?;
         // SAFETY: names of extensions, as constant strings.
         let mut names = names.iter().map(|name| unsafe { constant(*name) });
@@ -72,6 +72,25 @@ impl WindowSystem {
         }
         Ok((names, present_fences))
     }
+}
+
+/// The display by which drivers find it.
+pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle {
+    #[cfg(feature = "loaded")]
+    let handle = crate::xcb::display(handle);
+    handle
+}
+
+/// The window by which drivers find it, on the display of [`display_for_drivers`].
+pub(crate) fn window_for_drivers(
+    handle: RawWindowHandle,
+    display: RawDisplayHandle,
+) -> RawWindowHandle {
+    #[cfg(feature = "loaded")]
+    let handle = crate::xcb::window(handle, display);
+    #[cfg(not(feature = "loaded"))]
+    let _same_library = display;
+    handle
 }
 
 /// # Safety

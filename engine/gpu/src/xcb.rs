@@ -1,0 +1,77 @@
+//! Windows of Xlib as windows of XCB: every driver for X11 knows these, and some know only these.
+//!
+//! The loader takes a surface of Xlib for one that any driver understands. Google's SwiftShader has none
+//! of Xlib, says all the same that it can present to it, and crashes when it is asked how large it is.
+//! Both libraries share one connection, and drivers that take windows of Xlib ask for it, too.
+
+use std::ffi::c_void;
+use std::num::NonZeroU32;
+use std::ptr::NonNull;
+use std::sync::OnceLock;
+
+use libloading::Library;
+use raw_window_handle::{
+    RawDisplayHandle, RawWindowHandle, XcbDisplayHandle, XcbWindowHandle, XlibDisplayHandle,
+};
+
+/// `XGetXCBConnection`.
+type GetConnection = unsafe extern "C" fn(display: *mut c_void) -> *mut c_void;
+
+/// The same display as XCB calls it, where it is one of Xlib and the library is there.
+pub(crate) fn display(handle: RawDisplayHandle) -> RawDisplayHandle {
+    let RawDisplayHandle::Xlib(XlibDisplayHandle { display: Some(display), screen, .. }) = handle
+    else {
+        return handle;
+    };
+    let Some(get_connection) = get_connection() else { return handle };
+    // SAFETY: a display that is open, as who has the handle promises; it keeps its connection.
+    let connection = unsafe { get_connection(display.as_ptr()) };
+    match NonNull::new(connection) {
+        Some(connection) => XcbDisplayHandle::new(Some(connection), screen).into(),
+        None => handle,
+    }
+}
+
+/// The same window as XCB calls it, where its display is one of XCB by now.
+pub(crate) fn window(handle: RawWindowHandle, display: RawDisplayHandle) -> RawWindowHandle {
+    let (RawWindowHandle::Xlib(window), RawDisplayHandle::Xcb(_)) = (handle, display) else {
+        return handle;
+    };
+    // Xlib keeps the server's numbers of 32 bits in a long.
+    let number = |long: std::ffi::c_ulong| u32::try_from(long).ok().and_then(NonZeroU32::new);
+    let Some(id) = number(window.window) else { return handle };
+    let mut xcb = XcbWindowHandle::new(id);
+    xcb.visual_id = number(window.visual_id);
+    xcb.into()
+}
+
+fn get_connection() -> Option<GetConnection> {
+    static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
+    // SAFETY: a part of X11 that does nothing when it is loaded, and is never unloaded.
+    let library = LIBRARY.get_or_init(|| unsafe { Library::new("libX11-xcb.so.1") }.ok()).as_ref();
+    // SAFETY: the function has this type (X11/Xlib-xcb.h).
+    let symbol =
+        library.map(|library| unsafe { library.get::<GetConnection>(b"XGetXCBConnection\0") });
+    symbol.and_then(Result::ok).map(|symbol| *symbol)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use raw_window_handle::{WaylandDisplayHandle, XlibWindowHandle};
+
+    #[test]
+    fn only_windows_of_xlib_change() {
+        let wayland = RawDisplayHandle::Wayland(WaylandDisplayHandle::new(NonNull::dangling()));
+        assert_eq!(display(wayland), wayland);
+        let closed = RawDisplayHandle::Xlib(XlibDisplayHandle::new(None, 0));
+        assert_eq!(display(closed), closed);
+        let mut xlib = XlibWindowHandle::new(7);
+        xlib.visual_id = 33;
+        let xlib = RawWindowHandle::Xlib(xlib);
+        assert_eq!(window(xlib, closed), xlib);
+        let xcb = RawDisplayHandle::Xcb(XcbDisplayHandle::new(Some(NonNull::dangling()), 0));
+        let RawWindowHandle::Xcb(found) = window(xlib, xcb) else { panic!("a window of XCB") };
+        assert_eq!((found.window.get(), found.visual_id), (7, NonZeroU32::new(33)));
+    }
+}
