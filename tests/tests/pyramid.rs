@@ -226,7 +226,8 @@ fn passes_are_timed_by_their_labels() {
         let cameras: Vec<_> = (0..6).map(|frame| path.camera(frame)).collect();
         frame_loop(&mut renderer, &mut view, Strategy::Pyramid, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
-        let expected = ["remembered", "visible", "pyramid", "tests", "revealed", "read back"];
+        let expected =
+            ["remembered", "visible", "pyramid", "tests", "revealed", "read back", "picture"];
         assert_eq!(labels, expected);
     });
 }
