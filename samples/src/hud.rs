@@ -93,13 +93,13 @@ impl Hud {
         let names = self.widest(scale, names);
         let values = page.facts.iter().flatten().map(|(_, value)| value.as_str());
         let values = self.widest(scale, values);
-        let width =
-            (names + values + 3.0 * MARGIN_POINTS).max(GRAPH_POINTS[0] + 2.0 * MARGIN_POINTS);
+        let graph = GRAPH_POINTS[0] + 3.0 * MARGIN_POINTS + self.widest(scale, ["1000.0 ms"]);
+        let width = (names + values + 3.0 * MARGIN_POINTS).max(graph);
         let rows = page.facts.iter().map(|group| group.len() as f32 + 0.5).sum::<f32>();
         let height = GRAPH_POINTS[1] + rows * row + 3.0 * MARGIN_POINTS;
         let panel = epaint::Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height));
         self.fill(screen, panel, PANEL);
-        self.graph(page, screen);
+        self.graph(page, scale, screen);
         let mut y = GRAPH_POINTS[1] + 2.0 * MARGIN_POINTS;
         for group in &page.facts {
             for (name, value) in group {
@@ -111,8 +111,8 @@ impl Hud {
         }
     }
 
-    /// A bar a frame, as high as it took, red beyond the budget.
-    fn graph(&mut self, page: &HudPage, screen: epaint::Rect) {
+    /// A bar a frame, as high as it took, red beyond the budget; beside it what its height stands for.
+    fn graph(&mut self, page: &HudPage, scale: f32, screen: epaint::Rect) {
         let [width, height] = GRAPH_POINTS;
         let longest =
             page.frames_ms.iter().copied().filter(|ms| ms.is_finite()).fold(0.0, f32::max);
@@ -120,6 +120,8 @@ impl Hud {
         let shown = (width / 2.0) as usize;
         let skipped = page.frames_ms.len().saturating_sub(shown);
         let bottom = MARGIN_POINTS + height;
+        let beside = MARGIN_POINTS + width + MARGIN_POINTS;
+        self.text(scale, screen, [beside, MARGIN_POINTS], &format!("{top_ms:.1} ms"), NAME);
         for (place, ms) in page.frames_ms.iter().skip(skipped).enumerate() {
             if !ms.is_finite() {
                 continue;
@@ -137,6 +139,10 @@ impl Hud {
             let line = [pos2(MARGIN_POINTS, y), pos2(MARGIN_POINTS + width, y)];
             let line = Shape::line_segment(line, Stroke::new(1.0, MARK));
             self.shapes.push(ClippedShape::new(screen, line));
+            // Not over the text at the top.
+            let row = self.row_points(scale);
+            let text = [beside, (y - row / 2.0).clamp(MARGIN_POINTS + row, bottom)];
+            self.text(scale, screen, text, &format!("{budget:.1} ms"), MARK);
         }
     }
 
@@ -176,10 +182,10 @@ impl Hud {
         self.fonts.with_pixels_per_point(scale).row_height(&font()).max(1.0)
     }
 
-    fn widest<'a>(&mut self, scale: f32, texts: impl Iterator<Item = &'a str>) -> f32 {
+    fn widest<'a>(&mut self, scale: f32, texts: impl IntoIterator<Item = &'a str>) -> f32 {
         let mut fonts = self.fonts.with_pixels_per_point(scale);
         let width = |text: &str| fonts.layout_no_wrap(text.to_owned(), font(), VALUE).size().x;
-        texts.map(width).fold(0.0, f32::max)
+        texts.into_iter().map(width).fold(0.0, f32::max)
     }
 
     fn text(

@@ -155,6 +155,20 @@ fn explanations_are_drawn_and_go_again() {
     assert!(picture(3) != picture(5) && picture(5) != picture(7));
 }
 
+/// Nobody knows what it drew, so it is not frozen.
+#[test]
+fn what_only_the_gpu_knows_is_not_frozen() {
+    let scratch = Scratch::new("city-pyramid");
+    let script = "2 strategy pyramid\n4 freeze\n6 strategy antumbra\n8 freeze\n";
+    fs::write(scratch.0.join("script"), script).unwrap();
+    headless(&scratch, &["--frames", "10", "--script", "script", "--out", "out"]);
+    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    let plain = picture(1);
+    for (frame, is_plain) in [(3, true), (5, true), (7, true), (9, false)] {
+        assert_eq!(picture(frame) == plain, is_plain, "frame {frame}");
+    }
+}
+
 #[test]
 fn a_trace_has_cpu_and_gpu_on_one_time_line() {
     let scratch = Scratch::new("city-trace");

@@ -8,6 +8,9 @@ use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
 use crate::strategy::Strategy;
 
+const GPU_KNOWS: &str =
+    "only the GPU knows what pyramid draws: choose another strategy to see its decisions";
+
 impl Session {
     /// Does it, or says in the picture why it cannot be.
     ///
@@ -26,6 +29,9 @@ impl Session {
             Deed::BirdsEye => {
                 self.has_birds_eye = !self.has_birds_eye;
                 self.explain()?;
+                if self.has_birds_eye && self.strategy == Strategy::Pyramid {
+                    self.tell(GPU_KNOWS.to_owned());
+                }
             }
             Deed::Boxes => {
                 self.explanation.has_boxes = !self.explanation.has_boxes;
@@ -93,6 +99,10 @@ impl Session {
         }
         if self.frame == 0 {
             self.tell("there is nothing to freeze yet".to_owned());
+            return Ok(());
+        }
+        if self.strategy == Strategy::Pyramid {
+            self.tell(GPU_KNOWS.to_owned());
             return Ok(());
         }
         let view = self.renderer.view_of(&self.seen_from);
