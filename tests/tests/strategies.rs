@@ -280,7 +280,7 @@ fn passes_are_timed_by_their_labels() {
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         let batches = labels.iter().filter(|label| **label == "batch").count();
         assert!(batches > 1, "{labels:?}");
-        assert_eq!(&labels[batches..], ["shaded", "read back"]);
+        assert_eq!(&labels[batches..], ["shaded", "picture"]);
         let total_ms: f64 = renderer.pass_times().iter().map(|time| time.gpu_ms).sum();
         assert!(total_ms > 0.0 && total_ms < 60_000.0, "{total_ms} ms");
     });

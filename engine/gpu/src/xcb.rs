@@ -15,7 +15,7 @@ use raw_window_handle::{
 };
 
 /// `XGetXCBConnection`.
-type GetConnection = unsafe extern "C" fn(display: *mut c_void) -> *mut c_void;
+type ConnectionOf = unsafe extern "C" fn(display: *mut c_void) -> *mut c_void;
 
 /// The same display as XCB calls it, where it is one of Xlib and the library is there.
 pub(crate) fn display(handle: RawDisplayHandle) -> RawDisplayHandle {
@@ -23,9 +23,9 @@ pub(crate) fn display(handle: RawDisplayHandle) -> RawDisplayHandle {
     else {
         return handle;
     };
-    let Some(get_connection) = get_connection() else { return handle };
+    let Some(connection_of) = loaded() else { return handle };
     // SAFETY: a display that is open, as who has the handle promises; it keeps its connection.
-    let connection = unsafe { get_connection(display.as_ptr()) };
+    let connection = unsafe { connection_of(display.as_ptr()) };
     match NonNull::new(connection) {
         Some(connection) => XcbDisplayHandle::new(Some(connection), screen).into(),
         None => handle,
@@ -45,13 +45,13 @@ pub(crate) fn window(handle: RawWindowHandle, display: RawDisplayHandle) -> RawW
     xcb.into()
 }
 
-fn get_connection() -> Option<GetConnection> {
+fn loaded() -> Option<ConnectionOf> {
     static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
     // SAFETY: a part of X11 that does nothing when it is loaded, and is never unloaded.
     let library = LIBRARY.get_or_init(|| unsafe { Library::new("libX11-xcb.so.1") }.ok()).as_ref();
     // SAFETY: the function has this type (X11/Xlib-xcb.h).
     let symbol =
-        library.map(|library| unsafe { library.get::<GetConnection>(b"XGetXCBConnection\0") });
+        library.map(|library| unsafe { library.get::<ConnectionOf>(b"XGetXCBConnection\0") });
     symbol.and_then(Result::ok).map(|symbol| *symbol)
 }
 
