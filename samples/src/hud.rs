@@ -121,7 +121,9 @@ impl Hud {
         let skipped = page.frames_ms.len().saturating_sub(shown);
         let bottom = MARGIN_POINTS + height;
         let beside = MARGIN_POINTS + width + MARGIN_POINTS;
-        self.text(scale, screen, [beside, MARGIN_POINTS], &format!("{top_ms:.1} ms"), NAME);
+        if longest > 0.0 {
+            self.text(scale, screen, [beside, MARGIN_POINTS], &format!("{top_ms:.1} ms"), NAME);
+        }
         for (place, ms) in page.frames_ms.iter().skip(skipped).enumerate() {
             if !ms.is_finite() {
                 continue;

@@ -70,6 +70,11 @@ impl Session {
         let of_outcome = |number: fn(&render::FrameOutcome) -> u64| {
             outcome.as_ref().map_or(UNKNOWN.to_owned(), |outcome| grouped(number(outcome)))
         };
+        // Before the first frame there is nothing to report.
+        let of_report = |number: u32| match self.frame {
+            0 => UNKNOWN.to_owned(),
+            _ => grouped(number.into()),
+        };
         let age = match (report.youngest_answer_frames, report.oldest_answer_frames) {
             (Some(1), Some(1)) => "1 frame".to_owned(),
             (Some(youngest), Some(oldest)) if youngest == oldest => format!("{oldest} frames"),
@@ -81,9 +86,9 @@ impl Session {
             fact("draws", of_outcome(|outcome| outcome.draws)),
             fact("triangles", of_outcome(|outcome| outcome.triangles)),
             fact("revealed", of_outcome(|outcome| outcome.revealed)),
-            fact("tests", grouped(report.tests.into())),
-            fact("queries", grouped(report.queries.into())),
-            fact("waits", report.waits.to_string()),
+            fact("tests", of_report(report.tests)),
+            fact("queries", of_report(report.queries)),
+            fact("waits", of_report(report.waits)),
             fact("age of results", age),
         ]
     }
@@ -92,8 +97,9 @@ impl Session {
         let passes = self.renderer.pass_times();
         let gpu = (!passes.is_empty()).then(|| passes.iter().map(|pass| pass.gpu_ms).sum());
         let (_, used) = self.renderer.device().memory_bytes();
+        let cpu = (self.frame > 0).then_some(self.report.cpu.as_secs_f64() * 1e3);
         vec![
-            fact("CPU", ms(Some(self.report.cpu.as_secs_f64() * 1e3))),
+            fact("CPU", ms(cpu)),
             fact("GPU", ms(gpu)),
             fact("GPU memory", format!("{} MiB", used >> 20)),
         ]
