@@ -212,6 +212,7 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
             "--verify=every",
             "--validation=sync",
             "--threshold=60",
+            "--costs=ignored",
             "--report=report.json",
             "--device",
             device,

@@ -46,17 +46,6 @@ const UNKNOWN_PRIOR: Evidence = Evidence { yes: 2.0, no: 2.0 };
 /// What was hidden stays so, nine times of ten.
 const KNOWN_PRIOR: Evidence = Evidence { yes: 7.2, no: 0.8 };
 
-/// Who would answer for the boxes of a round at the least cost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum CheapestTester {
-    /// Occlusion queries.
-    Query,
-    /// Flags set by fragments.
-    Flag,
-    /// A compute shader over the depth so far.
-    Compute,
-}
-
 /// A test that could be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Question {
@@ -255,23 +244,18 @@ impl Governor {
         }
     }
 
-    /// Who should answer for a round of `boxes` that cover `pixels` together: the compute tester has a
-    /// fixed price, the others are paid by the pixel.
+    /// Whether a compute shader answers for a round at the least cost: of `boxes` that cover `pixels`
+    /// together, and of `shared` ones beside that cost the others nothing. It has a fixed price, the
+    /// others are paid by the pixel.
     #[must_use]
-    pub fn round_tester(&self, boxes: u32, pixels: f32, has_flags: bool) -> CheapestTester {
+    pub fn is_for_compute(&self, boxes: u32, shared: u32, pixels: f32, has_flags: bool) -> bool {
         let count = boxes as f32;
         let hidden = self.still_hidden();
         let per_box = |tester| self.box_ns(pixels / count.max(1.0), hidden, tester);
         let (flag, query) = (count * per_box(Tester::Flag), count * per_box(Tester::Query));
-        let compute = self.prices.compute_round_ns + count * self.prices.compute_box_ns;
         let raster = if has_flags { flag.min(query) } else { query };
-        if compute < raster {
-            CheapestTester::Compute
-        } else if has_flags && flag <= query {
-            CheapestTester::Flag
-        } else {
-            CheapestTester::Query
-        }
+        let computed = count + shared as f32;
+        self.prices.compute_round_ns + computed * self.prices.compute_box_ns < raster
     }
 
     /// What a break costs in a frame that takes `leaves` as visible: tests that save less together
@@ -385,9 +369,9 @@ mod tests {
     #[test]
     fn many_pixels_go_to_the_compute_tester() {
         let governor = governor();
-        assert_eq!(governor.round_tester(50, 10_000.0, true), CheapestTester::Flag);
-        assert_eq!(governor.round_tester(50, 10_000.0, false), CheapestTester::Query);
-        assert_eq!(governor.round_tester(50, 4.0e6, true), CheapestTester::Compute);
+        assert!(!governor.is_for_compute(50, 0, 10_000.0, true));
+        assert!(governor.is_for_compute(50, 0, 4.0e6, true));
+        assert!(!governor.is_for_compute(50, 5_000, 4.0e6, true), "the others share");
         let question = Question { leaves: 1, pixels: 100.0, is_unknown: false };
         assert_eq!(governor.cheaper(&question, true), Tester::Flag);
         assert_eq!(governor.cheaper(&question, false), Tester::Query);

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use antumbra_cull::{
-    Aabb, Camera, CostTable, Culler, FramePlan, ObjectId, Policy, SceneCosts, Strategy, Tester,
-    View,
+    Aabb, Abilities, Camera, CostTable, Culler, FramePlan, ObjectId, Policy, ProxyTest, SceneCosts,
+    Strategy, Tester, View,
 };
 use glam::Vec3;
 
@@ -210,7 +210,7 @@ fn the_cheaper_tester_is_chosen_where_the_strategy_is_free() {
     ];
     for (table, strategy, expected) in cases {
         let walk = Walk::new(boxes.clone(), 1);
-        let abilities = antumbra_cull::Abilities { flags: true, compute: false, parts: false };
+        let abilities = Abilities { flags: true, compute: false, parts: false };
         let mut culler = Culler::with_abilities(Policy::default(), abilities);
         culler.govern(table, SceneCosts { triangles_per_leaf: 5_000.0 }).unwrap();
         let mut plan = FramePlan::default();
@@ -231,4 +231,32 @@ fn prices_that_cannot_be_are_refused_and_change_nothing() {
     culler.govern(CostTable::default(), SceneCosts::default()).unwrap();
     assert!(culler.govern(bad, SceneCosts::default()).is_err());
     assert_eq!(culler.governor().unwrap().table(), CostTable::default());
+}
+
+#[test]
+fn rounds_go_to_the_compute_shader_where_that_costs_least() {
+    let free = CostTable { compute_round_ns: 0.0, compute_box_ns: 0.0, ..prices() };
+    let dear = CostTable { compute_round_ns: 1.0e9, ..free };
+    let all = Abilities { flags: true, compute: true, parts: true };
+    let cases =
+        [(free, all, true), (dear, all, false), (free, Abilities { compute: false, ..all }, false)];
+    for (table, abilities, is_cheap) in cases {
+        let mut walk = Walk::new(city(&mut Random::new(3), 12), 2);
+        walk.culler = Culler::with_abilities(Policy::default(), abilities);
+        walk.culler.govern(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
+        let (mut by_compute, mut others) = (0, 0);
+        for step in 0..40 {
+            walk.step(&Camera { eye: Vec3::new(-1.0, 1.7, 30.0 - step as f32 * 0.2), ..CAMERA });
+            let computed = |test: &&ProxyTest| test.tester == Tester::Compute;
+            by_compute += walk.plan.tests.iter().filter(computed).count();
+            others += walk.plan.tests.iter().filter(|test| !computed(test)).count();
+            let rounds = walk.plan.stats.rounds_by_compute;
+            assert!(rounds as usize <= walk.plan.rounds.len());
+            assert_eq!(rounds > 0, walk.plan.tests.iter().any(|test| computed(&test)));
+        }
+        assert!(
+            if is_cheap { by_compute > others } else { by_compute == 0 },
+            "{by_compute} {others}"
+        );
+    }
 }
