@@ -314,6 +314,10 @@ impl Culler {
         plan.stats.rounds_by_compute =
             economy.filter(|_| chooses).map_or(0, |it| it.hand_to_compute(view, plan));
         self.visible = plan.stats.visible;
+        if let Some(governor) = self.governor.as_mut().filter(|_| strategy.is_governed()) {
+            let [saving_ns, break_ns] = self.scratch.prospect_ns;
+            governor.note_prospect(saving_ns, break_ns, plan.stats.visible);
+        }
         rounds::group_by_tester(&mut plan.tests, &plan.rounds, &mut self.grouping);
     }
 

@@ -97,7 +97,9 @@ impl Scratch {
                 _ => continue,
             };
             if judgement.pays() {
-                saving_ns += judgement.saving_ns - judgement.cost_ns;
+                // Breaks are paid in every frame, so only what each frame saves pays for them: what
+                // is known for later is worth nothing if later tests do not pay either.
+                saving_ns += judgement.saving_now_ns - judgement.cost_ns;
                 continue;
             }
             *is_dropped = true;
@@ -106,7 +108,8 @@ impl Scratch {
             }
         }
         let drawn = self.draws.len() + self.retests.len() + dropped_leaves;
-        if saving_ns < economy.governor.break_ns(drawn) {
+        self.prospect_ns = [saving_ns, economy.governor.break_ns(drawn)];
+        if saving_ns < self.prospect_ns[1] {
             self.is_dropped.fill(true);
             saving_ns = 0.0;
         }

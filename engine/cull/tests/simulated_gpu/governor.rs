@@ -182,6 +182,40 @@ fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
     assert!(frames_with_tests < 24, "{frames_with_tests} frames of 240 were broken for tests");
 }
 
+/// Some of what is in view hides, and drawing it costs less than the breaks that its tests need.
+#[test]
+fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
+    // A quarter of the things stands behind others that hide them now and then.
+    let behind = (0..66).map(|number| {
+        let [column, row] = [number % 11 + 2, number / 11 + 2].map(|place| place as f32);
+        let centre = Vec3::new((column - 7.5) * 2.5, (row - 5.0) * 2.5, -20.0) * 1.2;
+        Aabb::new(centre - 0.3, centre + 0.3)
+    });
+    let boxes: Vec<Aabb> = field(16).into_iter().chain(behind).collect();
+    let breaks = CostTable { break_ns: 900_000.0, break_wait_share: 0.2, ..prices() };
+    let mut walk = Walk::governed(boxes, 2, breaks);
+    let mut camera = CAMERA;
+    let (mut asking, mut frames) = (0, 0);
+    for frame in 0..400 {
+        camera.eye.x = (frame as f32 * 0.2).sin() * 2.0;
+        walk.step(&camera);
+        assert!(walk.is_exact(&camera), "frame {frame}");
+        if frame >= 100 {
+            let plan = &walk.plan;
+            asking += usize::from(!plan.tests.is_empty() || !plan.queried_draws.is_empty());
+            frames += 1;
+        }
+    }
+    println!("{asking} of {frames} frames ask");
+    assert!(asking > 0, "or nobody would notice more that hides");
+    assert!(asking * 12 < frames, "{asking} of {frames} frames ask");
+
+    move_wall(&mut walk, WALL_HERE);
+    walk.steps(&CAMERA, 120);
+    assert!(walk.is_exact(&CAMERA));
+    assert!(walk.device.drawn.len() < 20, "{} drawn", walk.device.drawn.len());
+}
+
 /// Where a test costs more than a draw, leaves behind a wall are still tested together.
 #[test]
 fn groups_pay_where_single_leaves_do_not() {
