@@ -29,6 +29,8 @@ pub struct FrameMeasurement {
     pub nodes_visited: u64,
     /// Leaves drawn because testing them would cost more than it saves.
     pub untested_by_cost: u64,
+    /// Rounds of tests that went to a compute shader because that cost least.
+    pub rounds_by_compute: u64,
     /// After how many frames a calm leaf's own draw is tested again; 0 without prices.
     pub retest_interval_frames: u64,
     /// What the tests are expected to save, in nanoseconds of GPU time.
@@ -138,6 +140,7 @@ impl RunMeasurement {
             predicated_draws: count(|frame| frame.predicated_draws),
             nodes_visited: count(|frame| frame.nodes_visited),
             untested_by_cost: count(|frame| frame.untested_by_cost),
+            rounds_by_compute: count(|frame| frame.rounds_by_compute),
             retest_interval_frames: count(|frame| frame.retest_interval_frames),
             expected_saving_ns: count(|frame| frame.expected_saving_ns),
             corrections: self

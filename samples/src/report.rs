@@ -164,6 +164,8 @@ pub struct RunReport {
     pub nodes_visited: Option<u64>,
     /// Objects drawn because testing them would have cost more than it saved.
     pub untested_by_cost: Option<u64>,
+    /// Rounds of tests that `antumbra` gave to a compute shader because that cost least.
+    pub rounds_by_compute: Option<u64>,
     /// After how many frames the own draw of a calm object was tested again; 0 without a governor.
     pub retest_interval_frames: Option<u64>,
     /// What the tests were expected to save in a frame, in nanoseconds of GPU time.

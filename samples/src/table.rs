@@ -125,7 +125,7 @@ fn cost_lines(report: &Report) -> String {
         let learned = run.corrections?;
         let saving_ms = run.expected_saving_ns.map(|saving_ns| saving_ns as f64 * 1e-6);
         let times = match (learned.frames, learned.proportion) {
-            (0, _) | (_, None) => "not learned: this device times no frames".to_owned(),
+            (0, _) | (_, None) => "not learned: no frame was timed".to_owned(),
             (frames, Some(times)) => format!("{times:.2}, from {} frames", count(Some(frames))),
         };
         Some(format!(
@@ -180,7 +180,10 @@ fn foot(report: &Report) -> String {
 
 /// A line for each run that left out what showed little.
 fn neglect_lines(report: &Report) -> String {
-    let neglecting = report.runs.iter().filter(|run| run.neglected_samples > 0);
+    let neglecting = report.runs.iter().filter(|run| {
+        // Those of frames before the walk are in the second number only.
+        run.neglected_samples > 0 || run.pixels_wrong_at_most.is_some_and(|most| most > 0)
+    });
     let line = |run: &RunReport| {
         let compared = match (run.pixels_wrong, run.pixels_wrong_at_most) {
             (Some(_), Some(most)) => {

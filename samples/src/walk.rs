@@ -144,6 +144,7 @@ impl<'a> Walk<'a> {
                 predicated_draws: report.predicated_draws.into(),
                 nodes_visited: report.plan.nodes_visited.into(),
                 untested_by_cost: report.plan.untested_by_cost.into(),
+                rounds_by_compute: report.plan.rounds_by_compute.into(),
                 retest_interval_frames: report.plan.retest_interval_frames.into(),
                 expected_saving_ns: report.plan.expected_saving_ns,
                 corrections: report.corrections.filter(|_| run.strategy.is_governed()),

@@ -13,8 +13,13 @@ use serde_json::Value;
 const FRAMES: u64 = 12;
 const SIZE: [u32; 2] = [96, 64];
 
-/// Walks through a small city on `device`, every frame compared, and returns the report.
+/// Walks through a small city on `device`, every frame compared, and returns the report. Without
+/// prices, which differ from run to run, everything is tested.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
+    walk_by(scratch, device, &[&["--costs=ignored"], more].concat())
+}
+
+fn walk_by(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     let output = walkthrough(
         &scratch.0,
         &[
@@ -190,6 +195,19 @@ fn a_walk_with_two_eyes_is_exact() {
 }
 
 #[test]
+fn a_walk_by_measured_prices_is_exact() {
+    for device in ["llvmpipe", "swiftshader"] {
+        let scratch = Scratch::new(&format!("prices-{device}"));
+        let report = walk_by(&scratch, device, &[]);
+        for run in report["runs"].as_array().expect("runs") {
+            assert_eq!(run["pixels_wrong"], 0, "{device}");
+            assert_eq!(run["frames_verified"], FRAMES);
+        }
+        assert!(report["runs"][1]["corrections"].is_object(), "by default prices are measured");
+    }
+}
+
+#[test]
 fn a_cache_that_cannot_be_written_is_no_reason_to_stop() {
     let scratch = Scratch::new("no-cache");
     let small = ["--quiet", "--objects=50", "--frames=2", "--size=32x32", "--device=llvmpipe"];
@@ -212,6 +230,7 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
             "--verify=every",
             "--validation=sync",
             "--threshold=60",
+            "--costs=ignored",
             "--report=report.json",
             "--device",
             device,

@@ -77,6 +77,8 @@ fn pictures_are_right_at_any_price() {
         assert!(untested > 0, "nothing pays for such tests");
         let free = CostTable { draw_ns: 1_000.0, ..CostTable::uniform(0.0) };
         assert_eq!(walk(device, &options(Costs::Table(free))).1, 0, "such tests cost nothing");
+        let by_compute = CostTable { draw_ns: 1.0e6, flag_box_ns: 1.0e5, query_ns: 1.0e5, ..free };
+        walk(device, &options(Costs::Table(by_compute)));
         let nonsense = CostTable { draw_ns: f32::NAN, ..dear };
         let refused =
             Renderer::new(device, &city(400, 5).unwrap(), &options(Costs::Table(nonsense)));

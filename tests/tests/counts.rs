@@ -13,7 +13,8 @@ use glam::{Affine3A, Vec3};
 use gpu::{Device, Predication, Readback};
 use render::scene::{CameraPath, MeshId, Object, ObjectChange, PathKind, pack_unorm};
 use render::{
-    Area, Eye, FrameRequest, Renderer, RendererOptions, ViewHistory, ViewsRequest, VisibleSamples,
+    Area, Costs, Eye, FrameRequest, Renderer, RendererOptions, ViewHistory, ViewsRequest,
+    VisibleSamples,
 };
 use tests::run_on_all;
 use tests::shapes::{box_at, box_scene, square_camera};
@@ -22,7 +23,8 @@ use tests::walk::{SceneKind, pixels_that_differ};
 const SIZE: [u32; 2] = [128, 128];
 
 fn options() -> RendererOptions {
-    RendererOptions { size: SIZE, ..Default::default() }
+    // Prices that are measured differ from run to run; without any, everything is tested.
+    RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() }
 }
 
 fn renderer(device: &Device, boxes: &[Aabb], options: &RendererOptions) -> Renderer {

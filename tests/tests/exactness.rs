@@ -16,7 +16,8 @@ use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk, walk_c
 use tests::{Driver, run, run_on_all};
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    RendererOptions { size, frames_in_flight, ..Default::default() }
+    // Prices that are measured differ from run to run; without any, everything is tested.
+    RendererOptions { size, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
 }
 
 fn check(found: &Found, frames_in_flight: usize, what: &str) {
@@ -33,7 +34,6 @@ fn walk_everything(device: &Device, objects: u32, size: [u32; 2], frames: u32) {
             for in_flight in 1..=4 {
                 let what =
                     format!("{scene_kind:?} {path} {objects} objects, {in_flight} in flight");
-                // Prices that are measured differ from run to run; without any, everything is tested.
                 let costs = if in_flight % 2 == 0 { Costs::Ignored } else { Costs::default() };
                 let options = RendererOptions { costs, ..options(size, in_flight) };
                 let found = walk(device, &scene, path, frames, &options);

@@ -12,7 +12,7 @@ use cull::{Camera, CoherentOptions, DialogueOptions, FirstPass, LeafTest, Strate
 use glam::Vec3;
 use gpu::{Device, FrameRing, Readback, Tick, Timeline};
 use render::scene::{CameraPath, PathKind};
-use render::{FrameRequest, Renderer, RendererOptions};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras_with, walk_with};
 use tests::{Driver, run, run_on_all};
 
@@ -20,7 +20,8 @@ const DIALOGUES: [Strategy; 4] =
     [Strategy::Naive, Strategy::Batched, Strategy::StopAndWait, Strategy::Coherent];
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    RendererOptions { size, frames_in_flight, ..Default::default() }
+    // Prices that are measured differ from run to run; without any, everything is tested.
+    RendererOptions { size, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
 }
 
 fn coherent(coherent: CoherentOptions) -> RendererOptions {

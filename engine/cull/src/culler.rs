@@ -310,9 +310,14 @@ impl Culler {
             (_, true) => policy.rounds_cut,
         };
         rounds::split(plan.tests.len(), most, is_cut, &policy, &mut plan.rounds);
-        plan.stats.rounds_for_compute =
-            economy.map_or(0, |economy| economy.rounds_for_compute(view, plan));
+        let chooses = strategy == Strategy::Antumbra && self.abilities.compute;
+        plan.stats.rounds_by_compute =
+            economy.filter(|_| chooses).map_or(0, |it| it.hand_to_compute(view, plan));
         self.visible = plan.stats.visible;
+        if let Some(governor) = self.governor.as_mut().filter(|_| strategy.is_governed()) {
+            let [saving_ns, break_ns] = self.scratch.prospect_ns;
+            governor.note_prospect(saving_ns, break_ns, plan.stats.visible);
+        }
         rounds::group_by_tester(&mut plan.tests, &plan.rounds, &mut self.grouping);
     }
 

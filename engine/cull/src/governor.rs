@@ -33,6 +33,9 @@ const CALM_SHARE: f32 = 0.01;
 /// Nobody notices a change of the world later than this for the sake of [`CALM_SHARE`].
 const MOST_GATE_FRAMES: u32 = 32;
 
+/// After so many frames in which tests could not pay, it is of little use to learn what they could hide.
+const IDLE_AFTER_FRAMES: u32 = 8;
+
 /// For how many frames it is worth knowing that something is hidden, before its own draw would have
 /// told.
 const HORIZON_FRAMES: f32 = 8.0;
@@ -43,19 +46,10 @@ const LEAF_FILL: f32 = 0.5;
 
 /// Whether unknown nodes turn out hidden is an even bet until some were tested.
 const UNKNOWN_PRIOR: Evidence = Evidence { yes: 2.0, no: 2.0 };
+/// What is drawn shows, unless enough tests of own draws told otherwise.
+const DRAWN_PRIOR: Evidence = Evidence { yes: 0.0, no: 8.0 };
 /// What was hidden stays so, nine times of ten.
 const KNOWN_PRIOR: Evidence = Evidence { yes: 7.2, no: 0.8 };
-
-/// Who would answer for the boxes of a round at the least cost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum CheapestTester {
-    /// Occlusion queries.
-    Query,
-    /// Flags set by fragments.
-    Flag,
-    /// A compute shader over the depth so far.
-    Compute,
-}
 
 /// A test that could be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +67,8 @@ pub struct Question {
 pub struct Judgement {
     /// What it saves on average.
     pub saving_ns: f32,
+    /// What of that is saved in this frame.
+    pub saving_now_ns: f32,
     /// What it costs.
     pub cost_ns: f32,
 }
@@ -94,8 +90,12 @@ pub struct Governor {
     leaf_ns: f32,
     unknown: Evidence,
     known: Evidence,
+    /// Whether a leaf that is drawn is hidden by now.
+    drawn: Evidence,
     hides: HideRate,
     learner: Learner,
+    /// Frames since tests could have paid for the breaks of rendering that they need.
+    idle_frames: u32,
 }
 
 impl Governor {
@@ -116,8 +116,10 @@ impl Governor {
             leaf_ns: table.leaf_ns(triangles).min(f32::MAX),
             unknown: Evidence::default(),
             known: Evidence::default(),
+            drawn: Evidence::default(),
             hides: HideRate::default(),
             learner: Learner::default(),
+            idle_frames: 0,
         })
     }
 
@@ -149,14 +151,34 @@ impl Governor {
     pub fn forget(&mut self) {
         self.unknown = Evidence::default();
         self.known = Evidence::default();
+        self.drawn = Evidence::default();
         self.hides = HideRate::default();
+        self.idle_frames = 0;
     }
 
     /// A frame begins, after one in which `visible` leaves were taken as visible.
     pub(crate) fn begin_frame(&mut self, visible: u32) {
         self.unknown.fade();
         self.known.fade();
+        self.drawn.fade();
         self.hides.fade(visible);
+        self.idle_frames = self.idle_frames.saturating_add(1);
+    }
+
+    /// The tests of this frame would save so much and need breaks at this price, in a frame that
+    /// takes `visible` leaves as visible: of those some are hidden by now that no test told of yet.
+    pub(crate) fn note_prospect(&mut self, saving_ns: f32, break_ns: f32, visible: u32) {
+        let hidden = self.drawn.probability(DRAWN_PRIOR) * visible as f32;
+        let prospect_ns = saving_ns + hidden * self.leaf_ns;
+        if prospect_ns > 0.0 && prospect_ns >= break_ns {
+            self.idle_frames = 0;
+        }
+    }
+
+    /// Whether tests have not paid for a while: what hides is drawn all the same, so to ask which
+    /// leaves those are saves nothing until they are many.
+    fn is_idle(&self) -> bool {
+        self.idle_frames > IDLE_AFTER_FRAMES
     }
 
     /// A test of a node in such a state had an answer.
@@ -169,6 +191,9 @@ impl Governor {
             (QueryKind::OwnDraw | QueryKind::OwnBox, NodeState::Visible) => {
                 if doubt == Doubt::Assumed {
                     self.unknown.note(!showed);
+                }
+                if kind == QueryKind::OwnDraw {
+                    self.drawn.note(!showed);
                 }
                 if !showed {
                     self.hides.note();
@@ -191,7 +216,10 @@ impl Governor {
         let expected = 2.0 * price / f64::from(least * least);
         let best = (2.0 * price / self.hides.per_leaf_and_frame(expected)).sqrt();
         let calm = f64::from(CALM_RETEST_FRAMES).max(price / f64::from(CALM_SHARE));
-        let frames = if best.is_nan() { f64::from(least) } else { best };
+        let wished = if best.is_nan() { f64::from(least) } else { best };
+        // So seldom that it hardly costs, and no more often while nothing is made of the answers.
+        let frames =
+            if self.is_idle() { wished.max(price / f64::from(CALM_SHARE)) } else { wished };
         // A price that makes even the calm tests too rare to matter makes all tests too dear.
         let frames = if calm >= f64::from(NEVER_FRAMES) { calm } else { frames.min(calm) };
         frames.max(f64::from(least)).min(f64::from(u32::MAX / 4)) as u32
@@ -201,7 +229,7 @@ impl Governor {
     pub(crate) fn tuned(&self, policy: &Policy) -> Policy {
         let frames = self.retest_frames(policy);
         // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
-        let is_calm = frames > policy.retest_max.saturating_mul(2);
+        let is_calm = self.is_idle() || frames > policy.retest_max.saturating_mul(2);
         let own_box_angle = if is_calm { 0.0 } else { policy.own_box_angle };
         let retest_first = if is_calm { frames / 4 } else { policy.retest_first };
         let retest_gate = if is_calm { self.gate_frames() } else { policy.retest_gate };
@@ -231,17 +259,18 @@ impl Governor {
         let fill = LEAF_FILL * question.pixels * self.table.hidden_pixel_ns;
         let drawing = question.leaves as f32 * self.leaf_ns + fill;
         let cost_ns = self.box_ns(question.pixels, hidden, tester) + self.prices.predicate_ns;
-        let saving_ns = (hidden * frames * drawing).min(f32::MAX);
-        Judgement { saving_ns, cost_ns: cost_ns.min(f32::MAX) }
+        let saving_now_ns = (hidden * drawing).min(f32::MAX);
+        let saving_ns = (frames * saving_now_ns).min(f32::MAX);
+        Judgement { saving_ns, saving_now_ns, cost_ns: cost_ns.min(f32::MAX) }
     }
 
     /// Weighs a probe: it saves nothing now, but the parts of its node may be left undrawn at the price
     /// of one test from then on. Where a test of a single leaf does not pay, one of many may.
     #[must_use]
     pub fn judge_probe(&self, question: &Question, tester: Tester) -> Judgement {
-        let Judgement { saving_ns, cost_ns } = self.judge(question, tester);
-        let saving_ns = HORIZON_FRAMES * (saving_ns - cost_ns).max(0.0);
-        Judgement { saving_ns: saving_ns.min(f32::MAX), cost_ns }
+        let judgement = self.judge(question, tester);
+        let saving_ns = HORIZON_FRAMES * (judgement.saving_ns - judgement.cost_ns).max(0.0);
+        Judgement { saving_ns: saving_ns.min(f32::MAX), ..judgement }
     }
 
     /// Who of those that there are answers for a box at the least cost.
@@ -255,23 +284,18 @@ impl Governor {
         }
     }
 
-    /// Who should answer for a round of `boxes` that cover `pixels` together: the compute tester has a
-    /// fixed price, the others are paid by the pixel.
+    /// Whether a compute shader answers for a round at the least cost: of `boxes` that cover `pixels`
+    /// together, and of `shared` ones beside that cost the others nothing. It has a fixed price, the
+    /// others are paid by the pixel.
     #[must_use]
-    pub fn round_tester(&self, boxes: u32, pixels: f32, has_flags: bool) -> CheapestTester {
+    pub fn is_for_compute(&self, boxes: u32, shared: u32, pixels: f32, has_flags: bool) -> bool {
         let count = boxes as f32;
         let hidden = self.still_hidden();
         let per_box = |tester| self.box_ns(pixels / count.max(1.0), hidden, tester);
         let (flag, query) = (count * per_box(Tester::Flag), count * per_box(Tester::Query));
-        let compute = self.prices.compute_round_ns + count * self.prices.compute_box_ns;
         let raster = if has_flags { flag.min(query) } else { query };
-        if compute < raster {
-            CheapestTester::Compute
-        } else if has_flags && flag <= query {
-            CheapestTester::Flag
-        } else {
-            CheapestTester::Query
-        }
+        let computed = count + shared as f32;
+        self.prices.compute_round_ns + computed * self.prices.compute_box_ns < raster
     }
 
     /// What a break costs in a frame that takes `leaves` as visible: tests that save less together
@@ -347,6 +371,7 @@ mod tests {
             let mut owed = 0.0;
             for _ in 0..2_000 {
                 governor.begin_frame(10_000);
+                governor.note_prospect(1.0, 1.0, 0);
                 owed += hides_per_frame;
                 while owed >= 1.0 {
                     owed -= 1.0;
@@ -360,6 +385,31 @@ mod tests {
         let (rare, often) = (interval(0.5), interval(2.0));
         assert!((rare / often - 2.0).abs() < 0.1, "{rare} {often}");
         assert_eq!(interval(10_000.0), policy.retest_max as f32);
+    }
+
+    #[test]
+    fn what_nothing_is_made_of_is_asked_seldom_and_in_few_frames() {
+        let policy = Policy::default();
+        let prices = CostTable { break_wait_share: 0.2, ..CostTable::default() };
+        let mut governor = Governor::new(prices, SceneCosts::default()).unwrap();
+        let mut busy_frame = |is_paid| {
+            governor.begin_frame(100);
+            for number in 0..100 {
+                let showed = number >= 10;
+                governor.learn(QueryKind::OwnDraw, NodeState::Visible, Doubt::None, showed);
+            }
+            let drawn_ns = 100.0 * governor.leaf_ns;
+            governor.note_prospect(if is_paid { drawn_ns } else { 0.0 }, drawn_ns, 100);
+            governor.tuned(&policy)
+        };
+        for _ in 0..50 {
+            assert_eq!(busy_frame(true).retest_gate, 1);
+        }
+        let idle = (0..50).map(|_| busy_frame(false)).last().unwrap();
+        assert_eq!(idle.retest_gate, 20, "its share of a frame's draws is a fifth");
+        assert!(idle.retest_max > policy.retest_max && idle.own_box_angle == 0.0, "{idle:?}");
+        let busy = busy_frame(true);
+        assert_eq!((busy.retest_gate, busy.retest_max), (1, policy.retest_max));
     }
 
     #[test]
@@ -385,9 +435,9 @@ mod tests {
     #[test]
     fn many_pixels_go_to_the_compute_tester() {
         let governor = governor();
-        assert_eq!(governor.round_tester(50, 10_000.0, true), CheapestTester::Flag);
-        assert_eq!(governor.round_tester(50, 10_000.0, false), CheapestTester::Query);
-        assert_eq!(governor.round_tester(50, 4.0e6, true), CheapestTester::Compute);
+        assert!(!governor.is_for_compute(50, 0, 10_000.0, true));
+        assert!(governor.is_for_compute(50, 0, 4.0e6, true));
+        assert!(!governor.is_for_compute(50, 5_000, 4.0e6, true), "the others share");
         let question = Question { leaves: 1, pixels: 100.0, is_unknown: false };
         assert_eq!(governor.cheaper(&question, true), Tester::Flag);
         assert_eq!(governor.cheaper(&question, false), Tester::Query);

@@ -96,7 +96,7 @@ pub use dialogue::{
     DialogueOptions, DialogueStats, FirstPass, LeafTest, Step, TestAnswer, TestToken,
 };
 pub use frustum::{Containment, Frustum, PlaneMask};
-pub use governor::{CheapestTester, Corrections, FrameContents, Governor, Judgement, Question};
+pub use governor::{Corrections, FrameContents, Governor, Judgement, Question};
 pub use hierarchy::{Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use margin::Margin;

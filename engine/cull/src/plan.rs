@@ -181,8 +181,8 @@ pub struct PlanStats {
     pub expected_saving_ns: u64,
     /// Pixels that the boxes of all tests cover, about; 0 without a governor.
     pub proxy_pixels: u64,
-    /// Rounds of tests that would cost least by compute shader.
-    pub rounds_for_compute: u32,
+    /// Rounds of tests that a governor gave to the compute shader, where that costs least.
+    pub rounds_by_compute: u32,
     /// Leaves drawn to have occluders when nothing is known.
     pub occluders: u32,
     /// Leaves drawn because there were too few queries to test them.
@@ -207,7 +207,7 @@ impl std::ops::AddAssign for PlanStats {
         self.retest_interval_frames = self.retest_interval_frames.max(other.retest_interval_frames);
         self.expected_saving_ns += other.expected_saving_ns;
         self.proxy_pixels += other.proxy_pixels;
-        self.rounds_for_compute += other.rounds_for_compute;
+        self.rounds_by_compute += other.rounds_by_compute;
         self.occluders += other.occluders;
         self.over_budget += other.over_budget;
         self.coarsened = self.coarsened.max(other.coarsened);

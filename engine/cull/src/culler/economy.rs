@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::selection::{Candidate, Draw, Scratch};
 use super::traversal::Walk;
-use crate::governor::{CheapestTester, Governor, Question, covered_pixels, is_never};
-use crate::plan::{FramePlan, PlanStats, QueryKind, Tester};
+use crate::governor::{Governor, Question, covered_pixels, is_never};
+use crate::plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester};
 use crate::view::View;
 
 /// What tests are weighed by.
@@ -22,16 +22,49 @@ impl Economy<'_> {
         self.tester.unwrap_or_else(|| self.governor.cheaper(question, self.has_flags))
     }
 
-    /// How many rounds of `plan` would cost least by compute shader.
-    pub(super) fn rounds_for_compute(&self, view: &View, plan: &FramePlan) -> u32 {
-        let is_for_compute = |round: &&Range<usize>| {
-            let tests = plan.tests[(*round).clone()].iter();
-            let pixels = tests.map(|test| covered_pixels(view, &test.bounds)).sum();
-            let boxes = round.len() as u32;
-            let cheapest = self.governor.round_tester(boxes, pixels, self.has_flags);
-            cheapest == CheapestTester::Compute
+    /// Gives those rounds of `plan` to the compute shader that cost least so, and says how many. A test
+    /// that answers for others does not change without them, so rounds that have such in common go
+    /// together or stay.
+    pub(super) fn hand_to_compute(&self, view: &View, plan: &mut FramePlan) -> u32 {
+        let mut handed = 0_u64;
+        for (bit, round) in plan.rounds.iter().take(64).enumerate() {
+            if self.is_for_compute(view, plan.tests.get(round.clone()).unwrap_or_default()) {
+                handed |= 1 << bit;
+            }
+        }
+        let bit_of = |rounds: &[Range<usize>], number: usize| {
+            rounds.iter().take(64).position(|round| round.contains(&number)).map_or(0, |at| 1 << at)
         };
-        plan.rounds.iter().filter(is_for_compute).count() as u32
+        // Each turn that changes something takes a round back.
+        while handed != 0 {
+            let before = handed;
+            for (number, test) in plan.tests.iter().enumerate() {
+                let Tester::Behind(front) = test.tester else { continue };
+                let pair: u64 = bit_of(&plan.rounds, number) | bit_of(&plan.rounds, front as usize);
+                if handed & pair != pair {
+                    handed &= !pair;
+                }
+            }
+            if handed == before {
+                break;
+            }
+        }
+        let is_handed = |(bit, _): &(usize, &Range<usize>)| *bit < 64 && handed >> bit & 1 == 1;
+        for (_, round) in plan.rounds.iter().enumerate().filter(is_handed) {
+            for test in plan.tests.get_mut(round.clone()).unwrap_or_default() {
+                test.tester = Tester::Compute;
+            }
+        }
+        handed.count_ones()
+    }
+
+    /// Whether a round of `tests` costs least by compute shader.
+    fn is_for_compute(&self, view: &View, tests: &[ProxyTest]) -> bool {
+        let is_own = |test: &&ProxyTest| !matches!(test.tester, Tester::Behind(_));
+        let boxes = tests.iter().filter(is_own).count() as u32;
+        let shared = tests.len() as u32 - boxes;
+        let covered = tests.iter().filter(is_own).map(|test| covered_pixels(view, &test.bounds));
+        boxes > 0 && self.governor.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
     }
 
     pub(super) fn question(view: &View, test: &Candidate) -> Question {
@@ -64,7 +97,9 @@ impl Scratch {
                 _ => continue,
             };
             if judgement.pays() {
-                saving_ns += judgement.saving_ns - judgement.cost_ns;
+                // Breaks are paid in every frame, so only what each frame saves pays for them: what
+                // is known for later is worth nothing if later tests do not pay either.
+                saving_ns += judgement.saving_now_ns - judgement.cost_ns;
                 continue;
             }
             *is_dropped = true;
@@ -73,7 +108,8 @@ impl Scratch {
             }
         }
         let drawn = self.draws.len() + self.retests.len() + dropped_leaves;
-        if saving_ns < economy.governor.break_ns(drawn) {
+        self.prospect_ns = [saving_ns, economy.governor.break_ns(drawn)];
+        if saving_ns < self.prospect_ns[1] {
             self.is_dropped.fill(true);
             saving_ns = 0.0;
         }

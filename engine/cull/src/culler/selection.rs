@@ -60,6 +60,8 @@ pub(super) struct Scratch {
     pub(super) stack: Vec<(u32, PlaneMask)>,
     by_size: Vec<u32>,
     pub(super) is_dropped: Vec<bool>,
+    /// What all tests that pay by themselves save together, and what their breaks of rendering cost.
+    pub(super) prospect_ns: [f32; 2],
 }
 
 impl Scratch {

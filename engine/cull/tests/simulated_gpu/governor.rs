@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use antumbra_cull::{
-    Aabb, Camera, CostTable, Culler, FramePlan, ObjectId, Policy, SceneCosts, Strategy, Tester,
-    View,
+    Aabb, Abilities, Camera, CostTable, Culler, FramePlan, ObjectId, Policy, ProxyTest, SceneCosts,
+    Strategy, Tester, View,
 };
 use glam::Vec3;
 
@@ -182,6 +182,40 @@ fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
     assert!(frames_with_tests < 24, "{frames_with_tests} frames of 240 were broken for tests");
 }
 
+/// Some of what is in view hides, and drawing it costs less than the breaks that its tests need.
+#[test]
+fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
+    // A quarter of the things stands behind others that hide them now and then.
+    let behind = (0..66).map(|number| {
+        let [column, row] = [number % 11 + 2, number / 11 + 2].map(|place| place as f32);
+        let centre = Vec3::new((column - 7.5) * 2.5, (row - 5.0) * 2.5, -20.0) * 1.2;
+        Aabb::new(centre - 0.3, centre + 0.3)
+    });
+    let boxes: Vec<Aabb> = field(16).into_iter().chain(behind).collect();
+    let breaks = CostTable { break_ns: 900_000.0, break_wait_share: 0.2, ..prices() };
+    let mut walk = Walk::governed(boxes, 2, breaks);
+    let mut camera = CAMERA;
+    let (mut asking, mut frames) = (0, 0);
+    for frame in 0..400 {
+        camera.eye.x = (frame as f32 * 0.2).sin() * 2.0;
+        walk.step(&camera);
+        assert!(walk.is_exact(&camera), "frame {frame}");
+        if frame >= 100 {
+            let plan = &walk.plan;
+            asking += usize::from(!plan.tests.is_empty() || !plan.queried_draws.is_empty());
+            frames += 1;
+        }
+    }
+    println!("{asking} of {frames} frames ask");
+    assert!(asking > 0, "or nobody would notice more that hides");
+    assert!(asking * 12 < frames, "{asking} of {frames} frames ask");
+
+    move_wall(&mut walk, WALL_HERE);
+    walk.steps(&CAMERA, 120);
+    assert!(walk.is_exact(&CAMERA));
+    assert!(walk.device.drawn.len() < 20, "{} drawn", walk.device.drawn.len());
+}
+
 /// Where a test costs more than a draw, leaves behind a wall are still tested together.
 #[test]
 fn groups_pay_where_single_leaves_do_not() {
@@ -210,7 +244,7 @@ fn the_cheaper_tester_is_chosen_where_the_strategy_is_free() {
     ];
     for (table, strategy, expected) in cases {
         let walk = Walk::new(boxes.clone(), 1);
-        let abilities = antumbra_cull::Abilities { flags: true, compute: false, parts: false };
+        let abilities = Abilities { flags: true, compute: false, parts: false };
         let mut culler = Culler::with_abilities(Policy::default(), abilities);
         culler.govern(table, SceneCosts { triangles_per_leaf: 5_000.0 }).unwrap();
         let mut plan = FramePlan::default();
@@ -231,4 +265,32 @@ fn prices_that_cannot_be_are_refused_and_change_nothing() {
     culler.govern(CostTable::default(), SceneCosts::default()).unwrap();
     assert!(culler.govern(bad, SceneCosts::default()).is_err());
     assert_eq!(culler.governor().unwrap().table(), CostTable::default());
+}
+
+#[test]
+fn rounds_go_to_the_compute_shader_where_that_costs_least() {
+    let free = CostTable { compute_round_ns: 0.0, compute_box_ns: 0.0, ..prices() };
+    let dear = CostTable { compute_round_ns: 1.0e9, ..free };
+    let all = Abilities { flags: true, compute: true, parts: true };
+    let cases =
+        [(free, all, true), (dear, all, false), (free, Abilities { compute: false, ..all }, false)];
+    for (table, abilities, is_cheap) in cases {
+        let mut walk = Walk::new(city(&mut Random::new(3), 12), 2);
+        walk.culler = Culler::with_abilities(Policy::default(), abilities);
+        walk.culler.govern(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
+        let (mut by_compute, mut others) = (0, 0);
+        for step in 0..40 {
+            walk.step(&Camera { eye: Vec3::new(-1.0, 1.7, 30.0 - step as f32 * 0.2), ..CAMERA });
+            let computed = |test: &&ProxyTest| test.tester == Tester::Compute;
+            by_compute += walk.plan.tests.iter().filter(computed).count();
+            others += walk.plan.tests.iter().filter(|test| !computed(test)).count();
+            let rounds = walk.plan.stats.rounds_by_compute;
+            assert!(rounds as usize <= walk.plan.rounds.len());
+            assert_eq!(rounds > 0, walk.plan.tests.iter().any(|test| computed(&test)));
+        }
+        assert!(
+            if is_cheap { by_compute > others } else { by_compute == 0 },
+            "{by_compute} {others}"
+        );
+    }
 }
