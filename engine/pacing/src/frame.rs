@@ -79,7 +79,7 @@ pub enum Feedback {
         at: Time,
     },
     /// The GPU's work was found finished, as by polling its tick. It ended some time after the last
-    /// [`Pacer::next`](crate::Pacer::next) before, so look each time before you ask that.
+    /// [`Pacer::next`](crate::Pacer::next) or acquire before, so look each time before either.
     FoundFinished {
         /// When somebody looked.
         at: Time,

@@ -23,6 +23,8 @@ pub(crate) struct Record {
     pub(crate) ordinal: Option<u64>,
     pub(crate) queued: Option<f64>,
     pub(crate) finished: Option<f64>,
+    /// When it was told to be finished.
+    pub(crate) seen_finished: Option<f64>,
     /// `finished` is a guess between two looks.
     pub(crate) found: bool,
     /// The last time at which it was not known to be finished.

@@ -21,7 +21,8 @@
 //! 80 %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
 //! latency is within a refresh of the optimum, and all is well again five frames after a stall.
 //!
-//! With [`PresentReports::Missing`], nothing but an acquire that had to wait tells of refreshes. While
+//! With [`PresentReports::Missing`], nothing but an acquire that had to wait tells of refreshes, once it
+//! is clear that it waits for the display: what waits for the GPU alone leaves all of it unknown. While
 //! the phase is searched for, as many frames may be queued as there are images: ask for no more images
 //! than frames may be queued.
 //!

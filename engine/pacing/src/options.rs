@@ -91,7 +91,9 @@ pub enum PresentReports {
     /// [`Feedback::Shown`](crate::Feedback::Shown) will come (present wait, display timing).
     Times,
     /// Nothing does. In [`PresentMode::Fifo`] the phase of the display is then learnt from acquires
-    /// that had to wait, for which the pacer fills the queue now and then.
+    /// that had to wait, for which the pacer fills the queue now and then; but only after waits have shown
+    /// that they are the display's and not the GPU's, which takes knowing when the GPU was finished.
+    /// Where there is no display that holds frames back, all about it stays unknown.
     Missing,
 }
 

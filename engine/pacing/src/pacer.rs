@@ -4,6 +4,7 @@ mod learn;
 mod queue;
 mod schedule;
 mod timings;
+mod trial;
 
 use std::time::Duration;
 
@@ -17,6 +18,7 @@ use crate::refresh_clock::RefreshClock;
 use crate::time::{MILLISECOND_NS, SECOND_NS, Time};
 use queue::Silence;
 use timings::Ledger;
+use trial::Trial;
 
 /// Never told to sleep longer, so that a caller can look after its window.
 const LONGEST_WAIT_NS: f64 = SECOND_NS;
@@ -61,6 +63,9 @@ pub struct Pacer {
     dropped_in_a_row: u32,
     silence: Silence,
     phase_search: PhaseSearch,
+    trial: Trial,
+    /// When the last acquire was called.
+    last_from: Option<f64>,
     rate_search: RateSearch,
     /// What the caller has been seen to report.
     sees_finishes: bool,
@@ -128,6 +133,8 @@ impl Pacer {
             dropped_in_a_row: 0,
             silence: Silence::default(),
             phase_search: PhaseSearch { active: true, frames: 0 },
+            trial: Trial::new(presentation.hint_ns()),
+            last_from: None,
             rate_search: RateSearch::new(),
             sees_finishes: false,
             sees_acquires: false,
@@ -169,6 +176,7 @@ impl Pacer {
         self.ledger.interrupt();
         if presentation.refresh != self.presentation.refresh {
             self.clock.forget(presentation.hint_ns());
+            self.trial = Trial::new(presentation.hint_ns());
         }
         if presentation.reports != self.presentation.reports
             || presentation.mode != self.presentation.mode

@@ -145,6 +145,8 @@ impl Screen {
         frame: FrameId,
         size: [u32; 2],
     ) -> Result<Shown, RunError> {
+        // What is finished by now cannot be what the window's image is waited for.
+        self.look()?;
         let from = self.clock.now();
         let shown = renderer.present(&mut self.swapchain, size);
         let at = self.clock.now();
@@ -156,6 +158,7 @@ impl Screen {
             }
         };
         self.follow_swapchain()?;
+        let from = from.after(presented.slot_wait);
         let to = from.after(presented.acquire_wait);
         self.pacer.feedback(frame, Feedback::Acquired { from, to });
         self.pacer.feedback(frame, Feedback::Queued { at });

@@ -82,6 +82,7 @@ pub enum Acquired<'a> {
 pub struct WindowImage<'a> {
     frame: Frame<'a>,
     screen: &'a mut Screen,
+    slot_wait: Duration,
     acquire_wait: Duration,
 }
 
@@ -121,15 +122,22 @@ impl Swapchain {
     /// What has no name in [`NotShown`]: out of memory, a failed call.
     pub fn acquire(&mut self, window_size: [u32; 2]) -> Result<Acquired<'_>, Error> {
         let began = Instant::now();
-        match self.try_acquire(window_size) {
+        match self.is_slot_ready() {
+            Ok(true) => {}
+            Ok(false) => return Ok(Acquired::Not(NotShown::Hidden)),
+            Err(error) => return Ok(Acquired::Not(self.screen.settle(error)?)),
+        }
+        let slot_wait = began.elapsed();
+        match self.screen.acquire(self.ring.next_slot(), window_size) {
             Ok(None) => {}
             Ok(Some(not_shown)) => return Ok(Acquired::Not(not_shown)),
             Err(error) => return Ok(Acquired::Not(self.screen.settle(error)?)),
         }
-        let acquire_wait = began.elapsed();
+        let acquire_wait = began.elapsed().saturating_sub(slot_wait);
         match self.ring.begin() {
             Ok(frame) => {
-                Ok(Acquired::Image(WindowImage { frame, screen: &mut self.screen, acquire_wait }))
+                let screen = &mut self.screen;
+                Ok(Acquired::Image(WindowImage { frame, screen, slot_wait, acquire_wait }))
             }
             Err(error) => Ok(Acquired::Not(self.screen.settle(error)?)),
         }
@@ -147,14 +155,10 @@ impl Swapchain {
         }
     }
 
-    fn try_acquire(&mut self, window_size: [u32; 2]) -> Result<Option<NotShown>, Error> {
-        if !self.screen.is_ready()? {
-            return Ok(Some(NotShown::Hidden));
-        }
-        if !self.ring.is_ready_within(self.screen.options.acquire_bound)? {
-            return Ok(Some(NotShown::Hidden));
-        }
-        self.screen.acquire(self.ring.next_slot(), window_size)
+    /// Whether the last present has come back, and the frame that used the slot before is over.
+    fn is_slot_ready(&mut self) -> Result<bool, Error> {
+        let bound = self.screen.options.acquire_bound;
+        Ok(self.screen.is_ready()? && self.ring.is_ready_within(bound)?)
     }
 
     /// Changes how pictures follow each other, from the next one on.
@@ -236,8 +240,8 @@ impl WindowImage<'_> {
     /// [`Error::WrongCommands`] for a target whose picture was not [submitted](Target::submitted); what
     /// has no name in [`NotShown`].
     pub fn show(self, target: &Target) -> Result<Shown, Error> {
-        let Self { frame, screen, acquire_wait } = self;
-        match screen.show(frame, target, acquire_wait) {
+        let Self { frame, screen, slot_wait, acquire_wait } = self;
+        match screen.show(frame, target, [slot_wait, acquire_wait]) {
             Ok(presented) => Ok(presented),
             Err(error) => Ok(Shown::Not(screen.settle(error)?)),
         }

@@ -18,7 +18,9 @@ pub struct Presented {
     pub tick: Tick,
     /// The size of the window's image in pixels; another picture was scaled to it.
     pub size: [u32; 2],
-    /// How long the CPU waited for an image of the window.
+    /// How long the CPU first waited for the GPU: for the picture that used the same slot before.
+    pub slot_wait: Duration,
+    /// How long it then waited for an image of the window.
     pub acquire_wait: Duration,
     /// How long the CPU was in the call that presents; some drivers wait for the screen there.
     pub present_wait: Duration,

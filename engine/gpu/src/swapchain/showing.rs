@@ -19,7 +19,7 @@ impl Screen {
         &mut self,
         frame: Frame<'_>,
         target: &Target,
-        acquire_wait: Duration,
+        [slot_wait, acquire_wait]: [Duration; 2],
     ) -> Result<Shown, Error> {
         let (Some(held), Some(chain)) = (self.held, &mut self.chain) else {
             return Err(Error::WrongCommands("an image is shown that was not acquired"));
@@ -55,7 +55,10 @@ impl Screen {
         let present_wait = began.elapsed();
         let Some(result) = result else { return Ok(Shown::Not(NotShown::Hidden)) };
         match self.came_back(result)? {
-            None => Ok(Shown::Presented(Presented { id, tick, size, acquire_wait, present_wait })),
+            None => {
+                let presented = Presented { id, tick, size, slot_wait, acquire_wait, present_wait };
+                Ok(Shown::Presented(presented))
+            }
             Some(not_shown) => Ok(Shown::Not(not_shown)),
         }
     }

@@ -41,6 +41,8 @@ impl Pacer {
         match feedback {
             Feedback::Acquired { from, to } => {
                 if let (Some(from), Some(to)) = (sane(from), sane(to)) {
+                    self.last_from = Some(from);
+                    self.frames.note_unfinished(from);
                     self.acquired(frame.0, to, (to - from).max(0.0));
                 }
             }
@@ -77,6 +79,7 @@ impl Pacer {
             return;
         }
         self.sees_acquires = true;
+        let before = self.trial.returned(to);
         let Some(ordinal) = self.ordinal_in_the_way() else { return };
         let shown = self.frames.of_ordinal(ordinal).map(|(frame, record)| (frame, !record.left));
         let Some((shown, newly)) = shown else { return };
@@ -86,7 +89,8 @@ impl Pacer {
             self.heard();
         }
         let long = WAITED_NS.max(WAITED_PERIODS * self.some_period_ns());
-        if waited > long && self.learns_from_acquires() {
+        if waited > long && self.learns_from_acquires() && self.tells_of_refresh(shown, to, before)
+        {
             self.clock.observe(to);
             self.shown_at(shown, to);
             if let Some(record) = self.frames.record_mut(shown) {
@@ -127,6 +131,7 @@ impl Pacer {
         if record.finished.is_some() || record.dropped {
             return;
         }
+        record.seen_finished = Some(at);
         // What shows is finished, whenever anyone looked.
         let at = record.shown.map_or(at, |shown| at.min(shown));
         let timed = record.gpu_timed;

@@ -39,7 +39,7 @@ impl Pacer {
         let gpu_ready = forecast.gpu_free - cpu - SAFE * self.cpu.spread();
         let mut target = None;
         let wanted = if self.searches_phase() {
-            now
+            self.start_in_search(now)
         } else if let Some(min_period) = self.presentation.variable_ns() {
             let ready = self.ready(earliest, &forecast);
             let shown = ready.max(forecast.last_shown + min_period);
@@ -141,6 +141,9 @@ impl Pacer {
         };
         if toggle {
             self.phase_search = PhaseSearch { active: !search.active, frames: 0 };
+            if self.phase_search.active {
+                self.trial.begin_anew(self.presentation.hint_ns());
+            }
         }
     }
 

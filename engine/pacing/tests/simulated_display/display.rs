@@ -6,11 +6,22 @@ use std::ops::Range;
 
 use antumbra_pacing::PresentMode;
 
-/// Refreshes: at fixed times whatever happens, or when a frame is there.
+/// Refreshes: at fixed times whatever happens, or when a frame is there; or none at all.
 #[derive(Clone, Copy, Debug)]
 pub enum Panel {
-    Fixed { period: f64, phase: f64 },
-    Variable { min_period: f64, max_period: f64 },
+    Fixed {
+        period: f64,
+        phase: f64,
+    },
+    Variable {
+        min_period: f64,
+        max_period: f64,
+    },
+    /// No screen: a window system that takes each frame when it is finished and copies it, one after the
+    /// other, for about so long.
+    Unthrottled {
+        copy: f64,
+    },
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +64,10 @@ impl Display {
     /// Takes a frame whose GPU work ends then; answers when it will show, and which frame will now
     /// never show.
     pub fn present(&mut self, frame: usize, finish: f64) -> (f64, Option<usize>) {
-        let (shown, replaces) = self.shown(finish);
+        let (shown, replaces) = match self.panel {
+            Panel::Unthrottled { copy } => (self.copied(frame, finish, copy), false),
+            _ => self.shown(finish),
+        };
         let mut replaced = None;
         if let Some(last) = self.held.back_mut() {
             if replaces {
@@ -89,7 +103,9 @@ impl Display {
         let ready = finish + self.latch;
         match (self.mode, self.panel) {
             (PresentMode::Immediate, _) => (self.visible(ready.max(self.last_shown)), false),
-            (_, Panel::Variable { .. }) => (self.variable(ready), false),
+            (_, Panel::Variable { .. } | Panel::Unthrottled { .. }) => {
+                (self.variable(ready), false)
+            }
             (PresentMode::Fifo, Panel::Fixed { period, .. }) => {
                 (self.refresh(ready.max(self.last_shown + 0.5 * period)), false)
             }
@@ -112,6 +128,12 @@ impl Display {
         let next = |time: f64| phase + ((time - phase) / period - 1e-9).ceil() * period;
         let at = next(time);
         if self.hidden.contains(&at) { next(self.hidden.end) } else { at }
+    }
+
+    /// Copies take unevenly long.
+    fn copied(&self, frame: usize, finish: f64, copy: f64) -> f64 {
+        let unevenness = 0.8 + 0.4 * (frame as f64 * 0.618).fract();
+        finish.max(self.last_shown) + copy * unevenness
     }
 
     fn visible(&self, time: f64) -> f64 {

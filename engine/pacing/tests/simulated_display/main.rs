@@ -15,3 +15,4 @@ mod random;
 mod run;
 mod scenario;
 mod timings;
+mod unthrottled;

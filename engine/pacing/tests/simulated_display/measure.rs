@@ -71,6 +71,7 @@ mod tests {
             dropped: false,
             queued: 1,
             expected: None,
+            acquire_wait: 0.0,
         }
     }
 

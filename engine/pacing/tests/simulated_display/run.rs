@@ -23,6 +23,7 @@ pub struct Outcome {
     /// Frames between start and showing when it started, with itself.
     pub queued: usize,
     pub expected: Option<f64>,
+    pub acquire_wait: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -155,10 +156,20 @@ impl Simulation {
         let queued = 1 + self.outcomes.iter().rev().take(40).filter(queued).count();
         let expected = expected.map(|time| time.as_nanos() as f64);
         let dropped = true;
-        let nothing =
-            Outcome { start, cpu, gpu, finish: start, shown: None, dropped, queued, expected };
+        let nothing = Outcome {
+            start,
+            cpu,
+            gpu,
+            finish: start,
+            shown: None,
+            dropped,
+            queued,
+            expected,
+            acquire_wait: 0.0,
+        };
         self.outcomes.push(nothing);
         self.now += cpu;
+        self.deliver();
         let from = self.clock(self.now);
         let free = self.display.image_free(self.now);
         if free > self.now + ACQUIRE_TIMEOUT {
@@ -167,6 +178,7 @@ impl Simulation {
             return;
         }
         if free > self.now {
+            self.outcomes[number].acquire_wait = free - self.now;
             // The thread that slept for it wakes a little later.
             self.now = free + self.random.between(0.0, 0.03 * MILLISECOND);
         }

@@ -148,6 +148,7 @@ impl Scenario {
         match self.panel {
             Panel::Fixed { period, .. } => period,
             Panel::Variable { min_period, .. } => min_period,
+            Panel::Unthrottled { .. } => SECOND / 60.0,
         }
     }
 
@@ -158,10 +159,8 @@ impl Scenario {
                 Refresh::Variable { min_period: span(min_period), max_period: span(max_period) }
             }
             // Rounded, as window systems do.
-            Panel::Fixed { period, .. } if self.hinted => {
-                Refresh::About(span(SECOND / (SECOND / period).round()))
-            }
-            Panel::Fixed { .. } => Refresh::Unknown,
+            _ if self.hinted => Refresh::About(span(SECOND / (SECOND / self.period()).round())),
+            _ => Refresh::Unknown,
         };
         let images = self.images as u32;
         Presentation { mode: self.mode, images, refresh, reports: self.reports }
