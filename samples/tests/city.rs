@@ -169,6 +169,27 @@ fn what_only_the_gpu_knows_is_not_frozen() {
     }
 }
 
+/// What cannot be explained is said, whichever comes first: the strategy or what is to be explained.
+#[test]
+fn what_only_the_gpu_knows_is_not_explained() {
+    let scratch = Scratch::new("city-unexplained");
+    for (script, times) in [
+        ("2 birds_eye\n3 strategy pyramid\n", 1),
+        ("2 boxes\n3 strategy pyramid\n", 1),
+        ("2 strategy pyramid\n3 birds_eye\n4 boxes\n", 2),
+        ("2 boxes\n3 boxes\n4 strategy pyramid\n5 strategy antumbra\n", 0),
+    ] {
+        fs::write(scratch.0.join("script"), script).unwrap();
+        let rest = ["--frames", "6", "--script", "script"];
+        let mut command =
+            program(env!("CARGO_BIN_EXE_city"), &scratch.0, &[&SMALL[..], &rest].concat());
+        let output = command.env("RUST_LOG", "samples=info").output().unwrap();
+        let said = stderr(&output);
+        assert!(output.status.success(), "{said}");
+        assert_eq!(said.matches("only the GPU knows").count(), times, "{script}: {said}");
+    }
+}
+
 #[test]
 fn a_trace_has_cpu_and_gpu_on_one_time_line() {
     let scratch = Scratch::new("city-trace");

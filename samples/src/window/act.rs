@@ -29,13 +29,12 @@ impl Session {
             Deed::BirdsEye => {
                 self.has_birds_eye = !self.has_birds_eye;
                 self.explain()?;
-                if self.has_birds_eye && self.strategy == Strategy::Pyramid {
-                    self.tell(GPU_KNOWS.to_owned());
-                }
+                self.tell_if_unexplained();
             }
             Deed::Boxes => {
                 self.explanation.has_boxes = !self.explanation.has_boxes;
                 self.explain()?;
+                self.tell_if_unexplained();
             }
             Deed::Wires => self.toggle_wires(),
             Deed::TimePasses => self.toggle_times(),
@@ -78,8 +77,17 @@ impl Session {
             Ok(()) => {
                 self.strategy = strategy;
                 self.tell(format!("strategy {strategy}"));
+                self.tell_if_unexplained();
             }
             Err(error) => self.tell(error.to_string()),
+        }
+    }
+
+    /// Says why an explanation that is on shows nothing.
+    fn tell_if_unexplained(&mut self) {
+        let is_on = self.has_birds_eye || self.explanation.has_boxes;
+        if is_on && self.strategy == Strategy::Pyramid {
+            self.tell(GPU_KNOWS.to_owned());
         }
     }
 

@@ -32,7 +32,7 @@ impl Session {
     }
 
     fn page(&self, screen: Option<&ScreenFacts>) -> HudPage {
-        let mut facts = vec![self.what_draws(), self.what_is_drawn(), self.what_it_takes()];
+        let mut facts = vec![self.what_it_takes(), self.what_draws(), self.what_is_drawn()];
         if let Some(screen) = screen {
             facts.push(what_is_shown(screen));
         }
