@@ -1,7 +1,7 @@
 //! Where on the picture the parts of a page go, and which of them there is room for. In points.
 
 /// Of the picture, what text may cover at most.
-const MOST_COVERED: f32 = 0.42;
+const MOST_COVERED: f32 = 0.5;
 /// Between texts, and between texts and edges.
 pub const MARGIN: f32 = 8.0;
 

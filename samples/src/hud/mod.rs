@@ -17,7 +17,7 @@ const FONT_POINTS: f32 = 12.5;
 /// Sizes of text to try, the largest with room first: of what is usual.
 const TEXT_SIZES: [f32; 4] = [1.0, 0.88, 0.76, 0.66];
 /// So many groups are worth more than the list of keys.
-const FEW_GROUPS: usize = 4;
+const FEW_GROUPS: usize = 2;
 const MORE: &str = "a larger window shows more";
 const GRAPH_POINTS: [f32; 2] = [260.0, 56.0];
 const PANEL: Color32 = Color32::from_rgba_premultiplied(7, 8, 12, 200);

@@ -79,7 +79,7 @@ impl Pacer {
             return;
         }
         self.sees_acquires = true;
-        let before = self.trial.returned(to);
+        let before = self.trial.returned(frame, to);
         let Some(ordinal) = self.ordinal_in_the_way() else { return };
         let shown = self.frames.of_ordinal(ordinal).map(|(frame, record)| (frame, !record.left));
         let Some((shown, newly)) = shown else { return };

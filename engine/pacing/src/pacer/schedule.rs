@@ -16,6 +16,8 @@ const WORST_PHASE: f64 = 1.0 / 24.0;
 const SEARCH_AHEAD: f64 = 512.0;
 const LONGEST_SEARCH: u32 = 64;
 const SEARCH_REST: u32 = 512;
+/// So long it lasts while acquires are on trial.
+const LONGEST_TRIAL: u32 = 112;
 
 /// The next frame, if it went by what is known now. Times in nanoseconds.
 #[derive(Clone, Copy, Debug)]
@@ -135,7 +137,8 @@ impl Pacer {
             |time| self.clock.uncertainty(time).map_or(f64::INFINITY, |deviation| 3.0 * deviation);
         let toggle = if search.active {
             let sure = uncertainty(now + SEARCH_AHEAD * period) < WORST_PHASE * period;
-            sure || search.frames >= LONGEST_SEARCH
+            let longest = if self.trial.is_won() { LONGEST_SEARCH } else { LONGEST_TRIAL };
+            sure || search.frames >= longest
         } else {
             uncertainty(now) > WORST_PHASE * period && search.frames >= SEARCH_REST
         };

@@ -1,28 +1,41 @@
 //! Whether acquires wait for the display at all: a trial before their waits are believed.
 //!
 //! An acquire may as well wait for the GPU, or for a window system that copies pictures, and neither tells
-//! of refreshes. A display gives itself away by holding an image back that the GPU is long done with, and
-//! by waits that end on one grid whatever frames take. So a wait is evidence only where the frame that
-//! had to be shown first was seen finished a whole frame ago. With two images that frame is the newest
-//! one, and never is: there frames start so that the one before is finished when the next image is asked
-//! for, every other one later by some part of a frame, so that what follows the GPU keeps to no grid.
+//! of refreshes. A display gives itself away by waits that end on one grid whenever frames start. So as
+//! soon as waits seem to have a period, frames are shaken: one waits until the GPU is idle, and some part of
+//! a frame more. What follows the GPU is off by as much from then on; a display is not.
+//!
+//! Looked at are waits only where the frame that had to be shown first was seen finished a whole frame
+//! ago. With two images that frame is the newest one, and never is: there frames start so that it is
+//! finished when the next image is asked for.
 
 use super::Pacer;
 use crate::frames::Record;
 use crate::refresh_clock::RefreshClock;
 use crate::time::{MILLISECOND_NS, SECOND_NS};
 
-/// So many waits in a row must end where the ones before foretold.
-const ENOUGH: u32 = 16;
-/// Of a period: what they may be off. One that ends at random does so one time in five.
-const AGREES: f64 = 0.1;
+/// So many times in a row the first wait after a shake must end where the ones before foretold.
+const ENOUGH: u32 = 6;
+/// Of a period: what it may be off. One that ends at random does so one time in seven.
+const AGREES: f64 = 0.07;
 /// Fewest images with which frames queue behind one that is finished.
 const QUEUEING_IMAGES: u32 = 3;
 /// Standard deviations that the GPU is given to finish.
 const SAFE: f64 = 3.0;
 /// Work that is not seen finished for so long is not waited for.
 const PATIENCE_NS: f64 = SECOND_NS;
-const LONGEST_DELAY_NS: f64 = 250.0 * MILLISECOND_NS;
+/// No display refreshes more rarely.
+const LONGEST_PERIOD_NS: f64 = 125.0 * MILLISECOND_NS;
+
+/// How far a shake is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shaking {
+    Rests,
+    /// The next frame is delayed.
+    Due,
+    /// This frame was, and no wait for it or a later one has ended since.
+    Done(u64),
+}
 
 /// What speaks for a display that makes acquires wait.
 #[derive(Clone, Debug)]
@@ -30,53 +43,73 @@ pub(super) struct Trial {
     clock: RefreshClock,
     agreed: u32,
     is_won: bool,
-    /// When the last acquire returned, and how long after the one before.
+    shaking: Shaking,
+    /// When the last acquire returned.
     returned: Option<f64>,
-    spacing: f64,
 }
 
 impl Trial {
     pub(super) const fn new(hint: Option<f64>) -> Self {
         let clock = RefreshClock::new(hint);
-        Self { clock, agreed: 0, is_won: false, returned: None, spacing: 0.0 }
+        let shaking = Shaking::Rests;
+        Self { clock, agreed: 0, is_won: false, shaking, returned: None }
     }
 
-    /// An acquire returned; answers when the one before did.
-    pub(super) fn returned(&mut self, to: f64) -> Option<f64> {
-        let before = self.returned.replace(to);
-        self.spacing = before.map_or(0.0, |before| (to - before).max(0.0));
-        before
+    /// Whether waits are believed.
+    pub(super) const fn is_won(&self) -> bool {
+        self.is_won
+    }
+
+    /// The acquire of `frame` returned; answers when the one before did.
+    pub(super) fn returned(&mut self, frame: u64, to: f64) -> Option<f64> {
+        if self.shaking == Shaking::Due {
+            self.shaking = Shaking::Done(frame);
+        }
+        self.returned.replace(to)
     }
 
     /// What was seen so far was seen too long ago.
     pub(super) fn begin_anew(&mut self, hint: Option<f64>) {
         if !self.is_won {
             (self.clock, self.agreed) = (RefreshClock::new(hint), 0);
+            self.shaking = Shaking::Rests;
         }
     }
 
-    /// A wait that only a display can have caused ended then; answers the display's clock once enough have.
-    fn observe(&mut self, at: f64) -> Option<RefreshClock> {
+    /// A wait for `shown` ended that a display may have caused; answers its clock once it is sure.
+    fn observe(&mut self, shown: u64, at: f64) -> Option<RefreshClock> {
+        // What frames of before the shake are waited for is not shaken.
+        if matches!(self.shaking, Shaking::Done(frame) if shown < frame) {
+            return None;
+        }
         let foretold = self.clock.period().zip(self.clock.at_or_after(at));
         let agrees = foretold.is_some_and(|(period, next)| {
             let early = next - at;
             early.min(period - early) < AGREES * period
         });
-        self.agreed = if agrees { self.agreed + 1 } else { 0 };
+        match (agrees, self.shaking) {
+            (true, Shaking::Done(_)) => self.agreed += 1,
+            (true, _) => {}
+            (false, _) => self.agreed = 0,
+        }
         self.clock.observe(at);
+        if self.clock.period().is_some_and(|period| period > LONGEST_PERIOD_NS) {
+            (self.clock, self.agreed) = (RefreshClock::new(None), 0);
+        }
+        let is_periodic = self.clock.period().is_some();
+        self.shaking = if is_periodic { Shaking::Due } else { Shaking::Rests };
         self.is_won = self.agreed >= ENOUGH;
         self.is_won.then(|| self.clock.clone())
     }
 
-    /// Some part of a frame, another one for each; none for every other frame.
+    /// Some part of what seems to be the period, another one for each frame.
     fn delay(&self, frame: u64) -> f64 {
-        if frame.is_multiple_of(2) {
-            return 0.0;
-        }
-        // Fibonacci hashing (Knuth 6.4) of a square: no period of its own.
-        let mixed = frame.wrapping_mul(frame).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        // SplitMix64 (Steele, Lea, Flood 2014): followed by nothing that comes again and again.
+        let mut mixed = frame.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         let part = (mixed >> 40) as f64 / f64::from(1_u32 << 24);
-        part * self.spacing.min(LONGEST_DELAY_NS)
+        part * self.clock.period().unwrap_or(0.0)
     }
 }
 
@@ -88,13 +121,10 @@ impl Pacer {
             return true;
         }
         let seen = self.frames.record(shown).and_then(|record| record.seen_finished);
-        let latest = match (self.starts_in_turn(), self.has_few_images()) {
-            (true, _) => self.last_from,
-            (false, false) => before,
-            (false, true) => None,
-        };
-        if seen.zip(latest).is_some_and(|(seen, latest)| seen <= latest)
-            && let Some(clock) = self.trial.observe(to)
+        let latest = if self.has_few_images() { self.last_from } else { before };
+        if self.is_tried()
+            && seen.zip(latest).is_some_and(|(seen, latest)| seen <= latest)
+            && let Some(clock) = self.trial.observe(shown, to)
         {
             self.clock = clock;
         }
@@ -105,14 +135,14 @@ impl Pacer {
         self.presentation.images < QUEUEING_IMAGES
     }
 
-    /// Whether frames start so that the one before is finished when an image is asked for.
-    fn starts_in_turn(&self) -> bool {
-        self.has_few_images() && self.searches_phase() && !self.trial.is_won && self.sees_finishes
+    fn is_tried(&self) -> bool {
+        self.searches_phase() && !self.trial.is_won && self.sees_finishes
     }
 
     /// The earliest start of the next frame while the phase is searched for.
     pub(super) fn start_in_search(&self, now: f64) -> f64 {
-        if !self.starts_in_turn() {
+        let is_shaken = self.trial.shaking == Shaking::Due;
+        if !self.is_tried() || !(is_shaken || self.has_few_images()) {
             return now;
         }
         let Some((_, newest)) = self.frames.newest_first().next() else { return now };
@@ -125,6 +155,10 @@ impl Pacer {
         let finish = newest.seen_finished.unwrap_or_else(|| {
             self.knowledge(f64::NEG_INFINITY).finish(newest, 0.0) + SAFE * self.gpu.spread()
         });
-        finish - self.cpu.expected() + self.trial.delay(self.frames.next())
+        match (is_shaken, newest.seen_finished) {
+            (true, None) => now + self.some_period_ns(),
+            (true, Some(seen)) => seen + self.trial.delay(self.frames.next()),
+            (false, _) => finish - self.cpu.expected(),
+        }
     }
 }

@@ -21,7 +21,17 @@ pub enum Panel {
     /// other, for about so long.
     Unthrottled {
         copy: f64,
+        waits_for: Work,
     },
+}
+
+/// Which work of the GPU an acquire waits for where there is no screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// Of the frame that frees its image.
+    Replacing,
+    /// All that was submitted, which the frame's own work is.
+    All,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +75,7 @@ impl Display {
     /// never show.
     pub fn present(&mut self, frame: usize, finish: f64) -> (f64, Option<usize>) {
         let (shown, replaces) = match self.panel {
-            Panel::Unthrottled { copy } => (self.copied(frame, finish, copy), false),
+            Panel::Unthrottled { copy, .. } => (self.copied(frame, finish, copy), false),
             _ => self.shown(finish),
         };
         let mut replaced = None;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use antumbra_pacing::{Feedback, FrameId, FrameTiming, Pacer, PresentReports, Step, Time};
 
-use crate::display::Display;
+use crate::display::{Display, Panel, Work};
 use crate::random::Random;
 use crate::scenario::{MILLISECOND, Policy, SECOND, Scenario, Stall, Ticks};
 
@@ -171,7 +171,13 @@ impl Simulation {
         self.now += cpu;
         self.deliver();
         let from = self.clock(self.now);
-        let free = self.display.image_free(self.now);
+        let submitted = self.now;
+        let mut free = self.display.image_free(submitted);
+        let draws_first =
+            matches!(self.display.panel, Panel::Unthrottled { waits_for: Work::All, .. });
+        if draws_first {
+            free = free.max(submitted.max(self.gpu_free) + gpu);
+        }
         if free > self.now + ACQUIRE_TIMEOUT {
             self.now += ACQUIRE_TIMEOUT;
             self.pacer.feedback(frame, Feedback::Dropped);
@@ -185,7 +191,8 @@ impl Simulation {
         let at = self.clock(self.now);
         self.pacer.feedback(frame, Feedback::Acquired { from, to: at });
         self.pacer.feedback(frame, Feedback::Queued { at });
-        let finish = self.now.max(self.gpu_free) + gpu;
+        let begin = if draws_first { submitted } else { self.now };
+        let finish = begin.max(self.gpu_free) + gpu;
         self.gpu_free = finish;
         let (shown, replaced) = self.display.present(number, finish);
         let outcome = &mut self.outcomes[number];
