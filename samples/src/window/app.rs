@@ -172,9 +172,9 @@ impl Opened {
         let seconds =
             self.last_frame.replace(now).map_or(0.0, |last| now.since(last).as_secs_f32());
         self.session.draw(&input.steering(), seconds, None)?;
-        let began = self.clock_now();
+        let scope = self.session.begin_scope("present");
         let shown = self.screen.show(self.session.renderer(), frame, self.size)?;
-        self.session.trace_cpu("present", began);
+        self.session.end_scope(scope);
         self.tell_fallback();
         self.session.after_frame()?;
         if self.is_occluded {

@@ -16,6 +16,7 @@ use super::clock::Clock;
 use super::fly_camera::{FlyCamera, Steering};
 use super::frame_times::FrameTimes;
 use super::notice::Notice;
+use super::profiler::{Profiler, Scope};
 use super::screenshots::Screenshots;
 use super::script::Script;
 use super::shader_watch::ShaderWatch;
@@ -57,6 +58,7 @@ pub struct Session {
     pub(super) folder: PathBuf,
     pub(super) watch: Option<ShaderWatch>,
     pub(super) trace: Option<Trace>,
+    profiler: Profiler,
     pub(super) capture: Option<Capture>,
     script: Script,
 }
@@ -115,6 +117,7 @@ impl Session {
             folder: options.out.clone().unwrap_or_else(|| PathBuf::from(".")),
             watch: options.shaders.clone().map(ShaderWatch::new),
             trace: options.trace.as_ref().map(|_| Trace::new(device)).transpose()?,
+            profiler: Profiler::start(),
             capture: files.capture,
             script: files.script,
             renderer,
@@ -180,7 +183,8 @@ impl Session {
         seconds: f32,
         picture: Option<&Readback>,
     ) -> Result<Tick, RunError> {
-        let began = self.clock.now();
+        let scope = self.begin_scope("render");
+        let began = scope.began;
         let camera = self.camera(steering, seconds);
         self.seconds += f64::from(seconds);
         if let Some(recording) = &mut self.recording {
@@ -194,7 +198,7 @@ impl Session {
         let tick = match &self.frozen {
             Some(moment) => {
                 let tick = self.renderer.render_moment(moment, camera, wanted)?;
-                self.trace_submit(began, false)?;
+                self.trace_submit(scope, false)?;
                 tick
             }
             None => {
@@ -202,7 +206,7 @@ impl Session {
                     FrameRequest { picture: wanted, ..FrameRequest::new(self.strategy, camera) };
                 self.report = self.renderer.render(&mut self.history, &request)?;
                 self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
-                self.trace_submit(began, true)?;
+                self.trace_submit(scope, true)?;
                 self.report.tick
             }
         };
@@ -225,19 +229,26 @@ impl Session {
         Ok(Some((picture, self.folder.join(name))))
     }
 
-    /// What the CPU did since `began`, for the trace.
-    pub fn trace_cpu(&mut self, name: &'static str, began: pacing::Time) {
+    /// From here to [`Session::end_scope`] lies what traces and profilers show under this name.
+    pub fn begin_scope(&self, name: &'static str) -> Scope {
+        Scope::begin(name, self.clock.now())
+    }
+
+    /// It is over now.
+    pub fn end_scope(&mut self, scope: Scope) {
         if let Some(trace) = &mut self.trace {
-            trace.cpu(name, began, self.clock.now());
+            trace.cpu(scope.name, scope.began, self.clock.now());
         }
     }
 
-    fn trace_submit(&mut self, began: pacing::Time, has_times: bool) -> Result<(), RunError> {
-        let Some(trace) = &mut self.trace else { return Ok(()) };
-        let known = self.clock.now();
-        trace.cpu("render", began, known);
+    fn trace_submit(&mut self, scope: Scope, has_times: bool) -> Result<(), RunError> {
+        let (began, known) = (scope.began, self.clock.now());
+        self.end_scope(scope);
         let passes = if has_times { self.renderer.pass_times() } else { &[] };
-        trace.submitted([began, known], self.renderer.frames_in_flight(), passes)?;
+        self.profiler.frame(passes);
+        if let Some(trace) = &mut self.trace {
+            trace.submitted([began, known], self.renderer.frames_in_flight(), passes)?;
+        }
         Ok(())
     }
 

@@ -1,0 +1,76 @@
+//! Scopes of the frame loop: each is in the trace and, with the feature `tracy`, in that profiler, too.
+
+use gpu::PassTime;
+use pacing::Time;
+
+/// Something that the CPU is at.
+pub struct Scope {
+    /// What the trace calls it.
+    pub name: &'static str,
+    /// Since when.
+    pub began: Time,
+    #[cfg(feature = "tracy")]
+    _zone: Option<tracy_client::Span>,
+}
+
+impl Scope {
+    /// It begins now, at `began`. For a profiler it ends when this is dropped.
+    pub fn begin(name: &'static str, began: Time) -> Self {
+        Self {
+            name,
+            began,
+            #[cfg(feature = "tracy")]
+            _zone: tracy_client::Client::running()
+                .map(|client| client.span_alloc(Some(name), "", file!(), line!(), 0)),
+        }
+    }
+}
+
+/// What Tracy is told besides scopes. It listens on this machine only, and keeps nothing while nobody is
+/// connected. Without the feature `tracy` there is no thread and no socket.
+#[cfg(feature = "tracy")]
+pub struct Profiler {
+    client: tracy_client::Client,
+    plots: Vec<(&'static str, tracy_client::PlotName)>,
+}
+
+#[cfg(feature = "tracy")]
+impl Profiler {
+    /// Starts to listen, once in a process.
+    pub fn start() -> Self {
+        Self { client: tracy_client::Client::start(), plots: Vec::new() }
+    }
+
+    /// A frame was submitted, and these passes came home.
+    pub fn frame(&mut self, passes: &[PassTime]) {
+        self.client.frame_mark();
+        if !tracy_client::Client::is_connected() {
+            return;
+        }
+        for pass in passes {
+            let place = self.plots.iter().position(|(label, _)| *label == pass.label);
+            let place = place.unwrap_or_else(|| {
+                // Names are never freed; there are as many as labels.
+                let name = tracy_client::PlotName::new_leak(format!("GPU {} (ms)", pass.label));
+                self.plots.push((pass.label, name));
+                self.plots.len() - 1
+            });
+            self.client.plot(self.plots[place].1, pass.gpu_ms);
+        }
+    }
+}
+
+/// Nobody to tell.
+#[cfg(not(feature = "tracy"))]
+pub struct Profiler;
+
+#[cfg(not(feature = "tracy"))]
+impl Profiler {
+    /// Starts nothing.
+    pub fn start() -> Self {
+        Self
+    }
+
+    /// Tells nobody.
+    pub fn frame(&mut self, _: &[PassTime]) {}
+}
