@@ -266,3 +266,34 @@ fn the_triangle_is_in_the_middle() {
     assert!(red > 60 && green > 60 && blue > 60, "{said}");
     assert!(red.abs_diff(green) < 8, "it stands upright: {said}");
 }
+
+#[test]
+fn the_triangle_says_why_it_cannot_be_drawn() {
+    let scratch = Scratch::new("no-triangle");
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_triangle"));
+        command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        command.args(arguments).current_dir(&scratch.0);
+        command
+    };
+    let no_driver = |mut command: Command| {
+        command.env("VK_ADD_DRIVER_FILES", "").env("VK_DRIVER_FILES", "/nowhere.json");
+        command
+    };
+    let full = || fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let mut unheard = run(&["--headless"]);
+    unheard.stdout(full());
+    let cases = [
+        (run(&[]), "--headless"),
+        (run(&["--bogus"]), "usage"),
+        (run(&["--headless", "more"]), "usage"),
+        (no_driver(run(&["--headless"])), "driver"),
+        (unheard, "space"),
+    ];
+    for (mut command, expected) in cases {
+        let output = command.output().unwrap();
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{command:?}: {said}");
+        assert!(said.contains(expected) && !said.contains("panicked"), "{command:?}: {said}");
+    }
+}

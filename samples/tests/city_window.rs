@@ -270,3 +270,14 @@ fn the_triangle_opens_a_window_and_closes_it() {
     window.close();
     running.end_well();
 }
+
+#[test]
+fn a_triangle_that_cannot_be_drawn_in_a_window_is_no_success() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-no-triangle"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_triangle"));
+    command.env("DISPLAY", server.display()).env_remove("WAYLAND_DISPLAY");
+    command.env("VK_ADD_DRIVER_FILES", "").env("VK_DRIVER_FILES", "/nowhere.json");
+    let mut running = Running::start(command, &scratch);
+    let status = running.end();
+    assert!(!status.success() && running.log().contains("triangle: "), "{}", running.log());
+}

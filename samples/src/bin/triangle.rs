@@ -1,7 +1,7 @@
 //! The smallest complete program on the engine: a triangle in a window, or one frame with --headless.
 #![forbid(unsafe_code)]
 
-use std::{error::Error, sync::Arc};
+use std::{error::Error, io::Write, process::ExitCode, sync::Arc};
 
 use render::{FrameRequest, Renderer, ViewHistory, scene};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
@@ -43,44 +43,68 @@ impl App {
 
     fn show(&mut self) -> Result<(), Box<dyn Error>> {
         let Some((triangle, window)) = &mut self.0 else { return Ok(()) };
-        triangle.frame(None)?;
-        if let Some(swapchain) = &mut triangle.2 {
-            triangle.0.present(swapchain, window.inner_size().into())?;
-        }
         window.request_redraw();
+        // A hidden window may hold what it was sent: then no frame begins.
+        if triangle.2.as_mut().map_or(Ok(true), gpu::Swapchain::is_ready)? {
+            triangle.frame(None)?;
+            if let Some(swapchain) = &mut triangle.2 {
+                triangle.0.present(swapchain, window.inner_size().into())?;
+            }
+        }
         Ok(())
+    }
+
+    fn end_if_failed(&mut self, event_loop: &ActiveEventLoop, done: Result<(), Box<dyn Error>>) {
+        if let Err(error) = done {
+            self.1.get_or_insert(error);
+            event_loop.exit();
+        }
     }
 }
 
 impl ApplicationHandler for App {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        self.1 = self.open(event_loop).err();
+        let opened = self.open(event_loop);
+        self.end_if_failed(event_loop, opened);
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
-            WindowEvent::RedrawRequested => self.1 = self.show().err(),
+            WindowEvent::RedrawRequested => {
+                let shown = self.show();
+                self.end_if_failed(event_loop, shown);
+            }
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             _ => {}
         }
     }
-
-    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        self.1.is_some().then(|| event_loop.exit());
-    }
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    if std::env::args().any(|argument| argument == "--headless") {
-        let mut triangle = Triangle::open(None)?;
-        let picture = gpu::Readback::new(triangle.0.device(), triangle.0.size())?;
-        triangle.frame(Some(&picture))?;
-        triangle.0.drain(&mut triangle.1)?;
-        let middle = picture.rgba8().len() / 2 + 4 * 640;
-        println!("the middle is {:?}", &picture.rgba8()[middle..middle + 3]);
-        return Ok(());
-    }
+fn in_a_window() -> Result<(), Box<dyn Error>> {
     let mut app = App::default();
-    EventLoop::new()?.run_app(&mut app)?;
+    let event_loop = EventLoop::new().map_err(|_| "there is no display; try --headless")?;
+    event_loop.run_app(&mut app)?;
     app.1.map_or(Ok(()), Err)
+}
+
+fn headless() -> Result<(), Box<dyn Error>> {
+    let mut triangle = Triangle::open(None)?;
+    let picture = gpu::Readback::new(triangle.0.device(), triangle.0.size())?;
+    triangle.frame(Some(&picture))?;
+    triangle.0.drain(&mut triangle.1)?;
+    let middle = picture.rgba8().len() / 2 + 4 * 640;
+    let colour = &picture.rgba8()[middle..middle + 3];
+    Ok(writeln!(std::io::stdout(), "the middle is {colour:?}")?)
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let ended = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => in_a_window(),
+        ["--headless"] => headless(),
+        _ => Err("usage: triangle [--headless]".into()),
+    };
+    let Err(error) = ended else { return ExitCode::SUCCESS };
+    eprintln!("triangle: {error}");
+    ExitCode::FAILURE
 }
