@@ -8,37 +8,22 @@
 
 #[path = "swapchain/changes.rs"]
 mod changes;
+#[path = "swapchain/show.rs"]
+mod show;
 #[path = "swapchain/stage.rs"]
 mod stage;
 #[path = "swapchain/steady.rs"]
 mod steady;
+#[path = "swapchain/ways.rs"]
+mod ways;
 #[path = "swapchain/x11_window.rs"]
 mod x11_window;
 
-use gpu::{PresentMode, SwapchainOptions};
+use gpu::SwapchainOptions;
 use stage::{Painter, Stage, await_picture, show_surely};
-use tests::Driver;
 use tests::xvfb::Xvfb;
-use x11_window::{Library, X11Window};
-
-/// Each way to a window that the drivers have.
-const WAYS: [(Driver, Library); 4] = [
-    (Driver::Lavapipe, Library::Xcb),
-    (Driver::Lavapipe, Library::Xlib),
-    (Driver::SwiftShader, Library::Xcb),
-    (Driver::SwiftShader, Library::Xlib),
-];
-
-/// Those for thousands of swapchains. SwiftShader never lets go of the shared memory of a swapchain that
-/// was replaced, and crashes where there is no more: a machine has 4,096 pieces.
-const LASTING_WAYS: &[(Driver, Library)] = WAYS.split_at(3).0;
-
-fn modes(driver: Driver) -> &'static [PresentMode] {
-    match driver {
-        Driver::Lavapipe => &PresentMode::ALL,
-        Driver::SwiftShader => &[PresentMode::Fifo, PresentMode::Mailbox],
-    }
-}
+use ways::{WAYS, modes};
+use x11_window::X11Window;
 
 #[test]
 fn a_picture_in_a_window_is_what_was_drawn_bit_for_bit() {

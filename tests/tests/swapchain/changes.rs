@@ -1,65 +1,13 @@
 //! Windows that change in every way that a user can change them, a thousand times.
 
-use gpu::{Acquired, NotShown, PresentMode, Shown, Swapchain, SwapchainOptions};
+use gpu::{Acquired, NotShown, PresentMode, Shown, SwapchainOptions};
 use tests::Driver;
 use tests::xvfb::Xvfb;
 
+use crate::show::Show;
 use crate::stage::{Painter, Random, Stage, await_picture, show_surely};
+use crate::ways::{LASTING_WAYS, WAYS, modes};
 use crate::x11_window::{Library, X11Window};
-use crate::{LASTING_WAYS, WAYS, modes};
-
-/// So many swapchains at most wait for their end: eight that need a proof of it, one that is replaced.
-const MOST_RETIRING: usize = 9;
-
-/// A window that is shown a picture after every change.
-struct Show<'a> {
-    stage: &'a Stage,
-    window: &'a X11Window,
-    painter: Painter,
-    swapchain: Swapchain,
-    size: [u32; 2],
-    out_of_date: u32,
-    presented: u32,
-}
-
-impl<'a> Show<'a> {
-    fn new(stage: &'a Stage, window: &'a X11Window, mode: PresentMode, size: [u32; 2]) -> Self {
-        let options = SwapchainOptions { mode, ..Default::default() };
-        Self {
-            stage,
-            window,
-            painter: Painter::new(&stage.device, [64, 48]),
-            swapchain: stage.swapchain(&options),
-            size,
-            out_of_date: 0,
-            presented: 0,
-        }
-    }
-
-    /// A frame of any size, to a window that the caller believes to have `believed` pixels.
-    fn frame(&mut self, seed: u32, believed: [u32; 2]) {
-        self.painter.paint(seed, None);
-        match self.swapchain.show(&self.painter.target, believed).unwrap() {
-            Shown::Presented(_) => self.presented += 1,
-            Shown::Not(NotShown::OutOfDate) => self.out_of_date += 1,
-            Shown::Not(other) => panic!("{other:?}"),
-        }
-        assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());
-        // What waits for a tick: chains, and what a few frames left.
-        assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
-    }
-
-    /// The window shows exactly what was drawn for its size.
-    fn check(&mut self, seed: u32) {
-        self.window.show();
-        self.window.place(0, 0);
-        let mut painter = Painter::new(&self.stage.device, self.size);
-        let expected = painter.expected(seed);
-        let presented = show_surely(&mut self.swapchain, &painter.target, self.size);
-        assert_eq!(presented.size, self.size);
-        await_picture(&expected, || self.window.pixels(self.size));
-    }
-}
 
 #[test]
 fn a_window_survives_a_thousand_changes() {
@@ -112,37 +60,6 @@ fn a_window_survives_a_thousand_changes() {
         assert!(show.swapchain.replaced() <= replaced + 1);
         // The pictures compared were drained; nothing else waited for the GPU.
         assert_eq!(stage.device.wait_counts().other, CHECKS);
-        drop(show);
-        stage.end();
-    }
-}
-
-#[test]
-fn modes_and_frames_in_flight_change_a_thousand_times() {
-    let server = Xvfb::start();
-    for &(driver, library) in LASTING_WAYS {
-        let size = [160, 120];
-        let window = X11Window::open(&server, library, size);
-        let stage = Stage::new(driver, window.clone());
-        let mut random = Random::new(11);
-        let mut show = Show::new(&stage, &window, PresentMode::Fifo, size);
-        for step in 0..1_000 {
-            let mode = PresentMode::ALL[random.below(4) as usize];
-            show.swapchain.set_mode(mode);
-            show.swapchain.set_frames_in_flight(random.below(5) as usize).unwrap();
-            if random.below(8) == 0 {
-                // An image that is acquired and not shown is no loss.
-                drop(show.swapchain.acquire(size).unwrap());
-            }
-            show.frame(step, size);
-            let taken = mode.nearest(modes(driver));
-            assert_eq!(show.swapchain.mode(), taken);
-            assert_eq!(show.swapchain.fallback().is_some(), taken != mode);
-            if step % 100 == 99 {
-                show.check(step);
-            }
-        }
-        assert!(show.presented > 900, "{}", show.presented);
         drop(show);
         stage.end();
     }

@@ -11,8 +11,8 @@ use tests::walk::SceneKind;
 use tests::xvfb::Xvfb;
 
 use crate::stage::{Stage, await_picture};
+use crate::ways::{WAYS, modes};
 use crate::x11_window::X11Window;
-use crate::{WAYS, modes};
 
 #[test]
 fn the_renderers_picture_in_a_window_is_the_one_without_it() {

@@ -1,0 +1,57 @@
+//! A window whose present mode and frames in flight change a thousand times.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+#[path = "swapchain/show.rs"]
+mod show;
+#[path = "swapchain/stage.rs"]
+#[allow(dead_code, reason = "others need more of the stage")]
+mod stage;
+#[path = "swapchain/ways.rs"]
+#[allow(dead_code, reason = "others go all ways")]
+mod ways;
+#[path = "swapchain/x11_window.rs"]
+#[allow(dead_code, reason = "others need more of the window")]
+mod x11_window;
+
+use gpu::PresentMode;
+use show::Show;
+use stage::{Random, Stage};
+use tests::xvfb::Xvfb;
+use ways::{LASTING_WAYS, modes};
+use x11_window::X11Window;
+
+#[test]
+fn modes_and_frames_in_flight_change_a_thousand_times() {
+    let server = Xvfb::start();
+    for &(driver, library) in LASTING_WAYS {
+        let size = [160, 120];
+        let window = X11Window::open(&server, library, size);
+        let stage = Stage::new(driver, window.clone());
+        let mut random = Random::new(11);
+        let mut show = Show::new(&stage, &window, PresentMode::Fifo, size);
+        for step in 0..1_000 {
+            let mode = PresentMode::ALL[random.below(4) as usize];
+            show.swapchain.set_mode(mode);
+            show.swapchain.set_frames_in_flight(random.below(5) as usize).unwrap();
+            if random.below(8) == 0 {
+                // An image that is acquired and not shown is no loss.
+                drop(show.swapchain.acquire(size).unwrap());
+            }
+            show.frame(step, size);
+            let taken = mode.nearest(modes(driver));
+            assert_eq!(show.swapchain.mode(), taken);
+            assert_eq!(show.swapchain.fallback().is_some(), taken != mode);
+            if step % 100 == 99 {
+                show.check(step);
+            }
+        }
+        assert!(show.presented > 900, "{}", show.presented);
+        drop(show);
+        stage.end();
+    }
+}
