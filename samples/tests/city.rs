@@ -155,6 +155,22 @@ fn explanations_are_drawn_and_go_again() {
     assert!(picture(3) != picture(5) && picture(5) != picture(7));
 }
 
+/// Where every frame is written anyway, a screenshot is the same picture.
+#[test]
+fn a_screenshot_is_the_frame_it_was_taken_of() {
+    let scratch = Scratch::new("city-screenshots");
+    fs::write(scratch.0.join("script"), "10 screenshot\n25 screenshot\n").unwrap();
+    let rest = ["--path", "street", "--frames", "30", "--script", "script", "--out", "out"];
+    headless(&scratch, &rest);
+    let bytes = |name: String| fs::read(scratch.0.join("out").join(name)).unwrap();
+    let [first, second] = ["00010", "00025"].map(|frame| {
+        let shot = bytes(format!("city_{frame}.png"));
+        assert!(shot == bytes(format!("frame_{frame}.png")), "the screenshot of frame {frame}");
+        shot
+    });
+    assert!(first != second, "nobody walked");
+}
+
 /// Nobody knows what it drew, so it is not frozen.
 #[test]
 fn what_only_the_gpu_knows_is_not_frozen() {

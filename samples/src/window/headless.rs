@@ -1,5 +1,7 @@
 //! The program without a window: the same frames, one a sixtieth of a second, as pictures if wanted.
 
+use std::rc::Rc;
+
 use gpu::{Device, DeviceOptions, Readback};
 
 use super::args::CityOptions;
@@ -34,7 +36,8 @@ pub fn run(options: &CityOptions, files: Files) -> Result<(), RunError> {
 fn draw(device: &Device, options: &CityOptions, files: Files) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
     let mut session = Session::new(device, options, files, size)?;
-    let picture = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
+    let picture =
+        options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?.map(Rc::new);
     tracing::info!("the frames begin");
     'frames: for frame in 0..options.frames.unwrap_or(1) {
         let mut has_acted = false;

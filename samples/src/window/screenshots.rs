@@ -1,6 +1,7 @@
 //! Pictures on their way to files: nobody waits for the GPU to have drawn them.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use gpu::{Device, Readback, Tick};
 
@@ -10,7 +11,7 @@ use crate::run::RunError;
 
 /// A picture that the GPU draws.
 struct Pending {
-    picture: Readback,
+    picture: Rc<Readback>,
     tick: Tick,
     path: PathBuf,
 }
@@ -23,7 +24,7 @@ pub struct Screenshots {
 
 impl Screenshots {
     /// A picture that is there when `tick` is over, for the file at `path`.
-    pub fn push(&mut self, picture: Readback, tick: Tick, path: PathBuf) {
+    pub fn push(&mut self, picture: Rc<Readback>, tick: Tick, path: PathBuf) {
         self.pending.push(Pending { picture, tick, path });
     }
 

@@ -1,6 +1,7 @@
 //! The program without its window: scene, camera, and one frame after the other, whoever shows them.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use cull::Camera;
 use gpu::{Device, Readback, Tick};
@@ -174,6 +175,8 @@ impl Session {
     }
 
     /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if it is wanted.
+    /// A frame is copied to one place only: a screenshot of it is written from there, so whoever uses
+    /// the same place again waits for the frame and calls [`Session::after_frame`] before the next.
     ///
     /// # Errors
     /// When the device fails, or a file cannot be written.
@@ -181,7 +184,7 @@ impl Session {
         &mut self,
         steering: &Steering,
         seconds: f32,
-        picture: Option<&Readback>,
+        picture: Option<&Rc<Readback>>,
     ) -> Result<Tick, RunError> {
         let scope = self.begin_scope("render");
         let began = scope.began;
@@ -193,8 +196,9 @@ impl Session {
         if let Some(capture) = &mut self.capture {
             capture.begin(self.frame);
         }
-        let screenshot = self.screenshot()?;
-        let wanted = picture.or(screenshot.as_ref().map(|(picture, _)| picture));
+        let screenshot = self.screenshot(picture)?;
+        let own = screenshot.as_ref().map(|(picture, _)| picture);
+        let wanted = picture.or(own).map(Rc::as_ref);
         let tick = match &self.frozen {
             Some(moment) => {
                 let tick = self.renderer.render_moment(moment, camera, wanted)?;
@@ -219,12 +223,19 @@ impl Session {
         Ok(tick)
     }
 
-    /// Room for the screenshot that is wanted, and its file.
-    fn screenshot(&mut self) -> Result<Option<(Readback, PathBuf)>, RunError> {
+    /// Where the screenshot that is wanted is copied to, which is `picture` if there is one, and its
+    /// file.
+    fn screenshot(
+        &mut self,
+        picture: Option<&Rc<Readback>>,
+    ) -> Result<Option<(Rc<Readback>, PathBuf)>, RunError> {
         if !std::mem::take(&mut self.wants_screenshot) {
             return Ok(None);
         }
-        let picture = Readback::new(self.renderer.device(), self.renderer.size())?;
+        let picture = match picture {
+            Some(picture) => Rc::clone(picture),
+            None => Rc::new(Readback::new(self.renderer.device(), self.renderer.size())?),
+        };
         let name = format!("city_{:05}.png", self.frame);
         Ok(Some((picture, self.folder.join(name))))
     }
