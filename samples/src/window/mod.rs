@@ -10,6 +10,7 @@ pub mod args;
 pub mod capture;
 pub mod clock;
 pub mod deeds;
+pub mod evenness;
 pub mod fly_camera;
 pub mod frame_times;
 pub mod headless;
