@@ -300,19 +300,19 @@ impl Session {
         Ok(())
     }
 
-    /// Writes what is left: a path being recorded, pictures on their way, the trace.
+    /// Writes what is left: a path being recorded, pictures on their way, the trace. Each, whatever
+    /// becomes of the others.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// When a file cannot be written, or a screenshot could not be before.
     pub fn finish(mut self, options: &CityOptions) -> Result<(), RunError> {
-        if self.recording.is_some() {
-            self.stop_recording()?;
-        }
-        self.screenshots.finish(self.renderer.device())?;
-        if let (Some(trace), Some(path)) = (&self.trace, &options.trace) {
-            trace.write(path).map_err(RunError::machine)?;
-        }
-        Ok(())
+        let recording = self.stop_recording();
+        let screenshots = self.screenshots.finish(self.renderer.device());
+        let trace = match (&self.trace, &options.trace) {
+            (Some(trace), Some(path)) => trace.write(path).map_err(RunError::machine),
+            _ => Ok(()),
+        };
+        super::first_error([recording, screenshots, trace])
     }
 }
 
