@@ -14,6 +14,7 @@ mod program;
 
 use std::fs;
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use picture::pixels;
 use program::{Scratch, program, stderr};
@@ -155,6 +156,75 @@ fn explanations_are_drawn_and_go_again() {
     assert!(picture(3) != picture(5) && picture(5) != picture(7));
 }
 
+/// Where every frame is written anyway, a screenshot is the same picture.
+#[test]
+fn a_screenshot_is_the_frame_it_was_taken_of() {
+    let scratch = Scratch::new("city-screenshots");
+    fs::write(scratch.0.join("script"), "10 screenshot\n25 screenshot\n").unwrap();
+    let rest = ["--path", "street", "--frames", "30", "--script", "script", "--out", "out"];
+    headless(&scratch, &rest);
+    let bytes = |name: String| fs::read(scratch.0.join("out").join(name)).unwrap();
+    let [first, second] = ["00010", "00025"].map(|frame| {
+        let shot = bytes(format!("city_{frame}.png"));
+        assert!(shot == bytes(format!("frame_{frame}.png")), "the screenshot of frame {frame}");
+        shot
+    });
+    assert!(first != second, "nobody walked");
+}
+
+/// A file that could not be written is named at the end, which is not a good one.
+#[test]
+fn what_cannot_be_written_is_no_success() {
+    let scratch = Scratch::new("city-unwritten");
+    for (script, in_the_way, code) in [
+        ("2 screenshot\n", "city_00002.png", 1),
+        ("0 record\n", "path_00010.txt", 1),
+        // The second try has another name.
+        ("0 record\n5 record\n8 record\n", "path_00005.txt", 0),
+    ] {
+        fs::write(scratch.0.join("script"), script).unwrap();
+        fs::create_dir_all(scratch.0.join("out").join(in_the_way)).unwrap();
+        let rest = ["--frames", "10", "--script", "script", "--out", "out"];
+        let output = city(&scratch, &[&SMALL[..], &rest].concat());
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{script}: {message}");
+        assert!(message.contains(in_the_way), "{script}: {message}");
+        let errors = message.lines().filter(|line| line.starts_with("error: ")).count();
+        assert_eq!(errors, code as usize, "{script}: {message}");
+    }
+    let path = fs::read_to_string(scratch.0.join("out/path_00008.txt")).unwrap();
+    assert_eq!(path.lines().count(), 2 + 8, "nothing of it is lost");
+}
+
+/// A signal is as good an end as any: all is written.
+#[test]
+fn a_signal_ends_it_and_all_is_written() {
+    for (signal, code) in
+        [(rustix::process::Signal::INT, 130), (rustix::process::Signal::TERM, 143)]
+    {
+        let scratch = Scratch::new("city-signal");
+        fs::write(scratch.0.join("script"), "0 record\n2 screenshot\n").unwrap();
+        let rest = ["--frames", "1000000", "--script", "script", "--trace", "trace.json"];
+        let arguments = [&SMALL[..], &rest].concat();
+        let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &arguments);
+        let log = fs::File::create(scratch.0.join("log")).unwrap();
+        let mut running = command.stderr(log).spawn().unwrap();
+        let began = Instant::now();
+        while !scratch.0.join("city_00002.png").exists() {
+            assert!(began.elapsed() < Duration::from_secs(60), "no frame is drawn");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let process = rustix::process::Pid::from_child(&running);
+        rustix::process::kill_process(process, signal).unwrap();
+        let status = running.wait().unwrap();
+        let said = fs::read_to_string(scratch.0.join("log")).unwrap();
+        assert_eq!(status.code(), Some(code), "{status}: {said}");
+        assert!(scratch.names(".").iter().any(|name| name.starts_with("path_")), "{said}");
+        let trace = fs::read_to_string(scratch.0.join("trace.json")).unwrap();
+        serde_json::from_str::<serde_json::Value>(&trace).unwrap();
+    }
+}
+
 /// Nobody knows what it drew, so it is not frozen.
 #[test]
 fn what_only_the_gpu_knows_is_not_frozen() {
@@ -219,7 +289,6 @@ fn check_trace(text: &str) {
 #[cfg(feature = "shader-compiler")]
 #[test]
 fn shaders_are_loaded_while_it_runs() {
-    use std::time::{Duration, Instant};
     let scratch = Scratch::new("city-shaders");
     let folder = scratch.0.join("shaders");
     fs::create_dir(&folder).unwrap();

@@ -236,6 +236,30 @@ fn whatever_is_switched_the_picture_stays() {
     running.end_well();
 }
 
+/// Each time the next one is meant, although no image followed yet.
+#[test]
+fn two_steps_in_one_frame_are_two_present_modes() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-steps"));
+    fs::write(scratch.0.join("script"), "10 present_mode\n10 present_mode\n").unwrap();
+    let mut running = Running::city(&scratch, &server, &["--script", "script", "--frames", "20"]);
+    let (status, log) = (running.end(), running.log());
+    assert!(status.success(), "{status}: {log}");
+    assert!(log.contains("present mode fifo_relaxed") && log.contains("present mode mailbox"));
+}
+
+#[test]
+fn a_signal_closes_the_window() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-signal"));
+    fs::write(scratch.0.join("script"), "0 record\n2 screenshot\n").unwrap();
+    let mut running = Running::city(&scratch, &server, &["--script", "script", "--out", "out"]);
+    running.await_text("wrote out/city_00002.png");
+    let process = rustix::process::Pid::from_child(&running.process);
+    rustix::process::kill_process(process, rustix::process::Signal::TERM).unwrap();
+    let (status, log) = (running.end(), running.log());
+    assert_eq!(status.code(), Some(143), "{status}: {log}");
+    assert!(log.contains(" frames in out/path_"), "{log}");
+}
+
 #[test]
 fn it_runs_under_wayland() {
     let (compositor, scratch) = (Weston::start(), Scratch::new("window-wayland"));

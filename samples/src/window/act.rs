@@ -39,7 +39,7 @@ impl Session {
             Deed::Wires => self.toggle_wires(),
             Deed::TimePasses => self.toggle_times(),
             Deed::Screenshot => self.wants_screenshot = true,
-            Deed::Record => self.toggle_recording()?,
+            Deed::Record => self.toggle_recording(),
             Deed::Hud => self.toggle_hud(),
             Deed::NextPresentMode | Deed::PresentMode(_) | Deed::Quit => {}
         }
@@ -139,17 +139,21 @@ impl Session {
         }
     }
 
-    fn toggle_recording(&mut self) -> Result<(), RunError> {
-        if self.recording.is_some() {
-            return self.stop_recording();
+    fn toggle_recording(&mut self) {
+        if self.recording.is_none() {
+            self.recording = Some(RecordedPath::default());
+            self.seconds = 0.0;
+            self.tell("recording the path; the same key ends it".to_owned());
+        } else if let Err(error) = self.stop_recording() {
+            let text = format!("{error} It is recorded on; the same key tries again");
+            self.notice.keep_telling(text);
         }
-        self.recording = Some(RecordedPath::default());
-        self.seconds = 0.0;
-        self.tell("recording the path; the same key ends it".to_owned());
-        Ok(())
     }
 
-    /// Writes the path that was recorded.
+    /// Writes the path that is recorded, if one is. If that fails, it is recorded on.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
     pub(super) fn stop_recording(&mut self) -> Result<(), RunError> {
         let Some(recorded) = self.recording.take() else { return Ok(()) };
         if recorded.frames().is_empty() {
@@ -157,13 +161,12 @@ impl Session {
             return Ok(());
         }
         let path = self.folder.join(format!("path_{:05}.txt", self.frame));
-        match recorded.write(&path) {
-            Ok(()) => {
-                let frames = recorded.frames().len();
-                self.tell(format!("{frames} frames in {}", path.display()));
-            }
-            Err(error) => self.notice.keep_telling(error.to_string()),
+        if let Err(error) = recorded.write(&path) {
+            self.recording = Some(recorded);
+            return Err(RunError::machine(error));
         }
+        let frames = recorded.frames().len();
+        self.tell(format!("{frames} frames in {}", path.display()));
         Ok(())
     }
 

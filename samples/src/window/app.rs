@@ -19,31 +19,36 @@ use super::deeds::Deed;
 use super::input::Input;
 use super::screen::Screen;
 use super::session::{Files, Session};
+use super::signals::Signals;
 use crate::run::{self, RunError};
 
 /// Text over the picture changes so often.
 const HUD_INTERVAL: Duration = Duration::from_millis(250);
 /// Frames of a window that nobody sees, and looks at one without a pixel, come so often.
 const HIDDEN_INTERVAL: Duration = Duration::from_millis(250);
+/// Nothing wakes the loop for a signal: it sleeps at most that long.
+const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 
-/// Runs in a window until that is closed.
+/// Runs in a window until that is closed, or a signal comes.
 ///
 /// # Errors
-/// No display; a device or a file that is not what it should be; messages of the validation layer.
-pub fn run(options: &CityOptions, files: Files) -> Result<(), RunError> {
+/// No display, or one that fails; a device or a file that is not what it should be; messages of the validation layer.
+pub fn run(options: &CityOptions, files: Files, signals: &Signals) -> Result<(), RunError> {
     let event_loop = EventLoop::new().map_err(no_display)?;
     let mut app = App {
         options,
+        signals,
         files: Some(files),
         opened: None,
         input: Input::default(),
         clock: Clock,
         outcome: Ok(()),
     };
-    event_loop.run_app(&mut app).map_err(no_display)?;
+    let failed = |error| RunError::machine(format!("the window system failed: {error}"));
+    let ran = event_loop.run_app(&mut app).map_err(failed);
     let App { opened, outcome, .. } = app;
     let closed = opened.map_or(Ok(()), |opened| opened.close(options));
-    outcome.and(closed)
+    super::first_error([outcome, ran, closed])
 }
 
 fn no_display(error: impl std::fmt::Display) -> RunError {
@@ -61,6 +66,7 @@ fn no_display(error: impl std::fmt::Display) -> RunError {
 /// What winit calls.
 struct App<'a> {
     options: &'a CityOptions,
+    signals: &'a Signals,
     files: Option<Files>,
     opened: Option<Opened>,
     input: Input,
@@ -252,7 +258,7 @@ impl Opened {
         drop((screen, window));
         let log = instance.validation_log().clone();
         drop(instance);
-        finished.and_then(|()| super::check_log(&log))
+        super::first_error([finished, super::check_log(&log)])
     }
 }
 
@@ -262,7 +268,7 @@ impl App<'_> {
         match result {
             Ok(Next::Now) => event_loop.set_control_flow(ControlFlow::Poll),
             Ok(Next::At(at)) => {
-                let wait = at.since(self.clock.now());
+                let wait = at.since(self.clock.now()).min(LONGEST_SLEEP);
                 event_loop.set_control_flow(ControlFlow::WaitUntil(Instant::now() + wait));
             }
             Ok(Next::End) => event_loop.exit(),
@@ -330,7 +336,10 @@ impl ApplicationHandler for App<'_> {
         if let Some(opened) = &mut self.opened
             && !event_loop.exiting()
         {
-            let next = opened.turn(&self.input, self.options, now);
+            let next = match self.signals.received() {
+                Some(_) => Ok(Next::End),
+                None => opened.turn(&self.input, self.options, now),
+            };
             self.follow(event_loop, next);
         }
     }

@@ -36,7 +36,8 @@ Examples:
       A path recorded with the key R, and a trace for ui.perfetto.dev.
 
 Ends with 0 when all went well, 2 when something in the command line is wrong, 1 when the machine
-cannot do it."
+cannot do it or a file cannot be written, 130 or 143 when Ctrl-C or SIGTERM ended it: that writes what
+there is, and a second one ends it at once."
 )]
 pub struct CityArguments {
     /// What to fly through: city or field
@@ -70,15 +71,10 @@ pub struct CityArguments {
     /// How many frames the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Frames")]
     pub frames_in_flight: String,
-    /// How pictures follow each other in the window
-    #[arg(
-        long,
-        value_name = "fifo|fifo_relaxed|mailbox|immediate",
-        default_value = "fifo",
-        help_heading = "Frames"
-    )]
-    pub present_mode: String,
-    /// At most so many frames a second [default: as the screen goes]
+    /// How pictures follow each other in the window [default: fifo]
+    #[arg(long, value_name = "fifo|fifo_relaxed|mailbox|immediate", help_heading = "Frames")]
+    pub present_mode: Option<String>,
+    /// At most so many frames a second in the window [default: as the screen goes]
     #[arg(long, value_name = "HZ", help_heading = "Frames")]
     pub frame_limit: Option<String>,
     /// End after so many frames [default: 120 without a window, never with one]
@@ -177,8 +173,9 @@ impl CityArguments {
                 "--strategy: 'ideal' draws what was found visible beforehand, on a path that is known; see walkthrough",
             );
         }
-        let present_mode = present_mode(&self.present_mode)
+        let present_mode = present_mode(self.present_mode.as_deref().unwrap_or("fifo"))
             .map_err(|message| UsageError(format!("--present-mode: {message}")))?;
+        self.refuse_unheeded()?;
         let frames = self.frames.as_deref();
         let frames = frames.map(|text| parse_in_range("--frames", text, 1, MAX_FRAMES));
         let frames = frames.transpose()?;
@@ -225,6 +222,18 @@ impl CityArguments {
             capture: capture.transpose()?,
         })
     }
+
+    /// Refuses what only a window heeds where there is none.
+    fn refuse_unheeded(&self) -> Result<(), UsageError> {
+        let of_windows =
+            [("--present-mode", &self.present_mode), ("--frame-limit", &self.frame_limit)];
+        match of_windows.into_iter().find(|(_, value)| self.headless && value.is_some()) {
+            Some((option, _)) => usage(format!(
+                "{option} changes nothing with --headless: leave it out, or open a window"
+            )),
+            None => Ok(()),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -259,6 +268,16 @@ mod tests {
     fn of_an_option_said_twice_the_last_counts() {
         let options = parse(&["--frames=1", "--headless", "--frames", "2", "--headless"]).unwrap();
         assert_eq!((options.frames, options.is_headless), (Some(2), true));
+    }
+
+    #[test]
+    fn what_only_a_window_heeds_is_refused_without_one() {
+        for option in [["--present-mode", "fifo"], ["--frame-limit", "60"]] {
+            assert!(parse(&option).is_ok());
+            let refused = parse(&[&option[..], &["--headless"]].concat()).unwrap_err().to_string();
+            let expected = format!("{} changes nothing with --headless", option[0]);
+            assert!(refused.starts_with(&expected), "{refused}");
+        }
     }
 
     #[test]

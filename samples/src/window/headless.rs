@@ -1,11 +1,14 @@
 //! The program without a window: the same frames, one a sixtieth of a second, as pictures if wanted.
 
+use std::rc::Rc;
+
 use gpu::{Device, DeviceOptions, Readback};
 
 use super::args::CityOptions;
 use super::deeds::Deed;
 use super::fly_camera::Steering;
 use super::session::{Files, Session};
+use super::signals::Signals;
 use crate::options::FrameSize;
 use crate::picture::write_png;
 use crate::run::{self, RunError};
@@ -14,33 +17,53 @@ const FRAME_SECONDS: f32 = 1.0 / 60.0;
 /// The text changes every so many frames.
 const HUD_FRAMES: u32 = 15;
 
-/// Draws the frames that the options ask for.
+/// Draws the frames that the options ask for, or as many as there are before a signal.
 ///
 /// # Errors
 /// A device or a file that is not what it should be; messages of the validation layer.
-pub fn run(options: &CityOptions, files: Files) -> Result<(), RunError> {
+pub fn run(options: &CityOptions, files: Files, signals: &Signals) -> Result<(), RunError> {
     let instance = run::open_instance(options.validation, None)?;
     let adapter = instance.pick_adapter(run::wanted(&options.device).as_deref())?;
     let device_options =
         DeviceOptions { pipeline_cache: run::pipeline_cache_file(), ..Default::default() };
     let device = Device::new(&instance, &adapter, &device_options)?;
-    let drawn = draw(&device, options, files);
+    let drawn = draw(&device, options, files, signals);
     drop(device);
     let log = instance.validation_log().clone();
     drop(instance);
-    drawn.and_then(|()| super::check_log(&log))
+    super::first_error([drawn, super::check_log(&log)])
 }
 
-fn draw(device: &Device, options: &CityOptions, files: Files) -> Result<(), RunError> {
+fn draw(
+    device: &Device,
+    options: &CityOptions,
+    files: Files,
+    signals: &Signals,
+) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
     let mut session = Session::new(device, options, files, size)?;
+    let drawn = draw_frames(device, &mut session, options, signals);
+    super::first_error([drawn, session.finish(options)])
+}
+
+fn draw_frames(
+    device: &Device,
+    session: &mut Session,
+    options: &CityOptions,
+    signals: &Signals,
+) -> Result<(), RunError> {
+    let size = [options.size.width, options.size.height];
     let picture = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
+    let picture = picture.map(Rc::new);
     tracing::info!("the frames begin");
-    'frames: for frame in 0..options.frames.unwrap_or(1) {
+    for frame in 0..options.frames.unwrap_or(1) {
+        if signals.received().is_some() {
+            break;
+        }
         let mut has_acted = false;
         while let Some(deed) = session.next_scripted() {
             if deed == Deed::Quit {
-                break 'frames;
+                return Ok(());
             }
             session.act(deed)?;
             has_acted = true;
@@ -57,5 +80,5 @@ fn draw(device: &Device, options: &CityOptions, files: Files) -> Result<(), RunE
         }
         session.after_frame()?;
     }
-    session.finish(options)
+    Ok(())
 }

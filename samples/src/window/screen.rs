@@ -7,17 +7,16 @@ use gpu::{
     Device, Optional, PresentId, PresentMode, Shown, Surface, Swapchain, SwapchainOptions, Tick,
 };
 use pacing::{
-    Feedback, FrameId, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentReports,
-    Presentation, REFRESH_PERIOD, Refresh, Step, Summary, Time, Wait, WaitReason,
+    Feedback, FrameId, Pacer, PacerOptions, PresentReports, Presentation, REFRESH_PERIOD, Refresh,
+    Step, Summary, Time, Wait, WaitReason,
 };
 use render::Renderer;
 
 use super::args::CityOptions;
 use super::clock::Clock;
+use super::evenness::Evenness;
 use crate::run::RunError;
 
-/// Statistics are over so many frames.
-const FRAMES: usize = 600;
 /// Frames whose end is still of interest.
 const MOST_QUEUED: usize = 64;
 /// A swapchain that was not made yet is taken to have so many images.
@@ -56,12 +55,16 @@ pub struct Screen {
     device: Device,
     clock: Clock,
     pacer: Pacer,
-    statistics: FrameStatistics,
+    evenness: Evenness,
     queued: VecDeque<Queued>,
+    /// The one after the newest that was queued.
+    next: FrameId,
     reports: PresentReports,
     refresh: Refresh,
     /// Which swapchain the pacer knows of: its mode, its images, how often it was replaced.
     known: (PresentMode, usize, u64),
+    /// The present mode that was asked for last: the swapchain follows with its next image.
+    wanted: PresentMode,
 }
 
 impl Screen {
@@ -110,9 +113,10 @@ impl Screen {
             device: device.clone(),
             clock: Clock,
             pacer: Pacer::new(pacer_options, presentation).map_err(RunError::machine)?,
-            statistics: FrameStatistics::new(FRAMES, HitchRule::default())
-                .map_err(RunError::machine)?,
+            evenness: Evenness::new(options.present_mode).map_err(RunError::machine)?,
             queued: VecDeque::with_capacity(MOST_QUEUED),
+            next: FrameId(0),
+            wanted: options.present_mode,
             reports,
             refresh,
         })
@@ -125,8 +129,8 @@ impl Screen {
     pub fn next_step(&mut self) -> Result<Step, RunError> {
         self.follow_swapchain()?;
         self.look()?;
-        while let Some((_, timing)) = self.pacer.completed() {
-            self.statistics.record(timing);
+        while let Some((frame, timing)) = self.pacer.completed() {
+            self.evenness.record(frame, timing);
         }
         let step = self.pacer.next(self.clock.now());
         if let Step::Wait(wait) = step {
@@ -167,6 +171,7 @@ impl Screen {
         }
         let (id, tick) = (presented.id, presented.tick);
         self.queued.push_back(Queued { frame, id, tick, is_finished: false, is_shown: false });
+        self.next = FrameId(frame.0 + 1);
         Ok(Shown::Presented(presented))
     }
 
@@ -185,12 +190,13 @@ impl Screen {
 
     /// Changes how pictures follow each other.
     pub fn set_mode(&mut self, mode: PresentMode) {
+        self.wanted = mode;
         self.swapchain.set_mode(mode);
     }
 
     /// The mode that was asked for last.
     pub fn wanted_mode(&self) -> PresentMode {
-        self.swapchain.fallback().map_or(self.swapchain.mode(), |fallback| fallback.wanted)
+        self.wanted
     }
 
     /// Changes how many pictures are on their way.
@@ -211,7 +217,7 @@ impl Screen {
             fallback: self.swapchain.fallback().map(|fallback| fallback.wanted),
             images: self.swapchain.image_count() as u32,
             refresh: self.pacer.refresh_period(),
-            summary: self.statistics.summary(),
+            summary: self.evenness.summary(),
         }
     }
 
@@ -236,6 +242,7 @@ impl Screen {
             self.refresh = Refresh::About(period);
         }
         self.queued.clear();
+        self.evenness.follow(now.0, self.next);
         let presentation = Presentation {
             mode: pacers(now.0),
             images: u32::try_from(now.1).unwrap_or(u32::MAX).min(pacing::MAX_IMAGES),

@@ -1,6 +1,7 @@
 //! Pictures on their way to files: nobody waits for the GPU to have drawn them.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use gpu::{Device, Readback, Tick};
 
@@ -10,7 +11,7 @@ use crate::run::RunError;
 
 /// A picture that the GPU draws.
 struct Pending {
-    picture: Readback,
+    picture: Rc<Readback>,
     tick: Tick,
     path: PathBuf,
 }
@@ -19,11 +20,19 @@ struct Pending {
 #[derive(Default)]
 pub struct Screenshots {
     pending: Vec<Pending>,
+    lost: Option<Lost>,
+}
+
+/// Pictures that could not be written.
+struct Lost {
+    count: u32,
+    /// Why the first could not be.
+    reason: String,
 }
 
 impl Screenshots {
     /// A picture that is there when `tick` is over, for the file at `path`.
-    pub fn push(&mut self, picture: Readback, tick: Tick, path: PathBuf) {
+    pub fn push(&mut self, picture: Rc<Readback>, tick: Tick, path: PathBuf) {
         self.pending.push(Pending { picture, tick, path });
     }
 
@@ -38,23 +47,34 @@ impl Screenshots {
         }
         let completed = device.completed()?;
         let is_there = |pending: &mut Pending| pending.tick <= completed;
+        let mut failed = None;
         for Pending { picture, path, .. } in self.pending.extract_if(.., is_there) {
             let [width, height] = picture.size();
-            write_png(&path, FrameSize { width, height }, picture.rgba8())
-                .map_err(RunError::machine)?;
-            newest = Some(path);
+            match write_png(&path, FrameSize { width, height }, picture.rgba8()) {
+                Ok(()) => newest = Some(path),
+                Err(error) => {
+                    let reason = error.to_string();
+                    self.lost.get_or_insert(Lost { count: 0, reason }).count += 1;
+                    failed = Some(RunError::machine(error));
+                }
+            }
         }
-        Ok(newest)
+        failed.map_or(Ok(newest), Err)
     }
 
     /// Waits for the rest and writes it.
     ///
     /// # Errors
-    /// As [`Screenshots::write_finished`].
+    /// A lost device; any picture that could not be written, now or before.
     pub fn finish(&mut self, device: &Device) -> Result<(), RunError> {
-        if !self.pending.is_empty() {
-            device.drain()?;
+        let is_over = if self.pending.is_empty() { Ok(()) } else { device.drain() };
+        let written = is_over.map_err(RunError::from).and_then(|_| self.write_finished(device));
+        match &self.lost {
+            Some(Lost { count: 1, reason }) => Err(RunError::machine(reason)),
+            Some(Lost { count, reason }) => {
+                Err(RunError::machine(format!("{count} screenshots are lost; the first: {reason}")))
+            }
+            None => written.map(|_| ()),
         }
-        self.write_finished(device).map(|_| ())
     }
 }

@@ -1,6 +1,7 @@
 //! The program without its window: scene, camera, and one frame after the other, whoever shows them.
 
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use cull::Camera;
 use gpu::{Device, Readback, Tick};
@@ -174,6 +175,8 @@ impl Session {
     }
 
     /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if it is wanted.
+    /// A frame is copied to one place only: a screenshot of it is written from there, so whoever uses
+    /// the same place again waits for the frame and calls [`Session::after_frame`] before the next.
     ///
     /// # Errors
     /// When the device fails, or a file cannot be written.
@@ -181,7 +184,7 @@ impl Session {
         &mut self,
         steering: &Steering,
         seconds: f32,
-        picture: Option<&Readback>,
+        picture: Option<&Rc<Readback>>,
     ) -> Result<Tick, RunError> {
         let scope = self.begin_scope("render");
         let began = scope.began;
@@ -193,8 +196,9 @@ impl Session {
         if let Some(capture) = &mut self.capture {
             capture.begin(self.frame);
         }
-        let screenshot = self.screenshot()?;
-        let wanted = picture.or(screenshot.as_ref().map(|(picture, _)| picture));
+        let screenshot = self.screenshot(picture)?;
+        let own = screenshot.as_ref().map(|(picture, _)| picture);
+        let wanted = picture.or(own).map(Rc::as_ref);
         let tick = match &self.frozen {
             Some(moment) => {
                 let tick = self.renderer.render_moment(moment, camera, wanted)?;
@@ -219,12 +223,19 @@ impl Session {
         Ok(tick)
     }
 
-    /// Room for the screenshot that is wanted, and its file.
-    fn screenshot(&mut self) -> Result<Option<(Readback, PathBuf)>, RunError> {
+    /// Where the screenshot that is wanted is copied to, which is `picture` if there is one, and its
+    /// file.
+    fn screenshot(
+        &mut self,
+        picture: Option<&Rc<Readback>>,
+    ) -> Result<Option<(Rc<Readback>, PathBuf)>, RunError> {
         if !std::mem::take(&mut self.wants_screenshot) {
             return Ok(None);
         }
-        let picture = Readback::new(self.renderer.device(), self.renderer.size())?;
+        let picture = match picture {
+            Some(picture) => Rc::clone(picture),
+            None => Rc::new(Readback::new(self.renderer.device(), self.renderer.size())?),
+        };
         let name = format!("city_{:05}.png", self.frame);
         Ok(Some((picture, self.folder.join(name))))
     }
@@ -289,19 +300,19 @@ impl Session {
         Ok(())
     }
 
-    /// Writes what is left: a path being recorded, pictures on their way, the trace.
+    /// Writes what is left: a path being recorded, pictures on their way, the trace. Each, whatever
+    /// becomes of the others.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// When a file cannot be written, or a screenshot could not be before.
     pub fn finish(mut self, options: &CityOptions) -> Result<(), RunError> {
-        if self.recording.is_some() {
-            self.stop_recording()?;
-        }
-        self.screenshots.finish(self.renderer.device())?;
-        if let (Some(trace), Some(path)) = (&self.trace, &options.trace) {
-            trace.write(path).map_err(RunError::machine)?;
-        }
-        Ok(())
+        let recording = self.stop_recording();
+        let screenshots = self.screenshots.finish(self.renderer.device());
+        let trace = match (&self.trace, &options.trace) {
+            (Some(trace), Some(path)) => trace.write(path).map_err(RunError::machine),
+            _ => Ok(()),
+        };
+        super::first_error([recording, screenshots, trace])
     }
 }
 
