@@ -19,7 +19,9 @@
 //!
 //! Shown against a simulated presentation engine in `tests/simulated_display`, at loads of up to
 //! 80 %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
-//! latency is within a refresh of the optimum, and all is well again five frames after a stall.
+//! latency is within a refresh of the optimum, and all is well again five frames after a stall. Where the
+//! GPU stalls that needs [`Feedback::Finished`], or [`Feedback::GpuTime`] together with
+//! [`PresentReports::Times`]: what is only found by looking may be taken for slower work for a while.
 //!
 //! With [`PresentReports::Missing`], nothing but an acquire that had to wait tells of refreshes, once it
 //! is clear that it waits for the display: what waits for the GPU alone leaves all of it unknown. While

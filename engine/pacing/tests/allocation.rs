@@ -13,13 +13,24 @@ use antumbra_pacing::{
     Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentMode, PresentReports,
     Presentation, Refresh, Step, Time,
 };
-use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
+/// The thread that runs the tests may allocate meanwhile and is counted as well; the loop does the same
+/// each time.
+const TRIES: usize = 10;
+
 #[test]
 fn the_loop_does_not_allocate() {
+    let allocates = |change: Stats| change.allocations + change.reallocations > 0;
+    let tries = (0..TRIES).filter(|_| allocates(run_the_loop())).count();
+    assert!(tries < TRIES, "it allocates each time");
+}
+
+/// Answers what was allocated after pacer and statistics were made.
+fn run_the_loop() -> Stats {
     let period = Duration::from_micros(16_667);
     let presentation = Presentation {
         mode: PresentMode::Fifo,
@@ -57,7 +68,7 @@ fn the_loop_does_not_allocate() {
     pacer.choose(PacerOptions { queue_limit: 3, ..PacerOptions::default() }).unwrap();
     pacer.present_through(presentation).unwrap();
     let change = region.change();
-    assert_eq!((change.allocations, change.reallocations), (0, 0));
     assert_eq!(statistics.summary().frames, 500);
     assert_eq!(statistics.summary().missed_refreshes, Some(0));
+    change
 }

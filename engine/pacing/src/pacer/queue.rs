@@ -122,7 +122,8 @@ impl Pacer {
         Some((until, WaitReason::QueueFull(FrameId(oldest))))
     }
 
-    /// Where the queue is known by other signs than the GPU's, it must not run ahead of the GPU either.
+    /// Where the queue may be filled beyond its limit, as many as that may wait for the display, but not
+    /// for the GPU.
     fn gpu_backlog(&self, now: f64) -> Option<(f64, WaitReason)> {
         if !self.sees_finishes {
             return None;
@@ -131,12 +132,12 @@ impl Pacer {
         let unfinished = |record: &Record| {
             record.finished.is_none()
                 && record.queued.is_some_and(|queued| now - queued < GPU_PATIENCE_NS)
-                && !record.dropped
+                && !record.left
         };
         let recent = self.frames.newest_first().take(limit);
         let mut oldest = None;
         let mut count = 0;
-        for (frame, _) in recent.filter(|(_, record)| unfinished(record) && !record.left) {
+        for (frame, _) in recent.filter(|(_, record)| unfinished(record)) {
             count += 1;
             oldest = Some(frame);
         }

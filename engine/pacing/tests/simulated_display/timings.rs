@@ -86,9 +86,10 @@ fn what_nobody_reports_is_unknown() {
         scenario.reports = PresentReports::Missing;
         scenario.images = 3;
         scenario.options.queue_limit = 3;
-        scenario.frames = 400;
+        // Long enough to look for the phase twice.
+        scenario.frames = 1_200;
         let run = run(&scenario);
-        assert!(run.timings.len() > 380, "seed {seed}");
+        assert!(run.timings.len() > 1_180, "seed {seed}");
         for (frame, timing) in &run.timings {
             let outcome = &run.outcomes[frame.0 as usize];
             match timing.latency {
@@ -102,6 +103,12 @@ fn what_nobody_reports_is_unknown() {
                 None => unknown += 1,
             }
             assert!(timing.start_interval.is_some() || frame.0 == 0);
+            if let Some(interval) = timing.present_interval {
+                // From the frame before, never across one of which nobody knows when it was shown.
+                let before = run.outcomes[frame.0 as usize - 1].shown.unwrap();
+                let off = interval.as_nanos() as f64 - (outcome.shown.unwrap() - before);
+                assert!(off.abs() < 0.0001 * SECOND, "seed {seed}: {off}");
+            }
         }
     }
     assert!(known > 1_000 && unknown > 10_000, "{known} known, {unknown} unknown");
