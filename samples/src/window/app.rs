@@ -247,7 +247,8 @@ impl Opened {
 
     /// Writes what is left, and tears all down.
     fn close(self, options: &CityOptions) -> Result<(), RunError> {
-        let Self { session, screen, window, instance, .. } = self;
+        let Self { session, mut screen, window, instance, .. } = self;
+        tracing::info!("{}", super::page_text::in_short(&screen.facts()));
         let finished = session.finish(options);
         drop((screen, window));
         let log = instance.validation_log().clone();
