@@ -224,7 +224,7 @@ impl Opened {
         if let Some(Fallback { wanted, taken }) = fallback
             && self.fallback != fallback
         {
-            self.session.tell(format!("this window has no {wanted}; it is {taken} instead"));
+            self.session.refuse(format!("this window has no {wanted}; it is {taken} instead"));
         }
         self.fallback = fallback;
     }

@@ -7,7 +7,8 @@ use super::session::Session;
 use crate::hud::HudPage;
 
 impl Session {
-    /// Lays the HUD out anew, if there is one; `scale` pixels are a point.
+    /// Lays the HUD out anew, or without one only what cannot be or went wrong; `scale` pixels are a
+    /// point. Where there is nothing to write, nothing is kept for it.
     ///
     /// # Errors
     /// When the device fails.
@@ -16,8 +17,20 @@ impl Session {
         screen: Option<&ScreenFacts>,
         scale: f32,
     ) -> Result<(), crate::run::RunError> {
-        let Some(mut hud) = self.hud.take() else { return Ok(()) };
-        let page = self.page(screen);
+        let page = if self.has_hud {
+            self.page(screen)
+        } else {
+            // Without a screen nobody watches, and pictures stay what they are; the log has it.
+            let notice = screen.and_then(|_| self.notice.refused_at(self.clock.now()));
+            HudPage { notice, ..HudPage::default() }
+        };
+        if page == HudPage::default() {
+            if self.hud.take().is_some() {
+                self.renderer.drop_flat_overlay();
+            }
+            return Ok(());
+        }
+        let mut hud = self.hud.take().unwrap_or_default();
         let size = self.renderer.size();
         let laid_out = hud.lay_out(&page, size, scale, self.renderer.flat_overlay()?);
         self.hud = Some(hud);
@@ -49,7 +62,7 @@ impl Session {
             budget_ms: screen.and_then(|screen| screen.refresh).map(|d| d.as_secs_f32() * 1e3),
             facts: known.facts(),
             keys: keys.map(own).collect(),
-            notice: self.notice.at(self.clock.now()).map(str::to_owned),
+            notice: self.notice.at(self.clock.now()),
         }
     }
 }
