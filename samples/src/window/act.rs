@@ -119,7 +119,11 @@ impl Session {
         }
         let view = self.renderer.view_of(&self.seen_from);
         self.frozen = Some(self.renderer.moment(&mut self.history, view)?);
-        self.tell("the culling stands still; fly on and look at it".to_owned());
+        let boxes = match self.explanation.has_boxes {
+            true => "; the boxes are those that stayed hidden",
+            false => "",
+        };
+        self.tell(format!("the culling stands still; fly on and look at it{boxes}"));
         Ok(())
     }
 
