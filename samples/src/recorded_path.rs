@@ -41,13 +41,16 @@ pub struct PathFrame {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordedPath {
     frames: Vec<PathFrame>,
+    is_full: bool,
 }
 
 impl RecordedPath {
-    /// Adds the next frame. Beyond two million of them nothing more is recorded.
+    /// Adds the next frame. Beyond two million of them nothing more is recorded, which the log says.
     pub fn push(&mut self, seconds: f64, camera: Camera) {
         if self.frames.len() < MOST_FRAMES {
             self.frames.push(PathFrame { seconds, camera });
+        } else if !std::mem::replace(&mut self.is_full, true) {
+            tracing::warn!("the path has {MOST_FRAMES} frames, and takes no more");
         }
     }
 

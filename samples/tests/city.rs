@@ -225,6 +225,24 @@ fn a_signal_ends_it_and_all_is_written() {
     }
 }
 
+/// One freezes to look at it from elsewhere: the view from above and the wires stay.
+#[test]
+fn what_is_frozen_is_explained() {
+    let scratch = Scratch::new("city-frozen");
+    fs::write(scratch.0.join("script"), "2 freeze\n4 birds_eye\n6 wires\n").unwrap();
+    let rest = ["--validation", "sync", "--frames", "8", "--script", "script", "--out", "out"];
+    headless(&scratch, &rest);
+    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    let [frozen, from_above, wires] = [3, 5, 7].map(picture);
+    let differs = |a: &[[u8; 3]], b: &[[u8; 3]], in_corner: bool| {
+        let places = (0..a.len()).filter(|at| (at % 160 >= 96 && at / 160 >= 54) == in_corner);
+        places.filter(|at| a[*at] != b[*at]).count()
+    };
+    assert!(differs(&frozen, &from_above, true) > 1000, "the corner is another picture");
+    assert_eq!(differs(&frozen, &from_above, false), 0, "the rest stays");
+    assert!(differs(&from_above, &wires, false) > 100, "there are wires");
+}
+
 /// Nobody knows what it drew, so it is not frozen.
 #[test]
 fn what_only_the_gpu_knows_is_not_frozen() {

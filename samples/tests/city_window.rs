@@ -154,6 +154,24 @@ fn keys_do_what_they_say() {
     running.end_well();
 }
 
+/// What cannot be is told without the HUD, too, and goes again.
+#[test]
+fn what_cannot_be_is_told_without_the_hud() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-told"));
+    let expected = headless(&scratch, &["--size", SIZE]);
+    fs::write(scratch.0.join("script"), "3 strategy pyramid\n").unwrap();
+    let running = Running::city(&scratch, &server, &["--hud", "off", "--script", "script"]);
+    let window = Seen::wait_for(&server);
+    window.await_pixels(&expected, "the picture without a text");
+    window.strike('x'.into());
+    let mark = [250, 210, 90];
+    window.await_that("what cannot be explained", |found| found.contains(&mark));
+    window.await_that("a notice alone", |found| found[..320 * 90] == expected[..320 * 90]);
+    window.await_pixels(&expected, "the picture without it again");
+    window.close();
+    running.end_well();
+}
+
 #[test]
 fn the_picture_follows_the_window() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-sizes"));
@@ -279,6 +297,9 @@ fn it_runs_under_wayland() {
         let status = running.end();
         let log = running.log();
         assert!(status.success() && log.contains(said), "{mode}: {status}: {log}");
+        let counted = log.contains("of the last 2") || log.contains("of the last 3");
+        let is_measured = log.contains("frame, median ") && !log.contains("frame, median -");
+        assert!(counted && is_measured, "{mode}: what the frames took is not told: {log}");
     }
 }
 

@@ -15,6 +15,12 @@ use crate::views::finish_picture;
 /// How far the drawn frustum reaches, as a share of what it looks over.
 const FRUSTUM_REACH: f32 = 1.0;
 pub(crate) const BACKGROUND: [f32; 4] = [0.02, 0.025, 0.035, 1.0];
+/// What is behind all: nothing, as in a drawing, or the scene's sky, as in its other pictures.
+enum Backdrop {
+    Dark,
+    Sky,
+}
+
 const FRUSTUM_COLOUR: [f32; 4] = [1.0, 0.85, 0.1, 1.0];
 
 impl Renderer {
@@ -25,13 +31,14 @@ impl Renderer {
     /// No memory, a shader that does not compile, a failed call.
     pub fn birds_eye(&mut self, moment: &Moment, picture: &Readback) -> Result<(), Error> {
         let camera = self.above(moment);
-        self.render_moment(moment, camera, Some(picture))?;
+        self.draw_moment(moment, camera, Some(picture), Backdrop::Dark)?;
         Ok(self.device.drain()?)
     }
 
     /// Draws `moment` as it looks to another eye, and goes on: the culling stands still, the camera does
     /// not. Beside what was drawn, the hidden frontier nodes and the frustum, as
-    /// [`Renderer::birds_eye`] has them.
+    /// [`Renderer::birds_eye`] has them; of what [`Renderer::explain`] shows, the wires and the view from
+    /// above.
     ///
     /// # Errors
     /// A picture of another size, no memory, a failed call.
@@ -41,6 +48,16 @@ impl Renderer {
         camera: Camera,
         picture: Option<&Readback>,
     ) -> Result<Tick, Error> {
+        self.draw_moment(moment, camera, picture, Backdrop::Sky)
+    }
+
+    fn draw_moment(
+        &mut self,
+        moment: &Moment,
+        camera: Camera,
+        picture: Option<&Readback>,
+        backdrop: Backdrop,
+    ) -> Result<Tick, Error> {
         picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         if self.birds_eye.is_none() {
             self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
@@ -48,6 +65,11 @@ impl Renderer {
         let view = self.view_of(&camera);
         let sketch = Sketch::of(moment, self.reach(moment));
         let Self { frames, passes, hierarchy, scatter, birds_eye, flat_overlay, .. } = self;
+        let [red, green, blue] = passes.light.sky;
+        let (clear, explainer) = match backdrop {
+            Backdrop::Dark => (BACKGROUND, None),
+            Backdrop::Sky => ([red, green, blue, 1.0], self.explainer.as_ref()),
+        };
         let mut frame = frames.begin()?;
         passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, scatter)?;
         let draws = moment.upload(&mut frame, &passes.geometry)?;
@@ -55,7 +77,7 @@ impl Renderer {
         let commands = frame.commands();
         passes.target.prepare(commands);
         commands.pass("bird's eye", |commands| {
-            let from = passes.target_of(&view, Some(BACKGROUND));
+            let from = passes.target_of(&view, Some(clear));
             commands.rendering(from, |commands| {
                 passes.draw_all(commands, &view, draws);
                 if let Some(overlay) = birds_eye {
@@ -63,6 +85,9 @@ impl Renderer {
                 }
             });
         });
+        if let Some(explainer) = explainer {
+            explainer.record_moment(&mut frame, passes, hierarchy, &view, (moment, draws))?;
+        }
         finish_picture(&mut frame, &mut passes.target, flat_overlay.as_mut(), picture)?;
         let tick = frame.submit(None)?;
         self.submitted();

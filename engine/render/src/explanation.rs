@@ -1,7 +1,7 @@
 //! What explains frames while they go on: wires, the boxes of the frontier, a bird's-eye view in a corner.
 
 use cull::{Hierarchy, NodeState, Tester, View};
-use gpu::{Device, Frame};
+use gpu::{BufferSlice, Device, Frame};
 
 use crate::birds_eye::{BACKGROUND, Sketch, above, reach};
 use crate::error::Error;
@@ -33,6 +33,7 @@ const SHOWED: [f32; 4] = [0.95, 0.15, 0.1, 0.9];
 /// An explanation and what draws it.
 pub(crate) struct Explainer {
     pub(crate) explanation: Explanation,
+    device: Device,
     overlay: OverlayPass,
     wires: Option<OpaquePass>,
 }
@@ -45,7 +46,7 @@ impl Explainer {
     ) -> Result<Self, Error> {
         let wires = explanation.has_wires.then(|| OpaquePass::wires(device, shaders));
         let overlay = OverlayPass::new(device, shaders)?;
-        Ok(Self { explanation, overlay, wires: wires.transpose()? })
+        Ok(Self { explanation, device: device.clone(), overlay, wires: wires.transpose()? })
     }
 
     /// Draws it over the frame that `history` was just recorded for.
@@ -81,10 +82,43 @@ impl Explainer {
                 }
             });
         });
+        self.record_corner(frame, passes, hierarchy, (&moment, draws))
+    }
+
+    /// Draws what there is to explain of a frozen moment over its picture from elsewhere: its wires, and
+    /// the view from above. That picture has its hidden boxes itself.
+    pub(crate) fn record_moment(
+        &self,
+        frame: &mut Frame<'_>,
+        passes: &mut FramePasses,
+        hierarchy: &Hierarchy,
+        view: &View,
+        (moment, draws): (&Moment, (BufferSlice, u32)),
+    ) -> Result<(), Error> {
+        if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
+            passes.target.prepare(frame.commands());
+            frame.commands().pass("explanation", |commands| {
+                commands.rendering(passes.target_of(view, None), |commands| {
+                    wires.bind(commands, &passes.opaque_io(), view, &passes.light);
+                    commands.draw_indirect(draws.0);
+                });
+            });
+        }
+        self.record_corner(frame, passes, hierarchy, (moment, draws))
+    }
+
+    /// Draws a moment from above, where that is wanted.
+    fn record_corner(
+        &self,
+        frame: &mut Frame<'_>,
+        passes: &mut FramePasses,
+        hierarchy: &Hierarchy,
+        (moment, draws): (&Moment, (BufferSlice, u32)),
+    ) -> Result<(), Error> {
         let Some(area) = self.explanation.birds_eye else { return Ok(()) };
-        let reach = reach(hierarchy, &moment);
-        let io = Sketch::of(&moment, reach).upload(frame)?;
-        let view = &view_in(&history.device, &above(&moment, reach), area);
+        let reach = reach(hierarchy, moment);
+        let io = Sketch::of(moment, reach).upload(frame)?;
+        let view = &view_in(&self.device, &above(moment, reach), area);
         passes.target.prepare(frame.commands());
         frame.commands().pass("bird's eye", |commands| {
             commands.rendering(passes.target_of(view, Some(BACKGROUND)), |commands| {

@@ -96,7 +96,8 @@ impl Hud {
         let scale = fitted.as_ref().map_or(scale * TEXT_SIZES[TEXT_SIZES.len() - 1], |it| it.scale);
         let [width, height] = size_in(scale);
         let screen = epaint::Rect::from_min_size(pos2(0.0, 0.0), vec2(width, height));
-        if let Some(fitted) = &fitted {
+        // A notice alone has no panel beside it.
+        if let (Some(fitted), false) = (&fitted, page.facts.is_empty()) {
             self.facts(page, fitted, screen);
             self.keys(page, fitted, screen);
         }

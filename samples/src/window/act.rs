@@ -2,7 +2,6 @@
 
 use super::deeds::Deed;
 use super::session::Session;
-use crate::hud::Hud;
 use crate::options::MAX_FRAMES_IN_FLIGHT;
 use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
@@ -40,7 +39,7 @@ impl Session {
             Deed::TimePasses => self.toggle_times(),
             Deed::Screenshot => self.wants_screenshot = true,
             Deed::Record => self.toggle_recording(),
-            Deed::Hud => self.toggle_hud(),
+            Deed::Hud => self.has_hud = !self.has_hud,
             Deed::NextPresentMode | Deed::PresentMode(_) | Deed::Quit => {}
         }
         Ok(())
@@ -49,6 +48,11 @@ impl Session {
     /// Says something in the picture.
     pub fn tell(&mut self, text: String) {
         self.notice.tell(self.clock.now(), text);
+    }
+
+    /// Says in the picture what cannot be, also where there is no HUD.
+    pub fn refuse(&mut self, text: String) {
+        self.notice.refuse(self.clock.now(), text);
     }
 
     /// How many frames are in flight.
@@ -71,7 +75,7 @@ impl Session {
     fn choose(&mut self, strategy: Strategy) {
         if strategy == Strategy::Ideal {
             let reason = "ideal draws what was found visible beforehand, which nobody did here";
-            return self.tell(reason.to_owned());
+            return self.refuse(reason.to_owned());
         }
         match self.renderer.supports(strategy) {
             Ok(()) => {
@@ -79,7 +83,7 @@ impl Session {
                 self.tell(format!("strategy {strategy}"));
                 self.tell_if_unexplained();
             }
-            Err(error) => self.tell(error.to_string()),
+            Err(error) => self.refuse(error.to_string()),
         }
     }
 
@@ -87,7 +91,7 @@ impl Session {
     fn tell_if_unexplained(&mut self) {
         let is_on = self.has_birds_eye || self.explanation.has_boxes;
         if is_on && self.strategy == Strategy::Pyramid {
-            self.tell(GPU_KNOWS.to_owned());
+            self.refuse(GPU_KNOWS.to_owned());
         }
     }
 
@@ -106,16 +110,20 @@ impl Session {
             return Ok(());
         }
         if self.frame == 0 {
-            self.tell("there is nothing to freeze yet".to_owned());
+            self.refuse("there is nothing to freeze yet".to_owned());
             return Ok(());
         }
         if self.strategy == Strategy::Pyramid {
-            self.tell(GPU_KNOWS.to_owned());
+            self.refuse(GPU_KNOWS.to_owned());
             return Ok(());
         }
         let view = self.renderer.view_of(&self.seen_from);
         self.frozen = Some(self.renderer.moment(&mut self.history, view)?);
-        self.tell("the culling stands still; fly on and look at it".to_owned());
+        let boxes = match self.explanation.has_boxes {
+            true => "; the boxes are those that stayed hidden",
+            false => "",
+        };
+        self.tell(format!("the culling stands still; fly on and look at it{boxes}"));
         Ok(())
     }
 
@@ -123,7 +131,7 @@ impl Session {
         self.explanation.has_wires = !self.explanation.has_wires;
         if let Err(error) = self.explain() {
             self.explanation.has_wires = !self.explanation.has_wires;
-            self.tell(error.to_string());
+            self.refuse(error.to_string());
         }
     }
 
@@ -135,7 +143,7 @@ impl Session {
         }
         match self.renderer.time_passes() {
             Ok(()) => self.is_timing_passes = true,
-            Err(error) => self.tell(error.to_string()),
+            Err(error) => self.refuse(error.to_string()),
         }
     }
 
@@ -168,12 +176,5 @@ impl Session {
         let frames = recorded.frames().len();
         self.tell(format!("{frames} frames in {}", path.display()));
         Ok(())
-    }
-
-    fn toggle_hud(&mut self) {
-        match self.hud.take() {
-            Some(_) => self.renderer.drop_flat_overlay(),
-            None => self.hud = Some(Hud::default()),
-        }
     }
 }

@@ -230,7 +230,7 @@ impl Opened {
         if let Some(Fallback { wanted, taken }) = fallback
             && self.fallback != fallback
         {
-            self.session.tell(format!("this window has no {wanted}; it is {taken} instead"));
+            self.session.refuse(format!("this window has no {wanted}; it is {taken} instead"));
         }
         self.fallback = fallback;
     }
@@ -253,7 +253,8 @@ impl Opened {
 
     /// Writes what is left, and tears all down.
     fn close(self, options: &CityOptions) -> Result<(), RunError> {
-        let Self { session, screen, window, instance, .. } = self;
+        let Self { session, mut screen, window, instance, .. } = self;
+        tracing::info!("{}", super::page_text::in_short(&screen.facts()));
         let finished = session.finish(options);
         drop((screen, window));
         let log = instance.validation_log().clone();

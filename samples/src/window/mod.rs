@@ -17,6 +17,7 @@ pub mod headless;
 pub mod input;
 pub mod notice;
 pub mod page;
+mod page_text;
 pub mod profiler;
 pub mod screen;
 pub mod screenshots;

@@ -6,46 +6,122 @@ use pacing::Time;
 
 const FOR: Duration = Duration::from_secs(5);
 
-/// The newest thing to tell.
+/// What there is to tell: the newest thing, and why shaders do not compile, as long as they do not.
 #[derive(Clone, Debug, Default)]
 pub struct Notice {
-    text: String,
+    newest: String,
     /// `None` until something else takes its place.
     until: Option<Time>,
+    weight: Weight,
+    broken_shaders: Option<String>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Weight {
+    /// What was done, as was wanted.
+    #[default]
+    Done,
+    /// What cannot be, or went wrong: told also to who wants no text.
+    Refused,
 }
 
 impl Notice {
-    /// Tells it for some seconds, and on the log.
+    /// Tells for some seconds what was done, and on the log.
     pub fn tell(&mut self, now: Time, text: String) {
         tracing::info!("{text}");
-        *self = Self { text, until: Some(now.after(FOR)) };
+        self.put(text, Some(now.after(FOR)), Weight::Done);
     }
 
-    /// Tells it until something else is told.
+    /// Tells for some seconds what cannot be.
+    pub fn refuse(&mut self, now: Time, text: String) {
+        tracing::warn!("{text}");
+        self.put(text, Some(now.after(FOR)), Weight::Refused);
+    }
+
+    /// Tells what went wrong, until something else is told.
     pub fn keep_telling(&mut self, text: String) {
         tracing::warn!("{text}");
-        *self = Self { text, until: None };
+        self.put(text, None, Weight::Refused);
+    }
+
+    /// Tells why shaders do not compile, below all else, until they do.
+    pub fn shaders_are_broken(&mut self, text: String) {
+        tracing::warn!("{text}");
+        self.broken_shaders = Some(text);
+    }
+
+    /// They compile.
+    pub fn shaders_work(&mut self) {
+        self.broken_shaders = None;
     }
 
     /// What there is to tell.
-    pub fn at(&self, now: Time) -> Option<&str> {
+    pub fn at(&self, now: Time) -> Option<String> {
         let is_over = self.until.is_some_and(|until| now >= until);
-        (!is_over && !self.text.is_empty()).then_some(self.text.as_str())
+        let newest = (!is_over && !self.newest.is_empty()).then_some(self.newest.as_str());
+        join(newest, self.broken_shaders.as_deref())
     }
+
+    /// What there is to tell who wants no text: what cannot be, and what went wrong.
+    pub fn refused_at(&self, now: Time) -> Option<String> {
+        match self.weight {
+            Weight::Refused => self.at(now),
+            Weight::Done => self.broken_shaders.clone(),
+        }
+    }
+
+    fn put(&mut self, newest: String, until: Option<Time>, weight: Weight) {
+        (self.newest, self.until, self.weight) = (newest, until, weight);
+    }
+}
+
+fn join(above: Option<&str>, below: Option<&str>) -> Option<String> {
+    let lines: Vec<&str> = above.into_iter().chain(below).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn said(text: Option<String>) -> String {
+        text.unwrap_or_default()
+    }
+
     #[test]
     fn it_is_told_for_a_while() {
         let mut notice = Notice::default();
         assert_eq!(notice.at(Time::ZERO), None);
         notice.tell(Time::ZERO, "a".to_owned());
-        assert_eq!(notice.at(Time::ZERO), Some("a"));
+        assert_eq!(said(notice.at(Time::ZERO)), "a");
         assert_eq!(notice.at(Time::ZERO.after(FOR)), None);
         notice.keep_telling("b".to_owned());
-        assert_eq!(notice.at(Time::ZERO.after(FOR * 100)), Some("b"));
+        assert_eq!(said(notice.at(Time::ZERO.after(FOR * 100))), "b");
+    }
+
+    #[test]
+    fn who_wants_no_text_is_told_what_cannot_be() {
+        let mut notice = Notice::default();
+        notice.tell(Time::ZERO, "done".to_owned());
+        assert_eq!(notice.refused_at(Time::ZERO), None);
+        notice.refuse(Time::ZERO, "cannot be".to_owned());
+        assert_eq!(said(notice.refused_at(Time::ZERO)), "cannot be");
+        assert_eq!(notice.refused_at(Time::ZERO.after(FOR)), None);
+        notice.keep_telling("went wrong".to_owned());
+        assert_eq!(said(notice.refused_at(Time::ZERO.after(FOR))), "went wrong");
+    }
+
+    #[test]
+    fn broken_shaders_are_told_until_they_compile() {
+        let mut notice = Notice::default();
+        notice.shaders_are_broken("a.frag:1: no".to_owned());
+        notice.tell(Time::ZERO, "done".to_owned());
+        assert_eq!(said(notice.at(Time::ZERO)), "done\na.frag:1: no");
+        assert_eq!(said(notice.refused_at(Time::ZERO)), "a.frag:1: no");
+        assert_eq!(said(notice.at(Time::ZERO.after(FOR))), "a.frag:1: no");
+        notice.shaders_are_broken("a.frag:2: no".to_owned());
+        assert_eq!(said(notice.at(Time::ZERO.after(FOR))), "a.frag:2: no");
+        notice.shaders_work();
+        assert_eq!(notice.at(Time::ZERO.after(FOR)), None);
     }
 }

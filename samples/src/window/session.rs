@@ -46,6 +46,8 @@ pub struct Session {
     pub(super) seen_from: Camera,
     pub(super) explanation: Explanation,
     pub(super) has_birds_eye: bool,
+    pub(super) has_hud: bool,
+    /// While there is something to write over the picture.
     pub(super) hud: Option<Hud>,
     pub(super) notice: Notice,
     pub(super) times: FrameTimes,
@@ -105,7 +107,8 @@ impl Session {
             seen_from: start,
             explanation: Explanation::default(),
             has_birds_eye: false,
-            hud: options.has_hud.then(Hud::default),
+            has_hud: options.has_hud,
+            hud: None,
             notice: Notice::default(),
             times: FrameTimes::default(),
             report: FrameReport::default(),
@@ -283,8 +286,11 @@ impl Session {
         {
             let loaded = ShaderSet::compiled_from(watch.folder());
             match loaded.and_then(|shaders| self.renderer.reload(shaders)) {
-                Ok(()) => self.notice.tell(now, "new shaders".to_owned()),
-                Err(error) => self.notice.keep_telling(error.to_string()),
+                Ok(()) => {
+                    self.notice.shaders_work();
+                    self.notice.tell(now, "new shaders".to_owned());
+                }
+                Err(error) => self.notice.shaders_are_broken(error.to_string()),
             }
         }
         Ok(())

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::outputs::{WriteError, write_file};
 
-/// Frames that are kept; more are not traced.
+/// More events than this are not kept, but counted.
 const MOST_EVENTS: usize = 1 << 20;
 /// The clocks are compared again after this time, because they drift.
 const COMPARE_EVERY_NS: u64 = 500_000_000;
@@ -80,10 +80,29 @@ impl Calibration {
     }
 }
 
+/// What happened, up to a number of events.
+#[derive(Clone, Debug, Default)]
+struct Events {
+    kept: Vec<Event>,
+    left_out: u64,
+}
+
+impl Events {
+    fn push(&mut self, event: Event, most: usize) {
+        if self.kept.len() < most {
+            return self.kept.push(event);
+        }
+        if self.left_out == 0 {
+            tracing::warn!("the trace is full: what happens from now on is not in it");
+        }
+        self.left_out += 1;
+    }
+}
+
 /// Collects what happens until it is written.
 pub struct Trace {
     device: Device,
-    events: Vec<Event>,
+    events: Events,
     calibration: Calibration,
     /// When the frames on their way were submitted, oldest first.
     submitted: VecDeque<Time>,
@@ -98,7 +117,7 @@ impl Trace {
         let clocks = device.clocks()?;
         Ok(Self {
             device: device.clone(),
-            events: Vec::new(),
+            events: Events::default(),
             calibration: clocks.as_ref().map_or(Calibration::UNKNOWN, Calibration::read),
             submitted: VecDeque::new(),
         })
@@ -159,9 +178,7 @@ impl Trace {
     }
 
     fn push(&mut self, event: Event) {
-        if self.events.len() < MOST_EVENTS {
-            self.events.push(event);
-        }
+        self.events.push(event, MOST_EVENTS);
     }
 
     /// Writes the file, whole or not at all.
@@ -176,7 +193,8 @@ impl Trace {
 }
 
 /// The format is "Trace Event Format" (Google, 2016): complete events, in microseconds.
-fn to_json(events: &[Event], calibration: &Calibration, device: &str) -> Value {
+fn to_json(events: &Events, calibration: &Calibration, device: &str) -> Value {
+    let Events { kept: events, left_out } = events;
     let placed = |event: &Event| match event.thread {
         GPU => event.began_ns + event.offset_ns.unwrap_or_else(|| calibration.offset_ns()),
         _ => event.began_ns,
@@ -198,7 +216,7 @@ fn to_json(events: &[Event], calibration: &Calibration, device: &str) -> Value {
     let all: Vec<Value> = names.into_iter().chain(events.iter().map(complete)).collect();
     json!({
         "displayTimeUnit": "ms",
-        "otherData": {"device": device, "gpu_clock": calibration.how()},
+        "otherData": {"device": device, "gpu_clock": calibration.how(), "events_left_out": left_out},
         "traceEvents": all,
     })
 }
@@ -235,9 +253,15 @@ mod tests {
             event("render", CPU, 10_000.0, None),
             event("visible", GPU, 2_000.0, Some(9_000.0)),
             event("revealed", GPU, 3_000.0, None),
+            event("too many", CPU, 20_000.0, None),
+            event("far too many", CPU, 30_000.0, None),
         ];
         let clocks = Clocks { gpu_ns: 0, monotonic_ns: 9_500, deviation_ns: 7 };
-        let json = to_json(&events, &Calibration::read(&clocks), "a GPU");
+        let mut kept = Events::default();
+        for event in events {
+            kept.push(event, 3);
+        }
+        let json = to_json(&kept, &Calibration::read(&clocks), "a GPU");
         let read = json["traceEvents"].as_array().unwrap();
         assert_eq!(read.len(), 5);
         assert_eq!(read[1]["args"]["name"], "a GPU");
@@ -245,5 +269,6 @@ mod tests {
         assert_eq!((at(2), at(3), at(4)), (0.0, 1.0, 2.5));
         assert_eq!((&read[3]["dur"], &read[3]["tid"]), (&json!(0.5), &json!(GPU)));
         assert!(json["otherData"]["gpu_clock"].as_str().unwrap().contains("within 7 ns"));
+        assert_eq!(json["otherData"]["events_left_out"], 2);
     }
 }
