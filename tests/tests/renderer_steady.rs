@@ -7,6 +7,8 @@
     reason = "a test fails by panicking"
 )]
 
+#[path = "swapchain/counting.rs"]
+mod counting;
 #[path = "bad_machine/machine.rs"]
 #[allow(dead_code, unused_imports, reason = "a window needs a part of the machine only")]
 mod machine;
@@ -17,10 +19,9 @@ mod stage;
 #[allow(dead_code, reason = "others need more of the window")]
 mod x11_window;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::ffi::CStr;
 
+use counting::{Counting, allocations};
 use cull::Strategy;
 use gpu::{PresentMode, Readback, SwapchainOptions};
 use machine::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, Machine, calls};
@@ -30,28 +31,6 @@ use stage::{Random, Stage};
 use tests::Driver;
 use tests::xvfb::Xvfb;
 use x11_window::{Library, X11Window};
-
-/// Counts what the thread allocates.
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: the system's allocator does it all.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let _no_count_while_the_thread_ends =
-            ALLOCATIONS.try_with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(place, layout) }
-    }
-}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -97,12 +76,12 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
             let mut swapchain = stage.swapchain(&SwapchainOptions::default());
             let (mut after_a_while, mut allocated) = ((0, 0), Vec::with_capacity(200));
             for frame in 0..200 {
-                let before = ALLOCATIONS.get();
+                let before = allocations();
                 let request = FrameRequest::new(strategy, camera);
                 renderer.render(&mut view, &request).unwrap();
                 view.take_outcomes();
                 let shown = renderer.present(&mut swapchain, SIZE).unwrap();
-                allocated.push(ALLOCATIONS.get() - before);
+                allocated.push(allocations() - before);
                 assert!(shown.presented().is_some());
                 if frame == 100 {
                     after_a_while = (made(), stage.device.wait_counts().other);
