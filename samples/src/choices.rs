@@ -92,6 +92,15 @@ pub enum Costs {
 }
 named!(Costs, "way to weigh costs", Ignored => "ignored", Measured => "measured");
 
+impl From<Costs> for render::Costs {
+    fn from(costs: Costs) -> Self {
+        match costs {
+            Costs::Ignored => Self::Ignored,
+            Costs::Measured => Self::Measured,
+        }
+    }
+}
+
 impl Named for Strategy {
     const WHAT: &'static str = "strategy";
     const VALUES: &'static [Self] = &Self::ALL;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
-use render::{Costs, Renderer, RendererOptions, ShaderSet, object_bounds, scene};
+use render::{Renderer, RendererOptions, ShaderSet, object_bounds, scene};
 use thiserror::Error;
 
 use crate::choices::{DeviceChoice, Predicates, Scene, Validation};
@@ -20,7 +20,7 @@ use crate::report::{
 use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
 use crate::walk::Walk;
-use crate::{Options, choices, memory, pictures};
+use crate::{Options, memory, pictures};
 
 /// Whose fault a failure is: it decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -310,10 +310,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
         shaders,
         threshold_samples: options.threshold_pixels,
         dialogue: dialogue_options(options),
-        costs: match options.costs {
-            choices::Costs::Ignored => Costs::Ignored,
-            choices::Costs::Measured => Costs::Measured,
-        },
+        costs: options.costs.into(),
         ..Default::default()
     })
 }

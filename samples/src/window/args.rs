@@ -9,7 +9,7 @@ use super::deeds::present_mode;
 use crate::args::{
     named, parse_device, parse_in_range, parse_path, parse_scene, parse_size, usage,
 };
-use crate::choices::{DeviceChoice, Scene, Validation};
+use crate::choices::{Costs, DeviceChoice, Scene, Validation};
 use crate::options::{
     FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, PathChoice, UsageError,
 };
@@ -68,6 +68,15 @@ pub struct CityArguments {
     /// Who decides what is drawn; `walkthrough --list-strategies` has the names
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     pub strategy: String,
+    /// What the governor does: leave out tests that cost more than they save, by costs that are measured
+    /// at the start and corrected by what frames take; or nothing
+    #[arg(
+        long,
+        value_name = "ignored|measured",
+        default_value = "measured",
+        help_heading = "Frames"
+    )]
+    pub costs: String,
     /// How many frames the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Frames")]
     pub frames_in_flight: String,
@@ -131,6 +140,8 @@ pub struct CityOptions {
     pub size: FrameSize,
     /// Who decides at the start.
     pub strategy: Strategy,
+    /// Whether tests must pay.
+    pub costs: Costs,
     /// How many frames are in flight at the start.
     pub frames_in_flight: u32,
     /// How pictures follow each other at the start.
@@ -197,6 +208,7 @@ impl CityArguments {
             script: self.script.clone(),
             size: parse_size(&self.size)?,
             strategy,
+            costs: named("--costs", &self.costs)?,
             frames_in_flight: parse_in_range(
                 "--frames-in-flight",
                 &self.frames_in_flight,
@@ -289,6 +301,7 @@ mod tests {
             (["--frame-limit", "0"], "0.1 to 10000"),
             (["--frame-limit", "NaN"], "not 'NaN'"),
             (["--hud", "maybe"], "on or off"),
+            (["--costs", "ignore"], "did you mean 'ignored'?"),
             (["--path", "stret"], "did you mean 'street'?"),
             (["--frames", "0"], "from 1 to"),
             (["--capture", "-1"], "not '-1'"),

@@ -88,8 +88,13 @@ impl Session {
         };
         let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?;
         let frames_in_flight = options.frames_in_flight as usize;
-        let options_of_renderer =
-            RendererOptions { size, frames_in_flight, shaders, ..RendererOptions::default() };
+        let options_of_renderer = RendererOptions {
+            size,
+            frames_in_flight,
+            shaders,
+            costs: options.costs.into(),
+            ..RendererOptions::default()
+        };
         let mut renderer = Renderer::new(device, &scene, &options_of_renderer)?;
         renderer.supports(options.strategy)?;
         if options.times_passes {
