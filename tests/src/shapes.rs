@@ -104,6 +104,7 @@ pub fn box_scene(boxes: &[Aabb]) -> Scene {
         light: Light::afternoon(),
         streets: Streets::default(),
         flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
+        surfaces: None,
     }
 }
 

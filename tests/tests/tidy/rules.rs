@@ -64,7 +64,8 @@ pub fn length(files: &[SourceFile]) -> Vec<String> {
     files.iter().filter(written).filter_map(too_long).collect()
 }
 
-/// `cull` knows no Vulkan, `gpu` knows no scene, `pacing` knows nobody, nobody knows a sample.
+/// `cull` knows no Vulkan, `gpu` knows no scene, `pacing` knows nobody, `animation` knows
+/// boxes, `import` makes scenes and calls no Vulkan, nobody knows a sample.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
     const VULKAN: &[&str] =
         &["gpu", "antumbra-gpu", "ash", "ash-window", "gpu-allocator", "render", "antumbra-render"];
@@ -85,8 +86,10 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         let forbidden = match file.path.as_str() {
             "engine/cull/Cargo.toml" => VULKAN,
             "engine/pacing/Cargo.toml" => ALL,
+            "engine/animation/Cargo.toml" => VULKAN,
             "engine/gpu/Cargo.toml" => SCENE,
-            "engine/render/Cargo.toml" => &[],
+            "engine/render/Cargo.toml" => &["import", "antumbra-import"],
+            "engine/import/Cargo.toml" => &["gpu", "antumbra-gpu", "ash"],
             _ => continue,
         };
         for (line, name) in dependencies(&file.text) {
@@ -123,7 +126,9 @@ fn dependencies(manifest: &str) -> Vec<(usize, String)> {
 pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     let must = |file: &&SourceFile| {
         [
+            "engine/animation/src/lib.rs",
             "engine/cull/src/lib.rs",
+            "engine/import/src/lib.rs",
             "engine/pacing/src/lib.rs",
             "engine/render/src/lib.rs",
             "samples/src/lib.rs",

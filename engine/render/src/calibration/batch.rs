@@ -379,6 +379,7 @@ fn scene() -> Scene {
         light: Light::afternoon(),
         streets: Streets::default(),
         flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
+        surfaces: None,
     }
 }
 

@@ -72,6 +72,7 @@ pub fn city(objects: u32, seed: u64) -> Result<Scene, SceneError> {
         meshes: city.meshes,
         objects: city.objects,
         light: Light::afternoon(),
+        surfaces: None,
     })
 }
 

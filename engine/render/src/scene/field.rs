@@ -74,6 +74,7 @@ pub fn field(objects: u32, seed: u64) -> Result<Scene, SceneError> {
             // pavilion's roof does not yet cover what stands in the next cell.
             down_rad: 0.785,
         },
+        surfaces: None,
     })
 }
 

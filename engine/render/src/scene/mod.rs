@@ -13,6 +13,7 @@ mod motion;
 mod path;
 mod random;
 mod single;
+mod surface;
 #[cfg(test)]
 mod tests;
 
@@ -26,6 +27,11 @@ pub use mesh::{
 };
 pub use motion::{Cast, Motion, MotionError};
 pub use path::{CameraPath, EYE_HEIGHT_M, FOV_Y_RAD, NEAR_M, PathKind};
+pub use surface::{
+    Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, LightId, LightKind,
+    Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
+    SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, Wrap,
+};
 
 /// The most objects that a generated scene can have.
 pub const MAX_OBJECTS: u32 = 2_000_000;
@@ -178,6 +184,8 @@ pub struct Scene {
     pub streets: Streets,
     /// Where to fly.
     pub flight: Flight,
+    /// What it looks like close by; `None` where vertices say it all.
+    pub surfaces: Option<Surfaces>,
 }
 
 impl Scene {

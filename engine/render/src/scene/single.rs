@@ -45,6 +45,7 @@ impl Scene {
             light: Light::afternoon(),
             streets: Streets::default(),
             flight: Flight { centre, radius_m, down_rad: 0.0 },
+            surfaces: None,
         }
     }
 }

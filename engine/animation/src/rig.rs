@@ -1,0 +1,105 @@
+//! Rigs: the nodes of a scene, each in the space of its parent.
+
+use glam::{Affine3A, Quat, Vec3};
+
+/// Names a node of a rig: an index into its nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(pub u32);
+
+/// A transform in parts: scaled first, then turned, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trs {
+    /// Where it is.
+    pub translation: Vec3,
+    /// How it is turned; unit length.
+    pub rotation: Quat,
+    /// How it is scaled.
+    pub scale: Vec3,
+}
+
+/// Where a node is in its parent when nothing moves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rest {
+    /// In parts, which clips may move.
+    Parts(Trs),
+    /// As a matrix, which no clip moves.
+    Matrix(Affine3A),
+}
+
+/// Something that has a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Node {
+    /// What it is, for people.
+    pub name: String,
+    /// In whose space it is; `None` in the world's.
+    pub parent: Option<NodeId>,
+    /// Where it is there at rest.
+    pub rest: Rest,
+    /// Its morph targets' weights at rest; empty if it has none.
+    pub weights: Vec<f32>,
+}
+
+/// Why nodes are no rig.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RigError {
+    /// A parent that is not there.
+    #[error("node {node} has the parent {parent}, which is not there")]
+    NoParent {
+        /// Whose.
+        node: u32,
+        /// What it names.
+        parent: u32,
+    },
+    /// Nodes that are their own ancestors.
+    #[error("node {node} is its own ancestor")]
+    Cycle {
+        /// One of them.
+        node: u32,
+    },
+}
+
+/// Nodes, and an order in which parents come before their children.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rig {
+    nodes: Vec<Node>,
+    order: Vec<NodeId>,
+}
+
+impl Rig {
+    /// A rig of these nodes, in time proportional to their number, however deep they are.
+    ///
+    /// # Errors
+    /// A parent that is not there; nodes that are their own ancestors.
+    pub fn new(nodes: Vec<Node>) -> Result<Self, RigError> {
+        let mut children: Vec<Vec<NodeId>> = vec![Vec::new(); nodes.len()];
+        let mut order = Vec::with_capacity(nodes.len());
+        for (id, node) in (0..).zip(&nodes) {
+            match node.parent {
+                None => order.push(NodeId(id)),
+                Some(parent) => match children.get_mut(parent.0 as usize) {
+                    Some(children) => children.push(NodeId(id)),
+                    None => return Err(RigError::NoParent { node: id, parent: parent.0 }),
+                },
+            }
+        }
+        let mut next = 0;
+        while let Some(node) = order.get(next) {
+            order.extend(children.get_mut(node.0 as usize).map(std::mem::take).unwrap_or_default());
+            next += 1;
+        }
+        match children.iter().flatten().next() {
+            Some(node) => Err(RigError::Cycle { node: node.0 }),
+            None => Ok(Self { nodes, order }),
+        }
+    }
+
+    /// Its nodes, by their ids.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// All nodes, parents before their children.
+    pub fn order(&self) -> &[NodeId] {
+        &self.order
+    }
+}

@@ -1,0 +1,6 @@
+//! Scenes out of glTF 2.0 files, which are hostile until proven otherwise.
+#![forbid(unsafe_code)]
+
+mod imported;
+
+pub use imported::{Camera, Imported, Placed, Placement};

@@ -1,0 +1,302 @@
+//! Surfaces: what meshes look like close by, as plain data. Materials are glTF 2.0's metallic-roughness
+//! model with its extensions `KHR_materials_unlit`, `KHR_materials_emissive_strength`,
+//! `KHR_texture_transform` and `KHR_lights_punctual`.
+
+use glam::{Affine2, Vec3};
+
+use super::{MeshId, Object};
+
+/// Names a material: an index into [`Surfaces::materials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MaterialId(pub u32);
+
+/// Names a texture: an index into [`Surfaces::textures`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TextureId(pub u32);
+
+/// Names an image: an index into [`Surfaces::images`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ImageId(pub u32);
+
+/// Names a blended object: an index into [`Surfaces::blended`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BlendedId(pub u32);
+
+/// Names a light: an index into [`Surfaces::lights`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LightId(pub u32);
+
+/// Names a mesh that changes its form: an index into [`Surfaces::deformers`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct DeformerId(pub u32);
+
+/// The second half of a vertex, 40 bytes: what only shading needs.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct SurfaceVertex {
+    /// Unit normal as snorm16; the last is 0.
+    pub normal: [i16; 4],
+    /// Unit tangent as snorm16; the last is the bitangent's sign, -32767 or 32767.
+    pub tangent: [i16; 4],
+    /// Two sets of texture coordinates.
+    pub uv: [[f32; 2]; 2],
+    /// **Linear** red, green, blue, alpha as unorm16: a factor of the base colour.
+    pub colour: [u16; 4],
+}
+
+const _: () = assert!(size_of::<SurfaceVertex>() == 40);
+
+/// What a mesh of the scene looks like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceMesh {
+    /// As many as the mesh has vertices.
+    pub vertices: Vec<SurfaceVertex>,
+    /// What it is made of.
+    pub material: MaterialId,
+}
+
+/// How a surface covers what is behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Alpha {
+    /// Wholly.
+    Opaque,
+    /// Wholly where its alpha is at least this, elsewhere not at all.
+    Mask {
+        /// Where it begins.
+        cutoff: f32,
+    },
+    /// As much as its alpha says.
+    Blend,
+}
+
+/// A texture, and where on it a surface is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureUse {
+    /// Which one.
+    pub texture: TextureId,
+    /// By which of the two sets of coordinates: 0 or 1.
+    pub uv_set: u8,
+    /// From those to coordinates in the texture.
+    pub transform: Affine2,
+}
+
+/// What a surface is made of. All colours are linear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// What it is, for people.
+    pub name: String,
+    /// Factor of the base colour and alpha.
+    pub base_colour: [f32; 4],
+    /// Base colour and alpha; sRGB.
+    pub base_colour_texture: Option<TextureUse>,
+    /// Factor, 0 to 1.
+    pub metallic: f32,
+    /// Factor, 0 to 1.
+    pub roughness: f32,
+    /// Roughness in green, metallic in blue; linear.
+    pub metallic_roughness_texture: Option<TextureUse>,
+    /// Normals in tangent space; linear.
+    pub normal_texture: Option<TextureUse>,
+    /// Factor of their x and y.
+    pub normal_scale: f32,
+    /// Occlusion of ambient light in red; linear.
+    pub occlusion_texture: Option<TextureUse>,
+    /// How much of it counts, 0 to 1.
+    pub occlusion_strength: f32,
+    /// What it gives off by itself, with its strength.
+    pub emission: [f32; 3],
+    /// Factor of that; sRGB.
+    pub emission_texture: Option<TextureUse>,
+    /// How it covers.
+    pub alpha: Alpha,
+    /// Whether its back is seen. Meshes of such materials have their backs as triangles of their own, so
+    /// that one pipeline draws all.
+    pub is_double_sided: bool,
+    /// Whether it is its base colour whatever the light.
+    pub is_unlit: bool,
+}
+
+impl Default for Material {
+    /// The default of glTF 2.0.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_colour: [1.0; 4],
+            base_colour_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emission: [0.0; 3],
+            emission_texture: None,
+            alpha: Alpha::Opaque,
+            is_double_sided: false,
+            is_unlit: false,
+        }
+    }
+}
+
+/// An image of four channels of eight bits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// What it is, for people.
+    pub name: String,
+    /// Width and height in pixels, neither 0.
+    pub size: [u32; 2],
+    /// Rows from the top without gaps, four bytes a pixel.
+    pub rgba8: Vec<u8>,
+}
+
+/// What the bytes of an image mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// Colours: red, green, blue are sRGB, alpha is linear.
+    Srgb,
+    /// Numbers.
+    Linear,
+}
+
+/// What is beyond the edges of a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// It again.
+    Repeat,
+    /// It again, mirrored.
+    Mirror,
+    /// Its last pixel.
+    Clamp,
+}
+
+/// How pixels become a colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Filter {
+    /// The nearest.
+    Nearest,
+    /// A mix of those around.
+    Linear,
+}
+
+/// How a texture is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Sampler {
+    /// Beyond its edges, across and down.
+    pub wrap: [Wrap; 2],
+    /// Where it is enlarged.
+    pub magnified: Filter,
+    /// Where it is made smaller.
+    pub minified: Filter,
+    /// Between the levels of its mip maps; `None` takes the largest alone.
+    pub between_levels: Option<Filter>,
+}
+
+impl Default for Sampler {
+    fn default() -> Self {
+        Self {
+            wrap: [Wrap::Repeat; 2],
+            magnified: Filter::Linear,
+            minified: Filter::Linear,
+            between_levels: Some(Filter::Linear),
+        }
+    }
+}
+
+/// An image and how to look at it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Texture {
+    /// Which image.
+    pub image: ImageId,
+    /// What its bytes mean.
+    pub encoding: Encoding,
+    /// How to look at it.
+    pub sampler: Sampler,
+}
+
+/// Where a light shines from and to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// From everywhere along its direction; intensity in lux.
+    Directional,
+    /// From its position in all directions; intensity in candela.
+    Point,
+    /// From its position into a cone around its direction; intensity in candela.
+    Spot {
+        /// Half the angle within which it is at its full strength, in radians.
+        inner_rad: f32,
+        /// Half the angle beyond which it is dark, in radians.
+        outer_rad: f32,
+    },
+}
+
+/// A light of `KHR_lights_punctual`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PunctualLight {
+    /// Where it shines.
+    pub kind: LightKind,
+    /// Linear red, green, blue.
+    pub colour: [f32; 3],
+    /// In lux or candela, as its kind says.
+    pub intensity: f32,
+    /// How far it shines, in metres; `None` is as far as it can be told from darkness.
+    pub range_m: Option<f32>,
+    /// Where it is, in the world.
+    pub position: Vec3,
+    /// Unit vector along which it shines, in the world.
+    pub direction: Vec3,
+}
+
+/// How the vertices of a skinned mesh hang on its joints.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SkinWeights {
+    /// How many joints there are.
+    pub joint_count: u32,
+    /// For each vertex as many groups of four joints as there are sets.
+    pub joints: Vec<[u16; 4]>,
+    /// Their weights, which together are 1 for each vertex.
+    pub weights: Vec<[f32; 4]>,
+    /// Groups of four a vertex.
+    pub sets: u32,
+}
+
+/// What a morph target adds to each vertex. A list is empty or as long as the mesh's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MorphTarget {
+    /// To positions.
+    pub positions: Vec<[f32; 3]>,
+    /// To normals.
+    pub normals: Vec<[f32; 3]>,
+    /// To tangents.
+    pub tangents: Vec<[f32; 3]>,
+}
+
+/// A mesh of one object alone whose vertices move: morphed first, then skinned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deformer {
+    /// The mesh; as it is in the scene, it is at rest.
+    pub mesh: MeshId,
+    /// Its skin, if it has one.
+    pub skin: Option<SkinWeights>,
+    /// Its morph targets.
+    pub targets: Vec<MorphTarget>,
+}
+
+/// What a scene looks like close by.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Surfaces {
+    /// One for each mesh of the scene.
+    pub meshes: Vec<SurfaceMesh>,
+    /// What they are made of.
+    pub materials: Vec<Material>,
+    /// The textures of materials.
+    pub textures: Vec<Texture>,
+    /// The images of textures.
+    pub images: Vec<Image>,
+    /// The lights beside the ambient one.
+    pub lights: Vec<PunctualLight>,
+    /// Objects whose material is [`Alpha::Blend`]; none of [`Scene::objects`](super::Scene::objects) is.
+    pub blended: Vec<Object>,
+    /// What changes its form.
+    pub deformers: Vec<Deformer>,
+}
