@@ -1,4 +1,5 @@
 //! Tracks, poses and players against glTF 2.0, appendix C, and against what their pages promise.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
     Channel, Clip, ClipError, ClipId, Interpolation, Node, NodeId, Playback, Player, Pose, Repeat,

@@ -1,5 +1,6 @@
 //! The fox of the shared assets: its boxes hold, are not much too large, and are found in no time. Skipped,
 //! and says so, without `ANTUMBRA_ASSETS`, the folder that has `fox.glb`.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::time::Instant;
 

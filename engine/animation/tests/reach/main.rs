@@ -1,4 +1,5 @@
 //! Boxes hold: for scenes of all kinds, sampled densely, nothing is outside.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
     Clip, ClipId, DeformedMesh, NodeId, Playback, Player, Pose, Reach, ReachError, Rig, Skeleton,
