@@ -1,6 +1,6 @@
 //! How far a mesh reaches while it moves: the boxes that hold.
 //!
-//! [`alone`](crate::alone) says why that of one clip holds, [`together`](crate::together) why that of
+//! `alone.rs` says why that of one clip holds, `together.rs` why that of
 //! several mixed does, and why the union of the first is not enough. Both take a vertex to be anywhere in the
 //! hull of what hangs on its joints, and morph targets' weights anywhere in their ranges.
 
