@@ -27,6 +27,8 @@ pub enum Cause {
     Forbidden,
     /// It asks for more than [`Limits`](crate::Limits) allow.
     TooLarge,
+    /// Nobody waits for it any more.
+    GivenUp,
 }
 
 impl Cause {
@@ -39,7 +41,10 @@ impl Cause {
                  glTF validator says"
             }
             Self::Unsupported => "export it again without this",
-            Self::Forbidden => "put what the scene needs into its folder, and name it by a relative path",
+            Self::Forbidden => {
+                "put what the scene needs into its folder, and name it by a relative path"
+            }
+            Self::GivenUp => "load it again if you want it after all",
             Self::TooLarge => "make the scene smaller, or raise the limits if you trust the file",
         }
     }

@@ -1,12 +1,15 @@
 //! Scenes out of glTF 2.0 files, which are hostile until proven otherwise.
 #![forbid(unsafe_code)]
 
+mod convert;
 mod error;
 mod imported;
 mod limits;
+mod load;
 mod source;
 
 pub use error::{Cause, ImportError};
 pub use imported::{Camera, Imported, Placed, Placement};
 pub use limits::Limits;
+pub use load::{Listener, LoadOptions, Progress, Stage, load, load_bytes};
 pub use source::{Instancing, SUPPORTED_EXTENSIONS, Source, open, read};
