@@ -23,8 +23,8 @@ pub struct Limits {
     pub image_bytes: u64,
     /// Bytes in use at any time for decoding images, beside the images themselves. Default: 1 GiB.
     pub image_scratch_bytes: u64,
-    /// Elements of all accessors that have no bytes behind them and are zeros. Default: 2^25.
-    pub zero_elements: u64,
+    /// Elements of all accessors together, also of those that share their bytes. Default: 2^29.
+    pub elements: u64,
     /// Vertices of all meshes, as [`Source`](crate::Source) counts them. Default: 2^25.
     pub vertices: u64,
     /// Corners of the triangles of all meshes, counted likewise. Default: 2^27.
@@ -51,7 +51,7 @@ impl Default for Limits {
             image_side: 16384,
             image_bytes: 2048 * MIB,
             image_scratch_bytes: 1024 * MIB,
-            zero_elements: 1 << 25,
+            elements: 1 << 29,
             vertices: 1 << 25,
             corners: 1 << 27,
             nodes: 1 << 20,

@@ -1,11 +1,16 @@
 //! A file that was read and checked: what may be relied on without looking again.
 
-use std::ops::Range;
 use std::path::Path;
 
+use gltf::json::Root;
 use render::scene::Image;
 
-use crate::{ImportError, Limits};
+use crate::buffers::{self, Budget};
+use crate::elements::{self, Store};
+use crate::error::{Fault, Reason};
+use crate::notes::Notes;
+use crate::uri::{self, Wanted};
+use crate::{Cause, ImportError, Limits, check, glb, images, json, textures};
 
 /// The extensions that a file may require. Others that it requires are refused by name, others that it
 /// merely uses are noted.
@@ -54,8 +59,7 @@ pub struct Instancing {
 ///   wrong: read them by [`Source::floats`] and [`Source::integers`], which read all.
 /// - **Primitives.** All attributes of a primitive and of its morph targets have the same count, and their
 ///   types are what the specification and `KHR_mesh_quantization` allow. `POSITION` may be missing (draw
-///   nothing then). Indices are unsigned scalars, and every one of them is below the count, and none is the
-///   highest value of its type. How many there are fits the mode no better than the file says: ignore the
+///   nothing then). Indices are unsigned scalars, and every one of them is below the count. How many there are fits the mode no better than the file says: ignore the
 ///   incomplete last line or triangle. All primitives of a mesh have the same number of morph targets;
 ///   weights of a mesh or of a node with it are as many as there are targets. `JOINTS_n` come with
 ///   `WEIGHTS_n`.
@@ -85,46 +89,43 @@ pub struct Source {
     pub instancing: Vec<Option<Instancing>>,
     /// What was in the file that is not understood, for people.
     pub notes: Vec<String>,
-    pub(crate) bytes: Vec<u8>,
-    pub(crate) buffers: Vec<BufferBytes>,
-}
-
-/// Where the bytes of a buffer are.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum BufferBytes {
-    /// Within the file: the binary chunk of a GLB is not held twice.
-    InFile(Range<usize>),
-    /// By themselves.
-    Apart(Vec<u8>),
+    pub(crate) store: Store,
 }
 
 impl Source {
     /// The bytes of a buffer, exactly as many as it says; empty if there is no such buffer.
     pub fn buffer(&self, index: usize) -> &[u8] {
-        match self.buffers.get(index) {
-            Some(BufferBytes::InFile(range)) => self.bytes.get(range.clone()).unwrap_or_default(),
-            Some(BufferBytes::Apart(bytes)) => bytes,
-            None => &[],
-        }
+        self.store.buffer(index)
     }
 
     /// All elements of an accessor as floats, normalised integers turned into what they mean, others into
     /// themselves. `None` if there is no such accessor or its elements have not `N` components. Matrices
     /// are in column order, without padding.
     pub fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
-        let _ = accessor;
-        None
+        let mut all = self.room_for(accessor);
+        elements::for_each_floats(self.document.as_json(), &self.store, accessor, |each| {
+            all.push(each)
+        })?;
+        Some(all)
     }
 
     /// All elements of an accessor of unsigned integers. `None` if there is no such accessor, its elements
     /// have not `N` components, or they are not unsigned integers.
     pub fn integers<const N: usize>(&self, accessor: usize) -> Option<Vec<[u32; N]>> {
-        let _ = accessor;
-        None
+        let mut all = self.room_for(accessor);
+        elements::for_each_integers(self.document.as_json(), &self.store, accessor, |each| {
+            all.push(each)
+        })?;
+        Some(all)
+    }
+
+    fn room_for<T>(&self, accessor: usize) -> Vec<T> {
+        let accessor = self.document.as_json().accessors.get(accessor);
+        Vec::with_capacity(accessor.map_or(0, |accessor| accessor.count.0 as usize))
     }
 
     /// An error about something in this file.
-    pub fn error(&self, cause: crate::Cause, object: String, reason: String) -> ImportError {
+    pub fn error(&self, cause: Cause, object: String, reason: String) -> ImportError {
         ImportError { file: self.file.clone(), object, reason, cause }
     }
 }
@@ -134,13 +135,11 @@ impl Source {
 /// # Errors
 /// If anything of it cannot be read, is not what glTF 2.0 says, or is beyond the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
-    let _ = (path, limits);
-    Err(ImportError {
-        file: path.display().to_string(),
-        object: "file".to_owned(),
-        reason: "reading is not there yet".to_owned(),
-        cause: crate::Cause::Unsupported,
-    })
+    let file = path.display().to_string();
+    let bytes = uri::read_file(path, Wanted::All, limits.file_bytes)
+        .map_err(|reason| reason.of("file").in_file(&file))?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits)
 }
 
 /// Reads a file whose bytes are here. What it refers to is looked for in `folder`; without one it must not
@@ -149,6 +148,66 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
 /// # Errors
 /// As [`open`].
 pub fn read(bytes: Vec<u8>, folder: Option<&Path>, limits: &Limits) -> Result<Source, ImportError> {
-    let _ = bytes;
-    open(folder.unwrap_or(Path::new("memory")), limits)
+    read_named("scene in memory".to_owned(), bytes, folder, limits)
+}
+
+fn read_named(
+    file: String,
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    limits: &Limits,
+) -> Result<Source, ImportError> {
+    let mut notes = Notes::default();
+    match check_and_decode(bytes, folder, limits, &mut notes) {
+        Ok(parts) => Ok(Source {
+            file,
+            document: gltf::Document::from_json_without_validation(parts.root),
+            images: parts.images,
+            texture_images: parts.texture_images,
+            instancing: parts.instancing,
+            notes: notes.into_texts(),
+            store: parts.store,
+        }),
+        Err(fault) => Err(fault.in_file(&file)),
+    }
+}
+
+struct Parts {
+    root: Root,
+    images: Vec<Option<Image>>,
+    texture_images: Vec<Option<usize>>,
+    instancing: Vec<Option<Instancing>>,
+    store: Store,
+}
+
+fn check_and_decode(
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    limits: &Limits,
+    notes: &mut Notes,
+) -> Result<Parts, Fault> {
+    let length = bytes.len() as u64;
+    if length > limits.file_bytes {
+        return Err(Reason::too_large("bytes", length, limits.file_bytes).of("file"));
+    }
+    let (root, binary) = if glb::is_glb(&bytes) {
+        let parts = glb::split(&bytes)?;
+        (json::parse(bytes.get(parts.json).unwrap_or_default(), limits, notes)?, parts.binary)
+    } else {
+        (json::parse(&bytes, limits, notes)?, None)
+    };
+    // What the JSON takes is known to be bounded now, so all of it is checked before any file is opened.
+    check::required(&root, notes)?;
+    check::views_and_accessors(&root, limits)?;
+    let instancing = check::structure(&root, limits)?;
+
+    let mut budget = Budget::new(limits);
+    let buffers = buffers::resolve(&root, binary.as_ref(), folder, &mut budget)?;
+    let file = if binary.is_some() { bytes } else { Vec::new() };
+    let store = Store { file, buffers };
+    check::indices_and_joints(&root, &store)?;
+
+    let texture_images = textures::images_of(&root, notes);
+    let images = images::decode(&root, &store, &texture_images, folder, &mut budget, limits)?;
+    Ok(Parts { root, images, texture_images, instancing, store })
 }
