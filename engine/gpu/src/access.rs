@@ -17,6 +17,8 @@ pub enum Access {
     PredicateRead,
     /// Storage buffer read by a vertex shader.
     VertexRead,
+    /// Storage buffer read by a fragment shader.
+    FragmentRead,
     /// Storage buffer read by a compute shader.
     ComputeRead,
     /// Storage buffer written by a compute shader.
@@ -39,13 +41,14 @@ pub enum Access {
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 15] = [
+    pub const ALL: [Access; 16] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
         Access::IndirectRead,
         Access::PredicateRead,
         Access::VertexRead,
+        Access::FragmentRead,
         Access::ComputeRead,
         Access::ComputeWrite,
         Access::FragmentWrite,
@@ -78,6 +81,9 @@ impl Access {
                 L::UNDEFINED,
             ),
             Access::VertexRead => (S::VERTEX_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED),
+            Access::FragmentRead => {
+                (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED)
+            }
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, none, L::GENERAL),
             Access::ComputeWrite => {
                 (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, A::SHADER_STORAGE_WRITE, L::GENERAL)

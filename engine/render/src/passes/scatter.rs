@@ -36,8 +36,13 @@ const GROUP_THREADS: u32 = 64;
 const GROUPS_MAX: u32 = 4096;
 
 /// What may look at a per-leaf array.
-const USES: [Access; 4] =
-    [Access::VertexRead, Access::IndirectRead, Access::ComputeRead, Access::ComputeWrite];
+const USES: [Access; 5] = [
+    Access::VertexRead,
+    Access::FragmentRead,
+    Access::IndirectRead,
+    Access::ComputeRead,
+    Access::ComputeWrite,
+];
 
 impl ScatterPass {
     /// Compiles the pass.
