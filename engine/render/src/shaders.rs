@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 24] = [
+pub const SHADERS: [Shader; 25] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -44,6 +44,7 @@ pub const SHADERS: [Shader; 24] = [
     shader!("scatter.comp"),
     shader!("surface.vert"),
     shader!("surface.frag"),
+    shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
     shader!("sky.vert"),
     shader!("sky.frag"),
