@@ -11,16 +11,13 @@
     reason = "a test fails by panicking"
 )]
 
-#[path = "shading/reference.rs"]
-mod reference;
-
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec3A, vec3};
 use gpu::Device;
-use reference::{Ambient, Light, Point};
 use render::SurfaceOptions;
 use render::scene::{
     LightKind, Material, Mesh, PunctualLight, Scene, SurfaceMesh, SurfaceVertex, Surfaces,
 };
+use tests::reference::{self, Ambient, Light, Point};
 use tests::run_on_all;
 use tests::shapes::square_camera;
 use tests::studio::{mesh, picture, scene, snorm16};

@@ -13,8 +13,6 @@ mod arrays;
 mod covering;
 #[path = "textures/details.rs"]
 mod details;
-#[path = "shading/reference.rs"]
-mod reference;
 
 use glam::{Affine2, Affine3A, Mat2, Vec2, vec2};
 use gpu::Device;
@@ -23,6 +21,7 @@ use render::scene::{
     Encoding, Filter, Image, ImageId, Material, Mesh, Sampler, Scene, SurfaceMesh, SurfaceVertex,
     Surfaces, Texture, TextureId, TextureUse, Wrap,
 };
+use tests::reference;
 use tests::run_on_all;
 use tests::shapes::square_camera;
 use tests::studio;
