@@ -10,13 +10,15 @@ use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
 use crate::scene::{Object, Scene, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 struct Instance {
     rows: [[f32; 4]; 3],
-    tint: [f32; 4],
+    /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
+    tail: [u32; 4],
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
@@ -31,6 +33,8 @@ pub(crate) struct Geometry {
     pub(crate) instances: Buffer,
     /// One box per leaf.
     pub(crate) leaf_boxes: Buffer,
+    /// Of scenes that have them.
+    pub(crate) surfaces: Option<SurfaceResources>,
     mesh_draws: Vec<IndirectDraw>,
     mesh_bounds: Vec<Aabb>,
     // By object.
@@ -67,12 +71,14 @@ impl Geometry {
         let (vertices, indices, mesh_draws) = join_meshes(scene);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
+        let surfaces =
+            SurfaceResources::upload(device, scene, hierarchy, &SurfaceOptions::default())?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);
-        for ((mesh, instance), object) in places.zip(&scene.objects) {
+        for (id, ((mesh, instance), object)) in (0..).zip(places.zip(&scene.objects)) {
             *mesh = object.mesh.0;
-            *instance = instance_of(object);
+            *instance = instance_of(ObjectId(id), object, surfaces.as_ref());
         }
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
         let leaf_meshes: Vec<u32> =
@@ -93,6 +99,7 @@ impl Geometry {
             mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
             leaf_counts: LeafCounts::new(counts),
             draw_changes: DrawChanges::new(leaf_count),
+            surfaces,
             mesh_draws,
             object_meshes,
             object_instances,
@@ -143,6 +150,8 @@ impl Geometry {
 
     /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
     pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
+        let surfaces = self.surfaces.as_ref();
+        let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
         let id = id.0 as usize;
         let (Some(mesh), Some(instance)) =
             (self.object_meshes.get_mut(id), self.object_instances.get_mut(id))
@@ -150,7 +159,22 @@ impl Geometry {
             return;
         };
         *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
-        *instance = object.map(instance_of).unwrap_or_default();
+        *instance = now;
+    }
+
+    /// Finds the lights of an object where it is now; answers whether there are others than before.
+    /// Its leaf must then be marked.
+    pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
+        let (Some(surfaces), Some(node)) = (&mut self.surfaces, hierarchy.node_of(object)) else {
+            return false;
+        };
+        let is_other = surfaces.find_lights(object.0, &hierarchy.bounds(node));
+        if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
+            && is_other
+        {
+            instance.tail[2] = surfaces.light_lists().count(object.0);
+        }
+        is_other
     }
 
     /// What the GPU has of a leaf is not what is there: the next frame brings it.
@@ -188,6 +212,9 @@ impl Geometry {
         predicates: &Predicates,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
+        if let Some(surfaces) = &self.surfaces {
+            surfaces.bring(frame, scatter)?;
+        }
         if self.stale.is_empty() {
             return Ok(());
         }
@@ -218,6 +245,9 @@ impl Geometry {
 
     /// The frame that [`Geometry::bring`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.submitted();
+        }
         for leaf in self.stale.drain(..) {
             if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
                 *is_stale = false;
@@ -234,8 +264,10 @@ fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {
     })
 }
 
-fn instance_of(object: &Object) -> Instance {
-    Instance { rows: rows_of(&object.transform), tint: unpack_unorm(object.tint) }
+fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {
+    let tint = || unpack_unorm(object.tint).map(f32::to_bits);
+    let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object.mesh, id.0));
+    Instance { rows: rows_of(&object.transform), tail }
 }
 
 fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {

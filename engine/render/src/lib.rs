@@ -50,6 +50,7 @@ mod renderer;
 mod sample_counts;
 pub mod scene;
 mod shaders;
+mod surfaces;
 mod update;
 mod view_history;
 mod views;
@@ -64,13 +65,18 @@ pub use moment::Moment;
 pub use passes::{
     ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
     LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
-    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, pyramid_levels,
+    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, SkyPass,
+    SurfaceIo, SurfaceKind, SurfacePass, pyramid_levels,
 };
 pub use renderer::{
     FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, object_bounds,
 };
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
+pub use surfaces::{
+    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, Page, PagePlan,
+    SurfaceOptions, SurfaceResources, reach_m,
+};
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};
 pub use views::{Area, Eye, ViewsRequest};

@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 19] = [
+pub const SHADERS: [Shader; 25] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -42,6 +42,12 @@ pub const SHADERS: [Shader; 19] = [
     shader!("pyramid_first.comp"),
     shader!("pyramid_second.comp"),
     shader!("scatter.comp"),
+    shader!("surface.vert"),
+    shader!("surface.frag"),
+    shader!("surface_depth.vert"),
+    shader!("surface_depth.frag"),
+    shader!("sky.vert"),
+    shader!("sky.frag"),
 ];
 
 /// The shaders a renderer is built from.

@@ -11,6 +11,8 @@ mod pyramid;
 mod pyramid_cull;
 mod scatter;
 mod seen;
+mod sky;
+mod surface;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use count::CountPass;
@@ -23,3 +25,5 @@ pub use pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
 pub(crate) use pyramid_cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
 pub use scatter::{ScatterIo, ScatterPass};
 pub use seen::{SeenIo, SeenPass};
+pub use sky::SkyPass;
+pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};

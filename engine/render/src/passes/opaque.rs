@@ -100,6 +100,7 @@ impl OpaquePass {
                 fragment,
                 vertices: VertexLayout {
                     stride_bytes: size_of::<Vertex>() as u32,
+                    beside: None,
                     attributes: &[
                         (vk::Format::R32G32B32_SFLOAT, 0),
                         (vk::Format::R8G8B8A8_SNORM, 12),
@@ -109,6 +110,7 @@ impl OpaquePass {
                 storage: StorageLayout {
                     buffers: 1,
                     textures: 0,
+                    texture_arrays: 0,
                     push_bytes: size_of::<Constants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,
