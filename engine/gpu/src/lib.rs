@@ -111,7 +111,7 @@ pub use swapchain::{
     Acquired, NotShown, PresentId, PresentTiming, Presented, Shown, Swapchain, SwapchainOptions,
     WindowImage,
 };
-pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
+pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Load, Readback, RenderTarget, Target};
 pub use texture::Texture;
 pub use timeline::{Tick, Timeline};
 pub use timing::{FrameTime, PassTime};

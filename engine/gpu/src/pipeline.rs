@@ -14,6 +14,9 @@ use crate::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 pub enum DepthMode {
     /// Nearer wins, and is stored.
     TestAndWrite,
+    /// As near or nearer passes, and is stored: the same depth in the end, but whoever is as near as it
+    /// counts as visible, whoever was first.
+    TestEqualAndWrite,
     /// As near or nearer passes; nothing is stored. Proxies use it: equal depth counts as visible.
     TestOnly,
     /// Everything passes; nothing is stored.
@@ -29,6 +32,8 @@ pub enum Blend {
     Alpha,
     /// Mixes by alpha, by which the colour is multiplied already.
     Premultiplied,
+    /// The larger of both in each channel: the same whatever the order.
+    Lightest,
     /// Writes no colour. Give no fragment shader then: a masked one would still run.
     NoColour,
 }
@@ -280,6 +285,7 @@ fn create_graphics(
         .rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let (write, compare) = match info.depth {
         DepthMode::TestAndWrite => (true, vk::CompareOp::GREATER),
+        DepthMode::TestEqualAndWrite => (true, vk::CompareOp::GREATER_OR_EQUAL),
         DepthMode::TestOnly => (false, vk::CompareOp::GREATER_OR_EQUAL),
         DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
     };
@@ -329,6 +335,15 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .alpha_blend_op(vk::BlendOp::ADD),
+        Blend::Lightest => state
+            .color_write_mask(all)
+            .blend_enable(true)
+            .src_color_blend_factor(vk::BlendFactor::ONE)
+            .dst_color_blend_factor(vk::BlendFactor::ONE)
+            .color_blend_op(vk::BlendOp::MAX)
+            .src_alpha_blend_factor(vk::BlendFactor::ONE)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            .alpha_blend_op(vk::BlendOp::MAX),
         Blend::Premultiplied => {
             blend_state(Blend::Alpha).src_color_blend_factor(vk::BlendFactor::ONE)
         }

@@ -77,9 +77,9 @@ impl Renderer {
         let commands = frame.commands();
         passes.target.prepare(commands);
         commands.pass("bird's eye", |commands| {
-            let from = passes.target_of(&view, Some(clear));
+            let from = passes.picture_target(&view, clear);
             commands.rendering(from, |commands| {
-                passes.draw_all(commands, &view, draws);
+                passes.draw_all(commands, &view, draws, clear);
                 if let Some(overlay) = birds_eye {
                     overlay.record(commands, &io, &view);
                 }

@@ -50,6 +50,7 @@ mod renderer;
 mod sample_counts;
 pub mod scene;
 mod shaders;
+mod shading;
 mod update;
 mod view_history;
 mod views;
@@ -64,7 +65,8 @@ pub use moment::Moment;
 pub use passes::{
     ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
     LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
-    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, pyramid_levels,
+    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, SkyPass,
+    pyramid_levels,
 };
 pub use renderer::{
     FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, object_bounds,

@@ -23,6 +23,7 @@ use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass
 use crate::pyramid_frame::PyramidFrame;
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
+use crate::shading::Shading;
 use crate::update::UpdateScratch;
 use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
@@ -212,6 +213,8 @@ impl Renderer {
         let leaf_boxes = proxies.can_flag().then(|| LeafBoxPass::new(device, &shaders));
         let leaf_boxes = leaf_boxes.transpose()?;
         let scatter = ScatterPass::new(device, &shaders)?;
+        let shading =
+            scene.surfaces.as_ref().map(|_| Shading::new(device, &shaders)).transpose()?;
         check_hierarchy(scene, &hierarchy)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
@@ -229,6 +232,7 @@ impl Renderer {
             leaf_boxes,
             counts: None,
             light,
+            shading,
         };
         let id = RendererId::new();
         let costs = calibration::cost_table(options.costs, device, &shaders, &mut passes);

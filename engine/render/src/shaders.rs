@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 19] = [
+pub const SHADERS: [Shader; 21] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -36,6 +36,8 @@ pub const SHADERS: [Shader; 19] = [
     shader!("flat.frag"),
     shader!("seen.vert"),
     shader!("seen.frag"),
+    shader!("sky.vert"),
+    shader!("sky.frag"),
     shader!("depth_grid.comp"),
     shader!("compute_test.comp"),
     shader!("pyramid_build.comp"),

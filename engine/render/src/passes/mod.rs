@@ -11,6 +11,7 @@ mod pyramid;
 mod pyramid_cull;
 mod scatter;
 mod seen;
+mod sky;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use count::CountPass;
@@ -23,3 +24,4 @@ pub use pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
 pub(crate) use pyramid_cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
 pub use scatter::{ScatterIo, ScatterPass};
 pub use seen::{SeenIo, SeenPass};
+pub use sky::SkyPass;

@@ -22,6 +22,7 @@ enum Kind {
     Whole,
     Depth,
     Colour,
+    Lightest,
     Wires,
 }
 
@@ -57,7 +58,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Whole)
     }
 
-    /// Compiles a pass that writes the same depth, to the bit, and no colour.
+    /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws count
+    /// what is as near as the depth so far, too.
     ///
     /// # Errors
     /// A failed call.
@@ -73,6 +75,15 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Colour)
     }
 
+    /// Compiles a pass that gives what [`OpaquePass::depth_only`] drew its colour, beginning with none:
+    /// where several surfaces are equally near, the lightest in each channel, whatever the order of draws.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn lightest(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Lightest)
+    }
+
     /// Compiles a pass that draws the edges of what [`OpaquePass::new`] drew, in one colour.
     ///
     /// # Errors
@@ -85,8 +96,11 @@ impl OpaquePass {
         let fragment = shaders.find("opaque.frag")?;
         let (name, fragment, depth, blend) = match kind {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
-            Kind::Depth => ("opaque depth", None, DepthMode::TestAndWrite, Blend::NoColour),
+            Kind::Depth => ("opaque depth", None, DepthMode::TestEqualAndWrite, Blend::NoColour),
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
+            Kind::Lightest => {
+                ("opaque lightest", Some(fragment), DepthMode::TestOnly, Blend::Lightest)
+            }
             Kind::Wires => {
                 ("wires", Some(shaders.find("wires.frag")?), DepthMode::TestOnly, Blend::Opaque)
             }
