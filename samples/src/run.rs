@@ -84,7 +84,8 @@ impl From<render::Error> for RunError {
             | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
             | render::Error::Atlas { .. }
-            | render::Error::Change { .. } => Self::machine(error),
+            | render::Error::Change { .. }
+            | render::Error::Deform { .. } => Self::machine(error),
         }
     }
 }

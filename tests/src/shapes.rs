@@ -147,7 +147,7 @@ const QUADS: u32 = 7;
 
 /// The unit cube, counter-clockwise from outside. Its faces are cut into quads: every vertex along an
 /// edge is snapped to the sub-pixel grid by itself, which a proxy's long edge is not.
-fn cube(colour: u32, quads: u32) -> Mesh {
+pub fn cube(colour: u32, quads: u32) -> Mesh {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();
     for axis in 0..3 {

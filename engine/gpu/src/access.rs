@@ -15,6 +15,8 @@ pub enum Access {
     IndirectRead,
     /// Read as the predicate of conditional rendering.
     PredicateRead,
+    /// Vertex buffer whose vertices are drawn.
+    AttributeRead,
     /// Storage buffer read by a vertex shader.
     VertexRead,
     /// Storage buffer read by a compute shader.
@@ -39,12 +41,13 @@ pub enum Access {
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 15] = [
+    pub const ALL: [Access; 16] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
         Access::IndirectRead,
         Access::PredicateRead,
+        Access::AttributeRead,
         Access::VertexRead,
         Access::ComputeRead,
         Access::ComputeWrite,
@@ -77,6 +80,9 @@ impl Access {
                 none,
                 L::UNDEFINED,
             ),
+            Access::AttributeRead => {
+                (S::VERTEX_ATTRIBUTE_INPUT, A::VERTEX_ATTRIBUTE_READ, none, L::UNDEFINED)
+            }
             Access::VertexRead => (S::VERTEX_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED),
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, none, L::GENERAL),
             Access::ComputeWrite => {

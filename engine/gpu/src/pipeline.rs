@@ -33,7 +33,7 @@ pub enum Blend {
     /// Mixes by alpha, by which the colour is multiplied already.
     Premultiplied,
     /// The larger of both in each channel: the same whatever the order.
-    Lightest,
+    Max,
     /// Writes no colour. Give no fragment shader then: a masked one would still run.
     NoColour,
 }
@@ -335,7 +335,7 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .alpha_blend_op(vk::BlendOp::ADD),
-        Blend::Lightest => state
+        Blend::Max => state
             .color_write_mask(all)
             .blend_enable(true)
             .src_color_blend_factor(vk::BlendFactor::ONE)

@@ -7,7 +7,8 @@ use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::explanation::Explainer;
 use crate::passes::{
-    ComputeTest, CountPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass,
+    ComputeTest, CountPass, DeformPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass,
+    ScatterPass,
 };
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
 use crate::shaders::ShaderSet;
@@ -96,6 +97,8 @@ impl Renderer {
             DialogueFrame::new(device, &shaders, self.dialogue_options)
         })?;
         let pyramid = again(self.pyramid.as_ref(), || self.pyramid_frame(&shaders))?;
+        let deforming = self.passes.deformers.as_ref().map(|deformers| &deformers.pass);
+        let deforming = again(deforming, || DeformPass::new(device, &shaders))?;
         let shading = again(self.passes.shading.as_ref(), || Shading::new(device, &shaders))?;
         let explanation = self.explanation();
         let explainer =
@@ -108,6 +111,9 @@ impl Renderer {
         (passes.counts, passes.compute_test, self.scatter) = (counts, compute_test, scatter);
         (self.birds_eye, self.dialogue, self.pyramid) = (birds_eye, dialogue, pyramid);
         (passes.shading, self.explainer) = (shading, explainer);
+        if let (Some(deformers), Some(pass)) = (&mut passes.deformers, deforming) {
+            deformers.pass = pass;
+        }
         // Made again when it is next wanted.
         self.seen_leaves = None;
         self.shaders = shaders;

@@ -71,7 +71,7 @@ impl Renderer {
             Backdrop::Sky => ([red, green, blue, 1.0], self.explainer.as_ref()),
         };
         let mut frame = frames.begin()?;
-        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, scatter)?;
+        passes.bring(&mut frame, hierarchy, scatter)?;
         let draws = moment.upload(&mut frame, &passes.geometry)?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();

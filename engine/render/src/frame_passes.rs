@@ -6,6 +6,7 @@ use gpu::{
     QueryIndex, RenderTarget, Reveal, Target, WordSource,
 };
 
+use crate::deformers::Deformers;
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::passes::{
@@ -32,6 +33,8 @@ pub(crate) struct FramePasses {
     // Made for the first frame that counts.
     pub(crate) counts: Option<CountPass>,
     pub(crate) light: Light,
+    /// Where meshes change their form.
+    pub(crate) deformers: Option<Deformers>,
     /// For scenes with surfaces.
     pub(crate) shading: Option<Shading>,
 }

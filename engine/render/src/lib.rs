@@ -32,6 +32,7 @@
 mod adjustments;
 mod birds_eye;
 mod calibration;
+mod deformers;
 mod dialogue_frame;
 mod draw_changes;
 mod error;
@@ -42,6 +43,7 @@ mod frame_times;
 mod geometry;
 mod leaf_counts;
 mod moment;
+mod object_bounds;
 mod passes;
 mod pyramid_frame;
 mod pyramid_history;
@@ -62,15 +64,14 @@ pub use error::Error;
 pub use explanation::Explanation;
 pub use flat_overlay::FlatOverlay;
 pub use moment::Moment;
+pub use object_bounds::object_bounds;
 pub use passes::{
     ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
     LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
     ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, SkyPass,
     pyramid_levels,
 };
-pub use renderer::{
-    FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, object_bounds,
-};
+pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use update::UpdateReport;

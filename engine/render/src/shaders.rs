@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 21] = [
+pub const SHADERS: [Shader; 22] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -44,6 +44,7 @@ pub const SHADERS: [Shader; 21] = [
     shader!("pyramid_first.comp"),
     shader!("pyramid_second.comp"),
     shader!("scatter.comp"),
+    shader!("deform.comp"),
 ];
 
 /// The shaders a renderer is built from.

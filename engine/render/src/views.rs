@@ -122,7 +122,7 @@ impl Renderer {
         }
 
         let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
-        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
+        passes.bring(&mut frame, hierarchy, &self.scatter)?;
         // What explanations draw beside the plan says nothing about prices.
         let is_timed = request.strategy.is_governed()
             && self.learns

@@ -11,8 +11,8 @@ use gpu::{
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
+use crate::object_bounds::object_bounds;
 use crate::passes::{ComputeTest, ComputeTestIo, OpaqueIo, ProxyBox, ProxyIo};
-use crate::renderer::object_bounds;
 use crate::scene::{
     Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
     pack_unorm,

@@ -98,9 +98,7 @@ impl OpaquePass {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
             Kind::Depth => ("opaque depth", None, DepthMode::TestEqualAndWrite, Blend::NoColour),
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
-            Kind::Lightest => {
-                ("opaque lightest", Some(fragment), DepthMode::TestOnly, Blend::Lightest)
-            }
+            Kind::Lightest => ("opaque lightest", Some(fragment), DepthMode::TestOnly, Blend::Max),
             Kind::Wires => {
                 ("wires", Some(shaders.find("wires.frag")?), DepthMode::TestOnly, Blend::Opaque)
             }
