@@ -1,4 +1,4 @@
-// The sky pass: what is seen where nothing is.
+// The sky pass: one colour, linear; sRGB is encoded by the attachment.
 #version 460
 
 layout(push_constant) uniform Constants {

@@ -85,7 +85,9 @@ impl From<render::Error> for RunError {
             | render::Error::Area { .. }
             | render::Error::Atlas { .. }
             | render::Error::Change { .. }
-            | render::Error::Deform { .. } => Self::machine(error),
+            | render::Error::Deform { .. }
+            | render::Error::Image { .. }
+            | render::Error::Light { .. } => Self::machine(error),
         }
     }
 }

@@ -38,6 +38,7 @@ impl DepthBoxes {
             storage: StorageLayout {
                 buffers: 1,
                 textures: 0,
+                texture_arrays: 0,
                 push_bytes: size_of::<Constants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,

@@ -99,7 +99,9 @@ impl Renderer {
         let pyramid = again(self.pyramid.as_ref(), || self.pyramid_frame(&shaders))?;
         let deforming = self.passes.deformers.as_ref().map(|deformers| &deformers.pass);
         let deforming = again(deforming, || DeformPass::new(device, &shaders))?;
-        let shading = again(self.passes.shading.as_ref(), || Shading::new(device, &shaders))?;
+        let surfaces = self.passes.geometry.surfaces.as_ref();
+        let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
+        let shading = shading.transpose()?;
         let explanation = self.explanation();
         let explainer =
             again(self.explainer.as_ref(), || Explainer::new(device, &shaders, explanation))?;

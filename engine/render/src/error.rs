@@ -113,6 +113,27 @@ pub enum Error {
         /// Size of the atlas.
         atlas: [u32; 2],
     },
+    /// An image that is not whole.
+    #[error(
+        "the image \"{image}\" of {}x{} pixels has {bytes} bytes: it needs four a pixel, and at least a pixel",
+        size[0], size[1]
+    )]
+    Image {
+        /// Its name.
+        image: String,
+        /// Its size in pixels.
+        size: [u32; 2],
+        /// How many bytes there are.
+        bytes: usize,
+    },
+    /// A light that cannot be changed as it was asked for.
+    #[error("the light {} cannot be changed: {reason}", light.0)]
+    Light {
+        /// The light.
+        light: crate::scene::LightId,
+        /// Why not, and what to do.
+        reason: &'static str,
+    },
     /// Shaders were asked for that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use glam::Affine3A;
-use gpu::{Buffer, Device, Frame, IndirectDraw, Predicates, vk};
+use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
 
 use crate::deformers::{DeformedVertices, are_deformed, check_size, deformed_vertices, mesh_order};
 use crate::draw_changes::DrawChanges;
@@ -13,13 +13,15 @@ use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
 use crate::scene::{Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 struct Instance {
     rows: [[f32; 4]; 3],
-    tint: [f32; 4],
+    /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
+    tail: [u32; 4],
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
@@ -30,14 +32,14 @@ const NO_MESH: u32 = u32::MAX;
 /// Meshes, instances and what the CPU must know to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
-    /// The second half of the vertices, in scenes with surfaces.
-    pub(crate) surface_vertices: Option<Buffer>,
     /// How many vertices, from the first on, are those of meshes that change their form.
     deformed_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
     /// One box per leaf.
     pub(crate) leaf_boxes: Buffer,
+    /// Of scenes that have them.
+    pub(crate) surfaces: Option<SurfaceResources>,
     mesh_draws: Vec<IndirectDraw>,
     mesh_bounds: Vec<Aabb>,
     // By object.
@@ -80,12 +82,14 @@ impl Geometry {
         Self::check_size(device, leaf_count)?;
         let deformed_bytes = deformed_vertices(scene) * size_of::<SurfaceVertex>() as u64;
         check_size(device, "the vertices of meshes that change their form", deformed_bytes)?;
+        let surfaces =
+            SurfaceResources::upload(device, scene, hierarchy, &SurfaceOptions::default())?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);
-        for ((mesh, instance), object) in places.zip(&scene.objects) {
+        for (id, ((mesh, instance), object)) in (0..).zip(places.zip(&scene.objects)) {
             *mesh = object.mesh.0;
-            *instance = instance_of(object);
+            *instance = instance_of(ObjectId(id), object, surfaces.as_ref());
         }
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
         let leaf_meshes: Vec<u32> =
@@ -102,13 +106,8 @@ impl Geometry {
             0 => vk::BufferUsageFlags::VERTEX_BUFFER,
             _ => vk::BufferUsageFlags::VERTEX_BUFFER | storage,
         };
-        let surface_vertices = join_surfaces(scene);
-        let surface_vertices = surface_vertices
-            .map(|vertices| device.upload("surface vertices", &vertices, vertex))
-            .transpose()?;
         Ok(Self {
             vertices: device.upload("vertices", &vertices, vertex)?,
-            surface_vertices,
             deformed_vertices,
             reshaped: HashMap::new(),
             is_deformed: are_deformed(scene),
@@ -118,6 +117,7 @@ impl Geometry {
             mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
             leaf_counts: LeafCounts::new(counts),
             draw_changes: DrawChanges::new(leaf_count),
+            surfaces,
             mesh_draws,
             object_meshes,
             object_instances,
@@ -175,12 +175,12 @@ impl Geometry {
 
     /// Where vertices are written that change.
     pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
-        let part = |buffer: &Buffer, vertex_bytes: usize| {
-            buffer.whole().part(0, self.deformed_vertices * vertex_bytes as u64)
+        let part = |vertices: BufferSlice, vertex_bytes: usize| {
+            vertices.part(0, self.deformed_vertices * vertex_bytes as u64)
         };
         Some(DeformedVertices {
-            vertices: part(&self.vertices, size_of::<Vertex>()),
-            surfaces: part(self.surface_vertices.as_ref()?, size_of::<SurfaceVertex>()),
+            vertices: part(self.vertices.whole(), size_of::<Vertex>()),
+            surfaces: part(self.surfaces.as_ref()?.vertices.whole(), size_of::<SurfaceVertex>()),
         })
     }
 
@@ -199,6 +199,8 @@ impl Geometry {
     /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
     pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
         self.reshaped.remove(&id);
+        let surfaces = self.surfaces.as_ref();
+        let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
         let id = id.0 as usize;
         let (Some(mesh), Some(instance)) =
             (self.object_meshes.get_mut(id), self.object_instances.get_mut(id))
@@ -206,7 +208,22 @@ impl Geometry {
             return;
         };
         *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
-        *instance = object.map(instance_of).unwrap_or_default();
+        *instance = now;
+    }
+
+    /// Finds the lights of an object where it is now; answers whether there are others than before.
+    /// Its leaf must then be marked.
+    pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
+        let (Some(surfaces), Some(node)) = (&mut self.surfaces, hierarchy.node_of(object)) else {
+            return false;
+        };
+        let is_other = surfaces.find_lights(object.0, &hierarchy.bounds(node));
+        if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
+            && is_other
+        {
+            instance.tail[2] = surfaces.light_lists().count(object.0);
+        }
+        is_other
     }
 
     /// What the GPU has of a leaf is not what is there: the next frame brings it.
@@ -244,6 +261,9 @@ impl Geometry {
         predicates: &Predicates,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
+        if let Some(surfaces) = &self.surfaces {
+            surfaces.bring(frame, scatter)?;
+        }
         if self.stale.is_empty() {
             return Ok(());
         }
@@ -274,6 +294,9 @@ impl Geometry {
 
     /// The frame that [`Geometry::bring`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.submitted();
+        }
         for leaf in self.stale.drain(..) {
             if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
                 *is_stale = false;
@@ -290,8 +313,10 @@ fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {
     })
 }
 
-fn instance_of(object: &Object) -> Instance {
-    Instance { rows: rows_of(&object.transform), tint: unpack_unorm(object.tint) }
+fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {
+    let tint = || unpack_unorm(object.tint).map(f32::to_bits);
+    let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object.mesh, id.0));
+    Instance { rows: rows_of(&object.transform), tail }
 }
 
 fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
@@ -333,11 +358,4 @@ fn join_meshes(scene: &Scene) -> (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>) {
 pub(crate) fn bounds_in_world(bounds: &Aabb, transform: &Affine3A) -> Option<Aabb> {
     let bounds = bounds_of_transformed(bounds, transform);
     bounds.is_usable().then_some(bounds)
-}
-
-/// The second half of all vertices, in the order of the first.
-fn join_surfaces(scene: &Scene) -> Option<Vec<SurfaceVertex>> {
-    let surfaces = scene.surfaces.as_ref()?;
-    let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
-    Some(meshes.flat_map(|mesh| &mesh.vertices).copied().collect())
 }

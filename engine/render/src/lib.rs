@@ -53,6 +53,7 @@ mod sample_counts;
 pub mod scene;
 mod shaders;
 mod shading;
+mod surfaces;
 mod update;
 mod view_history;
 mod views;
@@ -69,11 +70,15 @@ pub use passes::{
     ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
     LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
     ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, SkyPass,
-    pyramid_levels,
+    SurfaceIo, SurfaceKind, SurfacePass, pyramid_levels,
 };
 pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
+pub use surfaces::{
+    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, Page, PagePlan,
+    SurfaceOptions, SurfaceResources, reach_m,
+};
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};
 pub use views::{Area, Eye, ViewsRequest};

@@ -215,10 +215,11 @@ impl Renderer {
         let leaf_boxes = proxies.can_flag().then(|| LeafBoxPass::new(device, &shaders));
         let leaf_boxes = leaf_boxes.transpose()?;
         let scatter = ScatterPass::new(device, &shaders)?;
-        let shading =
-            scene.surfaces.as_ref().map(|_| Shading::new(device, &shaders)).transpose()?;
         check_hierarchy(scene, &hierarchy)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
+        let surfaces = geometry.surfaces.as_ref();
+        let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
+        let shading = shading.transpose()?;
         let first_vertices = |mesh| geometry.first_vertex(mesh);
         let deformers = Deformers::new(device, &shaders, scene, first_vertices)?;
         let slots = options.frames_in_flight.max(1);

@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 22] = [
+pub const SHADERS: [Shader; 25] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -45,6 +45,9 @@ pub const SHADERS: [Shader; 22] = [
     shader!("pyramid_second.comp"),
     shader!("scatter.comp"),
     shader!("deform.comp"),
+    shader!("surface.vert"),
+    shader!("surface.frag"),
+    shader!("surface_depth.frag"),
 ];
 
 /// The shaders a renderer is built from.

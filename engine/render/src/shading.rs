@@ -16,14 +16,21 @@ use gpu::{BufferSlice, Commands, Device, RenderTarget};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::passes::{OpaquePass, SkyPass};
+use crate::passes::{OpaquePass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::shaders::ShaderSet;
+use crate::surfaces::SurfaceResources;
 
 /// What scenes with surfaces are drawn with.
 pub(crate) struct Shading {
-    depth: OpaquePass,
-    surfaces: OpaquePass,
+    depth: DepthPass,
+    surfaces: SurfacePass,
     sky: SkyPass,
+}
+
+/// What draws the depth: with the holes of masked materials where there are any.
+enum DepthPass {
+    Whole(OpaquePass),
+    Masked(SurfacePass),
 }
 
 /// Before anything is drawn, each channel is as dark as can be.
@@ -34,10 +41,19 @@ impl Shading {
     ///
     /// # Errors
     /// A failed call.
-    pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        surfaces: &SurfaceResources,
+    ) -> Result<Self, Error> {
+        let pass = |kind| SurfacePass::new(device, shaders, kind, surfaces);
+        let depth = match surfaces.is_masked() {
+            true => DepthPass::Masked(pass(SurfaceKind::Depth)?),
+            false => DepthPass::Whole(OpaquePass::depth_only(device, shaders)?),
+        };
         Ok(Self {
-            depth: OpaquePass::depth_only(device, shaders)?,
-            surfaces: OpaquePass::lightest(device, shaders)?,
+            depth,
+            surfaces: pass(SurfaceKind::Colour)?,
             sky: SkyPass::new(device, shaders)?,
         })
     }
@@ -46,34 +62,45 @@ impl Shading {
 impl FramePasses {
     /// Where the first draws of a view's frame go.
     pub(crate) fn first_target(&self, view: &View) -> RenderTarget {
-        match self.shading {
-            Some(_) => self.target_of(view, Some(DARK)).depth_only(),
-            None => self.target_of(view, Some(self.sky())),
-        }
+        let target = self.picture_target(view, self.light.sky);
+        if self.shading.is_some() { target.depth_only() } else { target }
     }
 
     /// Where all others go that decide what is visible.
     pub(crate) fn next_target(&self, view: &View) -> RenderTarget {
-        match self.shading {
-            Some(_) => self.target_of(view, None).depth_only(),
-            None => self.target_of(view, None),
-        }
+        let target = self.target_of(view, None);
+        if self.shading.is_some() { target.depth_only() } else { target }
     }
 
     /// Where [`FramePasses::draw_all`] goes, before such a backdrop.
-    pub(crate) fn picture_target(&self, view: &View, backdrop: [f32; 4]) -> RenderTarget {
-        self.target_of(view, Some(self.shading.as_ref().map_or(backdrop, |_| DARK)))
-    }
-
-    fn sky(&self) -> [f32; 4] {
-        let [red, green, blue] = self.light.sky;
-        [red, green, blue, 1.0]
+    pub(crate) fn picture_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
+        let [red, green, blue] = backdrop;
+        let plain = [red, green, blue, 1.0];
+        self.target_of(view, Some(self.shading.as_ref().map_or(plain, |_| DARK)))
     }
 
     /// Binds what the rounds draw objects with: those of their colours where no other pass gives them any.
     pub(crate) fn bind_rounds(&self, commands: &Commands, view: &View) {
-        let pass = self.shading.as_ref().map_or(&self.opaque, |shading| &shading.depth);
+        let pass = match (self.shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
+            (Some(DepthPass::Masked(pass)), Some(io)) => {
+                pass.bind(commands, &io, view, &self.light);
+                return;
+            }
+            (Some(DepthPass::Whole(pass)), _) => pass,
+            _ => &self.opaque,
+        };
         pass.bind(commands, &self.opaque_io(), view, &self.light);
+    }
+
+    fn surface_io(&self) -> Option<SurfaceIo<'_>> {
+        let surfaces = self.geometry.surfaces.as_ref()?;
+        Some(SurfaceIo {
+            vertices: self.geometry.vertices.whole(),
+            surface_vertices: surfaces.vertices.whole(),
+            indices: self.geometry.indices.whole(),
+            instances: self.geometry.instances.whole(),
+            surfaces,
+        })
     }
 
     /// Gives what the rounds drew its colour, if it has none yet: `draw` draws all of it again.
@@ -90,7 +117,7 @@ impl FramePasses {
         commands.pass("surfaces", |commands| {
             let target = self.target_of(view, None).cleared_to(DARK);
             commands.rendering(target, |commands| {
-                self.draw_surfaces(commands, view, self.sky(), |commands| draw(self, commands));
+                self.draw_surfaces(commands, view, self.light.sky, |commands| draw(self, commands));
             });
         });
     }
@@ -99,13 +126,16 @@ impl FramePasses {
         &self,
         commands: &Commands,
         view: &View,
-        backdrop: [f32; 4],
+        backdrop: [f32; 3],
         draw: impl FnOnce(&Commands),
     ) {
-        let Some(Shading { surfaces, sky, .. }) = &self.shading else { return };
-        surfaces.bind(commands, &self.opaque_io(), view, &self.light);
+        let (Some(Shading { surfaces, sky, .. }), Some(io)) = (&self.shading, self.surface_io())
+        else {
+            return;
+        };
+        surfaces.bind(commands, &io, view, &self.light);
         draw(commands);
-        sky.record(commands, backdrop);
+        sky.draw(commands, backdrop);
     }
 
     /// Draws all of the `draws`, of which there are so many, in their own colours, before a backdrop, to
@@ -115,7 +145,7 @@ impl FramePasses {
         commands: &Commands,
         view: &View,
         (draws, count): (BufferSlice, u32),
-        backdrop: [f32; 4],
+        backdrop: [f32; 3],
     ) {
         let draw = |commands: &Commands| {
             if count > 0 {

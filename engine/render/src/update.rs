@@ -253,6 +253,7 @@ impl Renderer {
     fn mark(&mut self, scratch: &mut UpdateScratch) {
         let geometry = &mut self.passes.geometry;
         for object in scratch.changed.drain(..) {
+            geometry.find_lights(&self.hierarchy, object);
             if let Some(leaf) = self.hierarchy.leaf_of(object) {
                 geometry.mark(leaf, object);
             }

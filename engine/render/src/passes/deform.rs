@@ -60,7 +60,7 @@ impl DeformPass {
     /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let push_bytes = size_of::<Deformation>() as u32;
-        let storage = StorageLayout { buffers: 4, textures: 0, push_bytes };
+        let storage = StorageLayout { buffers: 4, push_bytes, ..StorageLayout::default() };
         let name = "deform.comp";
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }

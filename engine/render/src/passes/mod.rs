@@ -13,6 +13,7 @@ mod pyramid_cull;
 mod scatter;
 mod seen;
 mod sky;
+mod surface;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use count::CountPass;
@@ -27,3 +28,4 @@ pub(crate) use pyramid_cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidC
 pub use scatter::{ScatterIo, ScatterPass};
 pub use seen::{SeenIo, SeenPass};
 pub use sky::SkyPass;
+pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};

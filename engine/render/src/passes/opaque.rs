@@ -22,7 +22,6 @@ enum Kind {
     Whole,
     Depth,
     Colour,
-    Lightest,
     Wires,
 }
 
@@ -75,15 +74,6 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Colour)
     }
 
-    /// Compiles a pass that gives what [`OpaquePass::depth_only`] drew its colour, beginning with none:
-    /// where several surfaces are equally near, the lightest in each channel, whatever the order of draws.
-    ///
-    /// # Errors
-    /// A failed call.
-    pub fn lightest(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, Kind::Lightest)
-    }
-
     /// Compiles a pass that draws the edges of what [`OpaquePass::new`] drew, in one colour.
     ///
     /// # Errors
@@ -98,7 +88,6 @@ impl OpaquePass {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
             Kind::Depth => ("opaque depth", None, DepthMode::TestEqualAndWrite, Blend::NoColour),
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
-            Kind::Lightest => ("opaque lightest", Some(fragment), DepthMode::TestOnly, Blend::Max),
             Kind::Wires => {
                 ("wires", Some(shaders.find("wires.frag")?), DepthMode::TestOnly, Blend::Opaque)
             }
@@ -112,6 +101,7 @@ impl OpaquePass {
                 fragment,
                 vertices: VertexLayout {
                     stride_bytes: size_of::<Vertex>() as u32,
+                    beside: None,
                     attributes: &[
                         (vk::Format::R32G32B32_SFLOAT, 0),
                         (vk::Format::R8G8B8A8_SNORM, 12),
@@ -121,6 +111,7 @@ impl OpaquePass {
                 storage: StorageLayout {
                     buffers: 1,
                     textures: 0,
+                    texture_arrays: 0,
                     push_bytes: size_of::<Constants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,

@@ -1,4 +1,4 @@
-//! The sky pass: a colour for the pixels where nothing was drawn.
+//! The sky pass: a colour where nothing was drawn.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
@@ -9,7 +9,7 @@ use gpu::{
 use crate::error::Error;
 use crate::shaders::ShaderSet;
 
-/// Colours what nothing is nearer than. Reads the depth and writes the colour that are being rendered to.
+/// Draws one triangle over all of the area at the farthest depth: it shows where nothing is nearer.
 pub struct SkyPass {
     pipeline: GraphicsPipeline,
 }
@@ -34,24 +34,23 @@ impl SkyPass {
             fragment: Some(shaders.find("sky.frag")?),
             vertices: VertexLayout::default(),
             storage: StorageLayout {
-                buffers: 0,
-                textures: 0,
                 push_bytes: size_of::<Constants>() as u32,
+                ..StorageLayout::default()
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             polygon: Polygon::Filled,
             cull: vk::CullModeFlags::NONE,
-            // As near or nearer: only depths of 0 are as far away as this.
             depth: DepthMode::TestOnly,
             blend: Blend::Opaque,
         };
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
 
-    /// Draws it in a linear colour.
-    pub fn record(&self, commands: &Commands, sky: [f32; 4]) {
+    /// Draws the sky in a linear colour, against the depth that is there.
+    pub fn draw(&self, commands: &Commands, sky: [f32; 3]) {
+        let [red, green, blue] = sky;
         commands.bind(&self.pipeline, &[]);
-        commands.push_constants(&self.pipeline, &Constants { sky });
+        commands.push_constants(&self.pipeline, &Constants { sky: [red, green, blue, 1.0] });
         commands.draw(3, 0);
     }
 }
