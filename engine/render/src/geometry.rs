@@ -12,13 +12,15 @@ use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
-use crate::scene::{Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::scene::{
+    BlendedId, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm,
+};
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
-struct Instance {
+pub(crate) struct Instance {
     rows: [[f32; 4]; 3],
     /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
     tail: [u32; 4],
@@ -134,6 +136,18 @@ impl Geometry {
         IndirectDraw { first_instance: leaf.0, ..draw }
     }
 
+    /// The draw of a mesh; of nothing where the scene does not have it.
+    pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
+        self.mesh_draws.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// What the vertex shader knows of a blended object.
+    pub(crate) fn blended_instance(&self, id: BlendedId, object: &Object) -> Instance {
+        let slot = |surfaces: &SurfaceResources| surfaces.first_blended_slot() + id.0;
+        let surfaces = self.surfaces.as_ref();
+        instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
+    }
+
     /// The draws of all leaves, in their order.
     pub(crate) fn draws(&self) -> Vec<IndirectDraw> {
         (0..self.leaf_meshes.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
@@ -173,6 +187,17 @@ impl Geometry {
         }
     }
 
+    /// Whether a mesh changes its form.
+    pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
+        self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// The first object that has a mesh; looks at all objects.
+    pub(crate) fn owner(&self, mesh: MeshId) -> Option<ObjectId> {
+        let place = self.object_meshes.iter().position(|it| *it == mesh.0)?;
+        Some(ObjectId(place as u32))
+    }
+
     /// Where vertices are written that change.
     pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
         let part = |vertices: BufferSlice, vertex_bytes: usize| {
@@ -180,7 +205,7 @@ impl Geometry {
         };
         Some(DeformedVertices {
             vertices: part(self.vertices.whole(), size_of::<Vertex>()),
-            surfaces: part(self.surfaces.as_ref()?.vertices.whole(), size_of::<SurfaceVertex>()),
+            surfaces: part(self.surfaces.as_ref()?.vertices(), size_of::<SurfaceVertex>()),
         })
     }
 

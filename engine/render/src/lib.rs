@@ -31,6 +31,7 @@
 
 mod adjustments;
 mod birds_eye;
+mod blended;
 mod calibration;
 mod deformers;
 mod dialogue_frame;

@@ -37,14 +37,12 @@ pub struct SurfacePass {
 pub struct SurfaceIo<'a> {
     /// [`Vertex`]es of all meshes.
     pub vertices: BufferSlice,
-    /// [`SurfaceVertex`]es beside them.
-    pub surface_vertices: BufferSlice,
     /// Their indices.
     pub indices: BufferSlice,
     /// One instance per leaf, or per blended object; their last words are
     /// [`SurfaceResources::instance_tail`]s.
     pub instances: BufferSlice,
-    /// What the scene's surfaces are.
+    /// What the scene's surfaces are, the second half of its vertices too.
     pub surfaces: &'a SurfaceResources,
 }
 
@@ -126,7 +124,7 @@ impl SurfacePass {
         let [materials, transforms, lights, lists] = io.surfaces.buffers();
         let buffers = [io.instances, materials, transforms, lights, lists];
         commands.bind_arrays(&self.pipeline, &buffers, &io.surfaces.pages());
-        commands.bind_geometry_beside([io.vertices, io.surface_vertices], io.indices);
+        commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
         commands.push_constants(
             &self.pipeline,
             &Constants {
