@@ -5,6 +5,7 @@
 #![allow(clippy::panic, clippy::expect_used)]
 #![forbid(unsafe_code)]
 
+pub mod reference;
 pub mod shapes;
 pub mod studio;
 pub mod walk;

@@ -158,6 +158,38 @@ pub fn mesh(
     )
 }
 
+/// A square of the picture that [`square_camera`](crate::shapes::square_camera) takes, `side` pixels large: from
+/// one corner of pixels to another, `distance_m` away, facing the camera. Coordinates of textures go from
+/// the upper left (`uv[0]`) to the lower right (`uv[1]`), in both sets; `change` may have it otherwise.
+pub fn quad(
+    side: u32,
+    [from, to]: [[u32; 2]; 2],
+    distance_m: f32,
+    uv: [[f32; 2]; 2],
+    material: u32,
+    change: impl Fn(&mut SurfaceVertex),
+) -> (Mesh, SurfaceMesh) {
+    let middle = side as f32 / 2.0;
+    let corners = [[0, 0], [0, 1], [1, 0], [1, 1]];
+    let place = |[x, y]: [usize; 2]| {
+        let part = |pixel: u32| pixel as f32 / middle - 1.0;
+        let (x, y) = (part([from, to][x][0]), -part([from, to][y][1]));
+        Vec3::new(x, y, -1.0) * distance_m
+    };
+    let vertex = |[x, y]: [usize; 2]| {
+        let mut vertex = SurfaceVertex {
+            normal: snorm16(Vec3::Z, 0),
+            tangent: snorm16(Vec3::X, 1),
+            uv: [[uv[x][0], uv[y][1]]; 2],
+            colour: [u16::MAX; 4],
+        };
+        change(&mut vertex);
+        vertex
+    };
+    let indices = vec![0, 1, 2, 2, 1, 3];
+    mesh(&corners.map(place), corners.map(vertex).to_vec(), indices, material)
+}
+
 /// A unit vector as snorm16, with a fourth number of -1, 0 or 1.
 pub fn snorm16(v: Vec3, w: i16) -> [i16; 4] {
     let part = |value: f32| (value.clamp(-1.0, 1.0) * 32767.0).round() as i16;

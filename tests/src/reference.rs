@@ -7,11 +7,17 @@ use std::f64::consts::PI;
 /// A surface's material at a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Point {
+    /// Linear.
     pub base_colour: DVec3,
+    /// 0 to 1.
     pub metallic: f64,
+    /// 0 to 1.
     pub roughness: f64,
+    /// Factor of ambient light.
     pub occlusion: f64,
+    /// Its own light.
     pub emission: DVec3,
+    /// In the world, in metres.
     pub position: DVec3,
     /// Unit.
     pub normal: DVec3,
@@ -20,21 +26,35 @@ pub struct Point {
 /// A light, with what KHR_lights_punctual says of it.
 #[derive(Debug, Clone, Copy)]
 pub enum Light {
+    /// From everywhere along a direction.
     Directional {
+        /// Unit vector to it.
         towards: DVec3,
+        /// Its illuminance.
         lux: DVec3,
     },
+    /// From a place in all directions.
     Point {
+        /// Where it is.
         position: DVec3,
+        /// Its intensity.
         candela: DVec3,
+        /// How far it reaches, in metres.
         range: Option<f64>,
     },
+    /// From a place into a cone.
     Spot {
+        /// Where it is.
         position: DVec3,
+        /// Its intensity.
         candela: DVec3,
+        /// How far it reaches, in metres.
         range: Option<f64>,
+        /// Unit vector along which it shines.
         along: DVec3,
+        /// Half the angle of its full strength, in radians.
         inner: f64,
+        /// Half the angle beyond which it is dark, in radians.
         outer: f64,
     },
 }
