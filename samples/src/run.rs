@@ -85,6 +85,8 @@ impl From<render::Error> for RunError {
             | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
             | render::Error::Atlas { .. }
+            | render::Error::Blended { .. }
+            | render::Error::Deform { .. }
             | render::Error::Light { .. }
             | render::Error::Change { .. } => Self::machine(error),
         }

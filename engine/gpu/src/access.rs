@@ -15,6 +15,8 @@ pub enum Access {
     IndirectRead,
     /// Read as the predicate of conditional rendering.
     PredicateRead,
+    /// Vertex buffer whose vertices are drawn.
+    AttributeRead,
     /// Storage buffer read by a vertex shader.
     VertexRead,
     /// Storage buffer read by a fragment shader.
@@ -41,12 +43,13 @@ pub enum Access {
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 16] = [
+    pub const ALL: [Access; 17] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
         Access::IndirectRead,
         Access::PredicateRead,
+        Access::AttributeRead,
         Access::VertexRead,
         Access::FragmentRead,
         Access::ComputeRead,
@@ -80,6 +83,9 @@ impl Access {
                 none,
                 L::UNDEFINED,
             ),
+            Access::AttributeRead => {
+                (S::VERTEX_ATTRIBUTE_INPUT, A::VERTEX_ATTRIBUTE_READ, none, L::UNDEFINED)
+            }
             Access::VertexRead => (S::VERTEX_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED),
             Access::FragmentRead => {
                 (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED)

@@ -114,7 +114,7 @@ pub use swapchain::{
     Acquired, NotShown, PresentId, PresentTiming, Presented, Shown, Swapchain, SwapchainOptions,
     WindowImage,
 };
-pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
+pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Load, Readback, RenderTarget, Target};
 pub use texture::Texture;
 pub use texture_array::{MipMaking, TextureArray, TextureArrayInfo, TextureUploads};
 pub use timeline::{Tick, Timeline};

@@ -14,6 +14,9 @@ use crate::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 pub enum DepthMode {
     /// Nearer wins, and is stored.
     TestAndWrite,
+    /// As near or nearer passes, and is stored: the same depth in the end, but whoever is as near as it
+    /// counts as visible, whoever was first.
+    TestEqualAndWrite,
     /// As near or nearer passes; nothing is stored. Proxies use it: equal depth counts as visible.
     TestOnly,
     /// Only the same depth passes: what is drawn a second time; nothing is stored.
@@ -273,6 +276,7 @@ fn create_graphics(
         .rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let (write, compare) = match info.depth {
         DepthMode::TestAndWrite => (true, vk::CompareOp::GREATER),
+        DepthMode::TestEqualAndWrite => (true, vk::CompareOp::GREATER_OR_EQUAL),
         DepthMode::TestOnly => (false, vk::CompareOp::GREATER_OR_EQUAL),
         DepthMode::Equal => (false, vk::CompareOp::EQUAL),
         DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),

@@ -79,6 +79,22 @@ pub enum Error {
         /// Why not, and what to do.
         reason: String,
     },
+    /// A blended object that cannot be moved.
+    #[error("the blended object {} cannot be moved: {reason}", blended.0)]
+    Blended {
+        /// The object.
+        blended: crate::scene::BlendedId,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A pose that a mesh cannot take.
+    #[error("the deformer {} cannot take this pose: {reason}", deformer.0)]
+    Deform {
+        /// The deformer.
+        deformer: crate::scene::DeformerId,
+        /// Why not.
+        reason: String,
+    },
     /// A view whose area is empty or not within the picture.
     #[error(
         "a view of {}x{} pixels at {}, {} is not within the picture of {}x{}: choose an area of at least a pixel inside",

@@ -1,21 +1,26 @@
 //! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of everything.
 
+use std::collections::HashMap;
+
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use glam::Affine3A;
-use gpu::{Buffer, Device, Frame, IndirectDraw, Predicates, vk};
+use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
 
+use crate::deformers::{DeformedVertices, are_deformed, check_size, deformed_vertices, mesh_order};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
-use crate::scene::{Object, Scene, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::scene::{
+    BlendedId, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm,
+};
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
-struct Instance {
+pub(crate) struct Instance {
     rows: [[f32; 4]; 3],
     /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
     tail: [u32; 4],
@@ -29,6 +34,8 @@ const NO_MESH: u32 = u32::MAX;
 /// Meshes, instances and what the CPU must know to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
+    /// How many vertices, from the first on, are those of meshes that change their form.
+    deformed_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
     /// One box per leaf.
@@ -40,6 +47,10 @@ pub(crate) struct Geometry {
     // By object.
     object_meshes: Vec<u32>,
     object_instances: Vec<Instance>,
+    /// The boxes of objects that have another than their mesh, in their own space.
+    reshaped: HashMap<ObjectId, Aabb>,
+    /// By mesh: whether it changes its form, so that its box is that of the one object it has.
+    is_deformed: Vec<bool>,
     // By leaf.
     leaf_meshes: Vec<u32>,
     leaf_counts: LeafCounts,
@@ -71,6 +82,8 @@ impl Geometry {
         let (vertices, indices, mesh_draws) = join_meshes(scene);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
+        let deformed_bytes = deformed_vertices(scene) * size_of::<SurfaceVertex>() as u64;
+        check_size(device, "the vertices of meshes that change their form", deformed_bytes)?;
         let surfaces =
             SurfaceResources::upload(device, scene, hierarchy, &SurfaceOptions::default())?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
@@ -88,11 +101,18 @@ impl Geometry {
         let leaf_boxes: Vec<ProxyBox> =
             hierarchy.leaf_objects().iter().map(|object| leaf_box(hierarchy, *object)).collect();
         let counts = leaf_meshes.iter().map(|mesh| count_of(&mesh_draws, *mesh));
-        let (vertex, index) =
-            (vk::BufferUsageFlags::VERTEX_BUFFER, vk::BufferUsageFlags::INDEX_BUFFER);
+        let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let deformed_vertices = deformed_vertices(scene);
+        let vertex = match deformed_vertices {
+            0 => vk::BufferUsageFlags::VERTEX_BUFFER,
+            _ => vk::BufferUsageFlags::VERTEX_BUFFER | storage,
+        };
         Ok(Self {
             vertices: device.upload("vertices", &vertices, vertex)?,
+            deformed_vertices,
+            reshaped: HashMap::new(),
+            is_deformed: are_deformed(scene),
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
             leaf_boxes: device.upload("leaf boxes", &leaf_boxes, storage)?,
@@ -116,6 +136,18 @@ impl Geometry {
         IndirectDraw { first_instance: leaf.0, ..draw }
     }
 
+    /// The draw of a mesh; of nothing where the scene does not have it.
+    pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
+        self.mesh_draws.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// What the vertex shader knows of a blended object.
+    pub(crate) fn blended_instance(&self, id: BlendedId, object: &Object) -> Instance {
+        let slot = |surfaces: &SurfaceResources| surfaces.first_blended_slot() + id.0;
+        let surfaces = self.surfaces.as_ref();
+        instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
+    }
+
     /// The draws of all leaves, in their order.
     pub(crate) fn draws(&self) -> Vec<IndirectDraw> {
         (0..self.leaf_meshes.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
@@ -131,14 +163,55 @@ impl Geometry {
 
     /// The box of an object that is somewhere else, if it is there and can be there.
     pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
+        if let Some(bounds) = self.reshaped.get(&object) {
+            return bounds_in_world(bounds, transform);
+        }
         let mesh = self.object_meshes.get(object.0 as usize)?;
         self.bounds_of(*mesh, transform)
     }
 
     /// The box of a mesh somewhere, if there is such a mesh and it can be there.
     pub(crate) fn bounds_of(&self, mesh: u32, transform: &Affine3A) -> Option<Aabb> {
-        let bounds = bounds_of_transformed(self.mesh_bounds.get(mesh as usize)?, transform);
-        bounds.is_usable().then_some(bounds)
+        bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
+    }
+
+    /// Gives an object another box, in its own space. A mesh that changes its form keeps the box for who
+    /// has the mesh next.
+    pub(crate) fn reshape(&mut self, object: ObjectId, bounds: Aabb) {
+        let mesh = self.object_meshes.get(object.0 as usize).map_or(usize::MAX, |it| *it as usize);
+        match (self.is_deformed.get(mesh), self.mesh_bounds.get_mut(mesh)) {
+            (Some(true), Some(of_mesh)) => *of_mesh = bounds,
+            _ => {
+                self.reshaped.insert(object, bounds);
+            }
+        }
+    }
+
+    /// Whether a mesh changes its form.
+    pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
+        self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// The first object that has a mesh; looks at all objects.
+    pub(crate) fn owner(&self, mesh: MeshId) -> Option<ObjectId> {
+        let place = self.object_meshes.iter().position(|it| *it == mesh.0)?;
+        Some(ObjectId(place as u32))
+    }
+
+    /// Where vertices are written that change.
+    pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
+        let part = |vertices: BufferSlice, vertex_bytes: usize| {
+            vertices.part(0, self.deformed_vertices * vertex_bytes as u64)
+        };
+        Some(DeformedVertices {
+            vertices: part(self.vertices.whole(), size_of::<Vertex>()),
+            surfaces: part(self.surfaces.as_ref()?.vertices(), size_of::<SurfaceVertex>()),
+        })
+    }
+
+    /// Where the vertices of a mesh begin.
+    pub(crate) fn first_vertex(&self, mesh: usize) -> u32 {
+        self.mesh_draws.get(mesh).map_or(0, |draw| draw.vertex_offset as u32)
     }
 
     /// Moves an object. Its leaf must be [marked](Geometry::mark).
@@ -150,6 +223,7 @@ impl Geometry {
 
     /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
     pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
+        self.reshaped.remove(&id);
         let surfaces = self.surfaces.as_ref();
         let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
         let id = id.0 as usize;
@@ -287,17 +361,26 @@ fn leaf_box(hierarchy: &Hierarchy, object: ObjectId) -> ProxyBox {
 fn join_meshes(scene: &Scene) -> (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>) {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();
-    let mut draws = Vec::with_capacity(scene.meshes.len());
-    for mesh in &scene.meshes {
-        draws.push(IndirectDraw {
+    let mut draws = vec![IndirectDraw::default(); scene.meshes.len()];
+    for number in mesh_order(scene) {
+        let (Some(mesh), Some(draw)) = (scene.meshes.get(number), draws.get_mut(number)) else {
+            continue;
+        };
+        *draw = IndirectDraw {
             index_count: mesh.indices.len() as u32,
             instance_count: 1,
             first_index: indices.len() as u32,
             vertex_offset: vertices.len() as i32,
             first_instance: 0,
-        });
+        };
         vertices.extend_from_slice(&mesh.vertices);
         indices.extend_from_slice(&mesh.indices);
     }
     (vertices, indices, draws)
+}
+
+/// The box around a box that is somewhere, if it can be there.
+pub(crate) fn bounds_in_world(bounds: &Aabb, transform: &Affine3A) -> Option<Aabb> {
+    let bounds = bounds_of_transformed(bounds, transform);
+    bounds.is_usable().then_some(bounds)
 }

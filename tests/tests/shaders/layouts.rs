@@ -186,3 +186,14 @@ fn push_constants_fit_every_device() {
         assert!(interface(&name).1 <= 128, "{name}");
     }
 }
+
+#[test]
+fn the_deform_pass_reads_and_writes_words() {
+    let words = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("deform.comp"), ([0, 1, 2, 3].map(words).to_vec(), 32));
+    // What its words are: a vertex is five of them, a surface vertex ten.
+    assert_eq!(size_of::<render::scene::Vertex>(), 5 * 4);
+    assert_eq!(size_of::<render::scene::SurfaceVertex>(), 10 * 4);
+    assert_eq!(offset_of!(render::scene::Vertex, normal), 3 * 4);
+    assert_eq!(offset_of!(render::scene::SurfaceVertex, tangent), 2 * 4);
+}

@@ -18,7 +18,7 @@ use crate::label::LabelName;
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
 use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
-use crate::target::RenderTarget;
+use crate::target::{Load, RenderTarget};
 use crate::texture::Texture;
 use crate::texture_array::TextureArray;
 use crate::timing::PassTimer;
@@ -157,22 +157,19 @@ impl Commands {
 
     /// Draws to a colour and a depth image; viewport and scissor cover all of the target's area.
     pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
-        let load = match target.clear {
-            Some(_) => vk::AttachmentLoadOp::CLEAR,
-            None => vk::AttachmentLoadOp::LOAD,
-        };
-        let (colour_clear, depth_clear) = target.clear.unwrap_or_default();
+        let (colour_load, colour_store, colour_clear) = load_ops(target.colour_load);
+        let (depth_load, depth_store, depth_clear) = load_ops(target.depth_load);
         let colour = [vk::RenderingAttachmentInfo::default()
             .image_view(target.colour)
             .image_layout(Access::Colour.layout())
-            .load_op(load)
-            .store_op(vk::AttachmentStoreOp::STORE)
+            .load_op(colour_load)
+            .store_op(colour_store)
             .clear_value(vk::ClearValue { color: vk::ClearColorValue { float32: colour_clear } })];
         let depth = vk::RenderingAttachmentInfo::default()
             .image_view(target.depth)
             .image_layout(Access::Depth.layout())
-            .load_op(load)
-            .store_op(vk::AttachmentStoreOp::STORE)
+            .load_op(depth_load)
+            .store_op(depth_store)
             .clear_value(vk::ClearValue {
                 depth_stencil: vk::ClearDepthStencilValue { depth: depth_clear, stencil: 0 },
             });
@@ -442,5 +439,15 @@ impl Commands {
         record(self);
         // SAFETY: closes the query opened above.
         unsafe { raw.cmd_end_query(self.raw, pool, query.0) };
+    }
+}
+
+/// How a rendering begins and ends for an image, and what it is cleared to.
+fn load_ops<T: Default>(load: Load<T>) -> (vk::AttachmentLoadOp, vk::AttachmentStoreOp, T) {
+    use vk::{AttachmentLoadOp as L, AttachmentStoreOp as S};
+    match load {
+        Load::Keep => (L::LOAD, S::STORE, T::default()),
+        Load::Clear(value) => (L::CLEAR, S::STORE, value),
+        Load::Forget => (L::DONT_CARE, S::DONT_CARE, T::default()),
     }
 }

@@ -2,6 +2,7 @@
 
 mod compute_test;
 mod count;
+mod deform;
 mod flat;
 mod leaf_box;
 mod opaque;
@@ -16,6 +17,7 @@ mod surface;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use count::CountPass;
+pub(crate) use deform::{DeformIo, DeformPass, Deformation, REST_WORDS};
 pub use flat::{FlatDraw, FlatIo, FlatPass, FlatVertex};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass};
 pub use opaque::{OpaqueIo, OpaquePass};

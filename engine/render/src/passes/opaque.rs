@@ -57,7 +57,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Whole)
     }
 
-    /// Compiles a pass that writes the same depth, to the bit, and no colour.
+    /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws count
+    /// what is as near as the depth so far, too.
     ///
     /// # Errors
     /// A failed call.
@@ -85,7 +86,7 @@ impl OpaquePass {
         let fragment = shaders.find("opaque.frag")?;
         let (name, fragment, depth, blend) = match kind {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
-            Kind::Depth => ("opaque depth", None, DepthMode::TestAndWrite, Blend::NoColour),
+            Kind::Depth => ("opaque depth", None, DepthMode::TestEqualAndWrite, Blend::NoColour),
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
             Kind::Wires => {
                 ("wires", Some(shaders.find("wires.frag")?), DepthMode::TestOnly, Blend::Opaque)

@@ -79,7 +79,7 @@ impl SurfacePass {
     ) -> Result<Self, Error> {
         let (name, shader, depth, blend) = match kind {
             SurfaceKind::Depth => {
-                ("surface depth", "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
+                ("surface depth", "surface_depth", DepthMode::TestEqualAndWrite, Blend::NoColour)
             }
             SurfaceKind::Colour => ("surface", "surface", DepthMode::Equal, Blend::Max),
             SurfaceKind::Blended => {

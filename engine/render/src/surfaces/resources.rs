@@ -6,6 +6,7 @@ use gpu::{
     vk,
 };
 
+use crate::deformers::mesh_order;
 use crate::error::Error;
 use crate::passes::{ScatterIo, ScatterPass};
 use crate::scene::{
@@ -87,8 +88,9 @@ impl SurfaceResources {
             }
         }
         light_lists.submitted();
+        let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
         let vertices: Vec<SurfaceVertex> =
-            surfaces.meshes.iter().flat_map(|mesh| mesh.vertices.iter().copied()).collect();
+            meshes.flat_map(|mesh| mesh.vertices.iter().copied()).collect();
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_words() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
