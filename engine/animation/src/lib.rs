@@ -2,10 +2,22 @@
 //! that hold while it does. Pure values: time in, poses out.
 #![forbid(unsafe_code)]
 
+mod check;
 mod clip;
+mod form;
+mod pose;
+mod reach;
 mod rig;
+mod sample;
+mod skeleton;
 mod skin;
+mod world;
 
+pub use check::{ClipError, TrackError};
 pub use clip::{Channel, Clip, Interpolation, Track, Values};
+pub use form::{Binding, DeformedMesh};
+pub use pose::Pose;
+pub use reach::{Reach, ReachError};
 pub use rig::{Node, NodeId, Rest, Rig, RigError, Trs};
+pub use skeleton::{Skeleton, SkinError};
 pub use skin::Skin;

@@ -1,0 +1,210 @@
+//! What a clip must be before it plays: checked once, when it is made.
+
+use std::collections::HashSet;
+
+use glam::{Quat, Vec3};
+
+use crate::clip::{Channel, Clip, Interpolation, Track, Values};
+use crate::rig::{NodeId, Rest, Rig};
+
+/// Numbers beyond this size are refused: products of a few of them must stay finite.
+const LARGEST: f32 = 1e9;
+
+/// Why keys are no track.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TrackError {
+    /// No keys.
+    #[error("there are no keys")]
+    Empty,
+    /// A time that is no number from 0 on.
+    #[error("key {key} is at {time_s} s, which is no time")]
+    NoTime {
+        /// Which key.
+        key: usize,
+        /// What it says.
+        time_s: f32,
+    },
+    /// A key that is not later than the one before.
+    #[error("key {key} is at {time_s} s, not later than the one before")]
+    NotLater {
+        /// Which key.
+        key: usize,
+        /// When it is.
+        time_s: f32,
+    },
+    /// As many values as the keys do not need.
+    #[error("there are {values} values where the keys need {needed}")]
+    Count {
+        /// How many there are.
+        values: usize,
+        /// How many there should be.
+        needed: usize,
+    },
+    /// A value that is no number, or beyond 10^9.
+    #[error("value {value} is not finite or beyond {LARGEST}")]
+    NotFinite {
+        /// Which value.
+        value: usize,
+    },
+    /// A rotation of length 0.
+    #[error("value {value} is a rotation of length 0")]
+    NoRotation {
+        /// Which value.
+        value: usize,
+    },
+}
+
+/// Why channels are no clip of a rig.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ClipError {
+    /// A node that is not there.
+    #[error("channel {channel} moves node {node}, which is not there")]
+    NoNode {
+        /// Which channel.
+        channel: usize,
+        /// What it names.
+        node: u32,
+    },
+    /// A node whose place is a matrix.
+    #[error("channel {channel} moves node {node}, which is placed by a matrix")]
+    Matrix {
+        /// Which channel.
+        channel: usize,
+        /// Whose place it is.
+        node: u32,
+    },
+    /// A property that another channel moves.
+    #[error("channel {channel} moves what another channel of node {node} moves")]
+    Twice {
+        /// Which channel.
+        channel: usize,
+        /// Whose property it is.
+        node: u32,
+    },
+    /// Weights of a node that has no morph targets.
+    #[error("channel {channel} moves weights of node {node}, which has no morph targets")]
+    NoTargets {
+        /// Which channel.
+        channel: usize,
+        /// Which node.
+        node: u32,
+    },
+    /// Keys that are no track.
+    #[error("channel {channel}: {error}")]
+    Track {
+        /// Which channel.
+        channel: usize,
+        /// What is wrong with it.
+        #[source]
+        error: TrackError,
+    },
+}
+
+impl Track {
+    /// A checked track. Rotations are brought to unit length (quantised ones are a little off), but for
+    /// tangents. `targets` is how many morph targets the node has; it counts for weights only.
+    ///
+    /// # Errors
+    /// No keys; times that are no numbers, negative, or not ascending; too few or too many values;
+    /// values that are not finite or beyond 10^9; rotations of length 0.
+    pub fn new(
+        interpolation: Interpolation,
+        times_s: Vec<f32>,
+        mut values: Values,
+        targets: usize,
+    ) -> Result<Self, TrackError> {
+        check_times(&times_s)?;
+        let parts = if interpolation == Interpolation::Cubic { 3 } else { 1 };
+        let keys = times_s.len();
+        let (count, width) = match &values {
+            Values::Translation(values) | Values::Scale(values) => (values.len(), 1),
+            Values::Rotation(values) => (values.len(), 1),
+            Values::Weights(values) => (values.len(), targets),
+        };
+        let needed = keys.saturating_mul(parts).saturating_mul(width);
+        if count != needed {
+            return Err(TrackError::Count { values: count, needed });
+        }
+        let wild = match &values {
+            Values::Translation(values) | Values::Scale(values) => values.iter().position(is_wild),
+            Values::Rotation(values) => {
+                values.iter().position(|q| !(q.length_squared() <= LARGEST * LARGEST))
+            }
+            Values::Weights(values) => values.iter().position(|w| !(w.abs() <= LARGEST)),
+        };
+        if let Some(value) = wild {
+            return Err(TrackError::NotFinite { value });
+        }
+        if let Values::Rotation(values) = &mut values {
+            normalise(values, parts)?;
+        }
+        Ok(Self { interpolation, times_s, values })
+    }
+}
+
+fn is_wild(value: &Vec3) -> bool {
+    !(value.abs().max_element() <= LARGEST && value.is_finite())
+}
+
+fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
+    if times_s.is_empty() {
+        return Err(TrackError::Empty);
+    }
+    let mut last_s = f32::NEG_INFINITY;
+    for (key, time_s) in times_s.iter().copied().enumerate() {
+        if !(0.0..=LARGEST).contains(&time_s) {
+            return Err(TrackError::NoTime { key, time_s });
+        }
+        if time_s <= last_s {
+            return Err(TrackError::NotLater { key, time_s });
+        }
+        last_s = time_s;
+    }
+    Ok(())
+}
+
+/// Brings all rotations to unit length: every value, or the middle one of three.
+fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
+    for (index, value) in values.iter_mut().enumerate() {
+        if parts == 3 && index % 3 != 1 {
+            continue;
+        }
+        let length = value.length();
+        if length < 1e-6 {
+            return Err(TrackError::NoRotation { value: index });
+        }
+        *value = *value / length;
+    }
+    Ok(())
+}
+
+impl Clip {
+    /// A checked clip of a rig: all its tracks go through [`Track::new`].
+    ///
+    /// # Errors
+    /// Nodes that are not there or are placed by a matrix; two channels for one property; weights where
+    /// there are no morph targets; what [`Track::new`] refuses.
+    pub fn new(name: String, channels: Vec<Channel>, rig: &Rig) -> Result<Self, ClipError> {
+        let mut moved = HashSet::new();
+        let checked = channels.into_iter().enumerate().map(|(channel, Channel { node, track })| {
+            let NodeId(id) = node;
+            let place = rig.nodes().get(id as usize);
+            let place = place.ok_or(ClipError::NoNode { channel, node: id })?;
+            if !moved.insert((id, std::mem::discriminant(&track.values))) {
+                return Err(ClipError::Twice { channel, node: id });
+            }
+            let is_weights = matches!(track.values, Values::Weights(_));
+            if is_weights && place.weights.is_empty() {
+                return Err(ClipError::NoTargets { channel, node: id });
+            }
+            if !is_weights && matches!(place.rest, Rest::Matrix(_)) {
+                return Err(ClipError::Matrix { channel, node: id });
+            }
+            let Track { interpolation, times_s, values } = track;
+            let track = Track::new(interpolation, times_s, values, place.weights.len())
+                .map_err(|error| ClipError::Track { channel, error })?;
+            Ok(Channel { node, track })
+        });
+        Ok(Self { name, channels: checked.collect::<Result<_, _>>()? })
+    }
+}
