@@ -43,6 +43,9 @@ pub struct Placement {
     /// For each clip a box, in its own space, that it stays in while that clip plays; empty where it does
     /// not change its form.
     pub clip_bounds: Vec<Aabb>,
+    /// A box, in its own space, that it stays in whatever clips play, together or one after the other;
+    /// empty where it does not change its form.
+    pub blend_bounds: Aabb,
 }
 
 /// A scene and its life.

@@ -2,5 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod imported;
+mod performance;
 
 pub use imported::{Camera, Imported, Placed, Placement};
+pub use performance::{BlendedMove, Changes, Deformation, LightMove, ObjectMove, Performance};

@@ -489,9 +489,3 @@ fn check_hierarchy(scene: &Scene, hierarchy: &Hierarchy) -> Result<(), Error> {
         None => Ok(()),
     }
 }
-
-/// A renderer may be made on one thread and used on another.
-const _: () = {
-    const fn is_send<T: Send>() {}
-    is_send::<Renderer>();
-};

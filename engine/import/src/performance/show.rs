@@ -1,0 +1,44 @@
+//! A moment shown by the renderer.
+
+use std::time::{Duration, Instant};
+
+use render::scene::ObjectChange;
+use render::{Error, Renderer};
+
+use super::{Changes, Performance};
+
+/// Lists in the making, kept to allocate nothing.
+#[derive(Default)]
+pub(super) struct Scratch {
+    objects: Vec<ObjectChange>,
+}
+
+impl Performance {
+    /// Shows everything in `renderer`, which shows the file's scene, as it is at a time; answers what time
+    /// that took the CPU. The next frame shows it.
+    ///
+    /// # Errors
+    /// When the renderer refuses a change, for instance because someone else removed an object.
+    pub fn show(&mut self, renderer: &mut Renderer, seconds: f64) -> Result<Duration, Error> {
+        let began = Instant::now();
+        let mut scratch = std::mem::take(&mut self.show);
+        let brought = scratch.bring(self.changes(seconds), renderer);
+        self.show = scratch;
+        brought.map(|()| began.elapsed())
+    }
+}
+
+impl Scratch {
+    fn bring(&mut self, changes: &Changes, renderer: &mut Renderer) -> Result<(), Error> {
+        self.objects.clear();
+        let change = |moved: &super::ObjectMove| ObjectChange::Move {
+            object: moved.object,
+            transform: moved.transform,
+        };
+        self.objects.extend(changes.objects.iter().map(change));
+        if !self.objects.is_empty() {
+            renderer.update(&self.objects)?;
+        }
+        Ok(())
+    }
+}
