@@ -2,15 +2,24 @@
 //! that hold while it does. Pure values: time in, poses out.
 #![forbid(unsafe_code)]
 
+mod alone;
+mod attached;
+mod bone_tracks;
 mod check;
 mod clip;
 mod form;
+mod hull;
+mod morph;
 mod pose;
 mod reach;
+mod refine;
 mod rig;
+mod rotation_set;
 mod sample;
 mod skeleton;
 mod skin;
+mod support;
+mod together;
 mod world;
 
 pub use check::{ClipError, TrackError};

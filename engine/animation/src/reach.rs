@@ -1,10 +1,22 @@
 //! How far a mesh reaches while it moves: the boxes that hold.
+//!
+//! [`alone`](crate::alone) says why that of one clip holds, [`together`](crate::together) why that of
+//! several mixed does, and why the union of the first is not enough. Both take a vertex to be anywhere in the
+//! hull of what hangs on its joints, and morph targets' weights anywhere in their ranges.
 
 use cull::Aabb;
+use glam::Vec3;
 
-use crate::clip::Clip;
-use crate::form::DeformedMesh;
+use crate::alone::Alone;
+use crate::attached::{Attached, attached, joints_of};
+use crate::bone_tracks::{bone_tracks, norm};
+use crate::clip::{Clip, Interpolation};
+use crate::form::{Binding, DeformedMesh};
+use crate::morph::{morph_box, ranges};
+use crate::refine::{Estimate, refine};
 use crate::rig::Rig;
+use crate::support::Directions;
+use crate::together::{ALWAYS, together};
 
 /// Why there is no box.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -55,11 +67,28 @@ pub enum ReachError {
     Unbounded,
 }
 
+/// Bones that are looked at for one clip, in all of its parts together: some 50 ms.
+const MOST_BONES: usize = 300_000;
+/// Vertices that are looked at for one clip of a mesh that is morphed only.
+const MOST_VERTICES: usize = 10_000_000;
+/// What boxes are enlarged by, relative to their largest coordinate: single precision, here and on a GPU.
+const ROUNDING: f32 = 1e-4;
+/// The same relative to the largest numbers that are added on the way.
+const DETAIL_ROUNDING: f32 = 2e-6;
+
 /// How far a mesh reaches. Make it once a mesh, ask it once a clip: not in the frame loop.
+///
+/// Which box an object has: while none of the clips that move it plays, [`Reach::rest_bounds`]; while one
+/// plays alone, its [`Reach::clip_bounds`]; while several do, [`Reach::blend_bounds`] of these, or of all.
 #[derive(Clone, Debug)]
 pub struct Reach<'a> {
     rig: &'a Rig,
     mesh: DeformedMesh<'a>,
+    directions: Directions,
+    /// What hangs on the joints, if nothing changes it.
+    attached: Option<Vec<Attached>>,
+    /// The largest size of a number that is added on the way to a vertex.
+    detail: f32,
 }
 
 impl<'a> Reach<'a> {
@@ -69,7 +98,20 @@ impl<'a> Reach<'a> {
     /// Slices that do not fit each other; joints that are not there; weights that are negative or not 1
     /// together; numbers that are not finite.
     pub fn new(rig: &'a Rig, mesh: DeformedMesh<'a>) -> Result<Self, ReachError> {
-        if mesh.positions.is_empty() { Err(ReachError::Empty) } else { Ok(Self { rig, mesh }) }
+        check(&mesh)?;
+        let directions = Directions::new();
+        let sizes = mesh.positions.iter().map(|position| Vec3::from(*position).length());
+        let largest = sizes.fold(0.0, f32::max);
+        let bound = |binding: &Binding| {
+            let joints = binding.skeleton.joints.iter().flatten().map(|joint| joint.inverse_bind);
+            joints.map(|bind| norm(&bind) * largest + bind.translation.length()).fold(0.0, f32::max)
+        };
+        let detail = mesh.binding.as_ref().map_or(largest, bound);
+        let mut reach = Self { rig, mesh, directions, attached: None, detail };
+        if let Some(binding) = mesh.binding.as_ref().filter(|_| mesh.targets.is_empty()) {
+            reach.attached = Some(attached(&mesh, binding, &reach.directions, &[]));
+        }
+        Ok(reach)
     }
 
     /// The box of the mesh while nothing plays.
@@ -85,17 +127,113 @@ impl<'a> Reach<'a> {
     /// # Errors
     /// [`ReachError::Unbounded`].
     pub fn clip_bounds(&self, clip: &Clip) -> Result<Aabb, ReachError> {
-        let _ = (self.rig, self.mesh, clip);
-        Err(ReachError::Unbounded)
+        let steps_s = step_times_s(clip);
+        let duration_s = clip.duration_s();
+        let Some(binding) = &self.mesh.binding else {
+            let work = self.mesh.positions.len() * (1 + self.mesh.targets.len());
+            return self.usable(refine(duration_s, &steps_s, MOST_VERTICES / work, |span| {
+                let ranges = ranges(self.rig, &self.mesh, &[clip], span);
+                let [inner, outer] = morph_box(&self.mesh, &ranges);
+                Estimate { inner, outer }
+            }));
+        };
+        let bones = &binding.skeleton.bones;
+        let attached = self.attached(binding, &[clip]);
+        let tracks = bone_tracks(bones, self.rig, clip);
+        let mut alone = Alone::new(self.rig, bones, tracks, &attached, &self.directions);
+        let work = bones.len() + attached.len();
+        self.usable(refine(duration_s, &steps_s, MOST_BONES / work.max(1), |span| {
+            alone.estimate(span)
+        }))
     }
 
-    /// A box that no vertex leaves while **any** of these clips play, at any times, in any layers, with any
-    /// weights. The union of their own boxes is none: see the module.
+    /// A box that no vertex leaves while **any** of these clips play, at any times, in any layers, mixed with
+    /// any weights. If they may be mixed with the rig at rest, a clip without channels must be among them.
     ///
     /// # Errors
     /// [`ReachError::Unbounded`].
     pub fn blend_bounds(&self, clips: &[&Clip]) -> Result<Aabb, ReachError> {
-        let _ = clips;
-        Err(ReachError::Unbounded)
+        let Some(binding) = &self.mesh.binding else {
+            let [_, outer] = morph_box(&self.mesh, &ranges(self.rig, &self.mesh, clips, ALWAYS));
+            return self.usable(outer);
+        };
+        let bones = &binding.skeleton.bones;
+        let tracks: Vec<_> = clips.iter().map(|clip| bone_tracks(bones, self.rig, clip)).collect();
+        let attached = self.attached(binding, clips);
+        let support = together(self.rig, bones, &tracks, &attached, &self.directions);
+        let along = |axis: Vec3| self.directions.along(&support, axis);
+        self.usable(Aabb::new(
+            -Vec3::new(along(-Vec3::X), along(-Vec3::Y), along(-Vec3::Z)),
+            Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)),
+        ))
     }
+
+    fn attached(&self, binding: &Binding, clips: &[&Clip]) -> std::borrow::Cow<'_, [Attached]> {
+        match &self.attached {
+            Some(attached) => attached.into(),
+            None => {
+                let ranges = ranges(self.rig, &self.mesh, clips, ALWAYS);
+                attached(&self.mesh, binding, &self.directions, &ranges).into()
+            }
+        }
+    }
+
+    /// The box with what rounding may add, if it is finite.
+    fn usable(&self, bounds: Aabb) -> Result<Aabb, ReachError> {
+        let rounding = bounds.largest_coordinate() * ROUNDING + self.detail * DETAIL_ROUNDING;
+        let bounds = bounds.enlarged(rounding);
+        let is_usable = bounds.is_finite() && !bounds.is_empty();
+        if is_usable { Ok(bounds) } else { Err(ReachError::Unbounded) }
+    }
+}
+
+/// When something jumps, ascending.
+fn step_times_s(clip: &Clip) -> Vec<f32> {
+    let tracks = clip.channels.iter().map(|channel| &channel.track);
+    let steps = tracks.filter(|track| track.interpolation == Interpolation::Step);
+    let mut times_s: Vec<f32> = steps.flat_map(|track| track.times_s.iter().copied()).collect();
+    times_s.sort_by(f32::total_cmp);
+    times_s.dedup();
+    times_s
+}
+
+fn check(mesh: &DeformedMesh) -> Result<(), ReachError> {
+    let vertices = mesh.positions.len();
+    if vertices == 0 {
+        return Err(ReachError::Empty);
+    }
+    let targets = mesh.targets.iter().enumerate();
+    let wrong = targets.clone().find(|(_, target)| !target.is_empty() && target.len() != vertices);
+    if let Some((target, deltas)) = wrong {
+        return Err(ReachError::Target { target, deltas: deltas.len(), vertices });
+    }
+    let all = mesh.positions.iter().chain(mesh.targets.iter().copied().flatten());
+    if all.flatten().any(|number| !number.is_finite()) {
+        return Err(ReachError::Unbounded);
+    }
+    let Some(binding) = &mesh.binding else { return Ok(()) };
+    let (joints, weights, sets) = (binding.joints.len(), binding.weights.len(), binding.sets);
+    let needed = vertices.checked_mul(sets as usize);
+    if needed != Some(joints) || needed != Some(weights) {
+        return Err(ReachError::Count { vertices, sets, joints, weights });
+    }
+    for vertex in 0..vertices {
+        check_vertex(binding, vertex)?;
+    }
+    Ok(())
+}
+
+fn check_vertex(binding: &Binding, vertex: usize) -> Result<(), ReachError> {
+    for (joint, _) in joints_of(binding, vertex) {
+        let is_there = binding.skeleton.joints.get(usize::from(joint)).is_some_and(Option::is_some);
+        if !is_there {
+            return Err(ReachError::NoJoint { vertex, joint });
+        }
+    }
+    let sets = binding.sets as usize;
+    let rows = binding.weights.get(vertex * sets..(vertex + 1) * sets).unwrap_or_default();
+    let is_negative = rows.iter().flatten().any(|weight| *weight < 0.0);
+    let sum: f32 = rows.iter().flatten().sum();
+    let is_whole = (sum - 1.0).abs() <= 1e-4;
+    if is_negative || !is_whole { Err(ReachError::Weights { vertex }) } else { Ok(()) }
 }

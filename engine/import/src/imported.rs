@@ -1,8 +1,8 @@
 //! What a file becomes: a scene, the rig it hangs on, and what plays on that.
 
-use animation::{Clip, NodeId, Rig, Skin};
+use animation::{Clip, NodeId, Pose, Rig, Skin};
 use cull::{Aabb, ObjectId};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use render::scene::{BlendedId, DeformerId, LightId, Scene};
 
 /// A camera of the file. It looks along its node's -z, up is y.
@@ -29,10 +29,12 @@ pub enum Placed {
     Light(LightId),
 }
 
-/// Something that hangs on a node and goes where it goes.
+/// Something that moves, or that changes its form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
-    /// On which node.
+    /// The node of the file that has it, and where it goes. What hangs on a skin goes where its joints go
+    /// instead: it is in the space of its skeleton, [`Skeleton::space`](animation::Skeleton::space), which is
+    /// made of the joints that its vertices follow.
     pub node: NodeId,
     /// What.
     pub placed: Placed,
@@ -40,6 +42,9 @@ pub struct Placement {
     pub local: Affine3A,
     /// What changes its form, with the index of its skin in [`Imported::skins`].
     pub deformer: Option<(DeformerId, Option<usize>)>,
+    /// The box, in its own space, that it is in while nothing plays; empty where it does not change its
+    /// form. Its mesh's own bounds are those of its vertices before joints and targets move them.
+    pub rest_bounds: Aabb,
     /// For each clip a box, in its own space, that it stays in while that clip plays; empty where it does
     /// not change its form.
     pub clip_bounds: Vec<Aabb>,
@@ -59,10 +64,39 @@ pub struct Imported {
     pub clips: Vec<Clip>,
     /// The joints of skinned meshes.
     pub skins: Vec<Skin>,
-    /// What hangs on which node.
+    /// What moves: all that hangs on a node that a clip moves, and all that changes its form. What is in the
+    /// scene and not here stays where it is.
     pub placements: Vec<Placement>,
     /// Its cameras.
     pub cameras: Vec<Camera>,
     /// What was in the file that is not shown, for people.
     pub notes: Vec<String>,
+}
+
+impl Imported {
+    /// The box around everything that is seen, at rest; the origin alone if there is nothing.
+    pub fn bounds(&self) -> Aabb {
+        crate::convert::bounds(self)
+    }
+
+    /// What the first camera of the file sees at rest; without one a view of the whole scene, three
+    /// quarters from the front and somewhat from above.
+    pub fn default_camera(&self) -> cull::Camera {
+        let Some(camera) = self.cameras.first() else {
+            return crate::convert::overview(&self.bounds());
+        };
+        let mut worlds = Vec::new();
+        self.rig.world(&Pose::new(&self.rig), &mut worlds);
+        let world = worlds.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
+        let axis = |axis: glam::Vec3A| Vec3::from(axis).try_normalize();
+        let forward = axis(-world.matrix3.z_axis).unwrap_or(Vec3::NEG_Z);
+        let up = axis(world.matrix3.y_axis).filter(|up| up.cross(forward).length() > 1e-3);
+        cull::Camera {
+            eye: world.translation.into(),
+            forward,
+            up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
+            fov_y: camera.fov_y_rad,
+            near: camera.near_m,
+        }
+    }
 }

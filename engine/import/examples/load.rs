@@ -1,0 +1,88 @@
+//! Loads a scene and tells what is in it, how long that took and how much memory; with `--bare` the same
+//! file by `gltf::import` alone, to compare: `load [--bare] FILE`.
+
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use antumbra_import as import;
+
+/// Something of `/proc/self/status` in MiB, where there is such a thing.
+fn memory_mib(what: &str) -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));
+    let kib = line.and_then(|line| line.split_whitespace().next()?.parse::<f64>().ok());
+    kib.unwrap_or_default() / 1024.0
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let is_bare = words.first().is_some_and(|word| word == "--bare");
+    if is_bare {
+        words.remove(0);
+    }
+    let [file] = words.as_slice() else {
+        return Err("usage: load [--bare] FILE".into());
+    };
+    let before = memory_mib("VmRSS");
+    let began = Instant::now();
+    if is_bare {
+        let (document, buffers, images) = gltf::import(file)?;
+        report(began, before);
+        println!("{} nodes, {} buffers, {} images", document.nodes().len(), buffers.len(), images.len());
+        return Ok(());
+    }
+    let options = import::LoadOptions::default();
+    let imported = import::load(&PathBuf::from(file), &options, &mut |_| ControlFlow::Continue(()))?;
+    report(began, before);
+    imported.scene.validate()?;
+    tell(&imported);
+    Ok(())
+}
+
+fn report(began: Instant, before: f64) {
+    let ms = began.elapsed().as_secs_f64() * 1e3;
+    let (now, peak) = (memory_mib("VmRSS") - before, memory_mib("VmHWM") - before);
+    println!("{ms:.1} ms; memory {now:.1} MiB afterwards, {peak:.1} MiB at most");
+}
+
+fn tell(imported: &import::Imported) {
+    let scene = &imported.scene;
+    println!(
+        "{}: {} meshes, {} objects, {} triangles; {} nodes, {} clips, {} skins, {} placements",
+        scene.name,
+        scene.meshes.len(),
+        scene.objects.len(),
+        scene.triangles(),
+        imported.rig.nodes().len(),
+        imported.clips.len(),
+        imported.skins.len(),
+        imported.placements.len(),
+    );
+    if let Some(surfaces) = &scene.surfaces {
+        println!(
+            "{} materials, {} textures, {} images, {} lights, {} blended objects, {} deformers",
+            surfaces.materials.len(),
+            surfaces.textures.len(),
+            surfaces.images.len(),
+            surfaces.lights.len(),
+            surfaces.blended.len(),
+            surfaces.deformers.len(),
+        );
+    }
+    println!("bounds {:?}", imported.bounds());
+    for camera in &imported.cameras {
+        println!("camera {} ({} rad)", camera.name, camera.fov_y_rad);
+    }
+    for placement in imported.placements.iter().filter(|placement| placement.deformer.is_some()) {
+        println!("deformed: rest {:?}", placement.rest_bounds);
+        for (clip, bounds) in imported.clips.iter().zip(&placement.clip_bounds) {
+            println!("  {}: {bounds:?}", clip.name);
+        }
+        println!("  all: {:?}", placement.blend_bounds);
+    }
+    for note in &imported.notes {
+        println!("note: {note}");
+    }
+}

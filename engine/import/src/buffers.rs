@@ -1,0 +1,68 @@
+//! Where the bytes of buffers come from: the binary chunk, data URIs, files.
+
+use std::ops::Range;
+use std::path::Path;
+
+use gltf::json::Root;
+
+use crate::Limits;
+use crate::elements::BufferBytes;
+use crate::error::{At, Fault, Reason};
+use crate::uri::{self, Wanted};
+
+/// How many bytes beside the file may still be taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Budget {
+    left: u64,
+}
+
+impl Budget {
+    pub(crate) fn new(limits: &Limits) -> Self {
+        Self { left: limits.buffer_bytes }
+    }
+
+    /// Reads what a URI leads to, if it is within what is left.
+    pub(crate) fn fetch(
+        &mut self,
+        uri: &str,
+        folder: Option<&Path>,
+        wanted: Wanted,
+    ) -> Result<Vec<u8>, Reason> {
+        let bytes = uri::fetch(uri, folder, wanted, self.left)?;
+        self.left = self.left.saturating_sub(bytes.len() as u64);
+        Ok(bytes)
+    }
+}
+
+/// Finds the bytes of all buffers.
+pub(crate) fn resolve(
+    root: &Root,
+    binary: Option<&Range<usize>>,
+    folder: Option<&Path>,
+    budget: &mut Budget,
+) -> Result<Vec<BufferBytes>, Fault> {
+    let mut buffers = Vec::with_capacity(root.buffers.len());
+    for (index, buffer) in root.buffers.iter().enumerate() {
+        let length = buffer.byte_length.0;
+        let bytes = match (&buffer.uri, binary) {
+            (Some(uri), _) => {
+                budget.fetch(uri, folder, Wanted::First(length)).map(BufferBytes::Apart)
+            }
+            (None, Some(binary)) if index == 0 => within(binary, length).map(BufferBytes::InFile),
+            (None, _) => {
+                Err(Reason::malformed("it has no URI, and there is no binary chunk for it"))
+            }
+        };
+        buffers.push(bytes.at(|| format!("buffer {index}"))?);
+    }
+    Ok(buffers)
+}
+
+fn within(binary: &Range<usize>, length: u64) -> Result<Range<usize>, Reason> {
+    let there = binary.len() as u64;
+    if length > there {
+        let text = format!("its byteLength is {length}, but the binary chunk has {there} bytes");
+        return Err(Reason::malformed(text));
+    }
+    Ok(binary.start..binary.start + length as usize)
+}

@@ -1,0 +1,134 @@
+//! Which types the attributes of primitives may have (glTF 2.0, section 3.7.2; `KHR_mesh_quantization`).
+
+use gltf::Semantic;
+use gltf::json::Accessor;
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::validation::Checked;
+
+use crate::error::Reason;
+
+/// A component type, and whether it is normalised.
+type Form = (ComponentType, bool);
+
+const FLOAT: Form = (ComponentType::F32, false);
+const U8: Form = (ComponentType::U8, false);
+const U16: Form = (ComponentType::U16, false);
+const I8: Form = (ComponentType::I8, false);
+const I16: Form = (ComponentType::I16, false);
+const UNORM8: Form = (ComponentType::U8, true);
+const UNORM16: Form = (ComponentType::U16, true);
+const SNORM8: Form = (ComponentType::I8, true);
+const SNORM16: Form = (ComponentType::I16, true);
+
+/// What an attribute may be.
+struct Allowed {
+    kinds: &'static [Type],
+    forms: &'static [Form],
+    /// With `KHR_mesh_quantization`, these too.
+    quantised: &'static [Form],
+}
+
+const fn of(kinds: &'static [Type], forms: &'static [Form], quantised: &'static [Form]) -> Allowed {
+    Allowed { kinds, forms, quantised }
+}
+
+const POSITION: Allowed =
+    of(&[Type::Vec3], &[FLOAT], &[I8, SNORM8, U8, UNORM8, I16, SNORM16, U16, UNORM16]);
+const NORMAL: Allowed = of(&[Type::Vec3], &[FLOAT], &[SNORM8, SNORM16]);
+const TANGENT: Allowed = of(&[Type::Vec4], &[FLOAT], &[SNORM8, SNORM16]);
+const TEXCOORD: Allowed =
+    of(&[Type::Vec2], &[FLOAT, UNORM8, UNORM16], &[U8, I8, SNORM8, U16, I16, SNORM16]);
+const COLOR: Allowed = of(&[Type::Vec3, Type::Vec4], &[FLOAT, UNORM8, UNORM16], &[]);
+const JOINTS: Allowed = of(&[Type::Vec4], &[U8, U16], &[]);
+const WEIGHTS: Allowed = of(&[Type::Vec4], &[FLOAT, UNORM8, UNORM16], &[]);
+const POSITION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[I8, SNORM8, I16, SNORM16]);
+const DIRECTION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[SNORM8, SNORM16]);
+
+/// Checks the type of a vertex attribute.
+pub(super) fn check(
+    semantic: &Semantic,
+    accessor: &Accessor,
+    quantised: bool,
+) -> Result<(), Reason> {
+    let allowed = match semantic {
+        Semantic::Positions => POSITION,
+        Semantic::Normals => NORMAL,
+        Semantic::Tangents => TANGENT,
+        Semantic::TexCoords(_) => TEXCOORD,
+        Semantic::Colors(_) => COLOR,
+        Semantic::Joints(_) => JOINTS,
+        Semantic::Weights(_) => WEIGHTS,
+        Semantic::Extras(_) => return Ok(()),
+    };
+    allowed.check(accessor, quantised)
+}
+
+/// Checks the type of what a morph target adds to positions.
+pub(super) fn check_position_delta(accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
+    POSITION_DELTA.check(accessor, quantised)
+}
+
+/// Checks the type of what a morph target adds to normals or tangents.
+pub(super) fn check_direction_delta(accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
+    DIRECTION_DELTA.check(accessor, quantised)
+}
+
+/// Checks that an accessor has one of these types.
+pub(super) fn check_form(
+    accessor: &Accessor,
+    kind: Type,
+    forms: &'static [Form],
+) -> Result<(), Reason> {
+    let kinds: &[Type] = match kind {
+        Type::Scalar => &[Type::Scalar],
+        Type::Vec3 => &[Type::Vec3],
+        Type::Vec4 => &[Type::Vec4],
+        Type::Mat4 => &[Type::Mat4],
+        Type::Vec2 | Type::Mat2 | Type::Mat3 => &[],
+    };
+    matches(accessor, kinds, forms.iter(), "")
+}
+
+/// Floats alone.
+pub(super) const FLOATS: &[Form] = &[FLOAT];
+/// Floats, and integers that mean fractions.
+pub(super) const FRACTIONS: &[Form] = &[FLOAT, SNORM8, UNORM8, SNORM16, UNORM16];
+/// What indices are.
+pub(super) const INDICES: &[Form] = &[U8, U16, (ComponentType::U32, false)];
+
+impl Allowed {
+    fn check(&self, accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
+        let forms = self.forms.iter();
+        if quantised {
+            return matches(accessor, self.kinds, forms.chain(self.quantised), "");
+        }
+        let hint = if self.quantised.is_empty() { "" } else { " without KHR_mesh_quantization" };
+        matches(accessor, self.kinds, forms, hint)
+    }
+}
+
+fn matches<'a>(
+    accessor: &Accessor,
+    kinds: &[Type],
+    mut forms: impl Iterator<Item = &'a Form>,
+    hint: &str,
+) -> Result<(), Reason> {
+    let (Checked::Valid(kind), Checked::Valid(component)) =
+        (accessor.type_, accessor.component_type)
+    else {
+        return Err(Reason::malformed("its type does not exist"));
+    };
+    let component = component.0;
+    let is_normalised = accessor.normalized;
+    let fits = kinds.contains(&kind)
+        && forms.any(|&(allowed, normalised)| {
+            // Floats are what they are, whatever the flag says.
+            allowed == component && (normalised == is_normalised || component == ComponentType::F32)
+        });
+    if fits {
+        return Ok(());
+    }
+    let normalised = if is_normalised { " normalised" } else { "" };
+    let text = format!("it may not be {kind:?} of{normalised} {component:?}{hint}");
+    Err(Reason::malformed(text))
+}

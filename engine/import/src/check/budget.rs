@@ -1,0 +1,128 @@
+//! What a scene of this file would be made of, against the limits: a short file can name a large mesh often.
+
+use gltf::json::mesh::{Mode, Primitive};
+use gltf::json::validation::Checked;
+use gltf::json::{Mesh, Node, Root};
+
+use super::meshes;
+use crate::Limits;
+use crate::error::{Fault, Reason};
+use crate::layout::Layout;
+use crate::source::Instancing;
+
+/// A point or a segment of a line may become a box.
+const BOX_VERTICES: u64 = 8;
+const BOX_CORNERS: u64 = 36;
+
+/// What is counted; it saturates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Cost {
+    primitives: u64,
+    vertices: u64,
+    corners: u64,
+    morph_values: u64,
+}
+
+impl Cost {
+    fn add(&mut self, other: Self) {
+        self.primitives = self.primitives.saturating_add(other.primitives);
+        self.vertices = self.vertices.saturating_add(other.vertices);
+        self.corners = self.corners.saturating_add(other.corners);
+        self.morph_values = self.morph_values.saturating_add(other.morph_values);
+    }
+}
+
+/// Fails at the first object with which a limit is exceeded. Everything else of the JSON was checked.
+pub(super) fn check(
+    root: &Root,
+    instancing: &[Option<Instancing>],
+    limits: &Limits,
+) -> Result<(), Fault> {
+    let costs: Vec<Cost> = root.meshes.iter().map(|mesh| cost_of(root, mesh)).collect();
+    let mut total = Cost::default();
+    for (index, &cost) in costs.iter().enumerate() {
+        total.add(Cost { primitives: 0, morph_values: 0, ..cost });
+        within(&total, limits).map_err(|reason| reason.of(format!("mesh {index}")))?;
+    }
+    let mut joints: u64 = root.skins.iter().map(|skin| skin.joints.len() as u64).sum();
+    for (index, node) in root.nodes.iter().enumerate() {
+        let Some(mesh) = node.mesh else { continue };
+        let cost = costs.get(mesh.value()).copied().unwrap_or_default();
+        let instances =
+            instancing.get(index).copied().flatten().map_or(1, |instancing| instancing.count);
+        total.add(of_node(root, node, cost, instances as u64));
+        joints = joints.saturating_add(
+            node.skin.and_then(|skin| root.get(skin)).map_or(0, |skin| skin.joints.len() as u64),
+        );
+        within(&total, limits)
+            .and_then(|()| below("joints up to it", joints, limits.joints))
+            .map_err(|reason| reason.of(format!("node {index}")))?;
+    }
+    check_keys(root, limits)
+}
+
+/// What a node adds: objects, and where it is deformed, meshes of its own.
+fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
+    let mesh = node.mesh.and_then(|mesh| root.get(mesh));
+    let is_deformed =
+        node.skin.is_some() || mesh.is_some_and(|mesh| meshes::target_count(mesh) > 0);
+    let objects = Cost { primitives: cost.primitives.saturating_mul(instances), ..Cost::default() };
+    if is_deformed { Cost { primitives: objects.primitives, ..cost } } else { objects }
+}
+
+fn within(total: &Cost, limits: &Limits) -> Result<(), Reason> {
+    below("objects up to it", total.primitives, limits.objects)?;
+    below("vertices up to it", total.vertices, limits.vertices)?;
+    below("corners of triangles up to it", total.corners, limits.corners)?;
+    below("numbers in morph targets up to it", total.morph_values, limits.morph_values)
+}
+
+fn below(what: &str, amount: u64, limit: u64) -> Result<(), Reason> {
+    if amount > limit { Err(Reason::too_large(what, amount, limit)) } else { Ok(()) }
+}
+
+fn cost_of(root: &Root, mesh: &Mesh) -> Cost {
+    let mut cost = Cost::default();
+    for primitive in &mesh.primitives {
+        cost.add(of_primitive(root, primitive));
+    }
+    cost
+}
+
+fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
+    let all = super::vertex_count(root, primitive).unwrap_or(0);
+    let indices =
+        primitive.indices.and_then(|indices| root.get(indices)).map(|accessor| accessor.count.0);
+    let drawn = indices.unwrap_or(all);
+    let used = drawn.min(all);
+    let (vertices, corners) = match primitive.mode {
+        Checked::Valid(Mode::Triangles) | Checked::Invalid => (used, drawn),
+        Checked::Valid(Mode::TriangleStrip | Mode::TriangleFan) => (used, drawn.saturating_mul(3)),
+        Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
+            (drawn.saturating_mul(BOX_VERTICES), drawn.saturating_mul(BOX_CORNERS))
+        }
+    };
+    // Each target moves up to three attributes of three numbers.
+    let targets = primitive.targets.as_ref().map_or(0, Vec::len) as u64;
+    let morph_values = vertices.saturating_mul(targets).saturating_mul(9);
+    Cost { primitives: 1, vertices, corners, morph_values }
+}
+
+fn check_keys(root: &Root, limits: &Limits) -> Result<(), Fault> {
+    let mut values: u64 = 0;
+    for (animation_index, animation) in root.animations.iter().enumerate() {
+        for (index, channel) in animation.channels.iter().enumerate() {
+            let Some(sampler) = animation.samplers.get(channel.sampler.value()) else { continue };
+            for accessor in
+                [sampler.input, sampler.output].into_iter().filter_map(|at| root.get(at))
+            {
+                let components = Layout::of(accessor).map_or(1, |layout| layout.components as u64);
+                values = values.saturating_add(accessor.count.0.saturating_mul(components));
+            }
+            below("numbers in keys up to it", values, limits.key_values).map_err(|reason| {
+                reason.of(format!("animation {animation_index}, channel {index}"))
+            })?;
+        }
+    }
+    Ok(())
+}

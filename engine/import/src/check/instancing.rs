@@ -1,0 +1,78 @@
+//! Where meshes are instanced: `EXT_mesh_gpu_instancing`.
+
+use gltf::json::accessor::Type;
+use gltf::json::{Accessor, Node, Root};
+use serde_json::{Map, Value};
+
+use super::attributes::{self, FLOATS, FRACTIONS};
+use super::uses;
+use crate::error::{At, Fault, Reason};
+use crate::source::Instancing;
+
+const EXTENSION: &str = "EXT_mesh_gpu_instancing";
+
+pub(super) fn check(root: &Root) -> Result<Vec<Option<Instancing>>, Fault> {
+    if !uses(root, EXTENSION) {
+        return Ok(vec![None; root.nodes.len()]);
+    }
+    let nodes = root.nodes.iter().enumerate();
+    nodes
+        .map(|(index, node)| of_node(root, node).at(|| format!("node {index}, {EXTENSION}")))
+        .collect()
+}
+
+fn of_node(root: &Root, node: &Node) -> Result<Option<Instancing>, Reason> {
+    let extension =
+        node.extensions.as_ref().and_then(|extensions| extensions.others.get(EXTENSION));
+    let Some(extension) = extension else {
+        return Ok(None);
+    };
+    let attributes = extension
+        .get("attributes")
+        .and_then(Value::as_object)
+        .ok_or_else(|| Reason::malformed("it has no attributes"))?;
+    let count = same_count(root, attributes)?;
+    let find = |name: &str, kind, forms| -> Result<Option<usize>, Reason> {
+        let Some(value) = attributes.get(name) else { return Ok(None) };
+        let (index, accessor) = accessor(root, name, value)?;
+        attributes::check_form(accessor, kind, forms)
+            .map_err(|_| Reason::malformed(format!("its {name} has the wrong type")))?;
+        Ok(Some(index))
+    };
+    Ok(Some(Instancing {
+        count,
+        translation: find("TRANSLATION", Type::Vec3, FLOATS)?,
+        rotation: find("ROTATION", Type::Vec4, FRACTIONS)?,
+        scale: find("SCALE", Type::Vec3, FLOATS)?,
+    }))
+}
+
+/// How many instances there are: all attributes have as many, those of unknown name too.
+fn same_count(root: &Root, attributes: &Map<String, Value>) -> Result<usize, Reason> {
+    let mut count = None;
+    for (name, value) in attributes {
+        let here = accessor(root, name, value)?.1.count.0;
+        if *count.get_or_insert(here) != here {
+            return Err(Reason::malformed("its attributes have not the same number of elements"));
+        }
+    }
+    let count = count.ok_or_else(|| Reason::malformed("it has no attributes"))?;
+    usize::try_from(count)
+        .map_err(|_| Reason::malformed("it has more elements than there are numbers"))
+}
+
+fn accessor<'a>(
+    root: &'a Root,
+    name: &str,
+    value: &Value,
+) -> Result<(usize, &'a Accessor), Reason> {
+    let index = value.as_u64().and_then(|index| usize::try_from(index).ok());
+    let found = index.and_then(|index| Some((index, root.accessors.get(index)?)));
+    found.ok_or_else(|| {
+        let name = crate::error::quoted(name);
+        Reason::malformed(format!(
+            "its attribute {name} is not one of the {} accessors",
+            root.accessors.len()
+        ))
+    })
+}

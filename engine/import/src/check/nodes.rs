@@ -1,0 +1,118 @@
+//! Nodes: what they refer to, and that they are a forest.
+
+use gltf::json::{Node, Root};
+
+use super::{finite, in_range, meshes};
+use crate::Limits;
+use crate::error::{At, Fault, Reason};
+
+pub(super) fn check(root: &Root, limits: &Limits) -> Result<(), Fault> {
+    let count = root.nodes.len();
+    if count as u64 > limits.nodes {
+        return Err(Reason::too_large("nodes", count as u64, limits.nodes).of("nodes"));
+    }
+    for (index, node) in root.nodes.iter().enumerate() {
+        check_references(root, node)
+            .and_then(|()| check_numbers(node))
+            .at(|| format!("node {index}"))?;
+    }
+    let parents = parents(root)?;
+    check_ancestors(root, &parents)?;
+    check_scenes(root, &parents)
+}
+
+fn check_references(root: &Root, node: &Node) -> Result<(), Reason> {
+    if let Some(camera) = node.camera {
+        in_range("camera", camera.value(), root.cameras.len())?;
+    }
+    if let Some(skin) = node.skin {
+        in_range("skin", skin.value(), root.skins.len())?;
+    }
+    if let Some(mesh) = node.mesh {
+        in_range("mesh", mesh.value(), root.meshes.len())?;
+        let targets = root.meshes.get(mesh.value()).map_or(0, meshes::target_count);
+        meshes::check_weights(node.weights.as_deref(), targets)?;
+    }
+    let light =
+        node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+    if let Some(light) = light {
+        in_range("light", light.light.value(), super::materials::lights(root).len())?;
+    }
+    Ok(())
+}
+
+fn check_numbers(node: &Node) -> Result<(), Reason> {
+    finite("matrix", node.matrix.as_ref().map_or(&[], |matrix| matrix))?;
+    finite("translation", node.translation.as_ref().map_or(&[], |translation| translation))?;
+    finite("rotation", node.rotation.as_ref().map_or(&[], |rotation| &rotation.0))?;
+    finite("scale", node.scale.as_ref().map_or(&[], |scale| scale))?;
+    finite("weight", node.weights.as_deref().unwrap_or_default())
+}
+
+/// The parent of each node, of which it has one at most.
+fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
+    let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
+    for (index, node) in root.nodes.iter().enumerate() {
+        for child in node.children.iter().flatten().map(|child| child.value()) {
+            let at = || format!("node {index}, children");
+            let count = root.nodes.len();
+            let parent =
+                parents.get_mut(child).ok_or_else(|| Reason::out_of_range("node", child, count));
+            if let Some(other) = parent.at(at)?.replace(index) {
+                let text = format!("node {child} is a child of node {other} already");
+                return Err(Reason::malformed(text).of(at()));
+            }
+        }
+    }
+    Ok(parents)
+}
+
+/// Where each node has one parent at most, those that no root leads to are on a circle or hang on one.
+fn check_ancestors(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
+    let mut is_reached = vec![false; parents.len()];
+    let mut waiting: Vec<usize> =
+        (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
+    while let Some(index) = waiting.pop() {
+        is_reached[index] = true;
+        waiting.extend(root.nodes[index].children.iter().flatten().map(|child| child.value()));
+    }
+    let Some(mut on_circle) = is_reached.iter().position(|reached| !reached) else {
+        return Ok(());
+    };
+    // As many steps up as there are nodes end on the circle.
+    for _ in 0..parents.len() {
+        on_circle = parents[on_circle].unwrap_or(on_circle);
+    }
+    Err(Reason::malformed("it is its own ancestor").of(format!("node {on_circle}")))
+}
+
+fn check_scenes(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
+    if let Some(scene) = root.scene {
+        in_range("scene", scene.value(), root.scenes.len()).at(|| "default scene".to_owned())?;
+    }
+    // The last scene that each node was seen in.
+    let mut seen_in: Vec<Option<usize>> = vec![None; parents.len()];
+    for (index, scene) in root.scenes.iter().enumerate() {
+        for node in scene.nodes.iter().map(|node| node.value()) {
+            check_scene_root(node, parents)
+                .and_then(|()| match seen_in[node].replace(index) {
+                    Some(scene) if scene == index => {
+                        Err(Reason::malformed(format!("node {node} is in it twice")))
+                    }
+                    _ => Ok(()),
+                })
+                .at(|| format!("scene {index}"))?;
+        }
+    }
+    Ok(())
+}
+
+fn check_scene_root(node: usize, parents: &[Option<usize>]) -> Result<(), Reason> {
+    in_range("node", node, parents.len())?;
+    match parents[node] {
+        Some(parent) => {
+            Err(Reason::malformed(format!("node {node} is no root, but a child of node {parent}")))
+        }
+        None => Ok(()),
+    }
+}

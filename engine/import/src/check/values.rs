@@ -1,0 +1,106 @@
+//! The values in buffers that are indices of something: sparse indices, indices of primitives, joints.
+
+use std::collections::HashMap;
+
+use gltf::Semantic;
+use gltf::json::accessor::sparse::Sparse;
+use gltf::json::mesh::Primitive;
+use gltf::json::validation::Checked;
+use gltf::json::{Accessor, Index, Root};
+
+use crate::elements::{self, Store};
+use crate::error::{At, Fault, Reason};
+
+/// Checks all of them. The JSON was checked before.
+pub(crate) fn indices_and_joints(root: &Root, store: &Store) -> Result<(), Fault> {
+    for (index, accessor) in root.accessors.iter().enumerate() {
+        if let Some(sparse) = &accessor.sparse {
+            check_sparse(root, store, sparse, accessor.count.0)
+                .at(|| format!("accessor {index}, sparse indices"))?;
+        }
+    }
+    let mut greatest = Greatest { root, store, known: HashMap::new() };
+    let mut joints_of_meshes = Vec::with_capacity(root.meshes.len());
+    for (mesh_index, mesh) in root.meshes.iter().enumerate() {
+        let mut joints = None;
+        for (index, primitive) in mesh.primitives.iter().enumerate() {
+            greatest
+                .check_indices(primitive)
+                .at(|| format!("mesh {mesh_index}, primitive {index}, indices"))?;
+            joints = joints.max(greatest.joint(primitive));
+        }
+        joints_of_meshes.push(joints);
+    }
+    check_skinned(root, &joints_of_meshes)
+}
+
+fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Result<(), Reason> {
+    let mut last = None;
+    for index in elements::sparse_indices(root, store, sparse) {
+        if u64::from(index) >= count {
+            let text = format!("element {index} is replaced, but there are {count}");
+            return Err(Reason::malformed(text));
+        }
+        if last.is_some_and(|last| last >= index) {
+            return Err(Reason::malformed("they do not increase"));
+        }
+        last = Some(index);
+    }
+    Ok(())
+}
+
+fn check_skinned(root: &Root, joints_of_meshes: &[Option<u32>]) -> Result<(), Fault> {
+    for (index, node) in root.nodes.iter().enumerate() {
+        let (Some(mesh), Some(skin)) = (node.mesh, node.skin) else { continue };
+        let greatest = joints_of_meshes.get(mesh.value()).copied().flatten();
+        let joints = root.get(skin).map_or(0, |skin| skin.joints.len());
+        if let Some(joint) = greatest
+            && joint as usize >= joints
+        {
+            let (mesh, skin) = (mesh.value(), skin.value());
+            let text =
+                format!("mesh {mesh} hangs on joint {joint}, but skin {skin} has {joints} joints");
+            return Err(Reason::malformed(text).of(format!("node {index}")));
+        }
+    }
+    Ok(())
+}
+
+/// The greatest values of accessors, each looked at once however many primitives share it.
+struct Greatest<'a> {
+    root: &'a Root,
+    store: &'a Store,
+    known: HashMap<usize, u32>,
+}
+
+impl Greatest<'_> {
+    fn of<const N: usize>(&mut self, accessor: Index<Accessor>) -> u32 {
+        let (root, store) = (self.root, self.store);
+        *self.known.entry(accessor.value()).or_insert_with(|| {
+            let mut greatest = 0;
+            elements::for_each_integers::<N>(root, store, accessor.value(), |values| {
+                greatest = values.into_iter().fold(greatest, u32::max);
+            });
+            greatest
+        })
+    }
+
+    fn check_indices(&mut self, primitive: &Primitive) -> Result<(), Reason> {
+        let vertices = super::vertex_count(self.root, primitive);
+        let (Some(indices), Some(vertices)) = (primitive.indices, vertices) else {
+            return Ok(());
+        };
+        let greatest = self.of::<1>(indices);
+        if u64::from(greatest) < vertices {
+            return Ok(());
+        }
+        Err(Reason::malformed(format!("vertex {greatest} does not exist, there are {vertices}")))
+    }
+
+    fn joint(&mut self, primitive: &Primitive) -> Option<u32> {
+        let joints = primitive.attributes.iter().filter_map(|(semantic, &accessor)| {
+            matches!(semantic, Checked::Valid(Semantic::Joints(_))).then_some(accessor)
+        });
+        joints.map(|accessor| self.of::<4>(accessor)).max()
+    }
+}

@@ -1,0 +1,175 @@
+//! The scene in the making: what all that put something into it share.
+
+use animation::{Clip, NodeId};
+use cull::{Aabb, ObjectId};
+use glam::Affine3A;
+use render::scene::{BlendedId, Mesh, MeshId, Object, Scene, SurfaceMesh, Surfaces};
+
+use super::budget::Budget;
+use super::deformed::Forms;
+use super::geometry::Geometry;
+use super::instancing;
+use super::materials::{MaterialUse, Materials};
+use super::nodes::Tree;
+use super::notes::Notes;
+use super::numbers::keeps_areas;
+use super::pack::pack;
+use super::primitives::Primitive;
+use super::shared::Plan;
+use super::skins::Skins;
+use crate::imported::{Placed, Placement};
+use crate::{Cause, ImportError, Source};
+
+/// White: the material says it all.
+pub(super) const NO_TINT: u32 = u32::MAX;
+
+/// The scene in the making.
+pub(super) struct Assembly<'a> {
+    pub(super) source: &'a Source,
+    pub(super) tree: &'a Tree,
+    pub(super) clips: &'a [Clip],
+    pub(super) notes: Notes,
+    pub(super) scene: Scene,
+    pub(super) surfaces: Surfaces,
+    pub(super) materials: Materials,
+    pub(super) skins: Skins,
+    pub(super) placements: Vec<Placement>,
+    pub(super) forms: Forms,
+    pub(super) budget: Budget,
+}
+
+impl<'a> Assembly<'a> {
+    /// A primitive of the file.
+    pub(super) fn primitive(&self, mesh: usize, number: usize) -> Option<Primitive<'a>> {
+        let given = self.source.document.as_json().meshes.get(mesh)?;
+        let json = given.primitives.get(number)?;
+        let name = given.name.as_deref().filter(|name| !name.is_empty());
+        let mesh = name.map_or(format!("mesh {mesh}"), |name| format!("mesh {mesh} ({name})"));
+        Some(Primitive { source: self.source, json, place: format!("{mesh}, primitive {number}") })
+    }
+
+    /// What people call a mesh that is made of a primitive.
+    pub(super) fn name_of(&self, mesh: usize, number: usize) -> String {
+        let given = self.source.document.as_json().meshes.get(mesh);
+        let name = given.and_then(|given| given.name.clone()).filter(|name| !name.is_empty());
+        let name = name.unwrap_or_else(|| format!("mesh {mesh}"));
+        match given.map(|given| given.primitives.len()) {
+            Some(2..) => format!("{name}, {number}"),
+            _ => name,
+        }
+    }
+
+    /// Puts everything that a node has into the scene.
+    ///
+    /// # Errors
+    /// What [`Primitive::build`] refuses.
+    pub(super) fn place(&mut self, plan: &mut Plan, node: NodeId) -> Result<(), ImportError> {
+        let in_file = self.tree.in_file.get(node.0 as usize).copied().unwrap_or_default();
+        let Some(given) = self.source.document.as_json().nodes.get(in_file) else {
+            return Ok(());
+        };
+        let Some(mesh) = given.mesh.map(|mesh| mesh.value()) else {
+            return Ok(());
+        };
+        let instances = self.source.instancing.get(in_file).copied().flatten();
+        let tree = self.tree;
+        let name = || tree.name(node);
+        let locals = instancing::locals(self.source, instances, &mut self.notes, name);
+        for number in 0..plan.primitives(mesh) {
+            let Some(primitive) = self.primitive(mesh, number) else { continue };
+            let Some(kind) = plan.kind(mesh, number) else { continue };
+            let skin = given.skin.filter(|_| primitive.is_skinned()).map(|skin| skin.value());
+            if skin.is_some() || self.is_morphed(node, &primitive) {
+                let name = self.name_of(mesh, number);
+                let made = (&primitive, kind.material, name);
+                self.place_deformed(made, node, skin, &locals)?;
+            } else {
+                self.place_shared(kind, &primitive, node, &locals)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether morph targets change a primitive of a node, at rest or while a clip plays.
+    fn is_morphed(&self, node: NodeId, primitive: &Primitive<'_>) -> bool {
+        let weights = self.tree.node(node).map(|node| node.weights.as_slice()).unwrap_or_default();
+        let is_animated = self.tree.morphs.get(node.0 as usize) == Some(&true);
+        !primitive.targets().is_empty() && (is_animated || weights.iter().any(|it| *it != 0.0))
+    }
+
+    /// Adds a mesh to the scene.
+    pub(super) fn add_mesh(
+        &mut self,
+        geometry: &Geometry,
+        material: &MaterialUse,
+        name: String,
+    ) -> MeshId {
+        let (mesh, surface) = pack(geometry, name, material.id, material.base_colour);
+        self.push_mesh(mesh, surface)
+    }
+
+    fn push_mesh(&mut self, mesh: Mesh, surface: SurfaceMesh) -> MeshId {
+        self.scene.meshes.push(mesh);
+        self.surfaces.meshes.push(surface);
+        MeshId(self.scene.meshes.len() as u32 - 1)
+    }
+
+    /// Whether something can be seen there. What moves can be seen somewhere else.
+    pub(super) fn can_be_seen(&mut self, node: NodeId, transform: &Affine3A) -> bool {
+        let (tree, at_rest) = (self.tree, !self.tree.moves(node));
+        if !transform.is_finite() {
+            let what = "objects whose place is beyond all numbers, left out";
+            self.notes.count(what, 1, || tree.name(node));
+            return false;
+        }
+        if at_rest && !keeps_areas(transform) {
+            let what = "objects scaled to nothing, left out";
+            self.notes.count(what, 1, || tree.name(node));
+            return false;
+        }
+        true
+    }
+
+    /// Says that an object is too far away or too large for its box.
+    pub(super) fn leave_out_huge(&mut self, node: NodeId) {
+        let tree = self.tree;
+        let what = "objects that reach beyond all numbers, left out";
+        self.notes.count(what, 1, || tree.name(node));
+    }
+
+    /// Adds an object, blended or not.
+    ///
+    /// # Errors
+    /// More objects than can be counted.
+    pub(super) fn add_object(
+        &mut self,
+        object: Object,
+        material: &MaterialUse,
+    ) -> Result<Placed, ImportError> {
+        let list =
+            if material.is_blended { &mut self.surfaces.blended } else { &mut self.scene.objects };
+        let Ok(number) = u32::try_from(list.len()) else {
+            let reason = "it has more objects than can be counted".to_owned();
+            return Err(self.source.error(Cause::TooLarge, "scene".to_owned(), reason));
+        };
+        list.push(object);
+        Ok(if material.is_blended {
+            Placed::Blended(BlendedId(number))
+        } else {
+            Placed::Object(ObjectId(number))
+        })
+    }
+}
+
+/// A placement of what does not change its form.
+pub(super) fn rigid(node: NodeId, placed: Placed, local: Affine3A) -> Placement {
+    Placement {
+        node,
+        placed,
+        local,
+        deformer: None,
+        rest_bounds: Aabb::EMPTY,
+        clip_bounds: Vec::new(),
+        blend_bounds: Aabb::EMPTY,
+    }
+}

@@ -1,0 +1,71 @@
+//! The budget: how many vertices and corners of triangles the scene may still have. Flat normals, backs and
+//! solid lines make more of them than the file has, so they are counted again as they are made.
+
+use std::fmt;
+
+use crate::Limits;
+
+/// What is left of the limits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Budget {
+    most: [u64; 2],
+    used: [u64; 2],
+}
+
+/// Which limit was passed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Over {
+    what: &'static str,
+    most: u64,
+}
+
+impl fmt::Display for Over {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, most } = self;
+        write!(formatter, "with it the scene would have more than {most} {what}")
+    }
+}
+
+impl Budget {
+    pub(super) fn new(limits: &Limits) -> Self {
+        Self { most: [limits.vertices, limits.corners], used: [0; 2] }
+    }
+
+    /// Whether so much more would do.
+    pub(super) fn check(&self, vertices: u64, corners: u64) -> Result<(), Over> {
+        let names = ["vertices", "corners of triangles"];
+        for (place, more) in [vertices, corners].into_iter().enumerate() {
+            // Indices are 32 bits wide whatever the limits say.
+            let is_over = self.used[place].saturating_add(more) > self.most[place];
+            if is_over || more > u64::from(u32::MAX) {
+                return Err(Over { what: names[place], most: self.most[place] });
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes so much.
+    pub(super) fn take(&mut self, vertices: u64, corners: u64) -> Result<(), Over> {
+        self.check(vertices, corners)?;
+        self.used[0] += vertices;
+        self.used[1] += corners;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_taken_is_gone() {
+        let limits = Limits { vertices: 10, corners: 30, ..Limits::default() };
+        let mut budget = Budget::new(&limits);
+        assert_eq!(budget.take(10, 20), Ok(()));
+        assert_eq!(budget.check(0, 10), Ok(()));
+        let over = budget.take(1, 0).expect_err("there is none left");
+        assert_eq!(over.to_string(), "with it the scene would have more than 10 vertices");
+        assert_eq!(budget.take(0, 11).map_err(|over| over.what), Err("corners of triangles"));
+        assert!(budget.check(u64::MAX, 0).is_err());
+    }
+}

@@ -1,0 +1,140 @@
+//! Clips: the animations of the file, as tracks that can be sampled without further questions.
+
+use animation::{Channel, Clip, Interpolation, NodeId, Track, Values};
+use glam::{Quat, Vec3};
+use gltf::animation::Property;
+use gltf::json;
+use gltf::json::validation::Checked;
+
+use super::nodes::Tree;
+use super::notes::Notes;
+use super::numbers::rotation;
+use crate::{Cause, ImportError, Source};
+
+/// All animations of the file that do anything in the scene.
+///
+/// # Errors
+/// Times that are negative, not finite or not strictly ascending; values that are huge or not finite.
+pub(super) fn clips(
+    source: &Source,
+    tree: &Tree,
+    notes: &mut Notes,
+) -> Result<Vec<Clip>, ImportError> {
+    let mut clips = Vec::new();
+    for (number, animation) in source.document.as_json().animations.iter().enumerate() {
+        let name = animation.name.clone().unwrap_or_default();
+        let name = if name.is_empty() { format!("animation {number}") } else { name };
+        let mut channels = Vec::with_capacity(animation.channels.len());
+        let mut known = std::collections::HashSet::new();
+        for given in &animation.channels {
+            let at = || format!("animation {number} ({name})");
+            let Some(node) = tree.id_of(given.target.node.value()) else {
+                notes.count(
+                    "animation channels of nodes that are not in the scene, left out",
+                    1,
+                    at,
+                );
+                continue;
+            };
+            let Checked::Valid(property) = given.target.path else {
+                continue;
+            };
+            if !known.insert((node, property as u8)) {
+                notes.count(
+                    "animation channels that move what another of them moves, left out",
+                    1,
+                    at,
+                );
+                continue;
+            }
+            let reader = Reader { source, animation, sampler: given.sampler.value(), place: &at };
+            if let Some(track) = reader.track(property, tree, node, notes)? {
+                channels.push(Channel { node, track });
+            }
+        }
+        if channels.is_empty() {
+            notes.count("animations that move nothing in the scene, left out", 1, || name.clone());
+        } else {
+            clips.push(Clip { name, channels });
+        }
+    }
+    Ok(clips)
+}
+
+struct Reader<'a> {
+    source: &'a Source,
+    animation: &'a json::Animation,
+    sampler: usize,
+    place: &'a dyn Fn() -> String,
+}
+
+impl Reader<'_> {
+    fn track(
+        &self,
+        property: Property,
+        tree: &Tree,
+        node: NodeId,
+        notes: &mut Notes,
+    ) -> Result<Option<Track>, ImportError> {
+        let Some(sampler) = self.animation.samplers.get(self.sampler) else {
+            return Ok(None);
+        };
+        let interpolation = match sampler.interpolation {
+            Checked::Valid(gltf::animation::Interpolation::Step) => Interpolation::Step,
+            Checked::Valid(gltf::animation::Interpolation::CubicSpline) => Interpolation::Cubic,
+            Checked::Valid(gltf::animation::Interpolation::Linear) | Checked::Invalid => {
+                Interpolation::Linear
+            }
+        };
+        let targets = tree.node(node).map_or(0, |node| node.weights.len());
+        let output = sampler.output.value();
+        let values = match property {
+            Property::Translation => Values::Translation(self.vectors(output)),
+            Property::Scale => Values::Scale(self.vectors(output)),
+            Property::Rotation => Values::Rotation(self.rotations(output, interpolation, notes)),
+            Property::MorphTargetWeights if targets == 0 => {
+                notes.count("animations of weights without morph targets, left out", 1, self.place);
+                return Ok(None);
+            }
+            Property::MorphTargetWeights => Values::Weights(
+                self.source.floats::<1>(output).unwrap_or_default().into_flattened(),
+            ),
+        };
+        let times_s = self.source.floats::<1>(sampler.input.value()).unwrap_or_default();
+        let track = Track::new(interpolation, times_s.into_flattened(), values, targets);
+        track.map(Some).map_err(|error| {
+            let place = format!("{}, sampler {}", (self.place)(), self.sampler);
+            self.source.error(Cause::Malformed, place, error.to_string())
+        })
+    }
+
+    fn vectors(&self, accessor: usize) -> Vec<Vec3> {
+        let values = self.source.floats::<3>(accessor).unwrap_or_default();
+        values.into_iter().map(Vec3::from_array).collect()
+    }
+
+    /// Keys become rotations whatever their length; what is no number is left for [`Track::new`] to find.
+    fn rotations(
+        &self,
+        accessor: usize,
+        interpolation: Interpolation,
+        notes: &mut Notes,
+    ) -> Vec<Quat> {
+        let values = self.source.floats::<4>(accessor).unwrap_or_default();
+        let mut broken = 0;
+        let turned = values.into_iter().enumerate().map(|(place, parts)| {
+            // Of cubic tracks, only the second of three is a rotation; tangents have any length.
+            let is_tangent = interpolation == Interpolation::Cubic && place % 3 != 1;
+            if is_tangent || parts.iter().any(|part| !part.is_finite()) {
+                return Quat::from_array(parts);
+            }
+            rotation(parts).unwrap_or_else(|| {
+                broken += 1;
+                Quat::IDENTITY
+            })
+        });
+        let turned = turned.collect();
+        notes.count("keys of rotations of length 0, taken as none", broken, self.place);
+        turned
+    }
+}

@@ -1,0 +1,41 @@
+//! Instances: where a node's mesh is, once or many times (`EXT_mesh_gpu_instancing`).
+
+use glam::{Affine3A, Quat, Vec3};
+
+use super::notes::Notes;
+use super::numbers::rotation;
+use crate::{Instancing, Source};
+
+/// From each instance's space to its node's.
+pub(super) fn locals(
+    source: &Source,
+    instancing: Option<Instancing>,
+    notes: &mut Notes,
+    place: impl Fn() -> String,
+) -> Vec<Affine3A> {
+    let Some(given) = instancing else {
+        return vec![Affine3A::IDENTITY];
+    };
+    let vectors = |accessor: Option<usize>| accessor.and_then(|it| source.floats::<3>(it));
+    let translations = vectors(given.translation);
+    let scales = vectors(given.scale);
+    let rotations = given.rotation.and_then(|it| source.floats::<4>(it));
+    let mut broken = 0;
+    let mut local = |instance: usize| {
+        let translation = translations.as_ref().and_then(|it| it.get(instance));
+        let scale = scales.as_ref().and_then(|it| it.get(instance));
+        let turn = rotations.as_ref().and_then(|it| it.get(instance));
+        let turn = turn.map_or(Some(Quat::IDENTITY), |turn| rotation(*turn));
+        if turn.is_none() {
+            broken += 1;
+        }
+        Affine3A::from_scale_rotation_translation(
+            scale.copied().map_or(Vec3::ONE, Vec3::from_array),
+            turn.unwrap_or(Quat::IDENTITY),
+            translation.copied().map_or(Vec3::ZERO, Vec3::from_array),
+        )
+    };
+    let locals = (0..given.count).map(&mut local).collect();
+    notes.count("instances with a rotation of length 0, not turned", broken, place);
+    locals
+}

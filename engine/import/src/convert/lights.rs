@@ -1,0 +1,133 @@
+//! Lights: `KHR_lights_punctual`, one for each node that has one, and the light around them.
+
+use std::f32::consts::FRAC_PI_2;
+
+use animation::NodeId;
+use glam::{Affine3A, Vec3, vec3};
+use gltf::json;
+use gltf::json::extensions::scene::khr_lights_punctual as khr;
+use gltf::json::validation::Checked;
+use render::scene::{Light, LightKind, PunctualLight};
+
+use super::nodes::Tree;
+use super::notes::Notes;
+use super::numbers::direction;
+use crate::Source;
+
+/// The brightest light, in lux or candela: a hundred suns.
+const LARGEST_INTENSITY: f32 = 1e7;
+
+/// What comes from everywhere in a scene out of a file, which says nothing about it.
+pub(super) fn surroundings() -> Light {
+    Light {
+        ambient_above: [0.23, 0.25, 0.28],
+        ambient_below: [0.15, 0.145, 0.14],
+        sky: [0.36, 0.50, 0.68],
+        ..Light::afternoon()
+    }
+}
+
+/// All lights of the scene's nodes, and on which nodes they hang. If there are none, one from above.
+pub(super) fn lights(
+    source: &Source,
+    tree: &Tree,
+    notes: &mut Notes,
+) -> Vec<(PunctualLight, Option<NodeId>)> {
+    let json = source.document.as_json();
+    let given = json.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref());
+    let given = given.map(|it| it.lights.as_slice()).unwrap_or_default();
+    let mut lights = Vec::new();
+    for (node, in_file) in (0..).map(NodeId).zip(&tree.in_file) {
+        let Some(light) = json.nodes.get(*in_file).and_then(|node| light_of(node, given)) else {
+            continue;
+        };
+        let world = tree.world(node);
+        if world.translation.is_finite() {
+            lights.push((placed(light, &world), Some(node)));
+        } else {
+            notes.count("lights that are nowhere, left out", 1, || tree.name(node));
+        }
+    }
+    if lights.is_empty() {
+        notes.say("the file has no light: one from above was added");
+        lights.push((from_above(), None));
+    }
+    lights
+}
+
+fn light_of<'a>(node: &json::Node, lights: &'a [khr::Light]) -> Option<&'a khr::Light> {
+    let named = node.extensions.as_ref()?.khr_lights_punctual.as_ref()?;
+    lights.get(named.light.value())
+}
+
+fn from_above() -> PunctualLight {
+    PunctualLight {
+        kind: LightKind::Directional,
+        colour: [1.0, 0.97, 0.92],
+        intensity: 3.0,
+        range_m: None,
+        position: Vec3::ZERO,
+        direction: direction(vec3(-0.45, -0.75, -0.5)).unwrap_or(Vec3::NEG_Y),
+    }
+}
+
+/// A light where a node is. It shines along the node's -z; the node's scale changes nothing else.
+fn placed(given: &khr::Light, world: &Affine3A) -> PunctualLight {
+    let kind = match (&given.type_, &given.spot) {
+        (Checked::Valid(khr::Type::Spot), Some(spot)) => {
+            let outer_rad = spot.outer_cone_angle.clamp(1e-3, FRAC_PI_2);
+            // Strictly less, or the shader would divide by 0.
+            let inner_rad = spot.inner_cone_angle.clamp(0.0, outer_rad - 5e-4);
+            LightKind::Spot { inner_rad, outer_rad }
+        }
+        (Checked::Valid(khr::Type::Directional), _) => LightKind::Directional,
+        _ => LightKind::Point,
+    };
+    let along = Vec3::from(world.matrix3 * glam::Vec3A::NEG_Z);
+    PunctualLight {
+        kind,
+        colour: given.color.map(|part| part.clamp(0.0, 1e3)),
+        intensity: given.intensity.clamp(0.0, LARGEST_INTENSITY),
+        range_m: given.range.filter(|range| range.is_finite() && *range > 0.0),
+        position: world.translation.into(),
+        direction: direction(along).unwrap_or(Vec3::NEG_Z),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(text: &str) -> khr::Light {
+        json::deserialize::from_str(text).expect("a light")
+    }
+
+    #[test]
+    fn lights_shine_along_minus_z_of_their_nodes() {
+        let world = Affine3A::from_scale_rotation_translation(
+            Vec3::splat(5.0),
+            glam::Quat::from_rotation_y(FRAC_PI_2),
+            vec3(1.0, 2.0, 3.0),
+        );
+        let spot = r#"{"type": "spot", "intensity": 7, "range": 4, "color": [1, 0.5, 0],
+            "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}}"#;
+        let placed = placed(&light(spot), &world);
+        assert_eq!(placed.kind, LightKind::Spot { inner_rad: 0.25, outer_rad: 0.5 });
+        assert_eq!((placed.intensity, placed.range_m), (7.0, Some(4.0)));
+        assert_eq!((placed.colour, placed.position), ([1.0, 0.5, 0.0], vec3(1.0, 2.0, 3.0)));
+        assert!(placed.direction.distance(Vec3::NEG_X) < 1e-6);
+    }
+
+    #[test]
+    fn impossible_lights_become_possible() {
+        let spot = r#"{"type": "spot", "intensity": -1, "range": -2,
+            "spot": {"innerConeAngle": 3, "outerConeAngle": 2}}"#;
+        let placed = placed(&light(spot), &Affine3A::from_scale(Vec3::ZERO));
+        let LightKind::Spot { inner_rad, outer_rad } = placed.kind else {
+            panic!("a spot is a spot");
+        };
+        assert!(0.0 < inner_rad && inner_rad < outer_rad && outer_rad <= FRAC_PI_2);
+        assert_eq!((placed.intensity, placed.range_m), (0.0, None));
+        assert_eq!(placed.direction, Vec3::NEG_Z);
+    }
+}

@@ -1,0 +1,141 @@
+//! From a file that was read and checked to a scene and its life. One job a file; this one says the order.
+
+mod assembly;
+mod budget;
+mod cameras;
+mod clips;
+mod deformed;
+mod framing;
+mod geometry;
+mod instancing;
+mod lights;
+mod materials;
+mod nodes;
+mod normals;
+mod notes;
+mod numbers;
+mod pack;
+mod primitives;
+mod shared;
+mod sidedness;
+mod skins;
+mod solids;
+mod tangents;
+mod textures;
+mod topology;
+
+use animation::NodeId;
+use cull::Aabb;
+use glam::{Affine3A, Vec3};
+use render::scene::{Flight, LightId, Scene, Streets, Surfaces};
+
+use self::assembly::{Assembly, rigid};
+use self::budget::Budget;
+use self::materials::Materials;
+use self::nodes::Tree;
+use self::notes::Notes;
+use self::skins::Skins;
+use crate::imported::{Imported, Placed};
+use crate::load::{LoadOptions, Stage, Teller};
+use crate::{ImportError, Source};
+
+pub(crate) use self::framing::overview;
+
+/// After how many nodes progress is told.
+const TOLD_NODES: usize = 256;
+
+/// A scene made of a file.
+pub(crate) fn convert(
+    mut source: Source,
+    name: String,
+    options: &LoadOptions,
+    teller: &mut Teller<'_>,
+) -> Result<Imported, ImportError> {
+    let mut notes = Notes::after(std::mem::take(&mut source.notes));
+    let tree = Tree::of(&source, &mut notes)?;
+    let clips = clips::clips(&source, &tree, &mut notes)?;
+    let cameras = cameras::cameras(&source, &tree, &mut notes);
+    let lights = lights::lights(&source, &tree, &mut notes);
+    let mut assembly = Assembly {
+        source: &source,
+        tree: &tree,
+        clips: &clips,
+        notes,
+        scene: empty(name),
+        surfaces: Surfaces::default(),
+        materials: Materials::default(),
+        skins: Skins::default(),
+        placements: Vec::new(),
+        forms: deformed::Forms::default(),
+        budget: Budget::new(&options.limits),
+    };
+    for (light, node) in lights {
+        let id = LightId(assembly.surfaces.lights.len() as u32);
+        assembly.surfaces.lights.push(light);
+        if let Some(node) = node.filter(|node| tree.moves(*node)) {
+            assembly.placements.push(rigid(node, Placed::Light(id), Affine3A::IDENTITY));
+        }
+    }
+    let mut plan = assembly.plan();
+    let count = tree.in_file.len();
+    for (place, node) in (0..count).zip((0..).map(NodeId)) {
+        if place % TOLD_NODES == 0 {
+            teller.tell(Stage::Meshes, place as f32 / count as f32)?;
+        }
+        assembly.place(&mut plan, node)?;
+    }
+    let Assembly { mut notes, mut scene, mut surfaces, materials, skins, placements, .. } =
+        assembly;
+    (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
+    if scene.objects.is_empty() && surfaces.blended.is_empty() {
+        notes.say("there is nothing to see in the scene");
+    }
+    scene.surfaces = Some(surfaces);
+    let skins = skins.list;
+    let notes = notes.finish();
+    let mut imported = Imported { scene, rig: tree.rig, clips, skins, placements, cameras, notes };
+    imported.scene.flight = framing::flight(&imported.bounds());
+    Ok(imported)
+}
+
+/// A scene with nothing in it yet.
+fn empty(name: String) -> Scene {
+    Scene {
+        name,
+        seed: 0,
+        meshes: Vec::new(),
+        objects: Vec::new(),
+        light: lights::surroundings(),
+        streets: Streets::default(),
+        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.5 },
+        surfaces: None,
+    }
+}
+
+/// The box around everything at rest; around the origin alone if there is nothing.
+pub(crate) fn bounds(imported: &Imported) -> Aabb {
+    let scene = &imported.scene;
+    let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
+    let mut boxes: Vec<Aabb> =
+        scene.objects.iter().chain(blended).filter_map(|object| scene.bounds_of(object)).collect();
+    // The mesh of what changes its form is not where it is shown.
+    let objects = scene.objects.len();
+    for placement in imported.placements.iter().filter(|it| it.deformer.is_some()) {
+        let (place, object) = match placement.placed {
+            Placed::Object(id) => (id.0 as usize, scene.objects.get(id.0 as usize)),
+            Placed::Blended(id) => {
+                let surfaces = scene.surfaces.as_ref();
+                let object = surfaces.and_then(|it| it.blended.get(id.0 as usize));
+                (objects + id.0 as usize, object)
+            }
+            Placed::Light(_) => continue,
+        };
+        if let (Some(bounds), Some(object)) = (boxes.get_mut(place), object) {
+            let corners = placement.rest_bounds.corners();
+            let corners = corners.map(|corner| object.transform.transform_point3(corner));
+            *bounds = corners.iter().fold(Aabb::EMPTY, |all, at| all.union(&Aabb::new(*at, *at)));
+        }
+    }
+    let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
+    if all.is_empty() { Aabb::new(Vec3::ZERO, Vec3::ZERO) } else { all }
+}

@@ -1,0 +1,345 @@
+//! Primitives: from a file's attributes to geometry that can be packed.
+
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json;
+use gltf::json::validation::Checked;
+use gltf::mesh::{Mode, Semantic};
+use render::scene::{MorphTarget, SkinWeights};
+
+use super::budget::Budget;
+use super::geometry::Geometry;
+use super::materials::MaterialUse;
+use super::notes::Notes;
+use super::sidedness::{Backs, mirror, with_backs};
+use super::topology::Elements;
+use super::{normals, solids, tangents};
+use crate::{Cause, ImportError, Source};
+
+/// Texture coordinates beyond this are cut off: no number left between two of them is a texture's part.
+const LARGEST_UV: f32 = 1e6;
+
+/// What is made of a primitive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Variant {
+    /// Whether it is for places that mirror.
+    pub(super) is_mirrored: bool,
+    /// The number of joints of its skin, if it hangs on one.
+    pub(super) joints: Option<u32>,
+    /// Whether its morph targets count.
+    pub(super) is_morphed: bool,
+}
+
+impl Variant {
+    /// Neither mirrored nor deformed.
+    pub(super) const PLAIN: Self = Self { is_mirrored: false, joints: None, is_morphed: false };
+}
+
+/// A primitive of a file.
+pub(super) struct Primitive<'a> {
+    pub(super) source: &'a Source,
+    pub(super) json: &'a json::mesh::Primitive,
+    /// Its mesh and its number in that, for errors.
+    pub(super) place: String,
+}
+
+impl Primitive<'_> {
+    /// The accessor of an attribute.
+    pub(super) fn attribute(&self, semantic: Semantic) -> Option<usize> {
+        self.json.attributes.get(&Checked::Valid(semantic)).map(json::Index::value)
+    }
+
+    pub(super) fn mode(&self) -> Mode {
+        match self.json.mode {
+            Checked::Valid(mode) => mode,
+            Checked::Invalid => Mode::Triangles,
+        }
+    }
+
+    /// Whether lines or points are drawn that no light can fall on: they are their own colour
+    /// (3.9.1, as for `KHR_materials_unlit`).
+    pub(super) fn is_unlit(&self) -> bool {
+        let is_thin =
+            matches!(self.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip);
+        is_thin && self.attribute(Semantic::Normals).is_none()
+    }
+
+    pub(super) fn is_skinned(&self) -> bool {
+        self.attribute(Semantic::Joints(0)).is_some()
+            && self.attribute(Semantic::Weights(0)).is_some()
+    }
+
+    pub(super) fn targets(&self) -> &[json::mesh::MorphTarget] {
+        self.json.targets.as_deref().unwrap_or_default()
+    }
+
+    fn error(&self, cause: Cause, reason: String) -> ImportError {
+        self.source.error(cause, self.place.clone(), reason)
+    }
+
+    /// The primitive as triangles, in full: normals, tangents, backs. `None` if there is nothing to draw.
+    ///
+    /// # Errors
+    /// Positions that are not finite; more vertices or triangles than the limits allow.
+    pub(super) fn build(
+        &self,
+        variant: Variant,
+        material: &MaterialUse,
+        budget: &mut Budget,
+        notes: &mut Notes,
+    ) -> Result<Option<Geometry>, ImportError> {
+        let Some((geometry, elements)) = self.read(variant, material, notes)? else {
+            return Ok(None);
+        };
+        let (vertices, triangles, backs) = match &elements {
+            Elements::Triangles(list) => {
+                let triangles = list.len() as u64;
+                let is_flat = geometry.normals.is_empty();
+                let shared = geometry.positions.len() as u64;
+                (if is_flat { triangles * 3 } else { shared }, triangles, material.backs)
+            }
+            Elements::Lines(lines) => {
+                let lines = lines.len() as u64;
+                (lines * solids::LINE_VERTICES, lines * solids::LINE_TRIANGLES, Backs::None)
+            }
+            Elements::Points(points) => {
+                let points = points.len() as u64;
+                (points * solids::POINT_VERTICES, points * solids::POINT_TRIANGLES, Backs::None)
+            }
+        };
+        let sides = if backs == Backs::None { 1 } else { 2 };
+        // Flat normals may share more than this says; the exact numbers are taken below.
+        let is_exact = !geometry.normals.is_empty() || !matches!(elements, Elements::Triangles(_));
+        let least = if is_exact { vertices } else { geometry.positions.len() as u64 };
+        budget.check(least * sides, triangles * 3 * sides).map_err(|over| self.over(&over))?;
+        let geometry = match elements {
+            Elements::Triangles(triangles) => {
+                let geometry = Geometry { triangles, ..geometry };
+                if geometry.normals.is_empty() { normals::flatten(&geometry) } else { geometry }
+            }
+            Elements::Lines(lines) => solids::lines(&geometry, &lines),
+            Elements::Points(points) => solids::points(&geometry, &points),
+        };
+        let mut geometry = geometry;
+        let broken = normals::repair(&mut geometry);
+        notes.count("normals without a direction, taken from their triangles", broken, || {
+            self.place.clone()
+        });
+        let (mut geometry, broken) = tangents::complete(geometry, material.normal);
+        notes.count("tangents without a direction, replaced by any", broken, || self.place.clone());
+        budget
+            .take(geometry.positions.len() as u64 * sides, triangles * 3 * sides)
+            .map_err(|over| self.over(&over))?;
+        with_backs(&mut geometry, backs);
+        if variant.is_mirrored {
+            mirror(&mut geometry);
+        }
+        Ok((!geometry.triangles.is_empty()).then_some(geometry))
+    }
+
+    fn over(&self, over: &super::budget::Over) -> ImportError {
+        self.error(Cause::TooLarge, over.to_string())
+    }
+
+    /// All attributes that count, of the vertices that something is drawn with.
+    fn read(
+        &self,
+        variant: Variant,
+        material: &MaterialUse,
+        notes: &mut Notes,
+    ) -> Result<Option<(Geometry, Elements)>, ImportError> {
+        let Some(positions) = self.attribute(Semantic::Positions) else {
+            notes.count("primitives without positions, which draw nothing", 1, || {
+                self.place.clone()
+            });
+            return Ok(None);
+        };
+        let positions = self.vectors(positions);
+        let list = match &self.json.indices {
+            Some(indices) => {
+                self.source.integers::<1>(indices.value()).unwrap_or_default().into_flattened()
+            }
+            None => (0..positions.len() as u32).collect(),
+        };
+        let mut elements = Elements::of(self.mode(), &list);
+        drop(list);
+        let picks = self.used(&positions, &mut elements)?;
+        let mut geometry = Geometry { positions, ..Geometry::default() };
+        let of = |semantic| self.attribute(semantic);
+        geometry.normals = of(Semantic::Normals).map(|it| self.vectors(it)).unwrap_or_default();
+        if let Some(tangents) = of(Semantic::Tangents)
+            && !geometry.normals.is_empty()
+        {
+            let tangents = self.source.floats::<4>(tangents).unwrap_or_default();
+            geometry.tangents = tangents.into_iter().map(Vec4::from_array).collect();
+        }
+        for (uvs, set) in geometry.uvs.iter_mut().zip(material.sets) {
+            if let Some(accessor) = set.and_then(|set| of(Semantic::TexCoords(set))) {
+                *uvs = self.uvs(accessor, notes);
+            }
+        }
+        if let Some(colours) = of(Semantic::Colors(0)) {
+            geometry.colours = self.colours(colours, notes);
+        }
+        if let Some(joint_count) = variant.joints {
+            geometry.skin = Some(self.skin(joint_count, geometry.positions.len(), notes));
+        }
+        if variant.is_morphed {
+            geometry.targets = self.morph_targets()?;
+        }
+        if let Some(picks) = picks {
+            geometry = geometry.gather(&picks);
+        }
+        Ok(Some((geometry, elements)))
+    }
+
+    /// Names only vertices that are used, by their order. Returns which those are, `None` if all.
+    fn used(
+        &self,
+        positions: &[Vec3],
+        elements: &mut Elements,
+    ) -> Result<Option<Vec<u32>>, ImportError> {
+        let mut is_used = vec![false; positions.len()];
+        for &vertex in elements.vertices() {
+            let (Some(is_used), Some(position)) =
+                (is_used.get_mut(vertex as usize), positions.get(vertex as usize))
+            else {
+                let reason = format!("an index names vertex {vertex} of {}", positions.len());
+                return Err(self.error(Cause::Malformed, reason));
+            };
+            if !position.is_finite() {
+                let reason = format!("the position of vertex {vertex} is not a finite number");
+                return Err(self.error(Cause::Malformed, reason));
+            }
+            *is_used = true;
+        }
+        if is_used.iter().all(|is_used| *is_used) {
+            return Ok(None);
+        }
+        let mut names = vec![0; positions.len()];
+        let mut picks = Vec::new();
+        for ((vertex, is_used), name) in (0..).zip(&is_used).zip(&mut names) {
+            if *is_used {
+                *name = picks.len() as u32;
+                picks.push(vertex);
+            }
+        }
+        elements.rename(|vertex| names.get(vertex as usize).copied().unwrap_or_default());
+        Ok(Some(picks))
+    }
+
+    fn vectors(&self, accessor: usize) -> Vec<Vec3> {
+        let vectors = self.source.floats::<3>(accessor).unwrap_or_default();
+        vectors.into_iter().map(Vec3::from_array).collect()
+    }
+
+    fn uvs(&self, accessor: usize, notes: &mut Notes) -> Vec<Vec2> {
+        let mut broken = 0;
+        let uvs = self.source.floats::<2>(accessor).unwrap_or_default().into_iter().map(|uv| {
+            let uv = Vec2::from_array(uv);
+            if uv.abs().max_element() <= LARGEST_UV && uv.is_finite() {
+                return uv;
+            }
+            broken += 1;
+            if uv.is_finite() {
+                uv.clamp(Vec2::splat(-LARGEST_UV), Vec2::splat(LARGEST_UV))
+            } else {
+                Vec2::ZERO
+            }
+        });
+        let uvs = uvs.collect();
+        notes.count("texture coordinates that are huge or no numbers", broken, || {
+            self.place.clone()
+        });
+        uvs
+    }
+
+    fn colours(&self, accessor: usize, notes: &mut Notes) -> Vec<[f32; 4]> {
+        let opaque = |[red, green, blue]: [f32; 3]| [red, green, blue, 1.0];
+        let mut colours = self.source.floats::<4>(accessor).unwrap_or_else(|| {
+            let colours = self.source.floats::<3>(accessor).unwrap_or_default();
+            colours.into_iter().map(opaque).collect()
+        });
+        let mut broken = 0;
+        for colour in &mut colours {
+            if colour.iter().any(|part| !part.is_finite()) {
+                *colour = [1.0; 4];
+                broken += 1;
+            }
+        }
+        notes.count("colours of vertices that are no numbers, white instead", broken, || {
+            self.place.clone()
+        });
+        colours
+    }
+
+    /// All sets of joints and weights, which are 1 together for each vertex.
+    fn skin(&self, joint_count: u32, vertices: usize, notes: &mut Notes) -> SkinWeights {
+        let of_set = |set| {
+            let joints = self.source.integers::<4>(self.attribute(Semantic::Joints(set))?)?;
+            let weights = self.source.floats::<4>(self.attribute(Semantic::Weights(set))?)?;
+            Some((joints, weights))
+        };
+        let sets: Vec<_> = (0..).map_while(of_set).collect();
+        let mut skin = SkinWeights {
+            joint_count,
+            joints: Vec::with_capacity(vertices * sets.len()),
+            weights: Vec::with_capacity(vertices * sets.len()),
+            sets: sets.len() as u32,
+        };
+        let mut broken = 0;
+        for vertex in 0..vertices {
+            let start = skin.weights.len();
+            for (joints, weights) in &sets {
+                let joints = joints.get(vertex).copied().unwrap_or_default();
+                let weights = weights.get(vertex).copied().unwrap_or_default();
+                let weights =
+                    weights.map(|weight| if weight.is_finite() { weight.max(0.0) } else { 0.0 });
+                skin.joints.push(std::array::from_fn(|place| {
+                    // What weighs nothing may name a joint that is not there.
+                    let is_there = weights[place] > 0.0 && joints[place] < joint_count;
+                    if is_there { joints[place] as u16 } else { 0 }
+                }));
+                skin.weights.push(weights);
+            }
+            let own = skin.weights.get_mut(start..).unwrap_or_default().as_flattened_mut();
+            let sum: f64 = own.iter().map(|weight| f64::from(*weight)).sum();
+            if sum > 0.0 {
+                own.iter_mut().for_each(|weight| *weight = (f64::from(*weight) / sum) as f32);
+            } else if let Some(first) = own.first_mut() {
+                *first = 1.0;
+                broken += 1;
+            }
+        }
+        notes.count(
+            "vertices without any weight, hung on their skin's first joint",
+            broken,
+            || self.place.clone(),
+        );
+        skin
+    }
+
+    fn morph_targets(&self) -> Result<Vec<MorphTarget>, ImportError> {
+        let deltas = |accessor: &Option<json::Index<json::Accessor>>| {
+            let deltas = accessor.as_ref().and_then(|it| self.source.floats::<3>(it.value()));
+            deltas.unwrap_or_default()
+        };
+        let finite = |delta: [f32; 3]| {
+            if delta.iter().all(|part| part.is_finite()) { delta } else { [0.0; 3] }
+        };
+        let mut targets = Vec::with_capacity(self.targets().len());
+        for (number, target) in self.targets().iter().enumerate() {
+            let positions = deltas(&target.positions);
+            let is_broken = |delta: &[f32; 3]| delta.iter().any(|part| !part.is_finite());
+            if let Some(vertex) = positions.iter().position(is_broken) {
+                let reason = format!(
+                    "morph target {number} moves vertex {vertex} by what is not a finite number"
+                );
+                return Err(self.error(Cause::Malformed, reason));
+            }
+            let normals = deltas(&target.normals).into_iter().map(finite).collect();
+            let tangents = deltas(&target.tangents).into_iter().map(finite).collect();
+            targets.push(MorphTarget { positions, normals, tangents });
+        }
+        Ok(targets)
+    }
+}

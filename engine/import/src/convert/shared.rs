@@ -1,0 +1,179 @@
+//! Meshes that keep their form: made once for all nodes that have them, and once more for those that mirror.
+
+use std::collections::HashMap;
+
+use animation::NodeId;
+use glam::Affine3A;
+use gltf::json;
+use gltf::json::validation::Checked;
+use gltf::mesh::{Mode, Semantic};
+use render::scene::{MeshId, Object};
+
+use super::assembly::{Assembly, NO_TINT, rigid};
+use super::materials::{MaterialUse, Shading};
+use super::numbers::mirrors;
+use super::primitives::{Primitive, Variant};
+use crate::ImportError;
+
+/// What makes primitives one and the same: their accessors, what these mean, and the material.
+#[derive(Debug, PartialEq, Eq, Hash)]
+struct Key {
+    attributes: Vec<(Semantic, usize)>,
+    indices: Option<usize>,
+    /// As the file writes it.
+    mode: u32,
+    material: Option<usize>,
+}
+
+impl Key {
+    fn of(primitive: &json::mesh::Primitive) -> Self {
+        let named = primitive.attributes.iter();
+        let attributes = named.filter_map(|(semantic, accessor)| match semantic {
+            Checked::Valid(semantic) => Some((semantic.clone(), accessor.value())),
+            Checked::Invalid => None,
+        });
+        let mode = match primitive.mode {
+            Checked::Valid(mode) => mode,
+            Checked::Invalid => Mode::Triangles,
+        };
+        Self {
+            attributes: attributes.collect(),
+            indices: primitive.indices.map(|indices| indices.value()),
+            mode: mode.as_gl_enum(),
+            material: primitive.material.map(|material| material.value()),
+        }
+    }
+}
+
+/// A primitive that several meshes of the file may have.
+#[derive(Debug)]
+pub(super) struct Kind {
+    mesh: usize,
+    number: usize,
+    pub(super) material: MaterialUse,
+    /// How often it is seen.
+    pub(super) uses: u64,
+    /// What was made of it, once that was tried: for places that do not mirror, and for those that do.
+    made: [Option<Vec<MeshId>>; 2],
+}
+
+/// For each mesh of the file, what its primitives are.
+#[derive(Debug)]
+pub(super) struct Plan {
+    kinds: Vec<Kind>,
+    of_meshes: Vec<Vec<usize>>,
+}
+
+impl Plan {
+    /// How many primitives a mesh of the scene has.
+    pub(super) fn primitives(&self, mesh: usize) -> usize {
+        self.of_meshes.get(mesh).map_or(0, Vec::len)
+    }
+
+    /// Of which kind one of them is.
+    pub(super) fn kind(&mut self, mesh: usize, number: usize) -> Option<&mut Kind> {
+        let kind = *self.of_meshes.get(mesh)?.get(number)?;
+        self.kinds.get_mut(kind)
+    }
+}
+
+impl Assembly<'_> {
+    /// Finds the primitives that are the same, how often each is seen, and their materials.
+    pub(super) fn plan(&mut self) -> Plan {
+        let source = self.source;
+        let json = source.document.as_json();
+        let mut seen = vec![0_u64; json.meshes.len()];
+        for in_file in &self.tree.in_file {
+            let mesh = json.nodes.get(*in_file).and_then(|node| node.mesh);
+            if let Some(seen) = mesh.and_then(|mesh| seen.get_mut(mesh.value())) {
+                let instances = source.instancing.get(*in_file).copied().flatten();
+                *seen += instances.map_or(1, |instances| instances.count as u64);
+            }
+        }
+        let mut kinds: Vec<Kind> = Vec::new();
+        let mut of_meshes = Vec::with_capacity(json.meshes.len());
+        let mut known: HashMap<Key, usize> = HashMap::new();
+        for (mesh, (given, uses)) in json.meshes.iter().zip(seen).enumerate() {
+            let mut of_mesh = Vec::new();
+            // What is not in the scene needs no material either.
+            let primitives = if uses > 0 { given.primitives.as_slice() } else { &[] };
+            for (number, json) in primitives.iter().enumerate() {
+                let kind = *known.entry(Key::of(json)).or_insert(kinds.len());
+                if kind == kinds.len() {
+                    let primitive = Primitive { source, json, place: String::new() };
+                    let material = self.material_of(&primitive);
+                    kinds.push(Kind { mesh, number, material, uses: 0, made: [None, None] });
+                }
+                if let Some(kind) = kinds.get_mut(kind) {
+                    kind.uses += uses;
+                }
+                of_mesh.push(kind);
+            }
+            of_meshes.push(of_mesh);
+        }
+        Plan { kinds, of_meshes }
+    }
+
+    fn material_of(&mut self, primitive: &Primitive<'_>) -> MaterialUse {
+        let shading = if primitive.is_unlit() { Shading::Unlit } else { Shading::Own };
+        let material = primitive.json.material.map(|material| material.value());
+        self.materials.use_of(primitive.source, material, shading, &mut self.notes)
+    }
+
+    /// Puts a primitive wherever a node has it.
+    ///
+    /// # Errors
+    /// What [`Primitive::build`] refuses.
+    pub(super) fn place_shared(
+        &mut self,
+        kind: &mut Kind,
+        primitive: &Primitive<'_>,
+        node: NodeId,
+        locals: &[Affine3A],
+    ) -> Result<(), ImportError> {
+        for local in locals {
+            let transform = self.tree.world(node) * *local;
+            if !self.can_be_seen(node, &transform) {
+                continue;
+            }
+            let is_mirrored = mirrors(&transform);
+            for mesh in self.made(kind, primitive, is_mirrored)? {
+                let object = Object { mesh, transform, tint: NO_TINT };
+                if !self.scene.bounds_of(&object).is_some_and(|bounds| bounds.is_usable()) {
+                    self.leave_out_huge(node);
+                    continue;
+                }
+                let placed = self.add_object(object, &kind.material)?;
+                if self.tree.moves(node) {
+                    self.placements.push(rigid(node, placed, *local));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The meshes of a primitive, which are made when they are first needed.
+    fn made(
+        &mut self,
+        kind: &mut Kind,
+        primitive: &Primitive<'_>,
+        is_mirrored: bool,
+    ) -> Result<Vec<MeshId>, ImportError> {
+        if let Some(made) = &kind.made[usize::from(is_mirrored)] {
+            return Ok(made.clone());
+        }
+        let variant = Variant { is_mirrored, ..Variant::PLAIN };
+        let geometry =
+            primitive.build(variant, &kind.material, &mut self.budget, &mut self.notes)?;
+        let mut name = self.name_of(kind.mesh, kind.number);
+        if is_mirrored {
+            name.push_str(" (mirrored)");
+        }
+        let made: Vec<MeshId> = geometry
+            .iter()
+            .map(|geometry| self.add_mesh(geometry, &kind.material, name.clone()))
+            .collect();
+        kind.made[usize::from(is_mirrored)] = Some(made.clone());
+        Ok(made)
+    }
+}

@@ -1,0 +1,96 @@
+//! Skins: the joints that meshes hang on.
+
+use std::collections::HashMap;
+
+use animation::{NodeId, Skin};
+use glam::{Affine3A, Mat4};
+use render::scene::SkinWeights;
+
+use super::nodes::Tree;
+use super::notes::Notes;
+use super::numbers::{has_volume, mirrors};
+use crate::Source;
+
+/// A skin that objects use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Used {
+    /// Its place in the list of skins.
+    pub(super) skin: usize,
+    /// How many joints it has.
+    pub(super) joints: u32,
+    /// Whether it mirrors what hangs on it, at rest.
+    pub(super) is_mirrored: bool,
+}
+
+/// The skins that are used.
+#[derive(Debug, Default)]
+pub(super) struct Skins {
+    pub(super) list: Vec<Skin>,
+    known: HashMap<usize, Option<Used>>,
+}
+
+impl Skins {
+    /// A skin of the file. `None`, with a note, if nothing can hang on it: joints are not in the scene,
+    /// or matrices are not finite.
+    pub(super) fn used(
+        &mut self,
+        source: &Source,
+        tree: &Tree,
+        index: usize,
+        notes: &mut Notes,
+    ) -> Option<Used> {
+        if let Some(known) = self.known.get(&index) {
+            return *known;
+        }
+        let used = read(source, tree, index).map(|skin| {
+            let matrices = skin.joints.iter().zip(&skin.inverse_bind);
+            let mut matrices = matrices.map(|(joint, bind)| tree.world(*joint) * *bind);
+            let is_mirrored = matrices.find(has_volume).is_some_and(|matrix| mirrors(&matrix));
+            let joints = skin.joints.len() as u32;
+            self.list.push(skin);
+            Used { skin: self.list.len() - 1, joints, is_mirrored }
+        });
+        if used.is_none() {
+            notes.count(
+                "skins with joints outside of the scene or matrices that are not finite, not shown",
+                1,
+                || format!("skin {index}"),
+            );
+        }
+        self.known.insert(index, used);
+        used
+    }
+}
+
+/// Of each joint of a skin, whether a vertex follows it.
+pub(super) fn used_joints(weights: &SkinWeights) -> Vec<bool> {
+    let mut is_used = vec![false; weights.joint_count as usize];
+    let named = weights.joints.as_flattened().iter().zip(weights.weights.as_flattened());
+    for (joint, _) in named.filter(|(_, weight)| **weight > 0.0) {
+        if let Some(is_used) = is_used.get_mut(usize::from(*joint)) {
+            *is_used = true;
+        }
+    }
+    is_used
+}
+
+fn read(source: &Source, tree: &Tree, index: usize) -> Option<Skin> {
+    let given = source.document.as_json().skins.get(index)?;
+    let joints: Vec<NodeId> =
+        given.joints.iter().map(|joint| tree.id_of(joint.value())).collect::<Option<_>>()?;
+    let inverse_bind = match given.inverse_bind_matrices {
+        Some(accessor) => source.floats::<16>(accessor.value())?,
+        None => Vec::new(),
+    };
+    let matrix = |place: usize| {
+        let columns = inverse_bind.get(place);
+        columns.map_or(Affine3A::IDENTITY, |columns| {
+            Affine3A::from_mat4(Mat4::from_cols_array(columns))
+        })
+    };
+    let inverse_bind: Vec<Affine3A> = (0..joints.len()).map(matrix).collect();
+    // A vertex names its joints by 16 bits.
+    let can_be_named = joints.len() <= usize::from(u16::MAX) + 1;
+    let is_finite = inverse_bind.iter().all(|matrix| matrix.is_finite());
+    (can_be_named && is_finite).then_some(Skin { joints, inverse_bind })
+}

@@ -1,0 +1,133 @@
+//! What is said when a file cannot be used: which file, what in it, why, and what to do.
+
+/// Why a file cannot be used. It says which file, which object in it, the reason, and what can be done.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}: {object}: {reason} ({})", .cause.advice())]
+pub struct ImportError {
+    /// The file's path, or what stands for it where it came from memory.
+    pub file: String,
+    /// What in it, like "mesh 3, primitive 0, attribute POSITION".
+    pub object: String,
+    /// What is wrong with that.
+    pub reason: String,
+    /// Of which sort that is.
+    pub cause: Cause,
+}
+
+/// Sorts of reasons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cause {
+    /// It could not be read from the disk.
+    Unreadable,
+    /// It breaks a rule of glTF 2.0 or of an extension.
+    Malformed,
+    /// It needs something that is not implemented here.
+    Unsupported,
+    /// It reaches for something outside of its folder.
+    Forbidden,
+    /// It asks for more than [`Limits`](crate::Limits) allow.
+    TooLarge,
+    /// Nobody waits for it any more.
+    GivenUp,
+}
+
+impl Cause {
+    /// What the user can do.
+    pub fn advice(self) -> &'static str {
+        match self {
+            Self::Unreadable => "check that the file is there, whole, and may be read",
+            Self::Malformed => {
+                "the file is damaged or its exporter is wrong: export it again, or see what the \
+                 glTF validator says"
+            }
+            Self::Unsupported => "export it again without this",
+            Self::Forbidden => {
+                "put what the scene needs into its folder, and name it by a relative path"
+            }
+            Self::GivenUp => "load it again if you want it after all",
+            Self::TooLarge => "make the scene smaller, or raise the limits if you trust the file",
+        }
+    }
+}
+
+/// A reason whose object its caller names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Reason {
+    cause: Cause,
+    text: String,
+}
+
+impl Reason {
+    pub(crate) fn malformed(text: impl Into<String>) -> Self {
+        Self { cause: Cause::Malformed, text: text.into() }
+    }
+
+    pub(crate) fn unsupported(text: impl Into<String>) -> Self {
+        Self { cause: Cause::Unsupported, text: text.into() }
+    }
+
+    pub(crate) fn forbidden(text: impl Into<String>) -> Self {
+        Self { cause: Cause::Forbidden, text: text.into() }
+    }
+
+    pub(crate) fn unreadable(text: impl Into<String>) -> Self {
+        Self { cause: Cause::Unreadable, text: text.into() }
+    }
+
+    /// More of something than the limits allow.
+    pub(crate) fn too_large(what: &str, amount: u64, limit: u64) -> Self {
+        Self {
+            cause: Cause::TooLarge,
+            text: format!("{what}: {amount}, more than the limit of {limit}"),
+        }
+    }
+
+    /// An index beyond the end.
+    pub(crate) fn out_of_range(what: &str, index: usize, count: usize) -> Self {
+        Self::malformed(format!("{what} {index} does not exist, there are {count}"))
+    }
+
+    /// The reason why that object is wrong.
+    pub(crate) fn of(self, object: impl Into<String>) -> Fault {
+        Fault { object: object.into(), reason: self }
+    }
+}
+
+/// What is wrong in a file whose name its caller knows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Fault {
+    object: String,
+    reason: Reason,
+}
+
+impl Fault {
+    pub(crate) fn in_file(self, file: &str) -> ImportError {
+        ImportError {
+            file: file.to_owned(),
+            object: self.object,
+            reason: self.reason.text,
+            cause: self.reason.cause,
+        }
+    }
+}
+
+/// Names the object of a reason; the name is made only when it is needed.
+pub(crate) trait At<T> {
+    fn at(self, object: impl FnOnce() -> String) -> Result<T, Fault>;
+}
+
+impl<T> At<T> for Result<T, Reason> {
+    fn at(self, object: impl FnOnce() -> String) -> Result<T, Fault> {
+        self.map_err(|reason| reason.of(object()))
+    }
+}
+
+/// Text out of a file as it can be shown: in quotes, without control characters, not too long.
+pub(crate) fn quoted(text: &str) -> String {
+    const LONGEST: usize = 80;
+    let mut shown: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
+    if text.chars().nth(LONGEST).is_some() {
+        shown.push_str("...");
+    }
+    format!("\"{shown}\"")
+}

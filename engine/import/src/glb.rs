@@ -1,0 +1,76 @@
+//! GLB: the container that holds the JSON and one buffer (glTF 2.0, chapter 4).
+
+use std::ops::Range;
+
+use crate::error::{Fault, Reason};
+
+const MAGIC: &[u8; 4] = b"glTF";
+const JSON: u32 = 0x4E4F_534A;
+const BINARY: u32 = 0x004E_4942;
+const HEADER_BYTES: usize = 12;
+const CHUNK_HEADER_BYTES: usize = 8;
+
+/// Where the parts of a file are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Parts {
+    pub(crate) json: Range<usize>,
+    pub(crate) binary: Option<Range<usize>>,
+}
+
+/// Whether these are the bytes of a GLB rather than of plain JSON.
+pub(crate) fn is_glb(bytes: &[u8]) -> bool {
+    bytes.starts_with(MAGIC)
+}
+
+/// Finds the chunks of a GLB. Those of unknown types are skipped, as are bytes after its end.
+pub(crate) fn split(bytes: &[u8]) -> Result<Parts, Fault> {
+    let of_header = |reason: Reason| reason.of("GLB header");
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
+        return Err(of_header(Reason::malformed(format!("cut off after {} bytes", bytes.len()))));
+    };
+    if version != 2 {
+        return Err(of_header(Reason::unsupported(format!("version {version}, only 2 is known"))));
+    }
+    let length = length as usize;
+    let whole = bytes.get(..length).ok_or_else(|| {
+        let there = bytes.len();
+        of_header(Reason::malformed(format!(
+            "says {length} bytes, but the file has {there}: it is cut off"
+        )))
+    })?;
+    chunks(whole)
+}
+
+fn chunks(whole: &[u8]) -> Result<Parts, Fault> {
+    let mut start = HEADER_BYTES;
+    let mut json = None;
+    let mut binary = None;
+    for number in 0.. {
+        if start >= whole.len() {
+            break;
+        }
+        let of_chunk = |reason: String| Reason::malformed(reason).of(format!("GLB chunk {number}"));
+        let (Some(length), Some(kind)) = (word(whole, start), word(whole, start + 4)) else {
+            return Err(of_chunk("its header is cut off".to_owned()));
+        };
+        let first = start + CHUNK_HEADER_BYTES;
+        let end = first.checked_add(length as usize).filter(|&end| end <= whole.len());
+        let Some(end) = end else {
+            let left = whole.len() - first;
+            return Err(of_chunk(format!("says {length} bytes, but only {left} are left")));
+        };
+        match (number, kind) {
+            (0, JSON) => json = Some(first..end),
+            (0, _) => return Err(of_chunk("must be the JSON, and is not".to_owned())),
+            (_, BINARY) if binary.is_none() => binary = Some(first..end),
+            _ => {}
+        }
+        start = end;
+    }
+    let json = json.ok_or_else(|| Reason::malformed("there is no JSON chunk").of("GLB header"))?;
+    Ok(Parts { json, binary })
+}
+
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    bytes.get(at..)?.first_chunk().map(|&word| u32::from_le_bytes(word))
+}

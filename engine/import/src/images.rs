@@ -1,0 +1,209 @@
+//! Images of a file, decoded to four bytes a pixel: several at once, within a stated amount of memory.
+
+mod gate;
+mod jpeg;
+
+use std::borrow::Cow;
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use gltf::json::Root;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use render::scene::Image;
+
+use crate::Limits;
+use crate::buffers::Budget;
+use crate::elements::Store;
+use crate::error::{At, Fault, Reason};
+use crate::uri::Wanted;
+use gate::Gate;
+
+/// More threads than that gain little and take memory.
+const MAX_THREADS: usize = 8;
+
+/// Decodes the images that textures use; the others stay `None`.
+pub(crate) fn decode(
+    root: &Root,
+    store: &Store,
+    texture_images: &[Option<usize>],
+    folder: Option<&Path>,
+    budget: &mut Budget,
+    limits: &Limits,
+) -> Result<Vec<Option<Image>>, Fault> {
+    let mut is_used = vec![false; root.images.len()];
+    for &image in texture_images.iter().flatten() {
+        if let Some(used) = is_used.get_mut(image) {
+            *used = true;
+        }
+    }
+    let mut jobs = Vec::new();
+    let mut total: u64 = 0;
+    for (index, _) in is_used.iter().enumerate().filter(|(_, used)| **used) {
+        let at = || format!("image {index}");
+        let encoded = encoded(root, store, index, folder, budget).at(at)?;
+        let job = Job::new(index, encoded, limits).at(at)?;
+        total = total.saturating_add(job.pixel_bytes());
+        if total > limits.image_bytes {
+            return Err(
+                Reason::too_large("bytes of pixels up to it", total, limits.image_bytes).of(at())
+            );
+        }
+        jobs.push(job);
+    }
+    let mut images = vec![None; root.images.len()];
+    for (job, pixels) in jobs.iter().zip(decode_all(&jobs, limits)) {
+        let rgba8 = pixels.at(|| format!("image {}", job.index))?;
+        let json = root.images.get(job.index);
+        let name = json
+            .and_then(|json| json.name.clone())
+            .unwrap_or_else(|| format!("image {}", job.index));
+        if let Some(image) = images.get_mut(job.index) {
+            *image = Some(Image { name, size: job.size, rgba8 });
+        }
+    }
+    Ok(images)
+}
+
+/// The bytes of an image as it is in the file.
+fn encoded<'a>(
+    root: &Root,
+    store: &'a Store,
+    index: usize,
+    folder: Option<&Path>,
+    budget: &mut Budget,
+) -> Result<Cow<'a, [u8]>, Reason> {
+    let image = root.images.get(index);
+    if let Some(view) = image.and_then(|image| image.buffer_view) {
+        return Ok(Cow::Borrowed(store.view(root, view.value())));
+    }
+    match image.and_then(|image| image.uri.as_deref()) {
+        Some(uri) => budget.fetch(uri, folder, Wanted::All).map(Cow::Owned),
+        None => Err(Reason::malformed("it has neither a URI nor a buffer view")),
+    }
+}
+
+/// An image to decode.
+struct Job<'a> {
+    index: usize,
+    encoded: Cow<'a, [u8]>,
+    format: ImageFormat,
+    size: [u32; 2],
+    /// What decoding takes beside the result.
+    scratch_bytes: u64,
+}
+
+impl<'a> Job<'a> {
+    /// Looks at the head of an image alone: its size is believed before any memory is taken for it.
+    fn new(index: usize, encoded: Cow<'a, [u8]>, limits: &Limits) -> Result<Self, Reason> {
+        let format = format_of(&encoded)?;
+        let (width, height, raw_bytes) = {
+            let decoder = decoder(&encoded, format, limits)?;
+            let (width, height) = decoder.dimensions();
+            (width, height, decoder.total_bytes())
+        };
+        if width == 0 || height == 0 {
+            return Err(Reason::malformed("it has no pixels"));
+        }
+        let longest = width.max(height);
+        if longest > limits.image_side {
+            let text = format!("pixels along a side of {width} x {height}");
+            return Err(Reason::too_large(&text, u64::from(longest), u64::from(limits.image_side)));
+        }
+        let copies = match format {
+            // Coefficients of 16 bits for all of the image.
+            ImageFormat::Jpeg if jpeg::inspect(&encoded).is_progressive => 4,
+            ImageFormat::Png => 1,
+            _ => 2,
+        };
+        let scratch_bytes = raw_bytes.saturating_mul(copies).saturating_add(encoded.len() as u64);
+        if scratch_bytes > limits.image_scratch_bytes {
+            let text = format!("bytes for decoding {width} x {height} pixels");
+            return Err(Reason::too_large(&text, scratch_bytes, limits.image_scratch_bytes));
+        }
+        Ok(Self { index, format, size: [width, height], scratch_bytes, encoded })
+    }
+
+    fn pixel_bytes(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1]) * 4
+    }
+
+    fn run(&self, limits: &Limits) -> Result<Vec<u8>, Reason> {
+        if self.format == ImageFormat::Jpeg && !jpeg::inspect(&self.encoded).is_whole {
+            return Err(Reason::malformed("it is a JPEG that is cut off"));
+        }
+        // The decoders are others' code: should one panic, then this image alone is lost.
+        let decoded = catch_unwind(AssertUnwindSafe(|| {
+            let decoder = decoder(&self.encoded, self.format, limits)?;
+            DynamicImage::from_decoder(decoder)
+                .map(DynamicImage::into_rgba8)
+                .map_err(|error| undecodable(&error))
+        }));
+        let pixels = decoded.unwrap_or_else(|_| Err(Reason::malformed("its decoder gave up")))?;
+        if pixels.dimensions() != (self.size[0], self.size[1]) {
+            return Err(Reason::malformed("its size is not what its head says"));
+        }
+        Ok(pixels.into_raw())
+    }
+}
+
+fn format_of(encoded: &[u8]) -> Result<ImageFormat, Reason> {
+    const KTX2: &[u8] = b"\xABKTX 20\xBB";
+    if encoded.starts_with(KTX2) {
+        return Err(Reason::unsupported("it is a KTX2 image; PNG, JPEG and WebP are supported"));
+    }
+    match image::guess_format(encoded) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => Ok(format),
+        _ => Err(Reason::unsupported("it is no PNG, JPEG or WebP image")),
+    }
+}
+
+fn decoder<'a>(
+    encoded: &'a [u8],
+    format: ImageFormat,
+    limits: &Limits,
+) -> Result<impl ImageDecoder + 'a, Reason> {
+    let mut reader = ImageReader::with_format(Cursor::new(encoded), format);
+    let mut memory = image::Limits::no_limits();
+    memory.max_alloc = Some(limits.image_scratch_bytes);
+    reader.limits(memory);
+    reader.into_decoder().map_err(|error| undecodable(&error))
+}
+
+fn undecodable(error: &image::ImageError) -> Reason {
+    Reason::malformed(format!("it cannot be decoded: {error}"))
+}
+
+/// Decodes all, on as many threads as make sense; results in the order of the jobs.
+fn decode_all(jobs: &[Job], limits: &Limits) -> Vec<Result<Vec<u8>, Reason>> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = cores.min(MAX_THREADS).min(jobs.len());
+    if threads <= 1 {
+        return jobs.iter().map(|job| job.run(limits)).collect();
+    }
+    let gate = Gate::new(limits.image_scratch_bytes);
+    let next = AtomicUsize::new(0);
+    let done = Mutex::new(vec![Err(Reason::malformed("it was not decoded")); jobs.len()]);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                while let Some((index, job)) = take(jobs, &next) {
+                    let pixels = gate.with(job.scratch_bytes, || job.run(limits));
+                    let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+                    if let Some(slot) = done.get_mut(index) {
+                        *slot = pixels;
+                    }
+                }
+            });
+        }
+    });
+    done.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn take<'a, 'b>(jobs: &'a [Job<'b>], next: &AtomicUsize) -> Option<(usize, &'a Job<'b>)> {
+    let index = next.fetch_add(1, Ordering::Relaxed);
+    jobs.get(index).map(|job| (index, job))
+}

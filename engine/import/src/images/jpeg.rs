@@ -1,0 +1,41 @@
+//! What the decoder of JPEG does not say: it fills up files that are cut off, and takes more for
+//! progressive ones (ITU-T T.81, annex B).
+
+/// What the markers of a file say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Jpeg {
+    /// Its coefficients come in several scans, and are all held until the last.
+    pub(super) is_progressive: bool,
+    /// Its last marker is there.
+    pub(super) is_whole: bool,
+}
+
+/// Walks the markers up to the first scan.
+pub(super) fn inspect(bytes: &[u8]) -> Jpeg {
+    let mut jpeg = Jpeg::default();
+    let mut at = 2;
+    while let Some(&[0xFF, marker]) = bytes.get(at..).and_then(|rest| rest.first_chunk()) {
+        match marker {
+            // A byte of padding.
+            0xFF => at += 1,
+            // Markers without a segment.
+            0x01 | 0xD0..=0xD8 => at += 2,
+            // The start of a scan: what follows has no marker of this kind in it but the last.
+            0xDA => {
+                jpeg.is_whole = bytes.get(at..).is_some_and(has_end);
+                break;
+            }
+            _ => {
+                jpeg.is_progressive |= matches!(marker, 0xC2 | 0xC6 | 0xCA | 0xCE);
+                let length = bytes.get(at + 2..).and_then(|rest| rest.first_chunk());
+                let Some(&length) = length else { break };
+                at += 2 + usize::from(u16::from_be_bytes(length));
+            }
+        }
+    }
+    jpeg
+}
+
+fn has_end(scans: &[u8]) -> bool {
+    scans.windows(2).rev().any(|pair| pair == [0xFF, 0xD9])
+}

@@ -1,0 +1,126 @@
+//! What JSON will take in memory once it is read, before it is: two characters can become a structure of
+//! hundreds of bytes.
+
+use std::fmt;
+
+use gltf::json;
+use serde::Deserializer;
+use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
+
+use crate::Limits;
+use crate::error::Reason;
+
+/// A number, word or null in a list.
+const SCALAR_BYTES: u64 = size_of::<serde_json::Value>() as u64;
+/// An entry of a map of JSON values, beside its key and value.
+const ENTRY_BYTES: u64 = 64;
+/// An object anywhere: the largest structure that `gltf` makes of one.
+const OBJECT_BYTES: u64 = 1024;
+
+const _: () = {
+    let largest = OBJECT_BYTES as usize;
+    assert!(size_of::<json::Accessor>() <= largest);
+    assert!(size_of::<json::Animation>() <= largest);
+    assert!(size_of::<json::animation::Channel>() <= largest);
+    assert!(size_of::<json::animation::Sampler>() <= largest);
+    assert!(size_of::<json::Buffer>() <= largest);
+    assert!(size_of::<json::buffer::View>() <= largest);
+    assert!(size_of::<json::Camera>() <= largest);
+    assert!(size_of::<json::Image>() <= largest);
+    assert!(size_of::<json::Material>() <= largest);
+    assert!(size_of::<json::Mesh>() <= largest);
+    assert!(size_of::<json::mesh::Primitive>() <= largest);
+    assert!(size_of::<json::Node>() <= largest);
+    assert!(size_of::<json::Scene>() <= largest);
+    assert!(size_of::<json::Skin>() <= largest);
+    assert!(size_of::<json::Texture>() <= largest);
+    assert!(size_of::<json::texture::Sampler>() <= largest);
+};
+
+/// Fails if the JSON is longer than the limits allow, or would take more memory.
+///
+/// JSON that is not well-formed passes as far as it is: who reads it says what is wrong with it.
+pub(super) fn check(json: &[u8], limits: &Limits) -> Result<(), Reason> {
+    let length = json.len() as u64;
+    if length > limits.json_bytes {
+        return Err(Reason::too_large("bytes of JSON", length, limits.json_bytes));
+    }
+    let mut weight = Weight { bytes: 0, limit: limits.json_memory_bytes };
+    let mut reader = serde_json::Deserializer::from_slice(json);
+    let _ = weight.deserialize(&mut reader);
+    if weight.is_too_much() {
+        return Err(Reason::too_large("bytes of JSON in memory", weight.bytes, weight.limit));
+    }
+    Ok(())
+}
+
+struct Weight {
+    bytes: u64,
+    limit: u64,
+}
+
+impl Weight {
+    fn is_too_much(&self) -> bool {
+        self.bytes > self.limit
+    }
+
+    fn add<E: Error>(&mut self, bytes: u64) -> Result<(), E> {
+        self.bytes = self.bytes.saturating_add(bytes);
+        if self.is_too_much() { Err(E::custom("too much")) } else { Ok(()) }
+    }
+}
+
+impl<'de> DeserializeSeed<'de> for &mut Weight {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, reader: D) -> Result<(), D::Error> {
+        reader.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for &mut Weight {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("JSON")
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        self.add(SCALAR_BYTES)
+    }
+
+    fn visit_bool<E: Error>(self, _: bool) -> Result<(), E> {
+        self.add(SCALAR_BYTES)
+    }
+
+    fn visit_i64<E: Error>(self, _: i64) -> Result<(), E> {
+        self.add(SCALAR_BYTES)
+    }
+
+    fn visit_u64<E: Error>(self, _: u64) -> Result<(), E> {
+        self.add(SCALAR_BYTES)
+    }
+
+    fn visit_f64<E: Error>(self, _: f64) -> Result<(), E> {
+        self.add(SCALAR_BYTES)
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<(), E> {
+        self.add(SCALAR_BYTES + text.len() as u64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<(), A::Error> {
+        self.add(SCALAR_BYTES)?;
+        while list.next_element_seed(&mut *self)?.is_some() {}
+        Ok(())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        self.add(OBJECT_BYTES)?;
+        while map.next_key_seed(&mut *self)?.is_some() {
+            self.add(ENTRY_BYTES)?;
+            map.next_value_seed(&mut *self)?;
+        }
+        Ok(())
+    }
+}

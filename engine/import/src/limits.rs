@@ -1,0 +1,64 @@
+//! How much a file may ask for before it is refused.
+
+const MIB: u64 = 1 << 20;
+
+/// What a file may at most ask for. With the defaults, reading a file takes at most
+/// a stated number of bytes at any time, and a scene made of it is bounded by the counts.
+///
+/// All limits are inclusive. They are checked before the memory is taken.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limits {
+    /// Bytes of the file itself. Default: 1 GiB.
+    pub file_bytes: u64,
+    /// Bytes of its JSON. Default: 256 MiB.
+    pub json_bytes: u64,
+    /// Bytes that the JSON takes once it is read, by a cautious estimate: an empty node is two characters
+    /// in the file and some hundred bytes in memory. Default: 1 GiB.
+    pub json_memory_bytes: u64,
+    /// Bytes of all buffers outside of the file, in data URIs, or decompressed, together. Default: 1 GiB.
+    pub buffer_bytes: u64,
+    /// Pixels along a side of an image. Default: 16384.
+    pub image_side: u32,
+    /// Bytes of all images together, decoded to four bytes a pixel. Default: 2 GiB.
+    pub image_bytes: u64,
+    /// Bytes in use at any time for decoding images, beside the images themselves. Default: 1 GiB.
+    pub image_scratch_bytes: u64,
+    /// Elements of all accessors together, also of those that share their bytes. Default: 2^29.
+    pub elements: u64,
+    /// Vertices of all meshes, as [`Source`](crate::Source) counts them. Default: 2^25.
+    pub vertices: u64,
+    /// Corners of the triangles of all meshes, counted likewise. Default: 2^27.
+    pub corners: u64,
+    /// Nodes. Default: 2^20.
+    pub nodes: u64,
+    /// Primitives on nodes, each as often as its node is instanced. Default: 2^22.
+    pub objects: u64,
+    /// Joints of skins, each as often as its skin is used. Default: 2^20.
+    pub joints: u64,
+    /// Numbers in the outputs and inputs of all animation channels. Default: 2^26.
+    pub key_values: u64,
+    /// Numbers in the morph targets of all meshes, each as often as its mesh is on a node. Default: 2^27.
+    pub morph_values: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            file_bytes: 1024 * MIB,
+            json_bytes: 256 * MIB,
+            json_memory_bytes: 1024 * MIB,
+            buffer_bytes: 1024 * MIB,
+            image_side: 16384,
+            image_bytes: 2048 * MIB,
+            image_scratch_bytes: 1024 * MIB,
+            elements: 1 << 29,
+            vertices: 1 << 25,
+            corners: 1 << 27,
+            nodes: 1 << 20,
+            objects: 1 << 22,
+            joints: 1 << 20,
+            key_values: 1 << 26,
+            morph_values: 1 << 27,
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Loading: from a file to a scene and its life, telling how far it is.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use crate::{Cause, ImportError, Imported, Limits, convert, open, read};
+
+/// How a file is loaded.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// What it may at most ask for.
+    pub limits: Limits,
+}
+
+/// What is being done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// The file and all that it refers to are read and checked, images are decoded.
+    Reading,
+    /// Meshes and objects are made.
+    Meshes,
+}
+
+/// How far loading has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// What is being done.
+    pub stage: Stage,
+    /// How much of that is done, 0 to 1.
+    pub fraction: f32,
+}
+
+/// Who is told how far loading has come, and says whether it shall go on.
+pub type Listener<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
+
+/// Tells, and stops when nobody wants it any more.
+pub(crate) struct Teller<'a> {
+    pub(crate) file: String,
+    pub(crate) listener: &'a mut Listener<'a>,
+}
+
+impl Teller<'_> {
+    pub(crate) fn tell(&mut self, stage: Stage, fraction: f32) -> Result<(), ImportError> {
+        match (self.listener)(Progress { stage, fraction }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(ImportError {
+                file: self.file.clone(),
+                object: "loading".to_owned(),
+                reason: "it was given up".to_owned(),
+                cause: Cause::GivenUp,
+            }),
+        }
+    }
+}
+
+/// Loads the scene of a .gltf or .glb file, with everything it refers to. The scene's name is the file's,
+/// without its ending.
+///
+/// Whatever is in the file, this does not panic, does not read outside of its folder, and takes no more
+/// memory than the limits say. What can be shown is shown, and what is shown otherwise than the file says is
+/// in [`Imported::notes`]. The scene passes [`Scene::validate`](render::scene::Scene::validate), every
+/// object has a usable box, and all numbers are finite.
+///
+/// # Errors
+/// Files that cannot be read, that are not what glTF 2.0 says, that need an extension which is not there, or
+/// that are beyond the limits; positions, morph targets and animations with numbers that are not finite;
+/// [`Cause::GivenUp`] if `listener` breaks off. Each names the file, the object in it, and the reason.
+pub fn load(
+    path: &Path,
+    options: &LoadOptions,
+    listener: &mut Listener<'_>,
+) -> Result<Imported, ImportError> {
+    let mut teller = Teller { file: path.display().to_string(), listener };
+    teller.tell(Stage::Reading, 0.0)?;
+    let source = open(path, &options.limits)?;
+    let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    convert::convert(source, name.unwrap_or_default(), options, &mut teller)
+}
+
+/// Loads the scene of a .gltf or .glb file whose bytes are here. What it refers to is looked for in
+/// `folder`; without one it must not refer to anything outside of itself.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_bytes(
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    options: &LoadOptions,
+    listener: &mut Listener<'_>,
+) -> Result<Imported, ImportError> {
+    let mut teller = Teller { file: "memory".to_owned(), listener };
+    teller.tell(Stage::Reading, 0.0)?;
+    let source = read(bytes, folder, &options.limits)?;
+    convert::convert(source, "memory".to_owned(), options, &mut teller)
+}

@@ -1,0 +1,213 @@
+//! A file that was read and checked: what may be relied on without looking again.
+
+use std::path::Path;
+
+use gltf::json::Root;
+use render::scene::Image;
+
+use crate::buffers::{self, Budget};
+use crate::elements::{self, Store};
+use crate::error::{Fault, Reason};
+use crate::notes::Notes;
+use crate::uri::{self, Wanted};
+use crate::{Cause, ImportError, Limits, check, glb, images, json, textures};
+
+/// The extensions that a file may require. Others that it requires are refused by name, others that it
+/// merely uses are noted.
+pub const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Where a node's instances are: `EXT_mesh_gpu_instancing`.
+///
+/// All accessors that are there have `count` elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Instancing {
+    /// How many instances there are, at least 1.
+    pub count: usize,
+    /// The accessor of translations: three floats.
+    pub translation: Option<usize>,
+    /// The accessor of rotations: four floats or signed normalised integers, a quaternion x, y, z, w.
+    pub rotation: Option<usize>,
+    /// The accessor of scales: three floats.
+    pub scale: Option<usize>,
+}
+
+/// A glTF file that was read and checked.
+///
+/// # What holds
+/// For the whole of `document`, whether it is used by a scene or not:
+/// - **Indices.** Every index of core glTF 2.0 and of [`SUPPORTED_EXTENSIONS`] is in range: accessors,
+///   views, buffers, nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images,
+///   scenes, targets and samplers of animations. So the methods of `gltf` that look them up do not panic.
+///   No enumerated value is unknown, every camera has the values of its type, every spot light its cone.
+///   Attributes whose names glTF does not know (and that do not begin with `_`) were removed, and so were
+///   animation channels without a node.
+/// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of scenes are
+///   roots. It can be 100,000 deep: do not walk it by recursion. All numbers of nodes, cameras, lights and
+///   materials in the JSON are finite; what they mean is not checked (a matrix may be singular, a scale 0, a
+///   rotation of length 0, a field of view 0).
+/// - **Accessors** have at least one element and, where they have a view, lie within it and the view within
+///   its buffer, sparse ones with both their parts; sparse indices are increasing and below the count.
+///   An accessor may have no view (zeros), a sparse one no base. The readers of `gltf` get some of these
+///   wrong: read them by [`Source::floats`] and [`Source::integers`], which read all.
+/// - **Primitives.** All attributes of a primitive and of its morph targets have the same count, and their
+///   types are what the specification and `KHR_mesh_quantization` allow. `POSITION` may be missing (draw
+///   nothing then). Indices are unsigned scalars, and every one of them is below the count. How many there are fits the mode no better than the file says: ignore the
+///   incomplete last line or triangle. All primitives of a mesh have the same number of morph targets;
+///   weights of a mesh or of a node with it are as many as there are targets. `JOINTS_n` come with
+///   `WEIGHTS_n`.
+/// - **Skins** have at least one joint, and at least as many inverse bind matrices (4x4 floats) as joints,
+///   if they have any. The values of `JOINTS_n` are below the number of joints of every skin that the mesh
+///   is drawn with.
+/// - **Animations.** Inputs are float scalars; outputs have the type of the target's path, and as many
+///   elements as the interpolation and the number of morph targets demand.
+/// - **Limits.** What the scene would be made of is within the limits. Vertices are counted as the
+///   lesser of a primitive's vertices and its indices, so drop those that no index refers to; once for each
+///   mesh that a node has, but once for each *node* where it is deformed (by a skin or morph targets).
+///
+/// # What does not
+/// Values in buffers are not looked at, save indices and joints: positions, normals, weights, matrices and
+/// keys can be infinite or not numbers, times can run backwards, normals and quaternions have any length.
+pub struct Source {
+    /// The file's path, for errors.
+    pub file: String,
+    /// Its JSON.
+    pub document: gltf::Document,
+    /// As many as the document has images; `None` where no texture uses it.
+    pub images: Vec<Option<Image>>,
+    /// As many as the document has textures: the index of its image, which is there; `None` for those whose
+    /// image is in a format that is not supported, which are noted.
+    pub texture_images: Vec<Option<usize>>,
+    /// As many as the document has nodes: where its mesh is instanced.
+    pub instancing: Vec<Option<Instancing>>,
+    /// What was in the file that is not understood, for people.
+    pub notes: Vec<String>,
+    pub(crate) store: Store,
+}
+
+impl Source {
+    /// The bytes of a buffer, exactly as many as it says; empty if there is no such buffer.
+    pub fn buffer(&self, index: usize) -> &[u8] {
+        self.store.buffer(index)
+    }
+
+    /// All elements of an accessor as floats, normalised integers turned into what they mean, others into
+    /// themselves. `None` if there is no such accessor or its elements have not `N` components. Matrices
+    /// are in column order, without padding.
+    pub fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
+        let mut all = self.room_for(accessor);
+        elements::for_each_floats(self.document.as_json(), &self.store, accessor, |each| {
+            all.push(each)
+        })?;
+        Some(all)
+    }
+
+    /// All elements of an accessor of unsigned integers. `None` if there is no such accessor, its elements
+    /// have not `N` components, or they are not unsigned integers.
+    pub fn integers<const N: usize>(&self, accessor: usize) -> Option<Vec<[u32; N]>> {
+        let mut all = self.room_for(accessor);
+        elements::for_each_integers(self.document.as_json(), &self.store, accessor, |each| {
+            all.push(each)
+        })?;
+        Some(all)
+    }
+
+    fn room_for<T>(&self, accessor: usize) -> Vec<T> {
+        let accessor = self.document.as_json().accessors.get(accessor);
+        Vec::with_capacity(accessor.map_or(0, |accessor| accessor.count.0 as usize))
+    }
+
+    /// An error about something in this file.
+    pub fn error(&self, cause: Cause, object: String, reason: String) -> ImportError {
+        ImportError { file: self.file.clone(), object, reason, cause }
+    }
+}
+
+/// Reads a .gltf or .glb file and everything it refers to.
+///
+/// # Errors
+/// If anything of it cannot be read, is not what glTF 2.0 says, or is beyond the limits.
+pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
+    let file = path.display().to_string();
+    let bytes = uri::read_file(path, Wanted::All, limits.file_bytes)
+        .map_err(|reason| reason.of("file").in_file(&file))?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits)
+}
+
+/// Reads a file whose bytes are here. What it refers to is looked for in `folder`; without one it must not
+/// refer to anything outside of itself.
+///
+/// # Errors
+/// As [`open`].
+pub fn read(bytes: Vec<u8>, folder: Option<&Path>, limits: &Limits) -> Result<Source, ImportError> {
+    read_named("scene in memory".to_owned(), bytes, folder, limits)
+}
+
+fn read_named(
+    file: String,
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    limits: &Limits,
+) -> Result<Source, ImportError> {
+    let mut notes = Notes::default();
+    match check_and_decode(bytes, folder, limits, &mut notes) {
+        Ok(parts) => Ok(Source {
+            file,
+            document: gltf::Document::from_json_without_validation(parts.root),
+            images: parts.images,
+            texture_images: parts.texture_images,
+            instancing: parts.instancing,
+            notes: notes.into_texts(),
+            store: parts.store,
+        }),
+        Err(fault) => Err(fault.in_file(&file)),
+    }
+}
+
+struct Parts {
+    root: Root,
+    images: Vec<Option<Image>>,
+    texture_images: Vec<Option<usize>>,
+    instancing: Vec<Option<Instancing>>,
+    store: Store,
+}
+
+fn check_and_decode(
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    limits: &Limits,
+    notes: &mut Notes,
+) -> Result<Parts, Fault> {
+    let length = bytes.len() as u64;
+    if length > limits.file_bytes {
+        return Err(Reason::too_large("bytes", length, limits.file_bytes).of("file"));
+    }
+    let (root, binary) = if glb::is_glb(&bytes) {
+        let parts = glb::split(&bytes)?;
+        (json::parse(bytes.get(parts.json).unwrap_or_default(), limits, notes)?, parts.binary)
+    } else {
+        (json::parse(&bytes, limits, notes)?, None)
+    };
+    // What the JSON takes is known to be bounded now, so all of it is checked before any file is opened.
+    check::required(&root, notes)?;
+    check::views_and_accessors(&root, limits)?;
+    let instancing = check::structure(&root, limits)?;
+
+    let mut budget = Budget::new(limits);
+    let buffers = buffers::resolve(&root, binary.as_ref(), folder, &mut budget)?;
+    let file = if binary.is_some() { bytes } else { Vec::new() };
+    let store = Store { file, buffers };
+    check::indices_and_joints(&root, &store)?;
+
+    let texture_images = textures::images_of(&root, notes);
+    let images = images::decode(&root, &store, &texture_images, folder, &mut budget, limits)?;
+    Ok(Parts { root, images, texture_images, instancing, store })
+}

@@ -1,0 +1,182 @@
+//! What a URI of a file leads to: its own text (`data:`), or a file below the scene's folder. Nothing else.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use percent_encoding::percent_decode_str;
+
+use crate::error::{Reason, quoted};
+
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);
+
+/// How many bytes of a resource are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// The first so many, which must be there.
+    First(u64),
+    /// All.
+    All,
+}
+
+/// The bytes that `uri` leads to, at most `limit`.
+pub(crate) fn fetch(
+    uri: &str,
+    folder: Option<&Path>,
+    wanted: Wanted,
+    limit: u64,
+) -> Result<Vec<u8>, Reason> {
+    let bytes = match data_part(uri) {
+        Some(data) => inline(data?, limit)?,
+        None => return below(folder, &relative_path(uri)?, wanted, limit),
+    };
+    cut(bytes, wanted)
+}
+
+fn cut(mut bytes: Vec<u8>, wanted: Wanted) -> Result<Vec<u8>, Reason> {
+    if let Wanted::First(count) = wanted {
+        let there = bytes.len() as u64;
+        if there < count {
+            return Err(shorter(there, count));
+        }
+        bytes.truncate(count as usize);
+    }
+    Ok(bytes)
+}
+
+fn shorter(there: u64, wanted: u64) -> Reason {
+    Reason::malformed(format!("its byteLength is {wanted}, but only {there} bytes are there"))
+}
+
+/// What stands behind `data:`: is it base64, and its text.
+fn data_part(uri: &str) -> Option<Result<(bool, &str), Reason>> {
+    let scheme = uri.get(..5)?;
+    if !scheme.eq_ignore_ascii_case("data:") {
+        return None;
+    }
+    let Some((header, text)) = uri[5..].split_once(',') else {
+        return Some(Err(Reason::malformed("its data URI has no comma")));
+    };
+    let is_base64 =
+        header.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
+    Some(Ok((is_base64 && header.contains(';'), text)))
+}
+
+fn inline((is_base64, text): (bool, &str), limit: u64) -> Result<Vec<u8>, Reason> {
+    let most = if is_base64 { text.len() as u64 / 4 * 3 } else { text.len() as u64 };
+    if most > limit {
+        return Err(Reason::too_large("bytes in data URIs and files beside this one", most, limit));
+    }
+    let plain = percent_decode_str(text);
+    if !is_base64 {
+        return Ok(plain.collect());
+    }
+    let decoded = if text.contains('%') {
+        BASE64.decode(plain.collect::<Vec<u8>>())
+    } else {
+        BASE64.decode(text)
+    };
+    decoded.map_err(|error| Reason::malformed(format!("its data URI is not base64: {error}")))
+}
+
+/// The path that a URI without a scheme stands for, if it stays below where it begins.
+fn relative_path(uri: &str) -> Result<PathBuf, Reason> {
+    let shown = quoted(uri);
+    let refused = |why: &str| Reason::forbidden(format!("its URI {shown} {why}"));
+    if let Some(scheme) = scheme(uri) {
+        return Err(refused(&format!("has the scheme {}, only data: is allowed", quoted(scheme))));
+    }
+    let path = percent_decode_str(uri)
+        .decode_utf8()
+        .map_err(|_| Reason::malformed(format!("its URI {shown} is not UTF-8")))?;
+    if path.is_empty() {
+        return Err(Reason::malformed("its URI is empty"));
+    }
+    if path.starts_with('/') {
+        return Err(refused("is absolute"));
+    }
+    if path.contains('\\') || path.chars().any(char::is_control) {
+        return Err(refused("has a backslash or a control character in it"));
+    }
+    if cfg!(windows) && path.contains(':') {
+        return Err(refused("has a colon in it"));
+    }
+    let mut relative = PathBuf::new();
+    for segment in path.split('/') {
+        match segment {
+            "" | "." => {}
+            ".." if relative.pop() => {}
+            ".." => return Err(refused("leads out of the scene's folder")),
+            name => relative.push(name),
+        }
+    }
+    Ok(relative)
+}
+
+/// The scheme of a URI, as RFC 3986 has it; a drive letter is one too.
+fn scheme(uri: &str) -> Option<&str> {
+    let (scheme, _) = uri.split_once(':')?;
+    let is_scheme = scheme.starts_with(|first: char| first.is_ascii_alphabetic())
+        && scheme.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '+' | '-' | '.'));
+    is_scheme.then_some(scheme)
+}
+
+fn below(
+    folder: Option<&Path>,
+    relative: &Path,
+    wanted: Wanted,
+    limit: u64,
+) -> Result<Vec<u8>, Reason> {
+    let shown = quoted(&relative.display().to_string());
+    let folder = folder.ok_or_else(|| {
+        Reason::forbidden(format!(
+            "it is in the file {shown}, but this scene was read without a folder"
+        ))
+    })?;
+    let unreadable =
+        |error: std::io::Error| Reason::unreadable(format!("{shown} cannot be read: {error}"));
+    let folder = folder.canonicalize().map_err(unreadable)?;
+    // Symbolic links are followed here, so that what is compared is what will be opened.
+    let path = folder.join(relative).canonicalize().map_err(unreadable)?;
+    if !path.starts_with(&folder) {
+        return Err(Reason::forbidden(format!(
+            "{shown} is a link that leads out of the scene's folder"
+        )));
+    }
+    read_file(&path, wanted, limit)
+}
+
+/// Reads a regular file; a pipe or a device would never end.
+pub(crate) fn read_file(path: &Path, wanted: Wanted, limit: u64) -> Result<Vec<u8>, Reason> {
+    let shown = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+    let unreadable =
+        |error: std::io::Error| Reason::unreadable(format!("{shown} cannot be read: {error}"));
+    let about = path.metadata().map_err(unreadable)?;
+    if !about.is_file() {
+        return Err(Reason::forbidden(format!("{shown} is not a file")));
+    }
+    let count = match wanted {
+        Wanted::First(count) if about.len() < count => return Err(shorter(about.len(), count)),
+        Wanted::First(count) => count,
+        Wanted::All => about.len(),
+    };
+    if count > limit {
+        return Err(Reason::too_large("bytes of the file", count, limit));
+    }
+    let mut bytes = Vec::with_capacity(count as usize);
+    // The file may have grown since.
+    File::open(path)
+        .map_err(unreadable)?
+        .take(count)
+        .read_to_end(&mut bytes)
+        .map_err(unreadable)?;
+    cut(bytes, wanted)
+}
