@@ -92,7 +92,10 @@ impl From<render::Error> for RunError {
             | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
             | render::Error::Atlas { .. }
-            | render::Error::Change { .. } => Self::machine(error),
+            | render::Error::Change { .. }
+            | render::Error::Deform { .. }
+            | render::Error::Image { .. }
+            | render::Error::Light { .. } => Self::machine(error),
         }
     }
 }

@@ -1,22 +1,27 @@
 //! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of everything.
 
+use std::collections::HashMap;
+
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use glam::Affine3A;
-use gpu::{Buffer, Device, Frame, IndirectDraw, Predicates, vk};
+use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
 
+use crate::deformers::{DeformedVertices, are_deformed, check_size, deformed_vertices, mesh_order};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
-use crate::scene::{Object, Scene, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::scene::{Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 struct Instance {
     rows: [[f32; 4]; 3],
-    tint: [f32; 4],
+    /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
+    tail: [u32; 4],
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
@@ -27,15 +32,23 @@ const NO_MESH: u32 = u32::MAX;
 /// Meshes, instances and what the CPU must know to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
+    /// How many vertices, from the first on, are those of meshes that change their form.
+    deformed_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
     /// One box per leaf.
     pub(crate) leaf_boxes: Buffer,
+    /// Of scenes that have them.
+    pub(crate) surfaces: Option<SurfaceResources>,
     mesh_draws: Vec<IndirectDraw>,
     mesh_bounds: Vec<Aabb>,
     // By object.
     object_meshes: Vec<u32>,
     object_instances: Vec<Instance>,
+    /// The boxes of objects that have another than their mesh, in their own space.
+    reshaped: HashMap<ObjectId, Aabb>,
+    /// By mesh: whether it changes its form, so that its box is that of the one object it has.
+    is_deformed: Vec<bool>,
     // By leaf.
     leaf_meshes: Vec<u32>,
     leaf_counts: LeafCounts,
@@ -67,12 +80,16 @@ impl Geometry {
         let (vertices, indices, mesh_draws) = join_meshes(scene);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
+        let deformed_bytes = deformed_vertices(scene) * size_of::<SurfaceVertex>() as u64;
+        check_size(device, "the vertices of meshes that change their form", deformed_bytes)?;
+        let surfaces =
+            SurfaceResources::upload(device, scene, hierarchy, &SurfaceOptions::default())?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);
-        for ((mesh, instance), object) in places.zip(&scene.objects) {
+        for (id, ((mesh, instance), object)) in (0..).zip(places.zip(&scene.objects)) {
             *mesh = object.mesh.0;
-            *instance = instance_of(object);
+            *instance = instance_of(ObjectId(id), object, surfaces.as_ref());
         }
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
         let leaf_meshes: Vec<u32> =
@@ -82,17 +99,25 @@ impl Geometry {
         let leaf_boxes: Vec<ProxyBox> =
             hierarchy.leaf_objects().iter().map(|object| leaf_box(hierarchy, *object)).collect();
         let counts = leaf_meshes.iter().map(|mesh| count_of(&mesh_draws, *mesh));
-        let (vertex, index) =
-            (vk::BufferUsageFlags::VERTEX_BUFFER, vk::BufferUsageFlags::INDEX_BUFFER);
+        let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let deformed_vertices = deformed_vertices(scene);
+        let vertex = match deformed_vertices {
+            0 => vk::BufferUsageFlags::VERTEX_BUFFER,
+            _ => vk::BufferUsageFlags::VERTEX_BUFFER | storage,
+        };
         Ok(Self {
             vertices: device.upload("vertices", &vertices, vertex)?,
+            deformed_vertices,
+            reshaped: HashMap::new(),
+            is_deformed: are_deformed(scene),
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
             leaf_boxes: device.upload("leaf boxes", &leaf_boxes, storage)?,
             mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
             leaf_counts: LeafCounts::new(counts),
             draw_changes: DrawChanges::new(leaf_count),
+            surfaces,
             mesh_draws,
             object_meshes,
             object_instances,
@@ -124,14 +149,44 @@ impl Geometry {
 
     /// The box of an object that is somewhere else, if it is there and can be there.
     pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
+        if let Some(bounds) = self.reshaped.get(&object) {
+            return bounds_in_world(bounds, transform);
+        }
         let mesh = self.object_meshes.get(object.0 as usize)?;
         self.bounds_of(*mesh, transform)
     }
 
     /// The box of a mesh somewhere, if there is such a mesh and it can be there.
     pub(crate) fn bounds_of(&self, mesh: u32, transform: &Affine3A) -> Option<Aabb> {
-        let bounds = bounds_of_transformed(self.mesh_bounds.get(mesh as usize)?, transform);
-        bounds.is_usable().then_some(bounds)
+        bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
+    }
+
+    /// Gives an object another box, in its own space. A mesh that changes its form keeps the box for who
+    /// has the mesh next.
+    pub(crate) fn reshape(&mut self, object: ObjectId, bounds: Aabb) {
+        let mesh = self.object_meshes.get(object.0 as usize).map_or(usize::MAX, |it| *it as usize);
+        match (self.is_deformed.get(mesh), self.mesh_bounds.get_mut(mesh)) {
+            (Some(true), Some(of_mesh)) => *of_mesh = bounds,
+            _ => {
+                self.reshaped.insert(object, bounds);
+            }
+        }
+    }
+
+    /// Where vertices are written that change.
+    pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
+        let part = |vertices: BufferSlice, vertex_bytes: usize| {
+            vertices.part(0, self.deformed_vertices * vertex_bytes as u64)
+        };
+        Some(DeformedVertices {
+            vertices: part(self.vertices.whole(), size_of::<Vertex>()),
+            surfaces: part(self.surfaces.as_ref()?.vertices.whole(), size_of::<SurfaceVertex>()),
+        })
+    }
+
+    /// Where the vertices of a mesh begin.
+    pub(crate) fn first_vertex(&self, mesh: usize) -> u32 {
+        self.mesh_draws.get(mesh).map_or(0, |draw| draw.vertex_offset as u32)
     }
 
     /// Moves an object. Its leaf must be [marked](Geometry::mark).
@@ -143,6 +198,9 @@ impl Geometry {
 
     /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
     pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
+        self.reshaped.remove(&id);
+        let surfaces = self.surfaces.as_ref();
+        let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
         let id = id.0 as usize;
         let (Some(mesh), Some(instance)) =
             (self.object_meshes.get_mut(id), self.object_instances.get_mut(id))
@@ -150,7 +208,22 @@ impl Geometry {
             return;
         };
         *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
-        *instance = object.map(instance_of).unwrap_or_default();
+        *instance = now;
+    }
+
+    /// Finds the lights of an object where it is now; answers whether there are others than before.
+    /// Its leaf must then be marked.
+    pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
+        let (Some(surfaces), Some(node)) = (&mut self.surfaces, hierarchy.node_of(object)) else {
+            return false;
+        };
+        let is_other = surfaces.find_lights(object.0, &hierarchy.bounds(node));
+        if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
+            && is_other
+        {
+            instance.tail[2] = surfaces.light_lists().count(object.0);
+        }
+        is_other
     }
 
     /// What the GPU has of a leaf is not what is there: the next frame brings it.
@@ -188,6 +261,9 @@ impl Geometry {
         predicates: &Predicates,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
+        if let Some(surfaces) = &self.surfaces {
+            surfaces.bring(frame, scatter)?;
+        }
         if self.stale.is_empty() {
             return Ok(());
         }
@@ -218,6 +294,9 @@ impl Geometry {
 
     /// The frame that [`Geometry::bring`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.submitted();
+        }
         for leaf in self.stale.drain(..) {
             if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
                 *is_stale = false;
@@ -234,8 +313,10 @@ fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {
     })
 }
 
-fn instance_of(object: &Object) -> Instance {
-    Instance { rows: rows_of(&object.transform), tint: unpack_unorm(object.tint) }
+fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {
+    let tint = || unpack_unorm(object.tint).map(f32::to_bits);
+    let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object.mesh, id.0));
+    Instance { rows: rows_of(&object.transform), tail }
 }
 
 fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
@@ -255,17 +336,26 @@ fn leaf_box(hierarchy: &Hierarchy, object: ObjectId) -> ProxyBox {
 fn join_meshes(scene: &Scene) -> (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>) {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();
-    let mut draws = Vec::with_capacity(scene.meshes.len());
-    for mesh in &scene.meshes {
-        draws.push(IndirectDraw {
+    let mut draws = vec![IndirectDraw::default(); scene.meshes.len()];
+    for number in mesh_order(scene) {
+        let (Some(mesh), Some(draw)) = (scene.meshes.get(number), draws.get_mut(number)) else {
+            continue;
+        };
+        *draw = IndirectDraw {
             index_count: mesh.indices.len() as u32,
             instance_count: 1,
             first_index: indices.len() as u32,
             vertex_offset: vertices.len() as i32,
             first_instance: 0,
-        });
+        };
         vertices.extend_from_slice(&mesh.vertices);
         indices.extend_from_slice(&mesh.indices);
     }
     (vertices, indices, draws)
+}
+
+/// The box around a box that is somewhere, if it can be there.
+pub(crate) fn bounds_in_world(bounds: &Aabb, transform: &Affine3A) -> Option<Aabb> {
+    let bounds = bounds_of_transformed(bounds, transform);
+    bounds.is_usable().then_some(bounds)
 }

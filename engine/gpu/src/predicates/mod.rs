@@ -205,8 +205,12 @@ impl Predicates {
             )),
         };
         let buffers = writer_buffers(predication) as u32;
-        let storage =
-            StorageLayout { buffers, textures: 0, push_bytes: size_of::<Decisions>() as u32 };
+        let storage = StorageLayout {
+            buffers,
+            textures: 0,
+            texture_arrays: 0,
+            push_bytes: size_of::<Decisions>() as u32,
+        };
         let writer = match shader {
             None => None,
             Some((name, bytes)) => {

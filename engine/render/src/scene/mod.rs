@@ -104,6 +104,16 @@ pub enum ObjectChange {
         /// Where it is now.
         transform: Affine3A,
     },
+    /// It has another form, for which its mesh's box may be too small, and perhaps another place.
+    Reshape {
+        /// The object.
+        object: ObjectId,
+        /// Where it is now.
+        transform: Affine3A,
+        /// The box around it in its own space, before `transform`. It stays that of the object when
+        /// it moves, until it is told another.
+        bounds: Aabb,
+    },
     /// It is gone; its id may be given to another.
     Remove {
         /// The object.

@@ -283,7 +283,7 @@ pub struct Deformer {
 }
 
 /// What a scene looks like close by.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
     /// One for each mesh of the scene.
     pub meshes: Vec<SurfaceMesh>,
@@ -299,4 +299,22 @@ pub struct Surfaces {
     pub blended: Vec<Object>,
     /// What changes its form.
     pub deformers: Vec<Deformer>,
+    /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
+    pub exposure: f32,
+}
+
+impl Default for Surfaces {
+    /// Nothing, at an exposure of 1.
+    fn default() -> Self {
+        Self {
+            meshes: Vec::new(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            images: Vec::new(),
+            lights: Vec::new(),
+            blended: Vec::new(),
+            deformers: Vec::new(),
+            exposure: 1.0,
+        }
+    }
 }
