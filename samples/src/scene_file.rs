@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use cull::{Aabb, Hierarchy};
-use import::Imported;
+use cull::Hierarchy;
+use import::{Cause, Imported, LoadOptions, Stage};
 use render::object_bounds;
 use render::scene::Scene;
 
@@ -44,12 +44,26 @@ pub fn load(file: &Path, told: &mut Listener<'_>) -> Result<Imported, RunError> 
         let shown = file.display();
         return Err(RunError::user(format!("cannot read the scene '{shown}': it is a folder")));
     }
-    Err(RunError::user("loading is not there yet"))
+    let options = LoadOptions::default();
+    let loaded = import::load(file, &options, &mut |progress| {
+        let what = match progress.stage {
+            Stage::Reading => "reading",
+            Stage::Meshes => "making meshes of",
+        };
+        let what = format!("{what} {}", file.display());
+        told(Told { what: &what, fraction: Some(progress.fraction) })
+    });
+    loaded.map_err(|error| match error.cause {
+        Cause::GivenUp => RunError::given_up(),
+        _ => RunError::user(error),
+    })
 }
 
 /// Multiplies all light with a factor.
 pub fn expose(imported: &mut Imported, factor: f32) {
-    let _ = (imported, factor);
+    if let Some(surfaces) = &mut imported.scene.surfaces {
+        surfaces.exposure *= factor;
+    }
 }
 
 /// The hierarchy over a scene, in time for a word about it.
@@ -59,14 +73,6 @@ pub fn expose(imported: &mut Imported, factor: f32) {
 pub fn hierarchy(scene: &Scene, told: &mut Listener<'_>) -> Result<Hierarchy, RunError> {
     tell(told, "building the hierarchy", None)?;
     Hierarchy::build(&object_bounds(scene)?).map_err(RunError::machine)
-}
-
-/// The box around everything that is seen, at rest.
-pub fn bounds(imported: &Imported) -> Aabb {
-    let scene = &imported.scene;
-    let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
-    let boxes = scene.objects.iter().chain(blended).filter_map(|object| scene.bounds_of(object));
-    boxes.fold(Aabb::EMPTY, |all, one| all.union(&one))
 }
 
 /// What reports say of a file.

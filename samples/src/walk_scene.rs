@@ -72,7 +72,7 @@ impl WalkScene {
         })?;
         let load_ms = clock.lap_ms();
         let mut report = scene_file::report(file, &imported, load_ms);
-        let bounds = scene_file::bounds(&imported);
+        let bounds = imported.bounds();
         let size = [options.size.width / options.views.max(1), options.size.height];
         let orbit = Orbit::around(&bounds, size);
         let (scene, mut performance, cameras, _) = Performance::of(imported);

@@ -12,8 +12,9 @@ mod tests;
 use animation::{Clip, NodeId, Pose, Rig, Skeleton};
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
-use render::scene::{Scene, SkinWeights};
+use render::scene::{PunctualLight, Scene};
 
+use crate::convert::used_joints;
 use crate::imported::{Camera, Imported, Placed, Placement};
 use playing::Playing;
 
@@ -37,6 +38,10 @@ pub struct Performance {
     moving: Vec<NodeId>,
     /// The places of the parts that change with them.
     movers: Vec<usize>,
+    /// Whether nothing was shown yet.
+    is_new: bool,
+    /// As they were shown last.
+    lights: Vec<PunctualLight>,
     changes: Changes,
     show: show::Scratch,
 }
@@ -46,11 +51,10 @@ struct Part {
     placement: Placement,
     /// What it hangs on, if it has a skin.
     skeleton: Option<Skeleton>,
-    /// The box around its mesh at rest, in its own space.
-    rest_bounds: Aabb,
     shown: Affine3A,
+    /// Empty before it was shown.
     shown_bounds: Aabb,
-    /// Its joints and weights, as they were shown last; those of the rest before.
+    /// Its joints and weights, as they were shown last; none before.
     shown_form: changes::Form,
 }
 
@@ -94,28 +98,26 @@ impl Performance {
             let deformer = deformer.and_then(|(id, skin)| Some((deformers.get(id)?, skin)));
             let skeleton = deformer.and_then(|(deformer, skin)| {
                 let (weights, skin) = (deformer.skin.as_ref()?, skins.get(skin?)?);
-                Skeleton::new(&rig, skin, &used_joints(weights, skin.joints.len())).ok()
+                Skeleton::new(&rig, skin, &used_joints(weights)).ok()
             });
-            let mesh =
-                deformer.and_then(|(deformer, _)| scene.meshes.get(deformer.mesh.0 as usize));
-            let rest_bounds = mesh.map_or(Aabb::EMPTY, |mesh| mesh.bounds);
             let mut part = Part {
                 placement,
                 skeleton,
-                rest_bounds,
                 shown: Affine3A::IDENTITY,
-                shown_bounds: rest_bounds,
+                shown_bounds: Aabb::EMPTY,
                 shown_form: changes::Form::default(),
             };
             part.shown = part.place(&world);
             part
         };
-        let performance = Self {
+        let mut performance = Self {
             parts: placements.into_iter().map(part).collect(),
             playing: Playing::default(),
             other: pose.clone(),
             moving: Vec::new(),
             movers: Vec::new(),
+            lights: scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights).copied().collect(),
+            is_new: true,
             changes: Changes::default(),
             show: show::Scratch::default(),
             rig,
@@ -123,6 +125,8 @@ impl Performance {
             pose,
             world,
         };
+        // What is on joints is not in its form of the rest before it was told so.
+        performance.find_movers();
         (scene, performance, cameras, notes)
     }
 
@@ -219,9 +223,9 @@ impl Performance {
             part.change(&self.rig, &self.pose, &mut self.changes);
             let clips = self.playing.contributing(seconds);
             let bounds = part.bounds(clips.filter_map(|clip| Some((clip, self.clips.get(clip)?))));
-            part.change_place(&self.world, bounds, &mut self.changes);
+            part.change_place(&self.world, bounds, &mut self.lights, &mut self.changes);
         }
-        if self.playing.settles(seconds) {
+        if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {
             // Those that played before are at rest again, and are not looked at any more.
             self.find_movers();
         }
@@ -239,22 +243,11 @@ impl Performance {
         }
         let moves = |node: NodeId| is_moving.get(node.0 as usize).is_some_and(|moves| *moves);
         let changes = |part: &Part| {
-            part.node().is_some_and(moves) || clips().any(|clip| part.is_formed_by(clip))
+            (self.is_new && part.placement.deformer.is_some())
+                || part.node().is_some_and(moves)
+                || clips().any(|clip| part.is_formed_by(clip))
         };
         let movers = self.parts.iter().enumerate().filter(|(_, part)| changes(part));
         self.movers = movers.map(|(place, _)| place).collect();
     }
-}
-
-/// Of each joint, whether a vertex follows it.
-fn used_joints(weights: &SkinWeights, joints: usize) -> Vec<bool> {
-    let mut is_used = vec![false; joints];
-    for (joints, weights) in weights.joints.iter().zip(&weights.weights) {
-        for (joint, weight) in joints.iter().zip(weights) {
-            if let (true, Some(is_used)) = (*weight > 0.0, is_used.get_mut(usize::from(*joint))) {
-                *is_used = true;
-            }
-        }
-    }
-    is_used
 }

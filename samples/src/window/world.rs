@@ -12,7 +12,6 @@ use crate::course::Course;
 use crate::film::{self, Clips};
 use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
-use crate::scene_file;
 
 /// One clip takes the place of another within so many seconds.
 const FADE_S: f64 = 0.3;
@@ -88,7 +87,7 @@ impl World {
         settings: &FileSource,
         size: [u32; 2],
     ) -> Result<Self, RunError> {
-        let bounds = scene_file::bounds(&imported);
+        let bounds = imported.bounds();
         let shown = file.display();
         let wanted = settings.camera.as_deref();
         let camera = film::find_camera(&imported.cameras, wanted, &shown)?;

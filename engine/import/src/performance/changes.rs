@@ -5,7 +5,7 @@ use std::ops::Range;
 use animation::{Clip, Pose, Rig};
 use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Vec3};
-use render::scene::{BlendedId, DeformerId, LightId};
+use render::scene::{BlendedId, DeformerId, LightId, PunctualLight};
 
 use super::Part;
 use crate::imported::Placed;
@@ -37,10 +37,8 @@ pub struct BlendedMove {
 pub struct LightMove {
     /// Which one.
     pub light: LightId,
-    /// Where it is now, in the world.
-    pub position: Vec3,
-    /// Unit vector along which it shines, in the world.
-    pub direction: Vec3,
+    /// As it is now.
+    pub to: PunctualLight,
 }
 
 /// A mesh in another form.
@@ -136,10 +134,10 @@ impl Part {
     ) -> Option<Aabb> {
         self.placement.deformer?;
         let mut forming = clips.filter(|(_, clip)| self.is_formed_by(clip)).map(|(clip, _)| clip);
-        let Some(first) = forming.next() else { return Some(self.rest_bounds) };
+        let Some(first) = forming.next() else { return Some(self.placement.rest_bounds) };
         let own = |clip: usize| self.placement.clip_bounds.get(clip).copied();
         match forming.find(|clip| *clip != first) {
-            None => Some(own(first).unwrap_or(self.rest_bounds)),
+            None => Some(own(first).unwrap_or(self.placement.rest_bounds)),
             Some(_) => Some(self.placement.blend_bounds),
         }
     }
@@ -149,6 +147,7 @@ impl Part {
         &mut self,
         world: &[Affine3A],
         bounds: Option<Aabb>,
+        lights: &mut [PunctualLight],
         changes: &mut Changes,
     ) {
         let transform = self.place(world);
@@ -166,12 +165,11 @@ impl Part {
                 changes.blended.push(BlendedMove { blended, transform, bounds });
             }
             Placed::Light(light) => {
+                let Some(to) = lights.get_mut(light.0 as usize) else { return };
                 let along = Vec3::from(-transform.matrix3.z_axis);
-                changes.lights.push(LightMove {
-                    light,
-                    position: transform.translation.into(),
-                    direction: along.try_normalize().unwrap_or(Vec3::NEG_Z),
-                });
+                to.position = transform.translation.into();
+                to.direction = along.try_normalize().unwrap_or(to.direction);
+                changes.lights.push(LightMove { light, to: *to });
             }
         }
     }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use render::scene::ObjectChange;
 use render::{Error, Renderer};
 
-use super::{Changes, Performance};
+use super::{Changes, Deformation, LightMove, ObjectMove, Performance};
 
 /// Lists in the making, kept to allocate nothing.
 #[derive(Default)]
@@ -31,13 +31,24 @@ impl Performance {
 impl Scratch {
     fn bring(&mut self, changes: &Changes, renderer: &mut Renderer) -> Result<(), Error> {
         self.objects.clear();
-        let change = |moved: &super::ObjectMove| ObjectChange::Move {
-            object: moved.object,
-            transform: moved.transform,
+        let change = |moved: &ObjectMove| {
+            let ObjectMove { object, transform, bounds } = *moved;
+            match bounds {
+                Some(bounds) => ObjectChange::Reshape { object, transform, bounds },
+                None => ObjectChange::Move { object, transform },
+            }
         };
         self.objects.extend(changes.objects.iter().map(change));
         if !self.objects.is_empty() {
             renderer.update(&self.objects)?;
+        }
+        for Deformation { deformer, joints, weights } in &changes.deformations {
+            let joints = changes.joints.get(joints.clone()).unwrap_or_default();
+            let weights = changes.weights.get(weights.clone()).unwrap_or_default();
+            renderer.deform(*deformer, joints, weights)?;
+        }
+        for LightMove { light, to } in &changes.lights {
+            renderer.set_light(*light, *to)?;
         }
         Ok(())
     }
