@@ -13,7 +13,7 @@ use crate::choices::{
 };
 use crate::options::{
     DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
-    PathChoice, UsageError,
+    MadeScene, PathChoice, SceneChoice, UsageError,
 };
 use crate::strategy::Strategy;
 
@@ -40,6 +40,8 @@ Examples:
       A large city: how long it takes to build and how much memory it needs.
   walkthrough --moving 10 --verify every
       Every tenth object moves or comes and goes; each frame is compared.
+  walkthrough --scene rooms.glb --path walk
+      With the camera \"walk\" through the scene of a glTF file, all of whose clips play.
   walkthrough --list-devices
       What --device can choose from.
 
@@ -47,29 +49,27 @@ Ends with 0 when all went well, 2 when something in the command line is wrong, 1
 cannot do it."
 )]
 pub struct Arguments {
-    /// What to walk through: city (nearly all hidden at street level) or field (objects side by side:
-    /// from above nothing hides anything)
-    #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Walk")]
+    /// What to walk through: city (nearly all hidden at street level), field (objects side by side:
+    /// from above nothing hides anything), or a glTF file, whose name has a dot or a slash
+    #[arg(long, value_name = "city|field|FILE", default_value = "city", help_heading = "Walk")]
     pub scene: String,
-    /// About how many objects the scene has, 1 to 2000000
-    #[arg(long, value_name = "N", default_value = "10000", help_heading = "Walk")]
-    pub objects: String,
-    /// Seed of the scene: the same one builds the same scene
-    #[arg(long, value_name = "S", default_value = "1", help_heading = "Walk")]
-    pub seed: String,
+    /// About how many objects city or field has, 1 to 2000000 [default: 10000]
+    #[arg(long, value_name = "N", help_heading = "Walk")]
+    pub objects: Option<String>,
+    /// Seed of city or field: the same one builds the same scene [default: 1]
+    #[arg(long, value_name = "S", help_heading = "Walk")]
+    pub seed: Option<String>,
     /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps), or
-    /// as in a file that the program city recorded, whose name ends in .txt or has a slash
-    #[arg(
-        long,
-        value_name = "street|fly|cut|FILE",
-        default_value = "street",
-        help_heading = "Walk"
-    )]
-    pub path: String,
+    /// as in a file that city or viewer recorded, whose name ends in .txt or has a slash. In a glTF
+    /// file: a camera of that name, whose whole clip is walked once from end to end
+    /// [default: street; in a file its first camera, or a turn around the scene if it has none]
+    #[arg(long, value_name = "street|fly|cut|CAMERA|FILE", help_heading = "Walk")]
+    pub path: Option<String>,
     /// How many eyes look: 1, or 2 for a stereo pair side by side in one frame, half of it each
     #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
     pub views: String,
-    /// How many objects of a hundred move, come and go, 0 to 100
+    /// How many objects of a hundred of city or field move, come and go, 0 to 100. In a file its clips
+    /// play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
     pub moving: String,
     /// Timed frames of each strategy, 1 to 1000000
@@ -154,6 +154,7 @@ impl Arguments {
     /// # Errors
     /// The first argument that cannot be.
     pub fn options(&self) -> Result<Options, UsageError> {
+        let (scene, path) = self.parse_walk()?;
         let frames = parse_in_range("--frames", &self.frames, 1, MAX_FRAMES)?;
         let size = parse_size(&self.size)?;
         let views = parse_in_range("--views", &self.views, 1, MAX_VIEWS)?;
@@ -177,10 +178,8 @@ impl Arguments {
             refuse_unheeded(&option, &strategies, Strategy::can_neglect)?;
         }
         Ok(Options {
-            scene: parse_scene(&self.scene)?,
-            objects: parse_in_range("--objects", &self.objects, 1, MAX_OBJECTS)?,
-            seed: parse_in_range("--seed", &self.seed, 0, u64::MAX)?,
-            path: parse_path(&self.path)?,
+            scene,
+            path,
             moving_percent,
             frames,
             views,
@@ -206,6 +205,30 @@ impl Arguments {
             pictures: self.parse_pictures(frames)?,
             birds_eye: self.parse_birds_eye(frames)?,
         })
+    }
+
+    /// What is walked through, and on which way.
+    fn parse_walk(&self) -> Result<(SceneChoice, PathChoice), UsageError> {
+        let Some(file) = scene_file(&self.scene) else {
+            let scene = parse_scene(&self.scene)?;
+            let made = parse_made(scene, self.objects.as_deref(), self.seed.as_deref())?;
+            let path = parse_path(self.path.as_deref().unwrap_or("street"))?;
+            return Ok((SceneChoice::Made(made), path));
+        };
+        let shown = file.display();
+        let is_moving = self.moving != "0";
+        for (option, is_there, why) in [
+            ("--objects", self.objects.is_some(), "the file has those that it has"),
+            ("--seed", self.seed.is_some(), "nothing in a file is left to chance"),
+            ("--moving", is_moving, "what moves in a file is what its clips move"),
+        ] {
+            if is_there {
+                return usage(format!(
+                    "{option} is for city and field, not for --scene {shown}: {why}; leave it out"
+                ));
+            }
+        }
+        Ok((SceneChoice::File(file), PathChoice::OfFile(self.path.clone())))
     }
 
     /// The strategies, and those that were not asked for by name and cannot be.
@@ -310,23 +333,42 @@ where
     }
 }
 
+/// The file that a scene is in: what has a dot or a slash is no name of ours.
+fn scene_file(text: &str) -> Option<PathBuf> {
+    text.contains(['.', '/', std::path::MAIN_SEPARATOR]).then(|| PathBuf::from(text))
+}
+
+/// A scene that is made.
 pub(crate) fn parse_scene(text: &str) -> Result<Scene, UsageError> {
-    let lower = text.to_lowercase();
-    if lower.ends_with(".glb") || lower.ends_with(".gltf") {
-        return usage(format!(
-            "--scene: glTF files such as '{text}' come in a later version; this one has city and field"
-        ));
-    }
-    named("--scene", text)
+    named("--scene", text).map_err(|UsageError(message)| {
+        UsageError(format!("{message} (a glTF file has a dot or a slash in its name)"))
+    })
+}
+
+/// The numbers that a scene is made from.
+pub(crate) fn parse_made(
+    scene: Scene,
+    objects: Option<&str>,
+    seed: Option<&str>,
+) -> Result<MadeScene, UsageError> {
+    let objects = parse_in_range("--objects", objects.unwrap_or("10000"), 1, MAX_OBJECTS)?;
+    let seed = parse_in_range("--seed", seed.unwrap_or("1"), 0, u64::MAX)?;
+    Ok(MadeScene { scene, objects, seed })
+}
+
+/// The path file that is meant, if one is: its name ends in .txt, or has a slash.
+pub(crate) fn path_file(text: &str) -> Option<PathBuf> {
+    let is_file = text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]);
+    is_file.then(|| PathBuf::from(text))
 }
 
 pub(crate) fn parse_path(text: &str) -> Result<PathChoice, UsageError> {
-    if text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]) {
-        return Ok(PathChoice::Recorded(PathBuf::from(text)));
+    if let Some(file) = path_file(text) {
+        return Ok(PathChoice::Recorded(file));
     }
     named("--path", text).map(PathChoice::Made).map_err(|UsageError(message)| {
         UsageError(format!(
-            "{message}; a file ends in .txt, or has a slash in its name (the cameras of glTF files come in a later version)"
+            "{message}; a file ends in .txt, or has a slash in its name (cameras have names in glTF files only)"
         ))
     })
 }

@@ -38,8 +38,8 @@ fn help_says_what_the_program_does() {
 #[test]
 fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     let options = parse(&[]).unwrap();
-    assert_eq!(options.scene, Scene::City);
-    assert_eq!(options.objects, 10_000);
+    let city = MadeScene { scene: Scene::City, objects: 10_000, seed: 1 };
+    assert_eq!(options.scene, SceneChoice::Made(city));
     assert_eq!(options.path, PathChoice::Made(CameraPath::Street));
     assert_eq!(options.size, FrameSize { width: 1280, height: 720 });
     assert_eq!(options.strategies, [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal]);
@@ -82,9 +82,11 @@ fn every_option_arrives() {
         Options {
             costs: Costs::Measured,
             time_passes: false,
-            scene: Scene::Field,
-            objects: 2_000_000,
-            seed: u64::MAX,
+            scene: SceneChoice::Made(MadeScene {
+                scene: Scene::Field,
+                objects: 2_000_000,
+                seed: u64::MAX,
+            }),
             path: PathChoice::Made(CameraPath::Cut),
             views: 2,
             moving_percent: 30,
@@ -226,9 +228,25 @@ fn a_strategy_named_twice_is_refused() {
 }
 
 #[test]
-fn gltf_is_announced_for_later() {
-    assert!(refusal(&["--scene", "town.GLB"]).contains("come in a later version"));
-    assert!(refusal(&["--path", "Camera.001"]).contains("glTF files come in a later version"));
+fn what_has_a_dot_or_a_slash_is_a_file() {
+    for file in ["town.glb", "TOWN.GLTF", "./city", "a/b", "town.png"] {
+        let options = parse(&["--scene", file]).unwrap();
+        assert_eq!(options.scene, SceneChoice::File(file.into()));
+        assert_eq!(options.path, PathChoice::OfFile(None));
+    }
+    let options = parse(&["--scene=a.glb", "--path=Camera.001", "--moving=0"]).unwrap();
+    assert_eq!(options.path, PathChoice::OfFile(Some("Camera.001".to_owned())));
+    assert!(options.strategies.contains(&Strategy::Ideal), "it knows what moves");
+    assert!(refusal(&["--path", "Camera"]).contains("cameras have names in glTF files only"));
+    assert!(refusal(&["--scene", "town"]).contains("a dot or a slash"));
+}
+
+#[test]
+fn what_is_for_made_scenes_is_refused_for_files() {
+    for [option, value] in [["--objects", "10"], ["--seed", "1"], ["--moving", "10"]] {
+        let said = refusal(&["--scene=a.glb", option, value]);
+        assert!(said.starts_with(&format!("{option} is for city and field")), "{said}");
+    }
 }
 
 #[test]
@@ -255,16 +273,17 @@ proptest! {
     fn no_text_makes_it_panic(texts in any_vec(".{0,12}", 9)) {
         let mut arguments = Arguments::try_parse_from(["walkthrough", "--out", "o"]).unwrap();
         let mut strategy = "all".to_owned();
+        let (mut objects, mut path) = ("9".to_owned(), "street".to_owned());
         let fields: [&mut String; 7] = [
-            &mut arguments.scene, &mut arguments.objects, &mut arguments.size,
-            &mut strategy, &mut arguments.verify, &mut arguments.path,
-            &mut arguments.frames,
+            &mut arguments.scene, &mut objects, &mut arguments.size, &mut strategy,
+            &mut arguments.verify, &mut path, &mut arguments.frames,
         ];
         for (field, text) in fields.into_iter().zip(&texts) {
             let was = std::mem::replace(field, text.clone());
             if text.len() % 2 == 0 { *field = was; }
         }
         arguments.strategy = Some(strategy);
+        (arguments.objects, arguments.path) = (Some(objects), Some(path));
         arguments.pictures = Some(texts[7].clone());
         arguments.birds_eye = Some(texts[8].clone());
         if let Err(UsageError(message)) = arguments.options() {

@@ -148,11 +148,16 @@ pub fn parse_named<T: Named>(text: &str) -> Result<T, String> {
         return Ok(value);
     }
     let names: Vec<&str> = T::VALUES.iter().map(|value| value.name()).collect();
-    let mut message = format!("unknown {} '{text}': there is {}", T::WHAT, enumerate(&names));
-    if let Some(name) = nearest(text, &names) {
+    Err(unknown(T::WHAT, text, &names))
+}
+
+/// A sentence about a name that nobody has: it lists those that there are and suggests the nearest.
+pub fn unknown(what: &str, text: &str, names: &[&str]) -> String {
+    let mut message = format!("unknown {what} '{text}': there is {}", enumerate(names));
+    if let Some(name) = nearest(text, names) {
         message.push_str(&format!("; did you mean '{name}'?"));
     }
-    Err(message)
+    message
 }
 
 /// Joins names as in a sentence: "a, b and c".
@@ -169,9 +174,10 @@ fn nearest<'a>(text: &str, names: &[&'a str]) -> Option<&'a str> {
     let text = text.to_lowercase();
     names
         .iter()
-        .map(|&name| (strsim::damerau_levenshtein(&text, name), name))
+        .map(|&name| (strsim::damerau_levenshtein(&text, &name.to_lowercase()), name))
         .filter(|&(distance, name)| {
-            distance * 3 <= name.len().max(3) || (text.len() >= 2 && name.starts_with(&text))
+            distance * 3 <= name.len().max(3)
+                || (text.len() >= 2 && name.to_lowercase().starts_with(&text))
         })
         .min()
         .map(|(_, name)| name)

@@ -1,9 +1,10 @@
-//! Where a camera goes: along a path of the scene, or along one that was recorded.
+//! Where a camera goes: along a path of the scene, along one that was recorded, as a clip moves it.
 
 use cull::Camera;
 use render::scene::{CameraPath, PathKind, Scene};
 
 use crate::choices;
+use crate::film::Orbit;
 use crate::options::PathChoice;
 use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
@@ -13,8 +14,13 @@ use crate::run::RunError;
 pub enum Course {
     /// Made for the scene.
     Made(CameraPath),
-    /// From a file.
-    Recorded(RecordedPath, CameraPath),
+    /// From a file, which has a frame at least; the camera is for one that has not.
+    Recorded(RecordedPath, Camera),
+    /// The camera of a scene out of a file in the first frame, and in those that follow; after the last
+    /// one it stays.
+    Filmed(Camera, Vec<Camera>),
+    /// Once around the scene in so many frames.
+    Around(Orbit, u32),
 }
 
 impl Course {
@@ -28,7 +34,10 @@ impl Course {
             PathChoice::Recorded(file) => {
                 // Every scene can be flown over.
                 let above = CameraPath::new(PathKind::Fly, scene)?;
-                Self::Recorded(RecordedPath::read(file)?, above)
+                Self::Recorded(RecordedPath::read(file)?, above.camera(0))
+            }
+            PathChoice::OfFile(_) => {
+                return Err(RunError::user("a scene that is made has no cameras of a file"));
             }
         })
     }
@@ -37,9 +46,12 @@ impl Course {
     pub fn camera(&self, frame: u32) -> Camera {
         match self {
             Self::Made(path) => path.camera(frame),
-            Self::Recorded(recorded, above) => {
-                recorded.camera(frame).unwrap_or_else(|| above.camera(frame))
+            Self::Recorded(recorded, fallback) => recorded.camera(frame).unwrap_or(*fallback),
+            Self::Filmed(first, others) => {
+                let place = (frame as usize).min(others.len()).checked_sub(1);
+                place.and_then(|place| others.get(place)).copied().unwrap_or(*first)
             }
+            Self::Around(orbit, frames) => orbit.camera(frame, *frames),
         }
     }
 }

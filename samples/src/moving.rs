@@ -2,15 +2,22 @@
 
 use std::time::Duration;
 
+use import::Performance;
 use render::Renderer;
 use render::scene::{Cast, Motion, Scene};
 
+use crate::film::FrameClock;
 use crate::run::RunError;
 
 /// The movers of a walk, as the renderer shows them now. Any frame can follow any other.
-pub struct Moving {
-    motion: Motion,
-    cast: Cast,
+pub struct Moving(Movers);
+
+/// Who moves.
+enum Movers {
+    /// Objects of a scene that was made.
+    Made { motion: Motion, cast: Cast },
+    /// What the clips of a file move.
+    Played { performance: Box<Performance>, clock: FrameClock },
 }
 
 impl Moving {
@@ -21,12 +28,20 @@ impl Moving {
     pub fn new(scene: &Scene, percent: u32, seed: u64) -> Result<Self, RunError> {
         let motion = Motion::new(scene, percent, seed)?;
         let cast = Cast::new(&motion);
-        Ok(Self { motion, cast })
+        Ok(Self(Movers::Made { motion, cast }))
+    }
+
+    /// The clips that play in `performance`, by that clock.
+    pub fn played(performance: Performance, clock: FrameClock) -> Self {
+        Self(Movers::Played { performance: Box::new(performance), clock })
     }
 
     /// How many objects move.
     pub fn movers(&self) -> usize {
-        self.motion.movers()
+        match &self.0 {
+            Movers::Made { motion, .. } => motion.movers(),
+            Movers::Played { performance, .. } => performance.moving_objects(),
+        }
     }
 
     /// Shows `frame`; answers the CPU's time in the engine. Takes none where nothing moves.
@@ -34,9 +49,12 @@ impl Moving {
     /// # Errors
     /// When the renderer refuses a change.
     pub fn show(&mut self, renderer: &mut Renderer, frame: u32) -> Result<Duration, RunError> {
-        if self.movers() == 0 {
-            return Ok(Duration::ZERO);
+        match &mut self.0 {
+            Movers::Made { motion, .. } if motion.movers() == 0 => Ok(Duration::ZERO),
+            Movers::Made { motion, cast } => Ok(renderer.show(motion, cast, frame)?.cpu),
+            Movers::Played { performance, clock } => {
+                Ok(performance.show(renderer, clock.seconds(frame))?)
+            }
         }
-        Ok(renderer.show(&self.motion, &mut self.cast, frame)?.cpu)
     }
 }

@@ -49,6 +49,35 @@ impl fmt::Display for FrameSize {
     }
 }
 
+/// What is walked through.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneChoice {
+    /// Something that is made for it.
+    Made(MadeScene),
+    /// What is in this glTF file.
+    File(PathBuf),
+}
+
+impl fmt::Display for SceneChoice {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Made(made) => made.scene.fmt(formatter),
+            Self::File(file) => file.display().fmt(formatter),
+        }
+    }
+}
+
+/// A scene that is made from a few numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MadeScene {
+    /// Which one.
+    pub scene: Scene,
+    /// About how many objects it has: 1 to [`MAX_OBJECTS`].
+    pub objects: u32,
+    /// The same seed makes the same scene and the same paths.
+    pub seed: u64,
+}
+
 /// Where the camera goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PathChoice {
@@ -56,6 +85,9 @@ pub enum PathChoice {
     Made(CameraPath),
     /// Along the one in this file.
     Recorded(PathBuf),
+    /// With the camera of this name in the scene's file; with the first one, or around the scene where
+    /// there is none. What is no camera may be a recorded path.
+    OfFile(Option<String>),
 }
 
 impl fmt::Display for PathChoice {
@@ -63,6 +95,7 @@ impl fmt::Display for PathChoice {
         match self {
             Self::Made(path) => path.fmt(formatter),
             Self::Recorded(file) => file.display().fmt(formatter),
+            Self::OfFile(name) => name.as_deref().unwrap_or("the first camera").fmt(formatter),
         }
     }
 }
@@ -71,16 +104,12 @@ impl fmt::Display for PathChoice {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
     /// What is walked through.
-    pub scene: Scene,
-    /// About how many objects the scene has: 1 to [`MAX_OBJECTS`].
-    pub objects: u32,
-    /// The same seed builds the same scene and the same path.
-    pub seed: u64,
+    pub scene: SceneChoice,
     /// How the camera moves.
     pub path: PathChoice,
     /// How many eyes look: 1, or a pair side by side; the frame has at least a column for each.
     pub views: u32,
-    /// How many objects of a hundred move: 0 to 100.
+    /// How many objects of a hundred move: 0 to 100, and 0 in a scene out of a file.
     pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].
     pub frames: u32,

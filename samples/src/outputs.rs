@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::destination::{Destination, folder_of};
 use crate::options::{Options, UsageError};
-use crate::window::args::CityOptions;
+use crate::window::show::ShowOptions;
 
 /// A file that could not be written.
 #[derive(Debug, Error)]
@@ -52,11 +52,11 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// The same for `city`: the folder of pictures, that of the trace, the shaders.
+    /// The same for `city` and `viewer`: the folder of pictures, that of the trace, the shaders.
     ///
     /// # Errors
     /// As [`Outputs::prepare`].
-    pub fn for_city(options: &CityOptions) -> Result<Self, UsageError> {
+    pub fn for_window(options: &ShowOptions) -> Result<Self, UsageError> {
         let mut outputs = Self { made: Vec::new() };
         options.shaders.as_deref().map_or(Ok(()), check_shaders)?;
         if let Some(folder) = &options.out {

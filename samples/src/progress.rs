@@ -76,6 +76,41 @@ impl Progress for Bar {
     }
 }
 
+/// How far a file has come on its way, on standard error where that is a terminal.
+#[derive(Debug)]
+pub struct LoadingBar(Option<ProgressBar>);
+
+impl LoadingBar {
+    /// A bar on a terminal, nothing elsewhere.
+    pub fn for_terminal() -> Self {
+        Self(std::io::stderr().is_terminal().then(|| {
+            let bar = ProgressBar::new(1000);
+            if let Ok(style) = ProgressStyle::with_template("{bar:40} {elapsed}  {msg}") {
+                bar.set_style(style);
+            }
+            bar
+        }))
+    }
+
+    /// What is being done, and how much of that is done, 0 to 1, where it is known.
+    pub fn told(&self, what: &str, fraction: Option<f32>) {
+        let Some(bar) = &self.0 else { return };
+        if bar.message() != what {
+            bar.set_message(what.to_owned());
+        }
+        let fraction = fraction.unwrap_or_default().clamp(0.0, 1.0);
+        bar.set_position((fraction * 1000.0) as u64);
+    }
+}
+
+impl Drop for LoadingBar {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
 /// A line for each stage and each tenth of the frames, for logs.
 #[derive(Debug, Default)]
 struct Lines {

@@ -81,8 +81,42 @@ pub struct SceneReport {
     pub objects: u64,
     /// Triangles of all objects together.
     pub triangles: u64,
-    /// The seed it was built from.
+    /// The seed it was built from; 0 where it comes out of a file.
     pub seed: u64,
+    /// What there is to say of the file it comes from; absent where it was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<FileReport>,
+}
+
+/// A file that a scene was loaded from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FileReport {
+    /// Where it is.
+    pub path: String,
+    /// How long it took to read it and to make a scene of it.
+    pub load_ms: Option<f64>,
+    /// Meshes of the scene: each is there once, however many objects have it.
+    pub meshes: u64,
+    /// What they are made of.
+    pub materials: u64,
+    /// Their textures.
+    pub textures: u64,
+    /// Images of those.
+    pub images: u64,
+    /// Lights beside the ambient one.
+    pub lights: u64,
+    /// Objects through which one sees what is behind; they are not among the scene's objects.
+    pub blended_objects: u64,
+    /// Meshes that change their form.
+    pub deformed_meshes: u64,
+    /// Cameras.
+    pub cameras: u64,
+    /// Clips.
+    pub clips: u64,
+    /// How many of them played.
+    pub playing: u64,
+    /// What was in the file that is not shown.
+    pub notes: Vec<String>,
 }
 
 /// Memory at the end of a walk.

@@ -5,13 +5,12 @@ use std::path::PathBuf;
 
 use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
-use render::{Renderer, RendererOptions, ShaderSet, object_bounds, scene};
+use render::scene::SceneError;
+use render::{Renderer, RendererOptions, ShaderSet, object_bounds};
 use thiserror::Error;
 
-use crate::choices::{DeviceChoice, Predicates, Scene, Validation};
-use crate::course::Course;
-use crate::moving::Moving;
-use crate::options::{LeftOut, UsageError};
+use crate::choices::{DeviceChoice, Predicates, Validation};
+use crate::options::{LeftOut, SceneChoice, UsageError};
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::report::{
@@ -20,6 +19,7 @@ use crate::report::{
 use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
 use crate::walk::Walk;
+use crate::walk_scene::WalkScene;
 use crate::{Options, memory, pictures};
 
 /// Whose fault a failure is: it decides the exit code.
@@ -29,6 +29,8 @@ pub enum Blame {
     User,
     /// The machine lacks something or failed: exit code 1.
     Machine,
+    /// Nobody's: it was given up because the program is to end.
+    Nobody,
 }
 
 /// Why there is no report: one sentence that says what is wrong and what to do.
@@ -51,11 +53,17 @@ impl RunError {
         Self { blame: Blame::Machine, message: message.to_string() }
     }
 
+    /// It was given up because the program is to end, which is no failure.
+    pub fn given_up() -> Self {
+        Self { blame: Blame::Nobody, message: "it was given up".to_owned() }
+    }
+
     /// What the program ends with.
     pub fn exit_code(&self) -> u8 {
         match self.blame {
             Blame::User => 2,
             Blame::Machine => 1,
+            Blame::Nobody => 0,
         }
     }
 }
@@ -106,8 +114,8 @@ impl From<gpu::Error> for RunError {
     }
 }
 
-impl From<scene::SceneError> for RunError {
-    fn from(error: scene::SceneError) -> Self {
+impl From<SceneError> for RunError {
+    fn from(error: SceneError) -> Self {
         Self::user(error)
     }
 }
@@ -190,13 +198,8 @@ fn walk_on(
     options: &Options,
     progress: &dyn Progress,
 ) -> Result<Report, RunError> {
-    progress.stage(&format!("building the {} of about {} objects", options.scene, options.objects));
     let mut clock = Stopwatch::start();
-    let scene = match options.scene {
-        Scene::City => scene::city(options.objects, options.seed)?,
-        Scene::Field => scene::field(options.objects, options.seed)?,
-    };
-    let path = Course::new(&options.path, &scene)?;
+    let WalkScene { scene, path, mut moving, file } = WalkScene::build(options, progress)?;
     let scene_ms = clock.lap_ms();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
     let hierarchy_ms = clock.lap_ms();
@@ -204,8 +207,16 @@ fn walk_on(
     let mut renderer =
         Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?)?;
     let upload_ms = clock.lap_ms();
+    let scene_report = SceneReport {
+        name: scene_name(&options.scene),
+        objects: scene.objects.len() as u64,
+        triangles: scene.triangles(),
+        seed: scene.seed,
+        file,
+    };
+    // The device has it all.
+    drop(scene);
     let (strategies, left_out) = able(&renderer, options)?;
-    let mut moving = Moving::new(&scene, options.moving_percent, options.seed)?;
     if options.time_passes {
         renderer.time_passes()?;
     }
@@ -223,12 +234,7 @@ fn walk_on(
             api: adapter.api.clone(),
             conditional_rendering: adapter.has_conditional_rendering(),
         },
-        scene: SceneReport {
-            name: options.scene.to_string(),
-            objects: scene.objects.len() as u64,
-            triangles: scene.triangles(),
-            seed: options.seed,
-        },
+        scene: scene_report,
         path: options.path.to_string(),
         views: options.views,
         moving_percent: options.moving_percent,
@@ -255,6 +261,16 @@ fn walk_on(
         provenance: Provenance::of_this_process(),
         runs,
     })
+}
+
+/// What reports call a scene: a file by its name without its folder.
+fn scene_name(choice: &SceneChoice) -> String {
+    match choice {
+        SceneChoice::Made(made) => made.scene.to_string(),
+        SceneChoice::File(file) => {
+            file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned()
+        }
+    }
 }
 
 /// The strategies that the device has everything for, and the others.

@@ -92,6 +92,7 @@ impl<'a> Walk<'a> {
         let mut eyes = Eyes::new(self.renderer, self.views)?;
         let frames: BTreeSet<u32> = self.schedule.steps().map(|step| step.frame).collect();
         for frame in frames {
+            self.moving.show(self.renderer, frame)?;
             let sets = eyes.visible_sets(self.renderer, &self.path.camera(frame))?;
             self.visible_sets.insert(frame, sets);
         }
@@ -132,7 +133,12 @@ impl<'a> Walk<'a> {
             let moved = self.moving.show(self.renderer, step.frame)?;
             let picture = verify.includes(step.frame).then(|| pictures.next()).flatten();
             let camera = self.path.camera(step.frame);
-            let visible = self.visible_sets.get(&step.frame).map_or(&[][..], Vec::as_slice);
+            let visible = self.visible_sets.get_mut(&step.frame);
+            let visible = visible.map_or(&mut [][..], Vec::as_mut_slice);
+            if run.strategy == Strategy::Ideal {
+                // Whatever moves is where it was in this frame when they were found.
+                visible.iter_mut().for_each(|set| self.renderer.visible_again(set));
+            }
             let waits = self.device.wait_counts().other;
             let report = run.eyes.render(self.renderer, run.strategy, &camera, visible, picture)?;
             let measurement = FrameMeasurement {

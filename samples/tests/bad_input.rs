@@ -32,7 +32,6 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
     let out = ["--out", "made", "--report", "made/report.json"];
     for (mistake, sentence) in [
         (["--scene", "citty"], "did you mean 'city'?"),
-        (["--scene", "town.glb"], "glTF files such as 'town.glb' come in a later version"),
         (["--path", "Camera"], "there is street, fly and cut"),
         (["--strategy", "frustum,frustum"], "'frustum' twice"),
         (["--strategy", "best"], "unknown strategy 'best': there is frustum"),

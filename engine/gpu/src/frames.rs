@@ -1,6 +1,6 @@
 //! The frame ring: N frames in flight, each with its slot; the waits of a frame loop are here.
 
-use std::rc::Rc;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ash::vk;
@@ -30,7 +30,7 @@ struct Slot {
     descriptors: Vec<vk::DescriptorPool>,
     commands: Commands,
     uploads: Uploads,
-    timer: Option<Rc<PassTimer>>,
+    timer: Option<Arc<PassTimer>>,
     pass_times: Vec<PassTime>,
     /// Whether the timer holds the times of a whole frame: one that was given up leaves none.
     is_timed: bool,
@@ -84,7 +84,7 @@ impl FrameRing {
         for (index, slot) in self.slots.iter_mut().enumerate() {
             slot.is_timed = false;
             let timer = PassTimer::new(&self.device, &format!("pass times {index}"), PASSES)?;
-            slot.timer = Some(Rc::new(timer));
+            slot.timer = Some(Arc::new(timer));
         }
         Ok(())
     }

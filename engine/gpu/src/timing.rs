@@ -1,13 +1,14 @@
 //! GPU time per pass: timestamps around each pass, read frames later from mapped memory.
 
-use std::cell::{Cell, RefCell};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use ash::vk;
 
 use crate::buffer::{Buffer, Place};
 use crate::commands::Commands;
 use crate::deletion::Garbage;
-use crate::device::Device;
+use crate::device::{Device, lock};
 use crate::error::{Called, Error};
 use crate::timeline::Tick;
 
@@ -36,8 +37,9 @@ pub(crate) struct PassTimer {
     device: Device,
     pool: vk::QueryPool,
     results: Buffer,
-    labels: RefCell<Vec<&'static str>>,
-    is_inside: Cell<bool>,
+    // Shared by a slot and its commands, which go from thread to thread together.
+    labels: Mutex<Vec<&'static str>>,
+    is_inside: AtomicBool,
     ns_per_step: f64,
     mask: u64,
     needs_full_barriers: bool,
@@ -66,8 +68,8 @@ impl PassTimer {
             device: device.clone(),
             pool,
             results,
-            labels: RefCell::new(Vec::new()),
-            is_inside: Cell::new(false),
+            labels: Mutex::new(Vec::new()),
+            is_inside: AtomicBool::new(false),
             ns_per_step: f64::from(adapter.limits.timestamp_period),
             mask: u64::MAX >> (64 - adapter.timestamp_bits.clamp(1, 64)),
             needs_full_barriers: adapter.is_software(),
@@ -79,7 +81,7 @@ impl PassTimer {
     pub(crate) fn read(&self, times: &mut Vec<PassTime>) {
         times.clear();
         let stamps = self.results.read::<u64>(0..2 * self.passes as usize);
-        for (label, pair) in self.labels.borrow().iter().zip(stamps.as_chunks::<2>().0) {
+        for (label, pair) in lock(&self.labels).iter().zip(stamps.as_chunks::<2>().0) {
             let began_ns = ((pair[0] & self.mask) as f64 * self.ns_per_step) as u64;
             times.push(PassTime { label, gpu_ms: self.between_ms(pair), began_ns });
         }
@@ -88,7 +90,7 @@ impl PassTimer {
     /// The time from the first stamp to the last of one pass, of a frame that is over.
     pub(crate) fn span_ms(&self) -> Option<f64> {
         let stamps = self.results.read::<u64>(0..2);
-        let pair = stamps.first_chunk::<2>().filter(|_| !self.labels.borrow().is_empty())?;
+        let pair = stamps.first_chunk::<2>().filter(|_| !lock(&self.labels).is_empty())?;
         Some(self.between_ms(pair))
     }
 
@@ -99,8 +101,8 @@ impl PassTimer {
     }
 
     pub(crate) fn reset(&self, commands: &Commands) {
-        self.labels.borrow_mut().clear();
-        self.is_inside.set(false);
+        lock(&self.labels).clear();
+        self.is_inside.store(false, Ordering::Relaxed);
         // SAFETY: the slot's tick is over, so no query is in use.
         unsafe {
             self.device.raw().cmd_reset_query_pool(commands.raw(), self.pool, 0, 2 * self.passes);
@@ -109,10 +111,10 @@ impl PassTimer {
 
     /// Begins a pass, unless it lies within another one.
     pub(crate) fn begin(&self, commands: &Commands, label: &'static str) -> bool {
-        if self.is_inside.replace(true) {
+        if self.is_inside.swap(true, Ordering::Relaxed) {
             return false;
         }
-        let mut labels = self.labels.borrow_mut();
+        let mut labels = lock(&self.labels);
         labels.push(label);
         if labels.len() <= self.passes as usize {
             self.stamp(commands, 2 * (labels.len() as u32 - 1));
@@ -122,8 +124,8 @@ impl PassTimer {
 
     /// Ends the pass that was begun.
     pub(crate) fn end(&self, commands: &Commands) {
-        self.is_inside.set(false);
-        let passes = self.labels.borrow().len() as u32;
+        self.is_inside.store(false, Ordering::Relaxed);
+        let passes = lock(&self.labels).len() as u32;
         if passes <= self.passes {
             self.stamp(commands, 2 * passes - 1);
         }
@@ -131,7 +133,7 @@ impl PassTimer {
 
     /// Copies the stamps to mapped memory. The last command of a frame.
     pub(crate) fn read_back(&self, commands: &Commands) {
-        let stamps = 2 * (self.labels.borrow().len() as u32).min(self.passes);
+        let stamps = 2 * (lock(&self.labels).len() as u32).min(self.passes);
         if stamps == 0 {
             return;
         }

@@ -3,7 +3,7 @@
 //! Found beforehand and not in time: the frame is drawn by the exact strategy, what it drew is drawn
 //! once more against the finished depth, and the CPU waits for the answer.
 
-use cull::{Camera, LeafIndex, Strategy};
+use cull::{Camera, LeafIndex, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{Access, Buffer, Device, MemoryBarrier, Place, vk};
 
@@ -18,6 +18,8 @@ use crate::views::{Area, Eye, ViewsRequest};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleSet {
     leaves: Vec<LeafIndex>,
+    /// The same, whatever place they get in the hierarchy.
+    objects: Vec<ObjectId>,
     /// The scene as it was then.
     edition: Edition,
 }
@@ -104,7 +106,7 @@ impl Renderer {
         self.draw_seen(&moment.view, &drawn)?;
         let edition = self.edition;
         let Some(seen) = &self.seen_leaves else {
-            return Ok(VisibleSet { leaves: Vec::new(), edition });
+            return Ok(VisibleSet { leaves: Vec::new(), objects: Vec::new(), edition });
         };
         let words = seen.readback.read::<u32>(0..self.hierarchy.leaf_objects().len());
         let is_seen = |leaf: &LeafIndex| words.get(leaf.0 as usize).is_some_and(|word| *word != 0);
@@ -114,7 +116,18 @@ impl Renderer {
             let (near, far) = (self.distance_squared(*a, eye), self.distance_squared(*b, eye));
             near.total_cmp(&far).then(a.cmp(b))
         });
-        Ok(VisibleSet { leaves, edition })
+        let all = self.hierarchy.leaf_objects();
+        let objects = leaves.iter().filter_map(|leaf| all.get(leaf.0 as usize)).copied();
+        Ok(VisibleSet { objects: objects.collect(), leaves, edition })
+    }
+
+    /// Makes a set hold again that was found when the scene was as it is now, although it has changed since
+    /// then: whoever calls this answers for it that every object is where it was, and has the form that it
+    /// had. For measurements in which the same moments come again.
+    pub fn visible_again(&self, set: &mut VisibleSet) {
+        set.leaves.clear();
+        set.leaves.extend(set.objects.iter().filter_map(|object| self.hierarchy.leaf_of(*object)));
+        set.edition = self.edition;
     }
 
     /// From `eye` to the box of a leaf.

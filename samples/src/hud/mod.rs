@@ -19,6 +19,7 @@ const TEXT_SIZES: [f32; 4] = [1.0, 0.88, 0.76, 0.66];
 /// So many groups are worth more than the list of keys.
 const FEW_GROUPS: usize = 2;
 const MORE: &str = "a larger window shows more";
+const BAR_POINTS: [f32; 2] = [320.0, 10.0];
 const GRAPH_POINTS: [f32; 2] = [260.0, 56.0];
 const PANEL: Color32 = Color32::from_rgba_premultiplied(7, 8, 12, 200);
 const NAME: Color32 = Color32::from_rgb(150, 160, 175);
@@ -40,6 +41,9 @@ pub struct HudPage {
     pub keys: Vec<(String, String)>,
     /// Something that went wrong or was just done, at the lower edge. Nothing else is there.
     pub notice: Option<String>,
+    /// What is on its way, and how much of it is done (0 to 1, where that is known): a bar in place of the
+    /// notice.
+    pub progress: Option<(String, Option<f32>)>,
 }
 
 /// Lays pages out with fonts of its own.
@@ -166,6 +170,7 @@ impl Hud {
         }
         // There is always room for a short one, so that it moves nothing.
         let notice = self.notice_text(page, scale, width).map_or(row, |text| text.size().y);
+        let notice = if page.progress.is_some() { row + MARGIN + BAR_POINTS[1] } else { notice };
         Sizes {
             row,
             graph: [GRAPH_POINTS[0] + MARGIN + long("1000.0 ms"), GRAPH_POINTS[1]],
@@ -245,7 +250,32 @@ impl Hud {
         }
     }
 
+    /// A bar, and above it what is on its way.
+    fn progress(&mut self, page: &HudPage, scale: f32, screen: epaint::Rect) -> bool {
+        let Some((what, fraction)) = &page.progress else { return false };
+        let row = self.row_points(scale);
+        let width = BAR_POINTS[0].min(screen.width() - 4.0 * MARGIN).max(1.0);
+        let text = what.chars().count() as f32 * self.letter_points(scale);
+        let widest = (screen.width() - 2.0 * MARGIN).max(1.0);
+        let panel =
+            vec2((width.max(text) + 2.0 * MARGIN).min(widest), row + BAR_POINTS[1] + 3.0 * MARGIN);
+        let corner = pos2(MARGIN, (screen.max.y - panel.y - MARGIN).max(0.0));
+        self.fill(screen, epaint::Rect::from_min_size(corner, panel), PANEL);
+        let place = corner + vec2(MARGIN, MARGIN);
+        self.text(scale, screen, place.into(), what, MARK);
+        let bar = place + vec2(0.0, row + MARGIN);
+        let whole = vec2(width, BAR_POINTS[1]);
+        self.fill(screen, epaint::Rect::from_min_size(bar, whole), NAME);
+        let done = fraction.unwrap_or_default().clamp(0.0, 1.0);
+        let done = vec2(width * done, BAR_POINTS[1]);
+        self.fill(screen, epaint::Rect::from_min_size(bar, done), GOOD);
+        true
+    }
+
     fn notice(&mut self, page: &HudPage, scale: f32, screen: epaint::Rect) {
+        if self.progress(page, scale, screen) {
+            return;
+        }
         let Some(galley) = self.notice_text(page, scale, screen.width()) else { return };
         let size = galley.size() + vec2(2.0 * MARGIN, 2.0 * MARGIN);
         let corner = pos2(MARGIN, (screen.max.y - size.y - MARGIN).max(0.0));

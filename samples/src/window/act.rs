@@ -2,6 +2,7 @@
 
 use super::deeds::Deed;
 use super::session::Session;
+use super::world::World;
 use crate::options::MAX_FRAMES_IN_FLIGHT;
 use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
@@ -40,9 +41,22 @@ impl Session {
             Deed::Screenshot => self.wants_screenshot = true,
             Deed::Record => self.toggle_recording(),
             Deed::Hud => self.has_hud = !self.has_hud,
+            Deed::Pause => self.answer(World::toggle_pause),
+            Deed::Step => self.answer(World::step),
+            Deed::NextClip => self.answer(World::next_clip),
+            Deed::AllClips => self.answer(World::all_clips),
+            Deed::Camera(number) => self.answer(|world| world.look_through(number)),
             Deed::NextPresentMode | Deed::PresentMode(_) | Deed::Quit => {}
         }
         Ok(())
+    }
+
+    /// Says what became of something that was asked of the world.
+    fn answer(&mut self, ask: impl FnOnce(&mut World) -> Result<String, String>) {
+        match ask(&mut self.world) {
+            Ok(told) => self.tell(told),
+            Err(reason) => self.refuse(reason),
+        }
     }
 
     /// Says something in the picture.

@@ -9,23 +9,29 @@ use gpu::{
 use pacing::{FrameId, Step, Time};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
-use winit::event::{DeviceEvent, DeviceId, ElementState, WindowEvent};
+use winit::event::{DeviceEvent, DeviceId, ElementState, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{CursorGrabMode, Window, WindowId};
 
-use super::args::CityOptions;
+use super::arrivals::Arrivals;
 use super::clock::Clock;
 use super::deeds::Deed;
 use super::input::Input;
 use super::screen::Screen;
 use super::session::{Files, Session};
+use super::show::ShowOptions;
 use super::signals::Signals;
+use super::source::Source;
 use crate::run::{self, RunError};
 
 /// Text over the picture changes so often.
 const HUD_INTERVAL: Duration = Duration::from_millis(250);
+/// So far a wheel without notches turns for one.
+const PIXELS_A_NOTCH: f32 = 40.0;
 /// Frames of a window that nobody sees, and looks at one without a pixel, come so often.
 const HIDDEN_INTERVAL: Duration = Duration::from_millis(250);
+/// Frames come so often while there is nothing to show yet, and text while something is on its way.
+const WAITING_INTERVAL: Duration = Duration::from_millis(50);
 /// Nothing wakes the loop for a signal: it sleeps at most that long.
 const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 
@@ -33,9 +39,15 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 ///
 /// # Errors
 /// No display, or one that fails; a device or a file that is not what it should be; messages of the validation layer.
-pub fn run(options: &CityOptions, files: Files, signals: &Signals) -> Result<(), RunError> {
+pub fn run(
+    source: &Source,
+    options: &ShowOptions,
+    files: Files,
+    signals: &Signals,
+) -> Result<(), RunError> {
     let event_loop = EventLoop::new().map_err(no_display)?;
     let mut app = App {
+        source,
         options,
         signals,
         files: Some(files),
@@ -65,7 +77,8 @@ fn no_display(error: impl std::fmt::Display) -> RunError {
 
 /// What winit calls.
 struct App<'a> {
-    options: &'a CityOptions,
+    source: &'a Source,
+    options: &'a ShowOptions,
     signals: &'a Signals,
     files: Option<Files>,
     opened: Option<Opened>,
@@ -76,6 +89,7 @@ struct App<'a> {
 
 /// The window and what draws in it. What is made later goes first.
 struct Opened {
+    arrivals: Arrivals,
     session: Session,
     screen: Screen,
     window: Arc<Window>,
@@ -100,7 +114,8 @@ enum Next {
 impl Opened {
     fn open(
         event_loop: &ActiveEventLoop,
-        options: &CityOptions,
+        source: &Source,
+        options: &ShowOptions,
         files: Files,
     ) -> Result<Self, RunError> {
         let size = PhysicalSize::new(options.size.width, options.size.height);
@@ -121,8 +136,11 @@ impl Opened {
             .filter(|rate| *rate > 0)
             .map(|rate| Duration::from_secs_f64(1e3 / f64::from(rate)));
         let screen = Screen::new(&device, &surface, options, refresh)?;
-        let session = Session::new(&device, options, files, size.map(|side| side.max(1)))?;
+        let drawn = size.map(|side| side.max(1));
+        let (arrivals, stage) = Arrivals::open(source, &device, options, drawn)?;
+        let session = Session::new(&device, options, files, stage)?;
         Ok(Self {
+            arrivals,
             session,
             screen,
             window,
@@ -138,13 +156,22 @@ impl Opened {
     }
 
     /// One turn of the loop.
-    fn turn(&mut self, input: &Input, options: &CityOptions, now: Time) -> Result<Next, RunError> {
-        if self.is_gone || options.frames.is_some_and(|frames| self.session.frame() >= frames) {
+    fn turn(&mut self, input: &Input, options: &ShowOptions, now: Time) -> Result<Next, RunError> {
+        if self.is_gone {
             return Ok(Next::End);
         }
-        while let Some(deed) = self.session.next_scripted() {
-            if self.act(deed)? {
+        if self.arrivals.look(&mut self.session)? {
+            self.next_layout = now;
+        }
+        // Frames count from the first one of what is to be shown.
+        if !self.arrivals.is_first_awaited() {
+            if options.frames.is_some_and(|frames| self.session.frame() >= frames) {
                 return Ok(Next::End);
+            }
+            while let Some(deed) = self.session.next_scripted() {
+                if self.act(deed)? {
+                    return Ok(Next::End);
+                }
             }
         }
         if self.size.contains(&0) {
@@ -173,7 +200,8 @@ impl Opened {
         if now >= self.next_layout {
             let facts = self.screen.facts();
             self.session.lay_out(Some(&facts), self.window.scale_factor() as f32)?;
-            self.next_layout = now.after(HUD_INTERVAL);
+            let interval = if self.arrivals.is_awaited() { WAITING_INTERVAL } else { HUD_INTERVAL };
+            self.next_layout = now.after(interval);
         }
         let seconds =
             self.last_frame.replace(now).map_or(0.0, |last| now.since(last).as_secs_f32());
@@ -185,6 +213,9 @@ impl Opened {
         self.session.after_frame()?;
         if self.is_occluded {
             self.not_before = now.after(HIDDEN_INTERVAL);
+        } else if self.arrivals.is_first_awaited() {
+            // What is on its way needs the machine more than an empty sky.
+            self.not_before = now.after(WAITING_INTERVAL);
         }
         match shown {
             Shown::Not(NotShown::WindowGone) => Ok(Next::End),
@@ -252,8 +283,10 @@ impl Opened {
     }
 
     /// Writes what is left, and tears all down.
-    fn close(self, options: &CityOptions) -> Result<(), RunError> {
-        let Self { session, mut screen, window, instance, .. } = self;
+    fn close(self, options: &ShowOptions) -> Result<(), RunError> {
+        let Self { arrivals, session, mut screen, window, instance, .. } = self;
+        // Whatever is on its way is given up before the device goes.
+        drop(arrivals);
         tracing::info!("{}", super::page_text::in_short(&screen.facts()));
         let finished = session.finish(options);
         drop((screen, window));
@@ -284,7 +317,7 @@ impl App<'_> {
 impl ApplicationHandler for App<'_> {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         let Some(files) = self.files.take() else { return };
-        match Opened::open(event_loop, self.options, files) {
+        match Opened::open(event_loop, self.source, self.options, files) {
             Ok(opened) => self.opened = Some(opened),
             Err(error) => self.follow(event_loop, Err(error)),
         }
@@ -314,6 +347,19 @@ impl ApplicationHandler for App<'_> {
                         Ok(true) => event_loop.exit(),
                         Err(error) => self.follow(event_loop, Err(error)),
                     }
+                }
+            }
+            WindowEvent::MouseWheel { delta, .. } => opened.session.hasten(match delta {
+                MouseScrollDelta::LineDelta(_, notches) => notches,
+                MouseScrollDelta::PixelDelta(pixels) => pixels.y as f32 / PIXELS_A_NOTCH,
+            }),
+            WindowEvent::DroppedFile(file) => {
+                let size = opened.session.renderer().size();
+                let device = opened.session.renderer().device().clone();
+                let settings = self.source.settings_for_another();
+                let begun = opened.arrivals.load(&device, &file, settings, self.options, size);
+                if let Err(error) = begun {
+                    opened.session.refuse_file(&file, &error);
                 }
             }
             WindowEvent::MouseInput { state, .. } => {

@@ -37,6 +37,16 @@ pub enum Deed {
     Record,
     /// All that is written over the picture.
     Hud,
+    /// Time in the scene stands still, or goes on.
+    Pause,
+    /// One step of time further.
+    Step,
+    /// The next clip plays alone.
+    NextClip,
+    /// All clips play.
+    AllClips,
+    /// The camera of the scene's file with this number, from 1 on.
+    Camera(u32),
     /// The end.
     Quit,
 }
@@ -57,15 +67,33 @@ pub const KEYS: [(&str, &str, Deed); 12] = [
     ("Esc", "quit", Deed::Quit),
 ];
 
+/// More keys, for scenes out of files. Numbers look through their cameras.
+pub const FILE_KEYS: [(&str, &str, Deed); 4] = [
+    ("Space", "pause, go on", Deed::Pause),
+    (".", "one step", Deed::Step),
+    ("N", "next clip", Deed::NextClip),
+    ("L", "all clips", Deed::AllClips),
+];
+
+/// What the numbers do.
+pub const CAMERA_KEYS: (&str, &str) = ("1 to 9", "cameras of the file");
+
 /// What the camera is steered with.
-pub const STEERING: [(&str, &str); 3] =
-    [("WASD QE", "fly, down, up"), ("Shift", "faster"), ("Mouse", "look, a button held")];
+pub const STEERING: [(&str, &str); 4] = [
+    ("WASD QE", "fly, down, up"),
+    ("Shift", "faster"),
+    ("Wheel", "how fast"),
+    ("Mouse", "look, a button held"),
+];
 
 impl Deed {
-    /// What the key of that name does: `Tab`, `Esc`, or a letter of any case.
+    /// What the key of that name does: `Tab`, `Esc`, `Space`, a digit, or a letter of any case.
     pub fn of_key(name: &str) -> Option<Self> {
         let same = |(key, _, _): &&(&str, &str, Deed)| key.eq_ignore_ascii_case(name);
-        KEYS.iter().find(same).map(|(_, _, deed)| *deed)
+        if let Some(number) = name.parse().ok().filter(|number| (1..=9).contains(number)) {
+            return Some(Self::Camera(number));
+        }
+        KEYS.iter().chain(&FILE_KEYS).find(same).map(|(_, _, deed)| *deed)
     }
 
     /// A deed as scripts write it.
@@ -100,6 +128,14 @@ impl Deed {
                 ("screenshot", None) => Self::Screenshot,
                 ("record", None) => Self::Record,
                 ("hud", None) => Self::Hud,
+                ("pause", None) => Self::Pause,
+                ("step", None) => Self::Step,
+                ("next_clip", None) => Self::NextClip,
+                ("all_clips", None) => Self::AllClips,
+                ("camera", Some(number)) => Self::Camera(
+                    number.parse().map_err(|_| "camera takes its number, from 1 on".to_owned())?,
+                ),
+                ("camera", None) => return Err("camera takes its number, from 1 on".to_owned()),
                 ("quit", None) => Self::Quit,
                 (name, Some(value)) if NAMES.contains(&name) => {
                     return Err(format!("{name} takes no '{value}'"));
@@ -112,7 +148,7 @@ impl Deed {
     }
 }
 
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 17] = [
     "strategy",
     "frames_in_flight",
     "present_mode",
@@ -124,6 +160,11 @@ const NAMES: [&str; 12] = [
     "screenshot",
     "record",
     "hud",
+    "pause",
+    "step",
+    "next_clip",
+    "all_clips",
+    "camera",
     "quit",
 ];
 
@@ -144,12 +185,15 @@ mod tests {
 
     #[test]
     fn every_deed_has_a_key_and_a_name() {
-        for (key, _, deed) in KEYS {
-            assert_eq!(Deed::of_key(&key.to_lowercase()), Some(deed));
+        let keys = || KEYS.iter().chain(&FILE_KEYS);
+        for (key, _, deed) in keys() {
+            assert_eq!(Deed::of_key(&key.to_lowercase()), Some(*deed));
         }
-        for name in NAMES {
+        assert_eq!(Deed::of_key("3"), Some(Deed::Camera(3)));
+        assert_eq!((Deed::of_key("0"), Deed::of_key("12")), (None, None));
+        for name in NAMES.into_iter().filter(|name| *name != "camera") {
             let deed = Deed::parse(name).unwrap();
-            assert_eq!(KEYS.iter().filter(|(_, _, of_key)| *of_key == deed).count(), 1, "{name}");
+            assert_eq!(keys().filter(|(_, _, of_key)| *of_key == deed).count(), 1, "{name}");
         }
         assert_eq!(Deed::of_key("w"), None);
     }
@@ -158,12 +202,15 @@ mod tests {
     fn values_are_checked() {
         assert_eq!(Deed::parse("strategy pyramid"), Ok(Deed::Strategy(Strategy::Pyramid)));
         assert_eq!(Deed::parse("frames_in_flight 4"), Ok(Deed::FramesInFlight(4)));
+        assert_eq!(Deed::parse("camera 2"), Ok(Deed::Camera(2)));
         assert_eq!(Deed::parse("present_mode fifo"), Ok(Deed::PresentMode(PresentMode::Fifo)));
         for (text, reason) in [
             ("strategy pyramide", "did you mean 'pyramid'?"),
             ("frames_in_flight 5", "1 to 4"),
             ("present_mode vsync", "fifo_relaxed, mailbox"),
             ("hud off", "hud takes no 'off'"),
+            ("camera", "takes its number"),
+            ("camera walk", "takes its number"),
             ("jump", "unknown deed 'jump'"),
             ("", "unknown deed ''"),
             ("strategy pyramid now", "'now' is one word too many"),

@@ -3,9 +3,11 @@
 use cull::Camera;
 use glam::Vec3;
 
-/// Metres in a second, and so many times as much in a hurry.
-const SPEED_M: f32 = 4.0;
+/// So many times as fast in a hurry.
 const HURRY: f32 = 6.0;
+/// So many times as fast for each notch of the wheel, and how far that goes from the speed it began with.
+const NOTCH: f32 = 1.25;
+const MOST_TIMES: f32 = 1e3;
 /// Radians for a pixel that the mouse moved.
 const TURN_RAD: f32 = 0.003;
 /// Looking straight up or down would leave no side to turn to.
@@ -34,11 +36,15 @@ pub struct FlyCamera {
     rise_rad: f32,
     fov_y: f32,
     near: f32,
+    /// Metres in a second at first.
+    speed_m: f32,
+    /// How many times as much by now.
+    times: f32,
 }
 
-impl From<Camera> for FlyCamera {
-    /// Begins where another camera is, upright.
-    fn from(camera: Camera) -> Self {
+impl FlyCamera {
+    /// Begins where another camera is, upright, at so many metres a second.
+    pub fn new(camera: Camera, speed_m: f32) -> Self {
         let forward = camera.forward.try_normalize().unwrap_or(Vec3::X);
         Self {
             eye: camera.eye,
@@ -46,11 +52,24 @@ impl From<Camera> for FlyCamera {
             rise_rad: forward.y.clamp(-1.0, 1.0).asin().clamp(-STEEPEST_RAD, STEEPEST_RAD),
             fov_y: camera.fov_y,
             near: camera.near,
+            speed_m,
+            times: 1.0,
         }
     }
-}
 
-impl FlyCamera {
+    /// Goes on from where another camera is, as fast as before.
+    pub fn go_to(&mut self, camera: Camera) {
+        *self = Self { times: self.times, ..Self::new(camera, self.speed_m) };
+    }
+
+    /// Flies faster, or more slowly, by so many notches of a wheel.
+    pub fn hasten(&mut self, notches: f32) {
+        if notches.is_finite() {
+            let times = self.times * NOTCH.powf(notches.clamp(-9.0, 9.0));
+            self.times = times.clamp(MOST_TIMES.recip(), MOST_TIMES);
+        }
+    }
+
     /// What it sees.
     pub fn camera(&self) -> Camera {
         Camera {
@@ -77,7 +96,7 @@ impl FlyCamera {
         let way = way.clamp_length_max(1.0);
         let hurry = if steering.hurries { HURRY } else { 1.0 };
         let seconds = if seconds.is_finite() { seconds.clamp(0.0, LONGEST_STEP_S) } else { 0.0 };
-        let eye = self.eye + way * (SPEED_M * hurry * seconds);
+        let eye = self.eye + way * (self.speed_m * self.times * hurry * seconds);
         if eye.is_finite() {
             self.eye = eye;
         }
@@ -99,10 +118,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    const SPEED_M: f32 = 4.0;
+
     fn level() -> FlyCamera {
         let eye = Vec3::new(1.0, 2.0, 3.0);
         let camera = Camera { eye, forward: Vec3::X, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
-        FlyCamera::from(camera)
+        FlyCamera::new(camera, SPEED_M)
     }
 
     #[test]
@@ -136,9 +157,26 @@ mod tests {
     #[test]
     fn it_begins_where_the_other_looks() {
         let camera = level().camera();
-        assert_eq!(FlyCamera::from(camera).camera(), camera);
+        assert_eq!(FlyCamera::new(camera, SPEED_M).camera(), camera);
         let down = Camera { forward: -Vec3::Y, ..camera };
-        assert!(FlyCamera::from(down).camera().forward.y < -0.99);
+        assert!(FlyCamera::new(down, SPEED_M).camera().forward.y < -0.99);
+    }
+
+    #[test]
+    fn the_wheel_makes_it_faster_up_to_a_bound() {
+        let flown = |notches: &[f32]| {
+            let mut camera = level();
+            notches.iter().for_each(|notches| camera.hasten(*notches));
+            camera.fly(&Steering { ahead: 1.0, ..Steering::default() }, 0.1);
+            camera.camera().eye.x - 1.0
+        };
+        assert!((flown(&[2.0, 1.0]) / flown(&[]) - NOTCH.powi(3)).abs() < 1e-3);
+        assert!((flown(&[3.0, -3.0]) - flown(&[f32::NAN])).abs() < 1e-4);
+        assert!(flown(&[1e9; 100]) <= SPEED_M * MOST_TIMES * 0.1 + 1.0);
+        let mut camera = level();
+        camera.hasten(4.0);
+        camera.go_to(level().camera());
+        assert_eq!(camera.camera(), level().camera());
     }
 
     proptest! {

@@ -1,16 +1,20 @@
 //! The program without a window: the same frames, one a sixtieth of a second, as pictures if wanted.
 
+use std::ops::ControlFlow;
 use std::rc::Rc;
 
 use gpu::{Device, DeviceOptions, Readback};
 
-use super::args::CityOptions;
 use super::deeds::Deed;
 use super::fly_camera::Steering;
 use super::session::{Files, Session};
+use super::show::ShowOptions;
 use super::signals::Signals;
+use super::source::Source;
+use super::stage::Stage;
 use crate::options::FrameSize;
 use crate::picture::write_png;
+use crate::progress::LoadingBar;
 use crate::run::{self, RunError};
 
 const FRAME_SECONDS: f32 = 1.0 / 60.0;
@@ -21,13 +25,18 @@ const HUD_FRAMES: u32 = 15;
 ///
 /// # Errors
 /// A device or a file that is not what it should be; messages of the validation layer.
-pub fn run(options: &CityOptions, files: Files, signals: &Signals) -> Result<(), RunError> {
+pub fn run(
+    source: &Source,
+    options: &ShowOptions,
+    files: Files,
+    signals: &Signals,
+) -> Result<(), RunError> {
     let instance = run::open_instance(options.validation, None)?;
     let adapter = instance.pick_adapter(run::wanted(&options.device).as_deref())?;
     let device_options =
         DeviceOptions { pipeline_cache: run::pipeline_cache_file(), ..Default::default() };
     let device = Device::new(&instance, &adapter, &device_options)?;
-    let drawn = draw(&device, options, files, signals);
+    let drawn = draw(&device, source, options, files, signals);
     drop(device);
     let log = instance.validation_log().clone();
     drop(instance);
@@ -36,12 +45,27 @@ pub fn run(options: &CityOptions, files: Files, signals: &Signals) -> Result<(),
 
 fn draw(
     device: &Device,
-    options: &CityOptions,
+    source: &Source,
+    options: &ShowOptions,
     files: Files,
     signals: &Signals,
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
-    let mut session = Session::new(device, options, files, size)?;
+    let stage = match source {
+        Source::Made { made, path } => Stage::made(device, made, path.as_ref(), options, size)?,
+        Source::File { file, settings } => {
+            let bar = LoadingBar::for_terminal();
+            Stage::of_file(device, (file, settings), options, size, &mut |told| {
+                bar.told(told.what, told.fraction);
+                match signals.received() {
+                    Some(_) => ControlFlow::Break(()),
+                    None => ControlFlow::Continue(()),
+                }
+            })?
+        }
+        Source::Nothing { .. } => Stage::empty(device, options, size)?,
+    };
+    let mut session = Session::new(device, options, files, stage)?;
     let drawn = draw_frames(device, &mut session, options, signals);
     super::first_error([drawn, session.finish(options)])
 }
@@ -49,7 +73,7 @@ fn draw(
 fn draw_frames(
     device: &Device,
     session: &mut Session,
-    options: &CityOptions,
+    options: &ShowOptions,
     signals: &Signals,
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
@@ -71,7 +95,8 @@ fn draw_frames(
         if has_acted || frame % HUD_FRAMES == 0 {
             session.lay_out(None, 1.0)?;
         }
-        session.draw(&Steering::default(), FRAME_SECONDS, picture.as_ref())?;
+        let seconds = if frame == 0 { 0.0 } else { FRAME_SECONDS };
+        session.draw(&Steering::default(), seconds, picture.as_ref())?;
         if let (Some(picture), Some(folder)) = (&picture, &options.out) {
             device.drain()?;
             let size = FrameSize { width: size[0], height: size[1] };

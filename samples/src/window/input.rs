@@ -39,6 +39,7 @@ impl Input {
         match &event.logical_key {
             Key::Named(NamedKey::Tab) => Deed::of_key("Tab"),
             Key::Named(NamedKey::Escape) => Deed::of_key("Esc"),
+            Key::Named(NamedKey::Space) => Deed::of_key("Space"),
             Key::Character(letter) => Deed::of_key(letter),
             _ => None,
         }

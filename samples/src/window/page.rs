@@ -1,6 +1,6 @@
 //! The page of the HUD of a session.
 
-use super::deeds::{KEYS, STEERING};
+use super::deeds::{CAMERA_KEYS, FILE_KEYS, KEYS, STEERING};
 use super::page_text::Known;
 use super::screen::ScreenFacts;
 use super::session::Session;
@@ -22,7 +22,7 @@ impl Session {
         } else {
             // Without a screen nobody watches, and pictures stay what they are; the log has it.
             let notice = screen.and_then(|_| self.notice.refused_at(self.clock.now()));
-            HudPage { notice, ..HudPage::default() }
+            HudPage { notice, progress: self.progress(), ..HudPage::default() }
         };
         if page == HudPage::default() {
             if self.hud.take().is_some() {
@@ -56,13 +56,25 @@ impl Session {
             screen,
         };
         let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
-        let keys = KEYS.iter().map(|(key, deed, _)| (*key, *deed)).chain(STEERING);
+        let of_files = self.world.is_alive().then_some(FILE_KEYS).into_iter().flatten();
+        let keys = KEYS.into_iter().chain(of_files).map(|(key, deed, _)| (key, deed));
+        let keys = keys.chain(self.world.is_alive().then_some(CAMERA_KEYS)).chain(STEERING);
+        let mut facts = known.facts();
+        if let Some(of_world) = self.world.facts() {
+            facts.insert(1, of_world);
+        }
         HudPage {
             frames_ms: self.times.newest_ms().collect(),
             budget_ms: screen.and_then(|screen| screen.refresh).map(|d| d.as_secs_f32() * 1e3),
-            facts: known.facts(),
+            facts,
             keys: keys.map(own).collect(),
             notice: self.notice.at(self.clock.now()),
+            progress: self.progress(),
         }
+    }
+
+    /// What is told of a scene that is on its way.
+    fn progress(&self) -> Option<(String, Option<f32>)> {
+        self.awaited.as_ref().map(|awaited| (awaited.what.clone(), awaited.fraction))
     }
 }

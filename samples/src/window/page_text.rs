@@ -160,7 +160,8 @@ pub fn in_short(screen: &ScreenFacts) -> String {
     format!("of the last {} frames: {}", screen.summary.frames, facts.join("; "))
 }
 
-fn fact(name: &str, value: impl Into<String>) -> (String, String) {
+/// A name and a value.
+pub fn fact(name: &str, value: impl Into<String>) -> (String, String) {
     (name.to_owned(), value.into())
 }
 

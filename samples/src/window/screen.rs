@@ -12,9 +12,9 @@ use pacing::{
 };
 use render::Renderer;
 
-use super::args::CityOptions;
 use super::clock::Clock;
 use super::evenness::Evenness;
+use super::show::ShowOptions;
 use crate::run::RunError;
 
 /// Frames whose end is still of interest.
@@ -76,7 +76,7 @@ impl Screen {
     pub fn new(
         device: &Device,
         surface: &Surface,
-        options: &CityOptions,
+        options: &ShowOptions,
         refresh: Option<Duration>,
     ) -> Result<Self, RunError> {
         let swapchain = Swapchain::new(

@@ -1,31 +1,31 @@
-//! The program without its window: scene, camera, and one frame after the other, whoever shows them.
+//! The program without its window: a world, a camera, and one frame after the other, whoever shows them.
 
 use std::path::PathBuf;
 use std::rc::Rc;
 
 use cull::Camera;
 use gpu::{Device, Readback, Tick};
-use render::scene::{self, Scene};
 use render::{
-    Area, Explanation, FrameOutcome, FrameReport, FrameRequest, Moment, Renderer, RendererOptions,
-    ShaderSet, ViewHistory,
+    Area, Explanation, FrameOutcome, FrameReport, FrameRequest, Moment, Renderer, ShaderSet,
+    ViewHistory,
 };
 
-use super::args::CityOptions;
 use super::capture::Capture;
 use super::clock::Clock;
 use super::fly_camera::{FlyCamera, Steering};
 use super::frame_times::FrameTimes;
+use super::loading::Progress;
 use super::notice::Notice;
 use super::profiler::{Profiler, Scope};
 use super::screenshots::Screenshots;
 use super::script::Script;
 use super::shader_watch::ShaderWatch;
+use super::show::ShowOptions;
+use super::source::Source;
+use super::stage::Stage;
 use super::trace::Trace;
-use crate::choices;
-use crate::course::Course;
+use super::world::World;
 use crate::hud::Hud;
-use crate::options::PathChoice;
 use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
 use crate::strategy::Strategy;
@@ -39,8 +39,9 @@ pub struct Session {
     /// The number of the next frame.
     pub(super) frame: u32,
     pub(super) fly: FlyCamera,
-    /// The camera's own way, until somebody steers.
-    pub(super) course: Option<Course>,
+    pub(super) world: World,
+    /// How far another scene has come that is on its way.
+    pub(super) awaited: Option<Progress>,
     pub(super) frozen: Option<Moment>,
     /// What the newest frame was seen from.
     pub(super) seen_from: Camera,
@@ -67,47 +68,31 @@ pub struct Session {
 }
 
 impl Session {
-    /// Builds the scene and brings it to the device.
+    /// Shows `stage`.
     ///
     /// # Errors
-    /// A file that is not what it should be; a device that cannot do it.
+    /// A device that cannot do it.
     pub fn new(
         device: &Device,
-        options: &CityOptions,
+        options: &ShowOptions,
         files: Files,
-        size: [u32; 2],
+        stage: Stage,
     ) -> Result<Self, RunError> {
-        let scene = match options.scene {
-            choices::Scene::City => scene::city(options.objects, options.seed)?,
-            choices::Scene::Field => scene::field(options.objects, options.seed)?,
-        };
-        let course = options.path.as_ref().map(|choice| Course::new(choice, &scene)).transpose()?;
-        let start = match &course {
-            Some(course) => course.camera(0),
-            None => start(&scene)?.camera(0),
-        };
-        let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?;
-        let frames_in_flight = options.frames_in_flight as usize;
-        let options_of_renderer = RendererOptions {
-            size,
-            frames_in_flight,
-            shaders,
-            costs: options.costs.into(),
-            ..RendererOptions::default()
-        };
-        let mut renderer = Renderer::new(device, &scene, &options_of_renderer)?;
+        let Stage { mut renderer, world } = stage;
         renderer.supports(options.strategy)?;
         if options.times_passes {
             renderer.time_passes()?;
         }
+        let start = world.start;
         let clock = Clock;
         Ok(Self {
             clock,
             history: renderer.new_view()?,
             strategy: options.strategy,
             frame: 0,
-            fly: FlyCamera::from(start),
-            course,
+            fly: FlyCamera::new(start, world.speed_m),
+            world,
+            awaited: None,
             frozen: None,
             seen_from: start,
             explanation: Explanation::default(),
@@ -154,10 +139,15 @@ impl Session {
         self.fly.turn(right, down);
     }
 
+    /// Flies faster, or more slowly, by so many notches of a wheel.
+    pub fn hasten(&mut self, notches: f32) {
+        self.fly.hasten(notches);
+    }
+
     /// From here on somebody steers.
     fn take_over(&mut self) {
-        if self.course.take().is_some() {
-            self.fly = FlyCamera::from(self.seen_from);
+        if self.world.take_over() {
+            self.fly.go_to(self.seen_from);
         }
     }
 
@@ -175,8 +165,8 @@ impl Session {
         if *steering != (Steering { hurries: steering.hurries, ..Steering::default() }) {
             self.take_over();
         }
-        if let Some(course) = &self.course {
-            return course.camera(self.frame);
+        if let Some(camera) = self.world.camera(self.frame) {
+            return camera;
         }
         self.fly.fly(steering, seconds);
         self.fly.camera()
@@ -196,6 +186,10 @@ impl Session {
     ) -> Result<Tick, RunError> {
         let scope = self.begin_scope("render");
         let began = scope.began;
+        // What was decided stays decided while the culling stands still, so all else does, too.
+        if self.frozen.is_none() {
+            self.world.advance(&mut self.renderer, seconds)?;
+        }
         let camera = self.camera(steering, seconds);
         self.seconds += f64::from(seconds);
         if let Some(recording) = &mut self.recording {
@@ -244,7 +238,7 @@ impl Session {
             Some(picture) => Rc::clone(picture),
             None => Rc::new(Readback::new(self.renderer.device(), self.renderer.size())?),
         };
-        let name = format!("city_{:05}.png", self.frame);
+        let name = format!("{}_{:05}.png", self.world.name, self.frame);
         Ok(Some((picture, self.folder.join(name))))
     }
 
@@ -316,7 +310,7 @@ impl Session {
     ///
     /// # Errors
     /// When a file cannot be written, or a screenshot could not be before.
-    pub fn finish(mut self, options: &CityOptions) -> Result<(), RunError> {
+    pub fn finish(mut self, options: &ShowOptions) -> Result<(), RunError> {
         let recording = self.stop_recording();
         let screenshots = self.screenshots.finish(self.renderer.device());
         let trace = match (&self.trace, &options.trace) {
@@ -340,20 +334,14 @@ impl Files {
     ///
     /// # Errors
     /// One that cannot be read, or is not what it should be.
-    pub fn open(options: &CityOptions) -> Result<Self, RunError> {
-        if let Some(PathChoice::Recorded(file)) = &options.path {
+    pub fn open(source: &Source, options: &ShowOptions) -> Result<Self, RunError> {
+        if let Some(file) = source.recorded_path() {
             RecordedPath::read(file)?;
         }
         let script = options.script.as_deref().map(Script::read).transpose()?;
         let capture = options.capture.map(Capture::new).transpose()?;
         Ok(Self { script: script.unwrap_or_default(), capture })
     }
-}
-
-/// Where one stands at first: in a street, or over it all where there are none.
-fn start(scene: &Scene) -> Result<Course, RunError> {
-    let made = |path| Course::new(&PathChoice::Made(path), scene);
-    made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))
 }
 
 /// The lower right corner of a picture.

@@ -3,7 +3,7 @@
 mod draws;
 
 use std::cell::Cell;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use ash::vk;
 use bytemuck::Pod;
@@ -29,7 +29,7 @@ pub struct Commands {
     raw: vk::CommandBuffer,
     recording: Recording,
     descriptors: vk::DescriptorPool,
-    timer: Option<Rc<PassTimer>>,
+    timer: Option<Arc<PassTimer>>,
     failed: Cell<Option<Failure>>,
 }
 
@@ -48,7 +48,7 @@ impl Commands {
         raw: vk::CommandBuffer,
         recording: Recording,
         descriptors: vk::DescriptorPool,
-        timer: Option<Rc<PassTimer>>,
+        timer: Option<Arc<PassTimer>>,
     ) -> Self {
         let device = device.clone();
         Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }

@@ -40,6 +40,7 @@ use crate::load::{LoadOptions, Stage, Teller};
 use crate::{ImportError, Source};
 
 pub(crate) use self::framing::overview;
+pub(crate) use self::skins::used_joints;
 
 /// After how many nodes progress is told.
 const TOLD_NODES: usize = 256;

@@ -63,7 +63,7 @@ impl Skins {
 }
 
 /// Of each joint of a skin, whether a vertex follows it.
-pub(super) fn used_joints(weights: &SkinWeights) -> Vec<bool> {
+pub(crate) fn used_joints(weights: &SkinWeights) -> Vec<bool> {
     let mut is_used = vec![false; weights.joint_count as usize];
     let named = weights.joints.as_flattened().iter().zip(weights.weights.as_flattened());
     for (joint, _) in named.filter(|(_, weight)| **weight > 0.0) {

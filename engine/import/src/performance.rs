@@ -1,0 +1,253 @@
+//! A scene out of a file as it lives: time in, changes of the renderer out.
+//!
+//! The work of a moment goes with what moves then, not with the scene: nodes that no playing clip moves are
+//! not looked at, and what is where it was is not changed.
+
+mod changes;
+mod playing;
+mod show;
+#[cfg(test)]
+mod tests;
+
+use animation::{Clip, NodeId, Pose, Rig, Skeleton};
+use cull::Aabb;
+use glam::{Affine3A, Vec3};
+use render::scene::{PunctualLight, Scene};
+
+use crate::convert::used_joints;
+use crate::imported::{Camera, Imported, Placed, Placement};
+use playing::Playing;
+
+pub use changes::{BlendedMove, Changes, Deformation, LightMove, ObjectMove};
+
+/// What hangs on the nodes of a file, and the clips that move it.
+///
+/// Any moment can be shown after any other: what is shown is a function of the time and of the clips that
+/// play. In the steady state nothing is allocated.
+pub struct Performance {
+    rig: Rig,
+    clips: Vec<Clip>,
+    parts: Vec<Part>,
+    playing: Playing,
+    pose: Pose,
+    /// The pose that one fades to.
+    other: Pose,
+    /// From each node's space to the world's.
+    world: Vec<Affine3A>,
+    /// The nodes that the playing clips move, parents first.
+    moving: Vec<NodeId>,
+    /// The places of the parts that change with them.
+    movers: Vec<usize>,
+    /// Whether nothing was shown yet.
+    is_new: bool,
+    /// As they were shown last.
+    lights: Vec<PunctualLight>,
+    changes: Changes,
+    show: show::Scratch,
+}
+
+/// Something that hangs on a node, and how it was shown last.
+struct Part {
+    placement: Placement,
+    /// What it hangs on, if it has a skin.
+    skeleton: Option<Skeleton>,
+    shown: Affine3A,
+    /// Empty before it was shown.
+    shown_bounds: Aabb,
+    /// Its joints and weights, as they were shown last; none before.
+    shown_form: changes::Form,
+}
+
+impl Part {
+    /// The node in whose space it is; `None` in the world's.
+    fn node(&self) -> Option<NodeId> {
+        match &self.skeleton {
+            Some(skeleton) => skeleton.space(),
+            None => Some(self.placement.node),
+        }
+    }
+
+    /// Where it is.
+    fn place(&self, world: &[Affine3A]) -> Affine3A {
+        let node = self.node().and_then(|node| world.get(node.0 as usize));
+        node.map_or(self.placement.local, |node| *node * self.placement.local)
+    }
+
+    /// Whether a clip changes its form.
+    fn is_formed_by(&self, clip: &Clip) -> bool {
+        let weighs = |channel: &animation::Channel| {
+            !channel.is_transform() && channel.node == self.placement.node
+        };
+        self.placement.deformer.is_some()
+            && (clip.channels.iter().any(weighs)
+                || self.skeleton.as_ref().is_some_and(|skeleton| skeleton.is_moved_by(clip)))
+    }
+}
+
+impl Performance {
+    /// Takes what lives from a file that was loaded; its scene, its cameras and what there is to tell of it
+    /// are for others. Nothing plays at first.
+    pub fn of(imported: Imported) -> (Scene, Self, Vec<Camera>, Vec<String>) {
+        let Imported { scene, rig, clips, skins, placements, cameras, notes } = imported;
+        let pose = Pose::new(&rig);
+        let mut world = Vec::new();
+        rig.world(&pose, &mut world);
+        let deformers = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.deformers);
+        let part = |placement: Placement| {
+            let deformer = placement.deformer.map(|(deformer, skin)| (deformer.0 as usize, skin));
+            let deformer = deformer.and_then(|(id, skin)| Some((deformers.get(id)?, skin)));
+            let skeleton = deformer.and_then(|(deformer, skin)| {
+                let (weights, skin) = (deformer.skin.as_ref()?, skins.get(skin?)?);
+                Skeleton::new(&rig, skin, &used_joints(weights)).ok()
+            });
+            let mut part = Part {
+                placement,
+                skeleton,
+                shown: Affine3A::IDENTITY,
+                shown_bounds: Aabb::EMPTY,
+                shown_form: changes::Form::default(),
+            };
+            part.shown = part.place(&world);
+            part
+        };
+        let mut performance = Self {
+            parts: placements.into_iter().map(part).collect(),
+            playing: Playing::default(),
+            other: pose.clone(),
+            moving: Vec::new(),
+            movers: Vec::new(),
+            lights: scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights).copied().collect(),
+            is_new: true,
+            changes: Changes::default(),
+            show: show::Scratch::default(),
+            rig,
+            clips,
+            pose,
+            world,
+        };
+        // What is on joints is not in its form of the rest before it was told so.
+        performance.find_movers();
+        (scene, performance, cameras, notes)
+    }
+
+    /// All clips.
+    pub fn clips(&self) -> &[Clip] {
+        &self.clips
+    }
+
+    /// How long a clip lasts, in seconds; `None` for one that is not there or lasts no time.
+    pub fn duration_s(&self, clip: usize) -> Option<f32> {
+        self.clips.get(clip).map(Clip::duration_s).filter(|seconds| *seconds > 0.0)
+    }
+
+    /// The clip that moves a camera: of several the one that is called like it, else the first.
+    pub fn clip_of(&self, camera: &Camera) -> Option<usize> {
+        let moves = |clip: &Clip| {
+            let mut moved = clip.channels.iter().filter(|channel| channel.is_transform());
+            moved.any(|channel| self.is_above(channel.node, camera.node))
+        };
+        let mut moving = self.clips.iter().enumerate().filter(|(_, clip)| moves(clip));
+        let (first, clip) = moving.next()?;
+        let named = |(_, clip): &(usize, &Clip)| clip.name == camera.name;
+        let other = if named(&(first, clip)) { None } else { moving.find(named) };
+        Some(other.map_or(first, |(place, _)| place))
+    }
+
+    /// Whether `node` is `below` or one of its ancestors.
+    fn is_above(&self, node: NodeId, below: NodeId) -> bool {
+        let parent = |id: &NodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
+        std::iter::successors(Some(below), parent).any(|ancestor| ancestor == node)
+    }
+
+    /// Whether `node` is moved by the clips that play.
+    pub fn moves(&self, node: NodeId) -> bool {
+        self.moving.contains(&node)
+    }
+
+    /// How many objects the playing clips move or change.
+    pub fn moving_objects(&self) -> usize {
+        let parts = self.movers.iter().filter_map(|mover| self.parts.get(*mover));
+        parts.filter(|part| matches!(part.placement.placed, Placed::Object(_))).count()
+    }
+
+    /// As many of the clips as can play at once, in their order: no two move the same property of the same
+    /// node, and where they would, the earlier one plays. `first` comes before all others.
+    pub fn compatible(&self, first: Option<usize>) -> Vec<usize> {
+        playing::compatible(&self.clips, first)
+    }
+
+    /// What a camera sees at the moment that was posed last.
+    pub fn seen_by(&self, camera: &Camera) -> cull::Camera {
+        let world = self.world.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
+        let forward = Vec3::from(-world.matrix3.z_axis).try_normalize().unwrap_or(Vec3::NEG_Z);
+        // Whatever is done to its node, a camera's picture is upright.
+        let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
+        cull::Camera {
+            eye: world.translation.into(),
+            forward,
+            up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
+            fov_y: camera.fov_y_rad,
+            near: camera.near_m,
+        }
+    }
+
+    /// Plays these clips from now on, each in a loop from the time 0 on; they take `fade_s` seconds from
+    /// `seconds` on to take the place of those that played. Of two that move the same, the later one does.
+    /// Takes as long as the scene is large.
+    pub fn play(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
+        self.playing.change(clips, seconds, fade_s);
+        self.find_movers();
+    }
+
+    /// Puts all nodes to where they are at a time.
+    pub fn pose(&mut self, seconds: f64) {
+        self.pose.reset(&self.rig);
+        let weight = self.playing.weight(seconds);
+        if weight < 1.0 {
+            playing::sample(&mut self.pose, &self.clips, self.playing.from(), seconds);
+            self.other.reset(&self.rig);
+            playing::sample(&mut self.other, &self.clips, self.playing.to(), seconds);
+            self.pose.blend(&self.other, weight);
+        } else {
+            playing::sample(&mut self.pose, &self.clips, self.playing.to(), seconds);
+        }
+        self.rig.update_world(&self.moving, &self.pose, &mut self.world);
+    }
+
+    /// What has to be changed so that all is as it is at a time, after what was changed before.
+    pub fn changes(&mut self, seconds: f64) -> &Changes {
+        self.pose(seconds);
+        self.changes.clear();
+        for mover in &self.movers {
+            let Some(part) = self.parts.get_mut(*mover) else { continue };
+            part.change(&self.rig, &self.pose, &mut self.changes);
+            let clips = self.playing.contributing(seconds);
+            let bounds = part.bounds(clips.filter_map(|clip| Some((clip, self.clips.get(clip)?))));
+            part.change_place(&self.world, bounds, &mut self.lights, &mut self.changes);
+        }
+        if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {
+            // Those that played before are at rest again, and are not looked at any more.
+            self.find_movers();
+        }
+        &self.changes
+    }
+
+    fn find_movers(&mut self) {
+        let clips = || self.playing.concerned().filter_map(|clip| self.clips.get(clip));
+        self.moving = self.rig.moved_by(clips());
+        let mut is_moving = vec![false; self.rig.nodes().len()];
+        for node in &self.moving {
+            if let Some(is_moving) = is_moving.get_mut(node.0 as usize) {
+                *is_moving = true;
+            }
+        }
+        let moves = |node: NodeId| is_moving.get(node.0 as usize).is_some_and(|moves| *moves);
+        let changes = |part: &Part| {
+            (self.is_new && part.placement.deformer.is_some())
+                || part.node().is_some_and(moves)
+                || clips().any(|clip| part.is_formed_by(clip))
+        };
+        let movers = self.parts.iter().enumerate().filter(|(_, part)| changes(part));
+        self.movers = movers.map(|(place, _)| place).collect();
+    }
+}

@@ -1,0 +1,1 @@
+//! Tests of a performance: what changes when, without a device.

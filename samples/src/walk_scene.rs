@@ -1,0 +1,123 @@
+//! What a walk goes through: the scene, the camera's way, what moves, and what there is to say of it.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use import::Performance;
+use render::scene::{self, Scene};
+
+use crate::Options;
+use crate::choices;
+use crate::course::Course;
+use crate::film::{self, Clips, FrameClock, Orbit};
+use crate::moving::Moving;
+use crate::options::{MadeScene, PathChoice, SceneChoice};
+use crate::progress::Progress;
+use crate::recorded_path::RecordedPath;
+use crate::report::FileReport;
+use crate::run::RunError;
+use crate::scene_file;
+use crate::stopwatch::Stopwatch;
+
+/// What is walked through.
+pub struct WalkScene {
+    /// The scene at rest.
+    pub scene: Scene,
+    /// Where the camera goes.
+    pub path: Course,
+    /// What moves.
+    pub moving: Moving,
+    /// What there is to say of its file, if it comes from one.
+    pub file: Option<FileReport>,
+}
+
+impl WalkScene {
+    /// Makes or loads what the options ask for.
+    ///
+    /// # Errors
+    /// Numbers that no scene can be made from; a file that cannot be shown; a path or a camera that is not
+    /// there.
+    pub fn build(options: &Options, progress: &dyn Progress) -> Result<Self, RunError> {
+        match &options.scene {
+            SceneChoice::Made(made) => Self::make(made, options, progress),
+            SceneChoice::File(file) => Self::load(file, options, progress),
+        }
+    }
+
+    fn make(
+        made: &MadeScene,
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self, RunError> {
+        let MadeScene { scene: kind, objects, seed } = *made;
+        progress.stage(&format!("building the {kind} of about {objects} objects"));
+        let scene = match kind {
+            choices::Scene::City => scene::city(objects, seed)?,
+            choices::Scene::Field => scene::field(objects, seed)?,
+        };
+        let path = Course::new(&options.path, &scene)?;
+        let moving = Moving::new(&scene, options.moving_percent, seed)?;
+        Ok(Self { scene, path, moving, file: None })
+    }
+
+    fn load(file: &Path, options: &Options, progress: &dyn Progress) -> Result<Self, RunError> {
+        let mut clock = Stopwatch::start();
+        let mut newest = String::new();
+        let imported = scene_file::load(file, &mut |told| {
+            if told.what != newest {
+                told.what.clone_into(&mut newest);
+                progress.stage(told.what);
+            }
+            ControlFlow::Continue(())
+        })?;
+        let load_ms = clock.lap_ms();
+        let mut report = scene_file::report(file, &imported, load_ms);
+        let bounds = imported.bounds();
+        let size = [options.size.width / options.views.max(1), options.size.height];
+        let orbit = Orbit::around(&bounds, size);
+        let (scene, mut performance, cameras, _) = Performance::of(imported);
+        let way = Way::of(&options.path, &cameras, file)?;
+        let camera = match way {
+            Way::Camera(place) => cameras.get(place),
+            Way::Recorded(_) | Way::Around => None,
+        };
+        let own = camera.and_then(|camera| performance.clip_of(camera));
+        let clips = Clips::all(&performance, own);
+        report.playing = clips.playing().len() as u64;
+        report.notes.extend(clips.conflicts(&performance));
+        performance.play(clips.playing(), 0.0, 0.0);
+        let seconds = own.and_then(|clip| performance.duration_s(clip));
+        let clock = FrameClock::of_walk(seconds, options.frames);
+        let path = match (way, camera) {
+            (Way::Recorded(path), _) => Course::Recorded(path, orbit.camera(0, 1)),
+            (_, Some(camera)) => film::cameras(&mut performance, camera, clock, options.frames),
+            (_, None) => Course::Around(orbit, options.frames),
+        };
+        Ok(Self { scene, path, moving: Moving::played(performance, clock), file: Some(report) })
+    }
+}
+
+/// Who leads the camera.
+enum Way {
+    Camera(usize),
+    Recorded(RecordedPath),
+    Around,
+}
+
+impl Way {
+    /// A camera of that name, else a recorded path.
+    fn of(choice: &PathChoice, cameras: &[import::Camera], file: &Path) -> Result<Self, RunError> {
+        let wanted = match choice {
+            PathChoice::OfFile(wanted) => wanted.as_deref(),
+            PathChoice::Recorded(path) => return Ok(Self::Recorded(RecordedPath::read(path)?)),
+            PathChoice::Made(path) => Some(choices::Named::name(*path)),
+        };
+        let is_camera = |name: &str| cameras.iter().any(|camera| camera.name == name);
+        let recorded = wanted.filter(|name| !is_camera(name)).and_then(crate::args::path_file);
+        if let Some(path) = recorded {
+            return Ok(Self::Recorded(RecordedPath::read(&path)?));
+        }
+        let camera = film::find_camera(cameras, wanted, &file.display())?;
+        Ok(camera.map_or(Self::Around, Self::Camera))
+    }
+}

@@ -1,0 +1,100 @@
+//! Scenes that come while the window is open: the one it was opened for, and files dropped into it.
+
+use std::path::Path;
+
+use gpu::Device;
+
+use super::loading::Loading;
+use super::session::Session;
+use super::show::ShowOptions;
+use super::source::{FileSource, Source};
+use super::stage::Stage;
+use crate::run::RunError;
+
+const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
+
+/// What is on its way.
+pub struct Arrivals {
+    loading: Option<Loading>,
+    /// Whether nothing was shown yet of what the window was opened for.
+    is_first: bool,
+    /// Whether it was said what to do with an empty window.
+    is_invited: bool,
+}
+
+impl Arrivals {
+    /// What is shown at once, and what is on its way.
+    ///
+    /// # Errors
+    /// A scene that cannot be made; a device that cannot do it.
+    pub fn open(
+        source: &Source,
+        device: &Device,
+        options: &ShowOptions,
+        size: [u32; 2],
+    ) -> Result<(Self, Stage), RunError> {
+        let stage = match source {
+            Source::Made { made, path } => Stage::made(device, made, path.as_ref(), options, size)?,
+            Source::File { .. } | Source::Nothing { .. } => Stage::empty(device, options, size)?,
+        };
+        let loading = match source {
+            Source::File { file, settings } => {
+                Some(Loading::start(device, file, settings.clone(), options, size)?)
+            }
+            Source::Made { .. } | Source::Nothing { .. } => None,
+        };
+        let is_first = loading.is_some();
+        let is_invited = !matches!(source, Source::Nothing { .. });
+        Ok((Self { loading, is_first, is_invited }, stage))
+    }
+
+    /// Whether the window still waits for what it was opened for.
+    pub fn is_first_awaited(&self) -> bool {
+        self.is_first
+    }
+
+    /// Whether anything is on its way.
+    pub fn is_awaited(&self) -> bool {
+        self.loading.is_some()
+    }
+
+    /// Begins to load another file, in place of any other that is on its way.
+    ///
+    /// # Errors
+    /// When the system has no thread for it.
+    pub fn load(
+        &mut self,
+        device: &Device,
+        file: &Path,
+        settings: FileSource,
+        options: &ShowOptions,
+        size: [u32; 2],
+    ) -> Result<(), RunError> {
+        self.loading = None;
+        self.loading = Some(Loading::start(device, file, settings, options, size)?);
+        self.is_first = false;
+        Ok(())
+    }
+
+    /// Looks what has come, and has `session` show it; answers whether anything is to be told.
+    ///
+    /// # Errors
+    /// What the window was opened for cannot be shown; a failed device. Another file that cannot be shown
+    /// leaves the scene as it is, and is told of.
+    pub fn look(&mut self, session: &mut Session) -> Result<bool, RunError> {
+        if !std::mem::replace(&mut self.is_invited, true) {
+            session.keep_telling(DROP_ONE.to_owned());
+        }
+        let Some(loading) = &mut self.loading else { return Ok(false) };
+        session.await_scene(Some(loading.progress()));
+        let Some(arrived) = loading.finished() else { return Ok(false) };
+        let shown = arrived.and_then(|stage| session.enter(stage));
+        session.await_scene(None);
+        let is_first = std::mem::take(&mut self.is_first);
+        match (shown, self.loading.take()) {
+            (Err(error), Some(loading)) if !is_first => session.refuse_file(loading.file(), &error),
+            (shown, _) => shown?,
+        }
+        Ok(true)
+    }
+}

@@ -1,0 +1,83 @@
+//! Another scene takes the place of the one that is shown; everything that was chosen stays chosen.
+
+use std::path::Path;
+
+use render::FrameReport;
+
+use super::fly_camera::FlyCamera;
+use super::frame_times::FrameTimes;
+use super::loading::Progress;
+use super::session::Session;
+use super::stage::Stage;
+use crate::run::RunError;
+use crate::strategy::Strategy;
+
+impl Session {
+    /// Shows `stage` from now on, from its first frame. What it replaces goes when the GPU is through.
+    ///
+    /// # Errors
+    /// A device that cannot do it; then it goes on with what it showed.
+    pub fn enter(&mut self, stage: Stage) -> Result<(), RunError> {
+        let Stage { mut renderer, mut world } = stage;
+        if renderer.size() != self.renderer.size() {
+            renderer.resize(self.renderer.size())?;
+        }
+        renderer.set_frames_in_flight(self.renderer.frames_in_flight())?;
+        if self.is_timing_passes {
+            renderer.time_passes()?;
+        }
+        let history = renderer.new_view()?;
+        // Scenes have limits of their own: what cannot draw this one gives way.
+        let strategy = match renderer.supports(self.strategy) {
+            Ok(()) => self.strategy,
+            Err(error) => {
+                self.refuse(error.to_string());
+                Strategy::Antumbra
+            }
+        };
+        let notes = std::mem::take(&mut world.notes);
+        self.stop_recording()?;
+        (self.renderer, self.history, self.strategy) = (renderer, history, strategy);
+        self.fly = FlyCamera::new(world.start, world.speed_m);
+        (self.seen_from, self.world) = (world.start, world);
+        // The letters of the text are on the old renderer.
+        self.hud = None;
+        (self.frame, self.frozen, self.outcome) = (0, None, None);
+        (self.report, self.times) = (FrameReport::default(), FrameTimes::default());
+        if let Some(trace) = &mut self.trace {
+            trace.forget_submitted();
+        }
+        for note in &notes {
+            tracing::warn!("{}: {note}", self.world.name);
+        }
+        self.tell_notes(&notes);
+        self.explain()
+    }
+
+    /// Says once what of a file is not shown.
+    pub(super) fn tell_notes(&mut self, notes: &[String]) {
+        match notes {
+            [] => {}
+            [note] => self.tell(note.clone()),
+            [first, rest @ ..] => {
+                self.tell(format!("{first}\n... and {} more, see the log", rest.len()));
+            }
+        }
+    }
+
+    /// Tells how far another scene has come, or that none is on its way.
+    pub fn await_scene(&mut self, progress: Option<Progress>) {
+        self.awaited = progress;
+    }
+
+    /// Says something until something else is said.
+    pub fn keep_telling(&mut self, text: String) {
+        self.notice.keep_telling(text);
+    }
+
+    /// Says for as long as nothing else is said that `file` cannot be shown, and why.
+    pub fn refuse_file(&mut self, file: &Path, error: &RunError) {
+        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+        self.notice.keep_telling(format!("{name} cannot be shown: {error}"));
+    }
+}

@@ -1,0 +1,109 @@
+//! What a session shows: a scene on the device, and the world around it.
+
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+use gpu::Device;
+use render::scene::{self, Mesh, Scene};
+use render::{Costs, Renderer, RendererOptions, ShaderSet};
+
+use super::show::ShowOptions;
+use super::source::FileSource;
+use super::world::World;
+use crate::choices;
+use crate::course::Course;
+use crate::options::{MadeScene, PathChoice};
+use crate::run::RunError;
+use crate::scene_file::{self, Told};
+
+/// A scene that can be drawn, and how it lives.
+pub struct Stage {
+    /// What draws it.
+    pub renderer: Renderer,
+    /// Its cameras, and what moves in it.
+    pub world: World,
+}
+
+impl Stage {
+    /// An empty sky, until something comes.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn empty(device: &Device, options: &ShowOptions, size: [u32; 2]) -> Result<Self, RunError> {
+        let mut scene = Scene::single(Mesh::of_triangles("nothing", &[]));
+        scene.objects.clear();
+        // Nothing is tested in it: what tests cost need not be measured.
+        let renderer_options =
+            RendererOptions { costs: Costs::Ignored, ..renderer_options(options, size)? };
+        let renderer = Renderer::new(device, &scene, &renderer_options)?;
+        let camera = cull::Camera {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            fov_y: scene::FOV_Y_RAD,
+            near: scene::NEAR_M,
+        };
+        Ok(Self { renderer, world: World::still("nothing", camera) })
+    }
+
+    /// Makes a scene.
+    ///
+    /// # Errors
+    /// Numbers that no scene can be made from; a path that it does not have; a device that cannot.
+    pub fn made(
+        device: &Device,
+        made: &MadeScene,
+        path: Option<&PathChoice>,
+        options: &ShowOptions,
+        size: [u32; 2],
+    ) -> Result<Self, RunError> {
+        let scene = match made.scene {
+            choices::Scene::City => scene::city(made.objects, made.seed)?,
+            choices::Scene::Field => scene::field(made.objects, made.seed)?,
+        };
+        let course = path.map(|choice| Course::new(choice, &scene)).transpose()?;
+        let start = match &course {
+            Some(course) => course.camera(0),
+            None => start(&scene)?.camera(0),
+        };
+        let renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
+        Ok(Self { renderer, world: World::still("city", start).with_course(course) })
+    }
+
+    /// Loads a file, tells how far that has come, and gives up when it is told to.
+    ///
+    /// # Errors
+    /// A file that cannot be shown; a camera that it does not have; a device that cannot.
+    pub fn of_file(
+        device: &Device,
+        (file, settings): (&std::path::Path, &FileSource),
+        options: &ShowOptions,
+        size: [u32; 2],
+        told: &mut dyn FnMut(Told<'_>) -> ControlFlow<()>,
+    ) -> Result<Self, RunError> {
+        let mut imported = scene_file::load(file, told)?;
+        scene_file::expose(&mut imported, settings.exposure);
+        let hierarchy = scene_file::hierarchy(&imported.scene, told)?;
+        scene_file::tell(told, "bringing it to the device", None)?;
+        let renderer_options = renderer_options(options, size)?;
+        let renderer =
+            Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)?;
+        Ok(Self { renderer, world: World::of_file(file, imported, settings, size)? })
+    }
+}
+
+/// Where one stands at first: in a street, or over it all where there are none.
+fn start(scene: &Scene) -> Result<Course, RunError> {
+    let made = |path| Course::new(&PathChoice::Made(path), scene);
+    made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))
+}
+
+fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOptions, RunError> {
+    Ok(RendererOptions {
+        size,
+        frames_in_flight: options.frames_in_flight as usize,
+        shaders: options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?,
+        costs: options.costs.into(),
+        ..RendererOptions::default()
+    })
+}

@@ -1,0 +1,150 @@
+//! The command line of `viewer`, and the checks that make it a [`Source`].
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+use super::show::{ShowArguments, ShowOptions};
+use super::source::{FileSource, Source};
+use crate::args::{path_file, usage};
+use crate::options::UsageError;
+
+/// Shows the scene of a glTF file in a window, alive, with occlusion culling.
+///
+/// The keys are listed on the screen; another file can be dropped into the window. The same program
+/// runs without a window: --headless.
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "viewer",
+    version,
+    allow_negative_numbers = true,
+    args_override_self = true,
+    after_help = "\
+Examples:
+  viewer rooms.glb
+      Look around: W A S D, Q and E, look with a mouse button held, the wheel for speed.
+  viewer rooms.glb --camera walk --strategy frustum
+      Begins with the camera \"walk\" of the file, without occlusion culling.
+  viewer rooms.glb --headless --frames 60 --camera walk --out pictures
+      The first second as pictures, without a window.
+
+Ends with 0 when all went well, 2 when something in the command line or in the file is wrong, 1 when
+the machine cannot do it or a file cannot be written, 130 or 143 when Ctrl-C or SIGTERM ended it: that
+writes what there is, and a second one ends it at once."
+)]
+pub struct ViewerArguments {
+    /// The scene: glTF 2.0, as .glb or .gltf; a window can do without until a file is dropped into it
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// The camera of the file to begin with, by its name [default: the first one; where there is none,
+    /// a place from which all is seen]
+    #[arg(long, value_name = "NAME", help_heading = "World")]
+    pub camera: Option<String>,
+    /// The camera goes along a path that was recorded, whose name ends in .txt or has a slash
+    #[arg(long, visible_alias = "replay", value_name = "FILE", help_heading = "World")]
+    pub path: Option<String>,
+    /// What all light is multiplied with before it is brought to the screen
+    #[arg(long, value_name = "FACTOR", default_value = "1", help_heading = "World")]
+    pub exposure: String,
+    /// How it is shown.
+    #[command(flatten)]
+    pub show: ShowArguments,
+}
+
+impl ViewerArguments {
+    /// Checks every argument. Looks at nothing but the arguments: files and devices come later.
+    ///
+    /// # Errors
+    /// The first argument that cannot be.
+    pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
+        let show = self.show.options()?;
+        let exposure = match self.exposure.parse::<f32>() {
+            Ok(factor) if factor > 0.0 && factor.is_finite() => factor,
+            _ => {
+                let text = &self.exposure;
+                return usage(format!("--exposure takes a number above 0, not '{text}'"));
+            }
+        };
+        let recorded = match &self.path {
+            None => None,
+            Some(_) if self.camera.is_some() => {
+                return usage(
+                    "--path and --camera do not go together: one of them moves the camera",
+                );
+            }
+            Some(text) => match path_file(text) {
+                Some(file) => Some(file),
+                None => {
+                    return usage(format!(
+                        "--path takes a file that was recorded, whose name ends in .txt or has a slash, not '{text}'; for a camera of the file say --camera"
+                    ));
+                }
+            },
+        };
+        let settings = FileSource { camera: self.camera.clone(), recorded, exposure };
+        match &self.file {
+            Some(file) => Ok((Source::File { file: file.clone(), settings }, show)),
+            None if show.is_headless => usage(
+                "without a window there is nothing to drop a file into: say which, as in `viewer FILE --headless`",
+            ),
+            None if self.camera.is_some() || self.path.is_some() => usage(
+                "--camera and --path are about a file: say which, as in `viewer FILE --camera NAME`",
+            ),
+            None => Ok((Source::Nothing { settings }, show)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn parse(line: &[&str]) -> Result<(Source, ShowOptions), UsageError> {
+        ViewerArguments::try_parse_from([&["viewer"], line].concat()).unwrap().options()
+    }
+
+    #[test]
+    fn the_declaration_is_consistent() {
+        ViewerArguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_file_is_enough() {
+        let (source, show) = parse(&["a.glb"]).unwrap();
+        let settings = FileSource { camera: None, recorded: None, exposure: 1.0 };
+        assert_eq!(source, Source::File { file: "a.glb".into(), settings: settings.clone() });
+        assert!(!show.is_headless && show.has_hud);
+        assert_eq!(parse(&[]).unwrap().0, Source::Nothing { settings });
+    }
+
+    #[test]
+    fn every_option_arrives() {
+        let line =
+            ["--camera", "walk", "--exposure", "0.5", "a.glb", "--headless", "--size", "3x2"];
+        let (source, show) = parse(&line).unwrap();
+        let settings = FileSource { camera: Some("walk".into()), recorded: None, exposure: 0.5 };
+        assert_eq!(source, Source::File { file: "a.glb".into(), settings });
+        assert_eq!((show.size.width, show.size.height, show.is_headless), (3, 2, true));
+        let (source, _) = parse(&["a.gltf", "--replay", "./p"]).unwrap();
+        let settings = FileSource { camera: None, recorded: Some("./p".into()), exposure: 1.0 };
+        assert_eq!(source, Source::File { file: "a.gltf".into(), settings });
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        for (line, reason) in [
+            (&["--headless"][..], "say which"),
+            (&["--camera", "walk"], "say which"),
+            (&["a.glb", "--exposure", "0"], "above 0, not '0'"),
+            (&["a.glb", "--exposure", "NaN"], "above 0, not 'NaN'"),
+            (&["a.glb", "--exposure", "bright"], "above 0, not 'bright'"),
+            (&["a.glb", "--path", "walk"], "say --camera"),
+            (&["a.glb", "--path", "a/b", "--camera", "walk"], "do not go together"),
+            (&["a.glb", "--strategy", "ideal"], "see walkthrough"),
+        ] {
+            let refused = parse(line).unwrap_err().to_string();
+            assert!(refused.contains(reason), "{line:?}: {refused}");
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! What is around a scene: where one begins, where the camera goes by itself, and what moves.
+
+use std::path::Path;
+
+use cull::Camera;
+use import::{Imported, Performance};
+use render::Renderer;
+
+use super::page_text::{Facts, fact};
+use super::source::FileSource;
+use crate::course::Course;
+use crate::film::{self, Clips};
+use crate::recorded_path::RecordedPath;
+use crate::run::RunError;
+
+/// One clip takes the place of another within so many seconds.
+const FADE_S: f64 = 0.3;
+/// So far goes one step while time stands still.
+const STEP_S: f64 = 1.0 / 60.0;
+/// After a pause of the program time goes on, it does not jump.
+const LONGEST_STEP_S: f32 = 0.25;
+/// Where everything is of a size that people walk in, so many metres a second.
+const WALKING_M: f32 = 4.0;
+/// A scene is crossed in about so many seconds.
+const CROSSING_S: f32 = 30.0;
+
+/// Who moves the camera, until somebody steers.
+#[derive(Debug)]
+enum Guide {
+    Nobody,
+    Course(Course),
+    /// A camera of the file, by its place.
+    Camera(usize),
+}
+
+/// What is around a scene.
+pub struct World {
+    /// What files that are written are called after.
+    pub name: String,
+    /// Where one begins.
+    pub start: Camera,
+    /// How fast one flies, in metres a second.
+    pub speed_m: f32,
+    /// What there is to tell about it once.
+    pub notes: Vec<String>,
+    guide: Guide,
+    life: Option<Life>,
+}
+
+/// What moves in a scene out of a file.
+struct Life {
+    performance: Performance,
+    cameras: Vec<import::Camera>,
+    /// Which clips play.
+    clips: Clips,
+    /// What time it is in the scene.
+    seconds: f64,
+    is_paused: bool,
+}
+
+impl World {
+    /// Where nothing moves but the camera.
+    pub fn still(name: &str, start: Camera) -> Self {
+        Self {
+            name: name.to_owned(),
+            start,
+            speed_m: WALKING_M,
+            notes: Vec::new(),
+            guide: Guide::Nobody,
+            life: None,
+        }
+    }
+
+    /// The same, and the camera goes its own way.
+    pub fn with_course(mut self, course: Option<Course>) -> Self {
+        self.guide = course.map_or(Guide::Nobody, Guide::Course);
+        self
+    }
+
+    /// What a file brought, seen on pictures of that size at first.
+    ///
+    /// # Errors
+    /// A camera that the file does not have; a recorded path that is none.
+    pub fn of_file(
+        file: &Path,
+        imported: Imported,
+        settings: &FileSource,
+        size: [u32; 2],
+    ) -> Result<Self, RunError> {
+        let bounds = imported.bounds();
+        let shown = file.display();
+        let wanted = settings.camera.as_deref();
+        let camera = film::find_camera(&imported.cameras, wanted, &shown)?;
+        let recorded = settings.recorded.as_deref().map(RecordedPath::read).transpose()?;
+        let (_, mut performance, cameras, mut notes) = Performance::of(imported);
+        let clips = Clips::all(&performance, None);
+        notes.extend(clips.conflicts(&performance));
+        performance.play(clips.playing(), 0.0, 0.0);
+        let around = film::Orbit::around(&bounds, size).camera(0, 1);
+        let (start, guide) = match (recorded, camera) {
+            (Some(path), _) => {
+                let start = path.camera(0).unwrap_or(around);
+                (start, Guide::Course(Course::Recorded(path, around)))
+            }
+            (None, Some(place)) => {
+                let start = cameras.get(place).map_or(around, |camera| performance.seen_by(camera));
+                (start, Guide::Camera(place))
+            }
+            (None, None) => (around, Guide::Nobody),
+        };
+        let crossing_m = (bounds.max - bounds.min).length() / CROSSING_S;
+        Ok(Self {
+            name: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            start,
+            speed_m: if crossing_m.is_normal() { crossing_m } else { WALKING_M },
+            notes,
+            guide,
+            life: Some(Life { performance, cameras, clips, seconds: 0.0, is_paused: false }),
+        })
+    }
+
+    /// Where the camera is by itself in a frame; nowhere where somebody steers.
+    pub fn camera(&self, frame: u32) -> Option<Camera> {
+        match (&self.guide, &self.life) {
+            (Guide::Course(course), _) => Some(course.camera(frame)),
+            (Guide::Camera(place), Some(life)) => {
+                Some(life.performance.seen_by(life.cameras.get(*place)?))
+            }
+            _ => None,
+        }
+    }
+
+    /// From here on somebody steers. Answers whether nobody did before.
+    pub fn take_over(&mut self) -> bool {
+        !matches!(std::mem::replace(&mut self.guide, Guide::Nobody), Guide::Nobody)
+    }
+
+    /// Lets `seconds` pass, and brings everything in `renderer` to where it is then.
+    ///
+    /// # Errors
+    /// When the renderer refuses a change.
+    pub fn advance(&mut self, renderer: &mut Renderer, seconds: f32) -> Result<(), RunError> {
+        let Some(life) = &mut self.life else { return Ok(()) };
+        if !life.is_paused && seconds.is_finite() {
+            life.seconds += f64::from(seconds.clamp(0.0, LONGEST_STEP_S));
+        }
+        life.performance.show(renderer, life.seconds)?;
+        Ok(())
+    }
+
+    /// Whether there are clips or cameras to choose from.
+    pub fn is_alive(&self) -> bool {
+        self.life.is_some()
+    }
+
+    /// Time stands still, or goes on. Answers what there is to tell.
+    ///
+    /// # Errors
+    /// Why that cannot be.
+    pub fn toggle_pause(&mut self) -> Result<String, String> {
+        let life = self.living()?;
+        life.is_paused = !life.is_paused;
+        Ok(if life.is_paused { "time stands still" } else { "time goes on" }.to_owned())
+    }
+
+    /// One step further, and time stands still.
+    ///
+    /// # Errors
+    /// Why that cannot be.
+    pub fn step(&mut self) -> Result<String, String> {
+        let life = self.living()?;
+        life.is_paused = true;
+        life.seconds += STEP_S;
+        Ok(format!("one step: {:.3} s", life.seconds))
+    }
+
+    /// Plays the next clip alone.
+    ///
+    /// # Errors
+    /// Why that cannot be.
+    pub fn next_clip(&mut self) -> Result<String, String> {
+        let life = self.living()?;
+        life.clips = life.clips.next(&life.performance);
+        Ok(life.change_clips())
+    }
+
+    /// Plays all clips at once.
+    ///
+    /// # Errors
+    /// Why that cannot be.
+    pub fn all_clips(&mut self) -> Result<String, String> {
+        let life = self.living()?;
+        life.clips = Clips::all(&life.performance, None);
+        Ok(life.change_clips())
+    }
+
+    /// Looks through a camera of the file, counted from 1.
+    ///
+    /// # Errors
+    /// Why that cannot be.
+    pub fn look_through(&mut self, number: u32) -> Result<String, String> {
+        let place = (number as usize).saturating_sub(1);
+        let Some(life) = &self.life else { return Err(NO_FILE.to_owned()) };
+        let Some(camera) = life.cameras.get(place) else {
+            return Err(match life.cameras.len() {
+                0 => "the file has no camera".to_owned(),
+                1 => "the file has one camera".to_owned(),
+                count => format!("the file has {count} cameras"),
+            });
+        };
+        let told = format!("camera {}", camera.name);
+        self.guide = Guide::Camera(place);
+        Ok(told)
+    }
+
+    /// What there is to tell of it all the time.
+    pub fn facts(&self) -> Option<Facts> {
+        let life = self.life.as_ref()?;
+        let camera = match self.guide {
+            Guide::Camera(place) => life.cameras.get(place).map(|camera| camera.name.clone()),
+            Guide::Course(_) => Some("along the path".to_owned()),
+            Guide::Nobody => None,
+        };
+        let time = match life.is_paused {
+            true => format!("{:.2} s, paused", life.seconds),
+            false => format!("{:.2} s", life.seconds),
+        };
+        Some(vec![
+            fact("file", self.name.clone()),
+            fact("camera", camera.unwrap_or_else(|| "yours".to_owned())),
+            fact("clips", life.clips.describe(&life.performance)),
+            fact("time", time),
+        ])
+    }
+
+    fn living(&mut self) -> Result<&mut Life, String> {
+        match &mut self.life {
+            Some(life) if !life.performance.clips().is_empty() => Ok(life),
+            Some(_) => Err("the file has no clips".to_owned()),
+            None => Err(NO_FILE.to_owned()),
+        }
+    }
+}
+
+const NO_FILE: &str = "that is for scenes out of files";
+
+impl Life {
+    fn change_clips(&mut self) -> String {
+        self.performance.play(self.clips.playing(), self.seconds, FADE_S);
+        format!("clips: {}", self.clips.describe(&self.performance))
+    }
+}
