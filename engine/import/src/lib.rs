@@ -2,5 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod imported;
+mod levels;
 
 pub use imported::{Camera, Imported, Placed, Placement};
+pub use levels::LevelOptions;
