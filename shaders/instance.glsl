@@ -2,7 +2,11 @@
 
 struct Instance {
     vec4 rows[3]; // object to world, row-major 3x4
+#ifdef SURFACES
+    uvec4 surface; // material, slot of its list of lights, how many lights, 0
+#else
     vec4 tint;    // linear; the vertex colour says how much of it shows
+#endif
 };
 
 vec3 to_world(Instance instance, vec3 position) {

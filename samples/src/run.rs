@@ -72,6 +72,7 @@ impl From<render::Error> for RunError {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_)
             | render::Error::Scene(_)
+            | render::Error::Image { .. }
             | render::Error::FramesInFlight { .. }
             | render::Error::Cost(_)
             | render::Error::CannotCount { .. } => Self::user(error),
@@ -84,6 +85,9 @@ impl From<render::Error> for RunError {
             | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
             | render::Error::Atlas { .. }
+            | render::Error::Blended { .. }
+            | render::Error::Deform { .. }
+            | render::Error::Light { .. }
             | render::Error::Change { .. } => Self::machine(error),
         }
     }

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 pub mod shapes;
+pub mod studio;
 pub mod walk;
 pub mod weston;
 pub mod xvfb;

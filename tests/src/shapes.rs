@@ -8,8 +8,8 @@ use gpu::{
     Polygon, Spirv, StorageLayout, VertexLayout, vk,
 };
 use render::scene::{
-    Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
-    pack_unorm,
+    Flight, Light, Material, MaterialId, Mesh, MeshId, Object, Scene, Streets, SurfaceMesh,
+    SurfaceVertex, Surfaces, Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
 };
 use render::{ProxyPass, ShaderSet};
 
@@ -38,6 +38,7 @@ impl DepthBoxes {
             storage: StorageLayout {
                 buffers: 1,
                 textures: 0,
+                texture_arrays: 0,
                 push_bytes: size_of::<Constants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
@@ -86,7 +87,7 @@ pub fn box_at(centre: Vec3, half: Vec3) -> Aabb {
 
 /// A scene of solid boxes that fill their bounds exactly: the hardest case for proxies.
 pub fn box_scene(boxes: &[Aabb]) -> Scene {
-    let mesh = cube();
+    let mesh = cube(pack_unorm([1.0; 4]), QUADS);
     let objects = boxes.iter().enumerate().map(|(number, bounds)| Object {
         mesh: MeshId(0),
         transform: Affine3A::from_scale_rotation_translation(
@@ -108,12 +109,46 @@ pub fn box_scene(boxes: &[Aabb]) -> Scene {
     }
 }
 
+/// Unit cubes in so many colours, one mesh each, as `objects` place them, with surfaces that are these
+/// colours whatever the light.
+pub fn coloured_cubes(colours: u32, objects: Vec<Object>) -> Scene {
+    let channel =
+        |number: u32, by: u32| 0.1 + 0.9 * (number * by % colours) as f32 / colours as f32;
+    let colours = (0..colours).map(|it| [channel(it, 1), channel(it, 2), channel(it, 3), 1.0]);
+    let colours: Vec<[f32; 4]> = colours.collect();
+    let meshes: Vec<Mesh> = colours.iter().map(|colour| cube(pack_unorm(*colour), 1)).collect();
+    let material =
+        |colour: &[f32; 4]| Material { base_colour: *colour, is_unlit: true, ..Default::default() };
+    let surfaces = Surfaces {
+        meshes: (0..).map(MaterialId).zip(&meshes).map(|(it, mesh)| surface_of(mesh, it)).collect(),
+        materials: colours.iter().map(material).collect(),
+        ..Default::default()
+    };
+    Scene { meshes, objects, surfaces: Some(surfaces), ..box_scene(&[]) }
+}
+
+/// The plainest surface for a mesh.
+pub fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {
+    let part = |value: f32| (value * 32767.0).round() as i16;
+    let vertex = |vertex: &Vertex| {
+        let normal = unpack_normal(vertex.normal);
+        let tangent = normal.any_orthonormal_vector().to_array();
+        SurfaceVertex {
+            normal: [part(normal[0]), part(normal[1]), part(normal[2]), 0],
+            tangent: [part(tangent[0]), part(tangent[1]), part(tangent[2]), 32767],
+            uv: [[0.0; 2]; 2],
+            colour: [u16::MAX; 4],
+        }
+    };
+    SurfaceMesh { vertices: mesh.vertices.iter().map(vertex).collect(), material }
+}
+
 /// Quads along a side of a face: an odd number, so that no vertex of a face meets its middle.
 const QUADS: u32 = 7;
 
 /// The unit cube, counter-clockwise from outside. Its faces are cut into quads: every vertex along an
 /// edge is snapped to the sub-pixel grid by itself, which a proxy's long edge is not.
-fn cube() -> Mesh {
+pub fn cube(colour: u32, quads: u32) -> Mesh {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();
     for axis in 0..3 {
@@ -121,18 +156,18 @@ fn cube() -> Mesh {
             let mut normal = Vec3::ZERO;
             normal[axis] = side * 2.0 - 1.0;
             let first = vertices.len() as u32;
-            for point in 0..(QUADS + 1) * (QUADS + 1) {
+            for point in 0..(quads + 1) * (quads + 1) {
                 let mut position = Vec3::ZERO;
                 position[axis] = side;
-                position[(axis + 1) % 3] = (point % (QUADS + 1)) as f32 / QUADS as f32;
-                position[(axis + 2) % 3] = (point / (QUADS + 1)) as f32 / QUADS as f32;
-                let (normal, colour) = (pack_normal(normal), pack_unorm([1.0; 4]));
+                position[(axis + 1) % 3] = (point % (quads + 1)) as f32 / quads as f32;
+                position[(axis + 2) % 3] = (point / (quads + 1)) as f32 / quads as f32;
+                let normal = pack_normal(normal);
                 vertices.push(Vertex { position: position.to_array(), normal, colour });
             }
             let turn = if side > 0.5 { [0, 1, 3, 0, 3, 2] } else { [0, 3, 1, 0, 2, 3] };
-            for quad in 0..QUADS * QUADS {
-                let corner = first + quad % QUADS + quad / QUADS * (QUADS + 1);
-                let corners = [corner, corner + 1, corner + QUADS + 1, corner + QUADS + 2];
+            for quad in 0..quads * quads {
+                let corner = first + quad % quads + quad / quads * (quads + 1);
+                let corners = [corner, corner + 1, corner + quads + 1, corner + quads + 2];
                 indices.extend(turn.map(|which| corners[which]));
             }
         }

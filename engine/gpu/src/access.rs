@@ -15,8 +15,12 @@ pub enum Access {
     IndirectRead,
     /// Read as the predicate of conditional rendering.
     PredicateRead,
+    /// Vertex buffer whose vertices are drawn.
+    AttributeRead,
     /// Storage buffer read by a vertex shader.
     VertexRead,
+    /// Storage buffer read by a fragment shader.
+    FragmentRead,
     /// Storage buffer read by a compute shader.
     ComputeRead,
     /// Storage buffer written by a compute shader.
@@ -39,13 +43,15 @@ pub enum Access {
 
 impl Access {
     /// All of them, for tests.
-    pub const ALL: [Access; 15] = [
+    pub const ALL: [Access; 17] = [
         Access::Nothing,
         Access::CopyRead,
         Access::CopyWrite,
         Access::IndirectRead,
         Access::PredicateRead,
+        Access::AttributeRead,
         Access::VertexRead,
+        Access::FragmentRead,
         Access::ComputeRead,
         Access::ComputeWrite,
         Access::FragmentWrite,
@@ -77,7 +83,13 @@ impl Access {
                 none,
                 L::UNDEFINED,
             ),
+            Access::AttributeRead => {
+                (S::VERTEX_ATTRIBUTE_INPUT, A::VERTEX_ATTRIBUTE_READ, none, L::UNDEFINED)
+            }
             Access::VertexRead => (S::VERTEX_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED),
+            Access::FragmentRead => {
+                (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, none, L::UNDEFINED)
+            }
             Access::ComputeRead => (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, none, L::GENERAL),
             Access::ComputeWrite => {
                 (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, A::SHADER_STORAGE_WRITE, L::GENERAL)
@@ -157,10 +169,10 @@ impl MemoryBarrier {
 }
 
 /// A barrier over an image that also moves it from one access's layout to another's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub struct LayoutChange {
     pub(crate) image: vk::Image,
-    pub(crate) aspect: vk::ImageAspectFlags,
+    pub(crate) part: vk::ImageSubresourceRange,
     pub(crate) barrier: MemoryBarrier,
     pub(crate) old_layout: vk::ImageLayout,
     pub(crate) new_layout: vk::ImageLayout,
@@ -173,9 +185,19 @@ impl LayoutChange {
         from: Access,
         to: Access,
     ) -> Self {
+        Self::of_part(image, first_level_of(aspect), from, to)
+    }
+
+    /// Of a part of an image that has more than one level or layer.
+    pub(crate) fn of_part(
+        image: vk::Image,
+        part: vk::ImageSubresourceRange,
+        from: Access,
+        to: Access,
+    ) -> Self {
         Self {
             image,
-            aspect,
+            part,
             barrier: MemoryBarrier::between(&[from], &[to]),
             old_layout: from.layout(),
             new_layout: to.layout(),
@@ -191,6 +213,15 @@ impl LayoutChange {
     ) -> Self {
         let barrier = MemoryBarrier::between(from, &[to]);
         Self { barrier, ..Self::new(image, aspect, Access::Nothing, to) }
+    }
+}
+
+fn first_level_of(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
+    vk::ImageSubresourceRange {
+        aspect_mask: aspect,
+        level_count: 1,
+        layer_count: 1,
+        ..Default::default()
     }
 }
 

@@ -70,6 +70,8 @@ pub enum Optional {
     FragmentStores,
     /// Triangles drawn as their edges.
     Wires,
+    /// Textures that stay sharp where they are seen at a grazing angle.
+    Anisotropy,
     /// Reading the GPU's clock and ours at once.
     CalibratedTimestamps,
     /// Pictures in windows. This one and those below are there only if the instance was made for
@@ -85,13 +87,14 @@ pub enum Optional {
 
 impl Optional {
     /// All of them.
-    pub const ALL: [Optional; 11] = [
+    pub const ALL: [Optional; 12] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,
         Optional::PreciseQueries,
         Optional::Timestamps,
         Optional::FragmentStores,
         Optional::Wires,
+        Optional::Anisotropy,
         Optional::CalibratedTimestamps,
         Optional::Swapchain,
         Optional::PresentFences,
@@ -108,6 +111,7 @@ impl Optional {
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
             Optional::Wires => "fillModeNonSolid",
+            Optional::Anisotropy => "samplerAnisotropy",
             Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
             Optional::Swapchain => "VK_KHR_swapchain",
             Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
@@ -202,6 +206,7 @@ impl Capabilities {
             (timestamps, Optional::Timestamps),
             (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
             (yes(core.fill_mode_non_solid), Optional::Wires),
+            (yes(core.sampler_anisotropy), Optional::Anisotropy),
             (
                 timestamps && has_extension(ext::calibrated_timestamps::NAME),
                 Optional::CalibratedTimestamps,

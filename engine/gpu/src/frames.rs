@@ -60,7 +60,7 @@ const DESCRIPTOR_SETS: u32 = 256;
 /// Storage buffers over all those sets.
 const DESCRIPTORS: u32 = 1024;
 /// Textures over all those sets.
-const TEXTURE_DESCRIPTORS: u32 = 64;
+const TEXTURE_DESCRIPTORS: u32 = 1024;
 /// So many pieces of a frame share those sets, then the next ones get others.
 const PIECES_PER_DESCRIPTOR_POOL: usize = 32;
 

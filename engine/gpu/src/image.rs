@@ -1,4 +1,4 @@
-//! Images: one level, one view, memory of their own.
+//! Images: one view, memory of their own.
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -9,7 +9,7 @@ use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
 
-/// An image of one level, its view and its memory.
+/// An image, its view of all of it, and its memory.
 pub(crate) struct Image {
     device: Device,
     pub(crate) raw: vk::Image,
@@ -30,31 +30,46 @@ impl Image {
     ) -> Result<Self, Error> {
         let formats = [format, view_format];
         let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&formats);
-        let mut info = vk::ImageCreateInfo::default()
-            .image_type(vk::ImageType::TYPE_2D)
-            .format(format)
-            .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
-            .mip_levels(1)
-            .array_layers(1)
-            .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(usage);
+        let mut info = plain_image(format, size, [1, 1]).usage(usage);
         if format != view_format {
             info = info.flags(vk::ImageCreateFlags::MUTABLE_FORMAT).push_next(&mut list);
         }
+        let view = plain_view(view_format, aspect, [1, 1]);
+        Self::with_view(device, name, &info, view)
+    }
+
+    /// A 2D array of so many levels and layers, all within the device's limits, of colours.
+    pub(crate) fn array(
+        device: &Device,
+        name: &str,
+        size: [u32; 2],
+        levels_and_layers: [u32; 2],
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<Self, Error> {
+        let info = plain_image(format, size, levels_and_layers).usage(usage);
+        let view = plain_view(format, vk::ImageAspectFlags::COLOR, levels_and_layers)
+            .view_type(vk::ImageViewType::TYPE_2D_ARRAY);
+        Self::with_view(device, name, &info, view)
+    }
+
+    fn with_view(
+        device: &Device,
+        name: &str,
+        info: &vk::ImageCreateInfo<'_>,
+        view: vk::ImageViewCreateInfo<'_>,
+    ) -> Result<Self, Error> {
         // SAFETY: the size is within the limits, checked by the caller.
-        let raw = unsafe { device.raw().create_image(&info, None) }.called("vkCreateImage")?;
+        let raw = unsafe { device.raw().create_image(info, None) }.called("vkCreateImage")?;
         device.name(raw, name);
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
         let made = allocate(device, name, requirements, MemoryLocation::GpuOnly, false).and_then(
-            |memory| {
-                let view = bind_and_view(device, raw, &memory, view_format, aspect);
-                match view {
-                    Ok(view) => Ok((view, memory)),
-                    Err(error) => {
-                        free(device, memory);
-                        Err(error)
-                    }
+            |memory| match bind_and_view(device, &memory, view.image(raw)) {
+                Ok(view) => Ok((view, memory)),
+                Err(error) => {
+                    free(device, memory);
+                    Err(error)
                 }
             },
         );
@@ -81,30 +96,45 @@ impl Image {
     }
 }
 
-fn bind_and_view(
-    device: &Device,
-    image: vk::Image,
-    memory: &gpu_allocator::vulkan::Allocation,
+fn plain_image<'a>(
     format: vk::Format,
-    aspect: vk::ImageAspectFlags,
-) -> Result<vk::ImageView, Error> {
-    let info = vk::ImageViewCreateInfo::default()
-        .image(image)
+    [width, height]: [u32; 2],
+    [levels, layers]: [u32; 2],
+) -> vk::ImageCreateInfo<'a> {
+    vk::ImageCreateInfo::default()
+        .image_type(vk::ImageType::TYPE_2D)
+        .format(format)
+        .extent(vk::Extent3D { width, height, depth: 1 })
+        .mip_levels(levels)
+        .array_layers(layers)
+        .samples(vk::SampleCountFlags::TYPE_1)
+}
+
+fn plain_view<'a>(
+    format: vk::Format,
+    aspect_mask: vk::ImageAspectFlags,
+    [level_count, layer_count]: [u32; 2],
+) -> vk::ImageViewCreateInfo<'a> {
+    let whole =
+        vk::ImageSubresourceRange { aspect_mask, level_count, layer_count, ..Default::default() };
+    vk::ImageViewCreateInfo::default()
         .view_type(vk::ImageViewType::TYPE_2D)
         .format(format)
-        .subresource_range(vk::ImageSubresourceRange {
-            aspect_mask: aspect,
-            level_count: 1,
-            layer_count: 1,
-            ..Default::default()
-        });
+        .subresource_range(whole)
+}
+
+fn bind_and_view(
+    device: &Device,
+    memory: &gpu_allocator::vulkan::Allocation,
+    view: vk::ImageViewCreateInfo<'_>,
+) -> Result<vk::ImageView, Error> {
     // SAFETY: fresh memory that fits the image's requirements; the view is made after binding.
     unsafe {
         device
             .raw()
-            .bind_image_memory(image, memory.memory(), memory.offset())
+            .bind_image_memory(view.image, memory.memory(), memory.offset())
             .called("vkBindImageMemory")?;
-        device.raw().create_image_view(&info, None).called("vkCreateImageView")
+        device.raw().create_image_view(&view, None).called("vkCreateImageView")
     }
 }
 

@@ -60,11 +60,13 @@ mod present_mode;
 mod query_pages;
 mod query_ring;
 mod recorded;
+mod resample;
 mod shader;
 mod surface;
 mod swapchain;
 mod target;
 mod texture;
+mod texture_array;
 mod timeline;
 mod timing;
 mod transfer;
@@ -103,6 +105,7 @@ pub use present_mode::{Fallback, PresentMode};
 pub use query_pages::{Counting, QueryPages};
 pub use query_ring::{QueryIndex, QueryRing};
 pub use raw_window_handle;
+pub use resample::resampled;
 pub use shader::Spirv;
 #[cfg(feature = "shader-compiler")]
 pub use shader::compile;
@@ -111,8 +114,9 @@ pub use swapchain::{
     Acquired, NotShown, PresentId, PresentTiming, Presented, Shown, Swapchain, SwapchainOptions,
     WindowImage,
 };
-pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Readback, RenderTarget, Target};
+pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Load, Readback, RenderTarget, Target};
 pub use texture::Texture;
+pub use texture_array::{MipMaking, TextureArray, TextureArrayInfo, TextureUploads};
 pub use timeline::{Tick, Timeline};
 pub use timing::{FrameTime, PassTime};
 pub use upload::Uploads;

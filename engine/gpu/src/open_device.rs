@@ -90,7 +90,8 @@ pub(crate) fn create_raw(
         .draw_indirect_first_instance(true)
         .occlusion_query_precise(has(Optional::PreciseQueries))
         .fragment_stores_and_atomics(has(Optional::FragmentStores))
-        .fill_mode_non_solid(has(Optional::Wires));
+        .fill_mode_non_solid(has(Optional::Wires))
+        .sampler_anisotropy(has(Optional::Anisotropy));
     let mut features = vk::PhysicalDeviceFeatures2::default()
         .features(core)
         .push_next(&mut features_12)

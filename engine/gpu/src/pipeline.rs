@@ -14,8 +14,13 @@ use crate::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 pub enum DepthMode {
     /// Nearer wins, and is stored.
     TestAndWrite,
+    /// As near or nearer passes, and is stored: the same depth in the end, but whoever is as near as it
+    /// counts as visible, whoever was first.
+    TestEqualAndWrite,
     /// As near or nearer passes; nothing is stored. Proxies use it: equal depth counts as visible.
     TestOnly,
+    /// Only the same depth passes: what is drawn a second time; nothing is stored.
+    Equal,
     /// Everything passes; nothing is stored.
     Ignored,
 }
@@ -29,6 +34,8 @@ pub enum Blend {
     Alpha,
     /// Mixes by alpha, by which the colour is multiplied already.
     Premultiplied,
+    /// Keeps the larger of each channel, whatever order things are drawn in.
+    Max,
     /// Writes no colour. Give no fragment shader then: a masked one would still run.
     NoColour,
 }
@@ -50,6 +57,8 @@ pub struct VertexLayout<'a> {
     pub stride_bytes: u32,
     /// Format and offset of the attribute at each location.
     pub attributes: &'a [(vk::Format, u32)],
+    /// Another buffer with more of the same vertices; its locations follow those here.
+    pub beside: Option<&'a VertexLayout<'a>>,
 }
 
 /// The buffers and constants a pipeline's shaders see.
@@ -59,6 +68,8 @@ pub struct StorageLayout {
     pub buffers: u32,
     /// Sampled textures at the bindings after those.
     pub textures: u32,
+    /// Sampled [`TextureArray`](crate::TextureArray)s, an array of so many at the binding after those.
+    pub texture_arrays: u32,
     /// Bytes of push constants.
     pub push_bytes: u32,
 }
@@ -102,6 +113,7 @@ pub(crate) struct PipelineKind {
     pub(crate) storage: vk::DescriptorSetLayout,
     pub(crate) buffers: u32,
     pub(crate) textures: u32,
+    pub(crate) texture_arrays: u32,
     pub(crate) push_bytes: u32,
 }
 
@@ -120,11 +132,15 @@ impl GraphicsPipeline {
         }
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
         PipelineKind::new(device, info.name, info.storage, stages, |layout| {
-            info.vertex.with_module(device, |vertex| match info.fragment {
-                None => create_graphics(device, info, layout, vertex, None),
-                Some(fragment) => fragment.with_module(device, |fragment| {
-                    create_graphics(device, info, layout, vertex, Some(fragment))
-                }),
+            info.vertex.with_stage(device, vk::ShaderStageFlags::VERTEX, |vertex| {
+                match info.fragment {
+                    None => create_graphics(device, info, layout, &[vertex]),
+                    Some(fragment) => {
+                        fragment.with_stage(device, vk::ShaderStageFlags::FRAGMENT, |fragment| {
+                            create_graphics(device, info, layout, &[vertex, fragment])
+                        })
+                    }
+                }
             })
         })
         .map(Self)
@@ -143,11 +159,7 @@ impl ComputePipeline {
         storage: StorageLayout,
     ) -> Result<Self, Error> {
         PipelineKind::new(device, name, storage, vk::ShaderStageFlags::COMPUTE, |layout| {
-            shader.with_module(device, |module| {
-                let stage = vk::PipelineShaderStageCreateInfo::default()
-                    .stage(vk::ShaderStageFlags::COMPUTE)
-                    .module(module)
-                    .name(c"main");
+            shader.with_stage(device, vk::ShaderStageFlags::COMPUTE, |stage| {
                 let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
                 let cache = device.pipeline_cache();
                 // SAFETY: module and layout are alive.
@@ -178,6 +190,7 @@ impl PipelineKind {
             storage,
             buffers: layout.buffers,
             textures: layout.textures,
+            texture_arrays: layout.texture_arrays,
             push_bytes: layout.push_bytes,
         };
         let sets = [storage];
@@ -216,13 +229,15 @@ fn create_set_layout(
             true => vk::DescriptorType::STORAGE_BUFFER,
             false => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
         };
+        let is_single = binding < layout.buffers + layout.textures;
         vk::DescriptorSetLayoutBinding::default()
             .binding(binding)
             .descriptor_type(kind)
-            .descriptor_count(1)
+            .descriptor_count(if is_single { 1 } else { layout.texture_arrays })
             .stage_flags(stages)
     };
-    let bindings: Vec<_> = (0..layout.buffers + layout.textures).map(binding).collect();
+    let count = layout.buffers + layout.textures + u32::from(layout.texture_arrays > 0);
+    let bindings: Vec<_> = (0..count).map(binding).collect();
     let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
     // SAFETY: plain bindings of storage buffers and textures.
     unsafe { device.raw().create_descriptor_set_layout(&info, None) }
@@ -233,28 +248,9 @@ fn create_graphics(
     device: &Device,
     info: &GraphicsPipelineInfo<'_>,
     layout: vk::PipelineLayout,
-    vertex: vk::ShaderModule,
-    fragment: Option<vk::ShaderModule>,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
 ) -> Result<vk::Pipeline, Error> {
-    let stage = |stage, module| {
-        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main")
-    };
-    let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, vertex)];
-    stages.extend(fragment.map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module)));
-    let bindings = [vk::VertexInputBindingDescription {
-        binding: 0,
-        stride: info.vertices.stride_bytes,
-        input_rate: vk::VertexInputRate::VERTEX,
-    }];
-    let attribute = |(location, &(format, offset)): (usize, &(vk::Format, u32))| {
-        vk::VertexInputAttributeDescription {
-            location: location as u32,
-            binding: 0,
-            format,
-            offset,
-        }
-    };
-    let attributes: Vec<_> = info.vertices.attributes.iter().enumerate().map(attribute).collect();
+    let (bindings, attributes) = vertex_input(&info.vertices);
     let mut vertices = vk::PipelineVertexInputStateCreateInfo::default();
     if !attributes.is_empty() {
         vertices = vertices
@@ -280,7 +276,9 @@ fn create_graphics(
         .rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let (write, compare) = match info.depth {
         DepthMode::TestAndWrite => (true, vk::CompareOp::GREATER),
+        DepthMode::TestEqualAndWrite => (true, vk::CompareOp::GREATER_OR_EQUAL),
         DepthMode::TestOnly => (false, vk::CompareOp::GREATER_OR_EQUAL),
+        DepthMode::Equal => (false, vk::CompareOp::EQUAL),
         DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
     };
     let depth = vk::PipelineDepthStencilStateCreateInfo::default()
@@ -296,7 +294,7 @@ fn create_graphics(
         .color_attachment_formats(&colours)
         .depth_attachment_format(DEPTH_FORMAT);
     let create = vk::GraphicsPipelineCreateInfo::default()
-        .stages(&stages)
+        .stages(stages)
         .vertex_input_state(&vertices)
         .input_assembly_state(&assembly)
         .viewport_state(&viewport)
@@ -314,6 +312,33 @@ fn create_graphics(
         .map(|pipelines| pipelines.first().copied().unwrap_or_default())
 }
 
+/// The buffers of vertices and the attributes in them.
+fn vertex_input(
+    layout: &VertexLayout<'_>,
+) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {
+    let (mut bindings, mut attributes) = (Vec::new(), Vec::new());
+    let mut next = Some(layout);
+    while let Some(layout) = next {
+        let binding = bindings.len() as u32;
+        bindings.push(vk::VertexInputBindingDescription {
+            binding,
+            stride: layout.stride_bytes,
+            input_rate: vk::VertexInputRate::VERTEX,
+        });
+        for &(format, offset) in layout.attributes {
+            let location = attributes.len() as u32;
+            attributes.push(vk::VertexInputAttributeDescription {
+                location,
+                binding,
+                format,
+                offset,
+            });
+        }
+        next = layout.beside;
+    }
+    (bindings, attributes)
+}
+
 fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
     let all = vk::ColorComponentFlags::RGBA;
     let state = vk::PipelineColorBlendAttachmentState::default();
@@ -329,6 +354,12 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .alpha_blend_op(vk::BlendOp::ADD),
+        // The factors have no part in it.
+        Blend::Max => state
+            .color_write_mask(all)
+            .blend_enable(true)
+            .color_blend_op(vk::BlendOp::MAX)
+            .alpha_blend_op(vk::BlendOp::MAX),
         Blend::Premultiplied => {
             blend_state(Blend::Alpha).src_color_blend_factor(vk::BlendFactor::ONE)
         }

@@ -11,6 +11,8 @@ pub struct Spirv {
     /// Its name, as the debugger shows it.
     pub name: String,
     words: Vec<u32>,
+    /// Values of its specialisation constants, by id; the others keep what the source says.
+    constants: Vec<(u32, u32)>,
 }
 
 const SPIRV_MAGIC: u32 = 0x0723_0203;
@@ -29,7 +31,7 @@ impl Spirv {
         if !whole || words.first() != Some(&SPIRV_MAGIC) || words.len() < 5 {
             return Err(Error::NotSpirv { name: name.to_owned() });
         }
-        Ok(Self { name: name.to_owned(), words })
+        Ok(Self { name: name.to_owned(), words, constants: Vec::new() })
     }
 
     /// Its bytes, little-endian, as they are stored beside the GLSL.
@@ -37,18 +39,42 @@ impl Spirv {
         self.words.iter().flat_map(|word| word.to_le_bytes()).collect()
     }
 
-    /// Hands the module to `make` and destroys it after: pipelines do not need it once made.
-    pub(crate) fn with_module<R>(
+    /// The same shader with these values for its specialisation constants of 32 bits, by id. Pipelines
+    /// are compiled for them: what they switch off costs nothing.
+    #[must_use]
+    pub fn specialised(&self, constants: &[(u32, u32)]) -> Self {
+        Self { constants: constants.to_vec(), ..self.clone() }
+    }
+
+    /// Hands the module, with its constants, to `make` and destroys it after: pipelines do not need it
+    /// once made.
+    pub(crate) fn with_stage<R>(
         &self,
         device: &Device,
-        make: impl FnOnce(vk::ShaderModule) -> Result<R, Error>,
+        stage: vk::ShaderStageFlags,
+        make: impl FnOnce(vk::PipelineShaderStageCreateInfo<'_>) -> Result<R, Error>,
     ) -> Result<R, Error> {
+        let values: Vec<u32> = self.constants.iter().map(|(_, value)| *value).collect();
+        let entry = |(place, (id, _)): (usize, &(u32, u32))| {
+            let word = size_of::<u32>();
+            let offset = (place * word) as u32;
+            vk::SpecializationMapEntry { constant_id: *id, offset, size: word }
+        };
+        let entries: Vec<_> = self.constants.iter().enumerate().map(entry).collect();
+        let constants = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(&values));
         let info = vk::ShaderModuleCreateInfo::default().code(&self.words);
         // SAFETY: the words start like SPIR-V; the validation layer checks the rest.
         let module = unsafe { device.raw().create_shader_module(&info, None) }
             .called("vkCreateShaderModule")?;
         device.name(module, &self.name);
-        let made = make(module);
+        let info = vk::PipelineShaderStageCreateInfo::default()
+            .stage(stage)
+            .module(module)
+            .name(c"main")
+            .specialization_info(&constants);
+        let made = make(info);
         // SAFETY: no pipeline refers to the module after its creation.
         unsafe { device.raw().destroy_shader_module(module, None) };
         made

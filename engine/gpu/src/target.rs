@@ -46,8 +46,21 @@ pub struct RenderTarget {
     pub(crate) depth: vk::ImageView,
     pub(crate) origin: [u32; 2],
     pub(crate) size: [u32; 2],
-    /// The colour and depth to start from; `None` goes on from what is there.
-    pub clear: Option<([f32; 4], f32)>,
+    /// The colour to start from.
+    pub colour_load: Load<[f32; 4]>,
+    /// The depth to start from.
+    pub depth_load: Load<f32>,
+}
+
+/// What an image holds when a rendering to it begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Load<T> {
+    /// What is there.
+    Keep,
+    /// The same everywhere.
+    Clear(T),
+    /// Anything: nothing is drawn to it, and nobody reads what the rendering leaves.
+    Forget,
 }
 
 impl RenderTarget {
@@ -61,6 +74,18 @@ impl RenderTarget {
             self.size[side] = size[side].min(self.size[side] - start);
         }
         self
+    }
+
+    /// With the depth alone: the colour is not drawn to and holds anything afterwards.
+    #[must_use]
+    pub fn depth_only(self) -> Self {
+        Self { colour_load: Load::Forget, ..self }
+    }
+
+    /// With a colour to start from, whatever the depth starts from.
+    #[must_use]
+    pub fn cleared_to(self, colour: [f32; 4]) -> Self {
+        Self { colour_load: Load::Clear(colour), ..self }
     }
 }
 
@@ -145,7 +170,8 @@ impl Target {
             depth: self.depth.view,
             origin: [0, 0],
             size: self.size,
-            clear: clear.map(|colour| (colour, FAR)),
+            colour_load: clear.map_or(Load::Keep, Load::Clear),
+            depth_load: clear.map_or(Load::Keep, |_| Load::Clear(FAR)),
         }
     }
 

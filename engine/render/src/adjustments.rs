@@ -3,15 +3,17 @@
 
 use gpu::{FrameRing, Target};
 
+use crate::blended::Blended;
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::explanation::Explainer;
 use crate::passes::{
-    ComputeTest, CountPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass,
+    ComputeTest, CountPass, DeformPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass,
+    ScatterPass,
 };
-use crate::pyramid_frame::PyramidFrame;
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
 use crate::shaders::ShaderSet;
+use crate::shading::Shading;
 
 impl Renderer {
     /// Draws pictures of `size` pixels from now on. A bird's-eye view that does not fit into them is no
@@ -95,9 +97,16 @@ impl Renderer {
         let dialogue = again(self.dialogue.as_ref(), || {
             DialogueFrame::new(device, &shaders, self.dialogue_options)
         })?;
-        let pyramid = again(self.pyramid.as_ref(), || {
-            PyramidFrame::new(device, &shaders, &self.hierarchy, size)
-        })?;
+        let pyramid = again(self.pyramid.as_ref(), || self.pyramid_frame(&shaders))?;
+        let deforming = self.passes.deformers.as_ref().map(|deformers| &deformers.pass);
+        let deforming = again(deforming, || DeformPass::new(device, &shaders))?;
+        let surfaces = self.passes.geometry.surfaces.as_ref();
+        let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
+        let shading = shading.transpose()?;
+        let blending = match (surfaces, &self.passes.blended) {
+            (Some(surfaces), Some(_)) => Some(Blended::pass(device, &shaders, surfaces)?),
+            _ => None,
+        };
         let explanation = self.explanation();
         let explainer =
             again(self.explainer.as_ref(), || Explainer::new(device, &shaders, explanation))?;
@@ -108,7 +117,13 @@ impl Renderer {
         (passes.opaque, passes.proxies, passes.leaf_boxes) = (opaque, proxies, leaf_boxes);
         (passes.counts, passes.compute_test, self.scatter) = (counts, compute_test, scatter);
         (self.birds_eye, self.dialogue, self.pyramid) = (birds_eye, dialogue, pyramid);
-        self.explainer = explainer;
+        (passes.shading, self.explainer) = (shading, explainer);
+        if let (Some(blended), Some(pass)) = (&mut passes.blended, blending) {
+            blended.pass = pass;
+        }
+        if let (Some(deformers), Some(pass)) = (&mut passes.deformers, deforming) {
+            deformers.pass = pass;
+        }
         // Made again when it is next wanted.
         self.seen_leaves = None;
         self.shaders = shaders;

@@ -1,7 +1,7 @@
 //! The bird's-eye view of a moment: what is drawn, what is hidden as boxes, and where the eye looks
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
-use cull::{Aabb, Camera, Hierarchy, View};
+use cull::{Aabb, Camera, Hierarchy, Strategy, View};
 use glam::{Vec3, Vec4};
 use gpu::{Frame, Readback, Tick};
 
@@ -14,7 +14,7 @@ use crate::views::finish_picture;
 
 /// How far the drawn frustum reaches, as a share of what it looks over.
 const FRUSTUM_REACH: f32 = 1.0;
-pub(crate) const BACKGROUND: [f32; 4] = [0.02, 0.025, 0.035, 1.0];
+pub(crate) const BACKGROUND: [f32; 3] = [0.02, 0.025, 0.035];
 /// What is behind all: nothing, as in a drawing, or the scene's sky, as in its other pictures.
 enum Backdrop {
     Dark,
@@ -65,21 +65,22 @@ impl Renderer {
         let view = self.view_of(&camera);
         let sketch = Sketch::of(moment, self.reach(moment));
         let Self { frames, passes, hierarchy, scatter, birds_eye, flat_overlay, .. } = self;
-        let [red, green, blue] = passes.light.sky;
         let (clear, explainer) = match backdrop {
             Backdrop::Dark => (BACKGROUND, None),
-            Backdrop::Sky => ([red, green, blue, 1.0], self.explainer.as_ref()),
+            Backdrop::Sky => (passes.light.sky, self.explainer.as_ref()),
         };
         let mut frame = frames.begin()?;
-        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, scatter)?;
+        passes.bring(&mut frame, hierarchy, scatter)?;
+        passes.gather_blended(&mut frame, &view, Strategy::Frustum)?;
         let draws = moment.upload(&mut frame, &passes.geometry)?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
         passes.target.prepare(commands);
         commands.pass("bird's eye", |commands| {
-            let from = passes.target_of(&view, Some(clear));
+            let from = passes.picture_target(&view, clear);
             commands.rendering(from, |commands| {
-                passes.draw_all(commands, &view, draws);
+                passes.draw_all(commands, &view, draws, clear);
+                passes.draw_blended(commands, &view);
                 if let Some(overlay) = birds_eye {
                     overlay.record(commands, &io, &view);
                 }

@@ -4,7 +4,7 @@
 //! batch       the first clears; draws, some under a query each, then boxes under a query each;
 //!             answers -> mapped memory; submit
 //! ...         as long as the method has something to ask; it says when to wait for an answer
-//! shaded      the picture, where the batches drew the depth only
+//! shaded      the picture, where the batches drew the depth only; `surfaces` in scenes that have any
 //! ```
 //!
 //! The answers to a batch are read when its tick is over: nothing asks the driver for a query.
@@ -17,8 +17,8 @@ use cull::{
     PlanStats, Step, Strategy, TestAnswer, TestToken, View,
 };
 use gpu::{
-    BufferSlice, Commands, Counting, Device, Frame, IndirectDraw, QueryIndex, QueryPages, Tick,
-    Timeline,
+    BufferSlice, Commands, Counting, Device, Frame, IndirectDraw, QueryIndex, QueryPages,
+    RenderTarget, Tick, Timeline,
 };
 
 use crate::error::Error;
@@ -125,8 +125,12 @@ impl DialogueFrame {
             plan.draws.extend(batch.draws.iter().map(|draw| draw.leaf));
             if is_first || !batch.is_empty() {
                 let io = BatchIo::write(frame, &batch, queries, passes)?;
-                let from = is_first.then_some(passes.light.sky);
-                self.record_batch(frame.commands(), (&batch, &io), queries, passes, request, from);
+                let target = match is_first {
+                    true => passes.first_target(view),
+                    false => passes.next_target(view),
+                };
+                let batch = (&batch, &io);
+                self.record_batch(frame.commands(), batch, queries, passes, request, target);
                 is_first = false;
                 if step != Step::Done {
                     let tick = frame.flush(request.after)?;
@@ -161,7 +165,7 @@ impl DialogueFrame {
         queries: &QueryPages,
         passes: &mut FramePasses,
         request: &DialogueRequest<'_>,
-        from: Option<[f32; 3]>,
+        target: RenderTarget,
     ) {
         let counting = match self.options.coherent.visibility_threshold_samples {
             0 => Counting::Some,
@@ -169,12 +173,15 @@ impl DialogueFrame {
         };
         passes.target.prepare(commands);
         commands.pass("batch", |commands| {
-            let from = from.map(|[red, green, blue]| [red, green, blue, 1.0]);
-            commands.rendering(passes.target_of(request.view, from), |commands| {
+            commands.rendering(target, |commands| {
                 if !batch.draws.is_empty() {
-                    let depth_first = self.depth_first(request.strategy);
-                    let opaque = depth_first.map_or(&passes.opaque, |passes| &passes.depth);
-                    opaque.bind(commands, &passes.opaque_io(), request.view, &passes.light);
+                    match self.depth_first(request.strategy, passes) {
+                        Some(DepthFirst { depth, .. }) => {
+                            let io = passes.opaque_io();
+                            depth.bind(commands, &io, request.view, &passes.light);
+                        }
+                        None => passes.bind_rounds(commands, request.view),
+                    }
                     draw(commands, &batch.draws, io.draws, queries, counting);
                 }
                 if !batch.tests.is_empty() {
@@ -190,8 +197,10 @@ impl DialogueFrame {
         });
     }
 
-    fn depth_first(&self, strategy: Strategy) -> Option<&DepthFirst> {
-        self.depth_first.as_ref().filter(|_| strategy == Strategy::Coherent)
+    /// The option's passes, in scenes that are not drawn depth first anyway.
+    fn depth_first(&self, strategy: Strategy, passes: &FramePasses) -> Option<&DepthFirst> {
+        let wants = strategy == Strategy::Coherent && passes.shading.is_none();
+        self.depth_first.as_ref().filter(|_| wants)
     }
 
     /// Draws the picture if there is only its depth so far.
@@ -202,11 +211,16 @@ impl DialogueFrame {
         passes: &mut FramePasses,
         request: &DialogueRequest<'_>,
     ) -> Result<(), Error> {
-        if let Some(DepthFirst { colour, .. }) = self.depth_first(request.strategy) {
-            let geometry = &passes.geometry;
-            let draws = drawn.iter().map(|leaf| geometry.draw(*leaf));
-            let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
-            let commands = frame.commands();
+        let depth_first = self.depth_first(request.strategy, passes);
+        if depth_first.is_none() && passes.shading.is_none() {
+            return Ok(());
+        }
+        let geometry = &passes.geometry;
+        let draws = drawn.iter().map(|leaf| geometry.draw(*leaf));
+        let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
+        let commands = frame.commands();
+        passes.shade(commands, request.view, |_, commands| commands.draw_indirect(draws));
+        if let Some(DepthFirst { colour, .. }) = depth_first {
             passes.target.prepare(commands);
             commands.pass("shaded", |commands| {
                 commands.rendering(passes.target_of(request.view, None), |commands| {

@@ -79,6 +79,22 @@ pub enum Error {
         /// Why not, and what to do.
         reason: String,
     },
+    /// A blended object that cannot be moved.
+    #[error("the blended object {} cannot be moved: {reason}", blended.0)]
+    Blended {
+        /// The object.
+        blended: crate::scene::BlendedId,
+        /// Why not.
+        reason: &'static str,
+    },
+    /// A pose that a mesh cannot take.
+    #[error("the deformer {} cannot take this pose: {reason}", deformer.0)]
+    Deform {
+        /// The deformer.
+        deformer: crate::scene::DeformerId,
+        /// Why not.
+        reason: String,
+    },
     /// A view whose area is empty or not within the picture.
     #[error(
         "a view of {}x{} pixels at {}, {} is not within the picture of {}x{}: choose an area of at least a pixel inside",
@@ -104,6 +120,27 @@ pub enum Error {
         pixels: usize,
         /// Size of the atlas.
         atlas: [u32; 2],
+    },
+    /// An image that is not whole.
+    #[error(
+        "the image \"{image}\" of {}x{} pixels has {bytes} bytes: it needs four a pixel, and at least a pixel",
+        size[0], size[1]
+    )]
+    Image {
+        /// Its name.
+        image: String,
+        /// Its size in pixels.
+        size: [u32; 2],
+        /// How many bytes there are.
+        bytes: usize,
+    },
+    /// A light that cannot be changed as it was asked for.
+    #[error("the light {} cannot be changed: {reason}", light.0)]
+    Light {
+        /// The light.
+        light: crate::scene::LightId,
+        /// Why not, and what to do.
+        reason: &'static str,
     },
     /// Shaders were asked for that this build cannot compile.
     #[error(

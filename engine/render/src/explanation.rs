@@ -121,8 +121,8 @@ impl Explainer {
         let view = &view_in(&self.device, &above(moment, reach), area);
         passes.target.prepare(frame.commands());
         frame.commands().pass("bird's eye", |commands| {
-            commands.rendering(passes.target_of(view, Some(BACKGROUND)), |commands| {
-                passes.draw_all(commands, view, draws);
+            commands.rendering(passes.picture_target(view, BACKGROUND), |commands| {
+                passes.draw_all(commands, view, draws, BACKGROUND);
                 self.overlay.record(commands, &io, view);
             });
         });

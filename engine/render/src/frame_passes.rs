@@ -6,6 +6,8 @@ use gpu::{
     QueryIndex, RenderTarget, Reveal, Target, WordSource,
 };
 
+use crate::blended::Blended;
+use crate::deformers::Deformers;
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::passes::{
@@ -14,6 +16,7 @@ use crate::passes::{
 };
 use crate::questions::{RoundQuestions, draw_range};
 use crate::scene::Light;
+use crate::shading::Shading;
 use crate::view_history::ViewHistory;
 use crate::views::Area;
 
@@ -31,6 +34,12 @@ pub(crate) struct FramePasses {
     // Made for the first frame that counts.
     pub(crate) counts: Option<CountPass>,
     pub(crate) light: Light,
+    /// Where meshes change their form.
+    pub(crate) deformers: Option<Deformers>,
+    /// Where objects are blended.
+    pub(crate) blended: Option<Blended>,
+    /// For scenes with surfaces.
+    pub(crate) shading: Option<Shading>,
 }
 
 /// What one frame reads from its slot's memory.
@@ -106,9 +115,7 @@ impl FramePasses {
         }
         self.target.prepare(commands);
         commands.pass("visible", |commands| {
-            let [red, green, blue] = self.light.sky;
-            let from = self.target_of(view, Some([red, green, blue, 1.0]));
-            commands.rendering(from, |commands| {
+            commands.rendering(self.first_target(view), |commands| {
                 self.draw_visible(commands, history, view, io);
                 self.draw_proxies(commands, history, view, io, rounds.first());
             });
@@ -132,13 +139,14 @@ impl FramePasses {
             });
             self.target.prepare(commands);
             commands.pass("revealed", |commands| {
-                commands.rendering(self.target_of(view, None), |commands| {
+                commands.rendering(self.next_target(view), |commands| {
                     self.draw_revealed(commands, history, view, io, known, before);
                     self.test_leaves(commands, history, view, io, known);
                     self.draw_proxies(commands, history, view, io, next);
                 });
             });
         }
+        self.shade(commands, view, |passes, commands| passes.draw_again(commands, history, io));
         commands.pass("read back", |commands| {
             history.queries.resolve(commands, 0..history.questions.own_draws);
             history.queries.read_back(commands);
@@ -156,7 +164,7 @@ impl FramePasses {
     /// Draws what is taken as visible: in one call from one that is asked about to the next.
     fn draw_visible(&self, commands: &Commands, history: &ViewHistory, view: &View, io: &FrameIo) {
         let plan = history.plan();
-        self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
+        self.bind_rounds(commands, view);
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
         let mut drawn = 0;
         let mut draw_until = |end: u32| {
@@ -255,14 +263,51 @@ impl FramePasses {
         known: Option<&RoundQuestions>,
         before: Option<&RoundQuestions>,
     ) {
-        self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
-        if let Some(parts) = io.parts {
-            for decision in history.questions.revealing(before, Reveal::Parts) {
-                self.predicates.draw_parts(commands, decision.source, decision.number, parts.draws);
+        self.bind_rounds(commands, view);
+        self.draw_parts(commands, history, io, before);
+        self.draw_whole(commands, history, known);
+    }
+
+    /// Draws the leaves of a round that were switched on one by one.
+    fn draw_parts(
+        &self,
+        commands: &Commands,
+        history: &ViewHistory,
+        io: &FrameIo,
+        round: Option<&RoundQuestions>,
+    ) {
+        let Some(parts) = io.parts else { return };
+        for decision in history.questions.revealing(round, Reveal::Parts) {
+            self.predicates.draw_parts(commands, decision.source, decision.number, parts.draws);
+        }
+    }
+
+    /// Draws the ranges of a round that showed.
+    fn draw_whole(
+        &self,
+        commands: &Commands,
+        history: &ViewHistory,
+        round: Option<&RoundQuestions>,
+    ) {
+        for decision in history.questions.revealing(round, Reveal::Whole) {
+            self.predicates.draw(commands, decision.source, decision.number);
+        }
+    }
+
+    /// Draws what all rounds of a frame drew: their words still say what that was.
+    fn draw_again(&self, commands: &Commands, history: &ViewHistory, io: &FrameIo) {
+        let plan = history.plan();
+        for (draws, count) in
+            [(io.visible, plan.draws.len()), (io.queried, plan.queried_draws.len())]
+        {
+            if count > 0 {
+                let draws = draws.part(0, count as u64 * DRAW_BYTES);
+                self.predicates.draw_always(commands, draws);
             }
         }
-        for decision in history.questions.revealing(known, Reveal::Whole) {
-            self.predicates.draw(commands, decision.source, decision.number);
+        for round in &history.questions.rounds {
+            self.draw_whole(commands, history, Some(round));
+            self.draw_parts(commands, history, io, Some(round));
         }
     }
 
@@ -286,19 +331,6 @@ impl FramePasses {
                 self.predicates.draw_boxes(commands, decision.source, decision.number);
             }
         });
-    }
-
-    /// Draws all of the `draws`, of which there are so many, in their own colours.
-    pub(crate) fn draw_all(
-        &self,
-        commands: &Commands,
-        view: &View,
-        (draws, count): (BufferSlice, u32),
-    ) {
-        self.opaque.bind(commands, &self.opaque_io(), view, &self.light);
-        if count > 0 {
-            commands.draw_indirect(draws);
-        }
     }
 
     pub(crate) fn opaque_io(&self) -> OpaqueIo {

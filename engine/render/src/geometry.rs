@@ -1,22 +1,30 @@
 //! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of everything.
 
-use bytemuck::{Pod, Zeroable};
-use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
-use glam::Affine3A;
-use gpu::{Buffer, Device, Frame, IndirectDraw, Predicates, vk};
+use std::collections::HashMap;
 
+use bytemuck::{Pod, Zeroable};
+use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, LeafRange, ObjectId};
+use glam::Affine3A;
+use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
+
+use crate::deformers::{DeformedVertices, are_deformed, check_size, deformed_vertices, mesh_order};
+use crate::detail::{Forms, stretch};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
-use crate::scene::{Object, Scene, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::scene::{
+    BlendedId, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm,
+};
+use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
-struct Instance {
+pub(crate) struct Instance {
     rows: [[f32; 4]; 3],
-    tint: [f32; 4],
+    /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
+    tail: [u32; 4],
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
@@ -27,17 +35,29 @@ const NO_MESH: u32 = u32::MAX;
 /// Meshes, instances and what the CPU must know to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
+    /// How many vertices, from the first on, are those of meshes that change their form.
+    deformed_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
     /// One box per leaf.
     pub(crate) leaf_boxes: Buffer,
+    /// Of scenes that have them.
+    pub(crate) surfaces: Option<SurfaceResources>,
+    /// Of meshes, and of their coarser forms behind those.
     mesh_draws: Vec<IndirectDraw>,
     mesh_bounds: Vec<Aabb>,
+    pub(crate) forms: Forms,
     // By object.
     object_meshes: Vec<u32>,
+    /// Which of the draws: that of its mesh, or of a coarser form.
+    object_forms: Vec<u32>,
     object_instances: Vec<Instance>,
+    /// The boxes of objects that have another than their mesh, in their own space.
+    reshaped: HashMap<ObjectId, Aabb>,
+    /// By mesh: whether it changes its form, so that its box is that of the one object it has.
+    is_deformed: Vec<bool>,
     // By leaf.
-    leaf_meshes: Vec<u32>,
+    leaf_forms: Vec<u32>,
     leaf_counts: LeafCounts,
     pub(crate) draw_changes: DrawChanges,
     stale: Vec<LeafIndex>,
@@ -64,39 +84,54 @@ impl Geometry {
         scene: &Scene,
         hierarchy: &Hierarchy,
     ) -> Result<Self, Error> {
-        let (vertices, indices, mesh_draws) = join_meshes(scene);
+        let (vertices, mut indices, mut mesh_draws) = join_meshes(scene);
+        let forms = Forms::join(scene, &mut indices, &mut mesh_draws);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
+        let deformed_bytes = deformed_vertices(scene) * size_of::<SurfaceVertex>() as u64;
+        check_size(device, "the vertices of meshes that change their form", deformed_bytes)?;
+        let surfaces =
+            SurfaceResources::upload(device, scene, hierarchy, &SurfaceOptions::default())?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
         let mut object_instances = vec![Instance::default(); leaf_count];
         let places = object_meshes.iter_mut().zip(&mut object_instances);
-        for ((mesh, instance), object) in places.zip(&scene.objects) {
+        for (id, ((mesh, instance), object)) in (0..).zip(places.zip(&scene.objects)) {
             *mesh = object.mesh.0;
-            *instance = instance_of(object);
+            *instance = instance_of(ObjectId(id), object, surfaces.as_ref());
         }
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
-        let leaf_meshes: Vec<u32> =
+        let leaf_forms: Vec<u32> =
             by_leaf().map(|o| object_meshes.get(o).copied().unwrap_or(NO_MESH)).collect();
         let instances: Vec<Instance> =
             by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
         let leaf_boxes: Vec<ProxyBox> =
             hierarchy.leaf_objects().iter().map(|object| leaf_box(hierarchy, *object)).collect();
-        let counts = leaf_meshes.iter().map(|mesh| count_of(&mesh_draws, *mesh));
-        let (vertex, index) =
-            (vk::BufferUsageFlags::VERTEX_BUFFER, vk::BufferUsageFlags::INDEX_BUFFER);
+        let counts = leaf_forms.iter().map(|mesh| count_of(&mesh_draws, *mesh));
+        let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let deformed_vertices = deformed_vertices(scene);
+        let vertex = match deformed_vertices {
+            0 => vk::BufferUsageFlags::VERTEX_BUFFER,
+            _ => vk::BufferUsageFlags::VERTEX_BUFFER | storage,
+        };
         Ok(Self {
             vertices: device.upload("vertices", &vertices, vertex)?,
+            deformed_vertices,
+            reshaped: HashMap::new(),
+            is_deformed: are_deformed(scene),
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
             leaf_boxes: device.upload("leaf boxes", &leaf_boxes, storage)?,
             mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
             leaf_counts: LeafCounts::new(counts),
             draw_changes: DrawChanges::new(leaf_count),
+            surfaces,
             mesh_draws,
+            forms,
+            object_forms: object_meshes.clone(),
             object_meshes,
             object_instances,
-            leaf_meshes,
+            leaf_forms,
             stale: Vec::new(),
             is_stale: vec![false; leaf_count],
         })
@@ -104,19 +139,31 @@ impl Geometry {
 
     /// The draw of one leaf; of nothing where the leaf is free.
     pub(crate) fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
-        let mesh = self.leaf_meshes.get(leaf.0 as usize).copied().unwrap_or(NO_MESH);
+        let mesh = self.leaf_forms.get(leaf.0 as usize).copied().unwrap_or(NO_MESH);
         let draw = self.mesh_draws.get(mesh as usize).copied().unwrap_or_default();
         IndirectDraw { first_instance: leaf.0, ..draw }
     }
 
+    /// The draw of a mesh; of nothing where the scene does not have it.
+    pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
+        self.mesh_draws.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// What the vertex shader knows of a blended object.
+    pub(crate) fn blended_instance(&self, id: BlendedId, object: &Object) -> Instance {
+        let slot = |surfaces: &SurfaceResources| surfaces.first_blended_slot() + id.0;
+        let surfaces = self.surfaces.as_ref();
+        instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
+    }
+
     /// The draws of all leaves, in their order.
     pub(crate) fn draws(&self) -> Vec<IndirectDraw> {
-        (0..self.leaf_meshes.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
+        (0..self.leaf_forms.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
     }
 
     /// The objects and triangles of a range of leaves.
     pub(crate) fn count(&self, leaves: LeafRange) -> Count {
-        match (leaves.count, self.leaf_meshes.get(leaves.first.0 as usize)) {
+        match (leaves.count, self.leaf_forms.get(leaves.first.0 as usize)) {
             (1, Some(mesh)) => count_of(&self.mesh_draws, *mesh),
             _ => self.leaf_counts.of(leaves),
         }
@@ -124,14 +171,55 @@ impl Geometry {
 
     /// The box of an object that is somewhere else, if it is there and can be there.
     pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
+        if let Some(bounds) = self.reshaped.get(&object) {
+            return bounds_in_world(bounds, transform);
+        }
         let mesh = self.object_meshes.get(object.0 as usize)?;
         self.bounds_of(*mesh, transform)
     }
 
     /// The box of a mesh somewhere, if there is such a mesh and it can be there.
     pub(crate) fn bounds_of(&self, mesh: u32, transform: &Affine3A) -> Option<Aabb> {
-        let bounds = bounds_of_transformed(self.mesh_bounds.get(mesh as usize)?, transform);
-        bounds.is_usable().then_some(bounds)
+        bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
+    }
+
+    /// Gives an object another box, in its own space. A mesh that changes its form keeps the box for who
+    /// has the mesh next.
+    pub(crate) fn reshape(&mut self, object: ObjectId, bounds: Aabb) {
+        let mesh = self.object_meshes.get(object.0 as usize).map_or(usize::MAX, |it| *it as usize);
+        match (self.is_deformed.get(mesh), self.mesh_bounds.get_mut(mesh)) {
+            (Some(true), Some(of_mesh)) => *of_mesh = bounds,
+            _ => {
+                self.reshaped.insert(object, bounds);
+            }
+        }
+    }
+
+    /// Whether a mesh changes its form.
+    pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
+        self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// The first object that has a mesh; looks at all objects.
+    pub(crate) fn owner(&self, mesh: MeshId) -> Option<ObjectId> {
+        let place = self.object_meshes.iter().position(|it| *it == mesh.0)?;
+        Some(ObjectId(place as u32))
+    }
+
+    /// Where vertices are written that change.
+    pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
+        let part = |vertices: BufferSlice, vertex_bytes: usize| {
+            vertices.part(0, self.deformed_vertices * vertex_bytes as u64)
+        };
+        Some(DeformedVertices {
+            vertices: part(self.vertices.whole(), size_of::<Vertex>()),
+            surfaces: part(self.surfaces.as_ref()?.vertices(), size_of::<SurfaceVertex>()),
+        })
+    }
+
+    /// Where the vertices of a mesh begin.
+    pub(crate) fn first_vertex(&self, mesh: usize) -> u32 {
+        self.mesh_draws.get(mesh).map_or(0, |draw| draw.vertex_offset as u32)
     }
 
     /// Moves an object. Its leaf must be [marked](Geometry::mark).
@@ -143,23 +231,65 @@ impl Geometry {
 
     /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
     pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
+        self.reshaped.remove(&id);
+        let surfaces = self.surfaces.as_ref();
+        let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
         let id = id.0 as usize;
-        let (Some(mesh), Some(instance)) =
-            (self.object_meshes.get_mut(id), self.object_instances.get_mut(id))
-        else {
+        let (Some(mesh), Some(form), Some(instance)) = (
+            self.object_meshes.get_mut(id),
+            self.object_forms.get_mut(id),
+            self.object_instances.get_mut(id),
+        ) else {
             return;
         };
         *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
-        *instance = object.map(instance_of).unwrap_or_default();
+        *form = *mesh;
+        *instance = now;
+    }
+
+    /// Lets an object take the form that fits how large it looks; answers whether it is another. Its
+    /// leaf must then be marked.
+    pub(crate) fn take_form(
+        &mut self,
+        object: ObjectId,
+        pixels_per_metre: f32,
+        policy: &DetailPolicy,
+    ) -> bool {
+        let id = object.0 as usize;
+        let (Some(mesh), Some(form), Some(instance)) = (
+            self.object_meshes.get(id),
+            self.object_forms.get_mut(id),
+            self.object_instances.get(id),
+        ) else {
+            return false;
+        };
+        let scale = pixels_per_metre * stretch(&instance.rows);
+        let chosen = self.forms.choose(MeshId(*mesh), *form, scale, policy);
+        chosen.is_some_and(|chosen| std::mem::replace(form, chosen) != chosen)
+    }
+
+    /// Finds the lights of an object where it is now; answers whether there are others than before.
+    /// Its leaf must then be marked.
+    pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
+        let (Some(surfaces), Some(node)) = (&mut self.surfaces, hierarchy.node_of(object)) else {
+            return false;
+        };
+        let is_other = surfaces.find_lights(object.0, &hierarchy.bounds(node));
+        if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
+            && is_other
+        {
+            instance.tail[2] = surfaces.light_lists().count(object.0);
+        }
+        is_other
     }
 
     /// What the GPU has of a leaf is not what is there: the next frame brings it.
     pub(crate) fn mark(&mut self, leaf: LeafIndex, object: ObjectId) {
         let place = leaf.0 as usize;
         let (Some(mesh), Some(is_stale), Some(now)) = (
-            self.leaf_meshes.get_mut(place),
+            self.leaf_forms.get_mut(place),
             self.is_stale.get_mut(place),
-            self.object_meshes.get(object.0 as usize).copied(),
+            self.object_forms.get(object.0 as usize).copied(),
         ) else {
             return;
         };
@@ -188,6 +318,9 @@ impl Geometry {
         predicates: &Predicates,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
+        if let Some(surfaces) = &self.surfaces {
+            surfaces.bring(frame, scatter)?;
+        }
         if self.stale.is_empty() {
             return Ok(());
         }
@@ -218,6 +351,9 @@ impl Geometry {
 
     /// The frame that [`Geometry::bring`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.submitted();
+        }
         for leaf in self.stale.drain(..) {
             if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
                 *is_stale = false;
@@ -234,8 +370,10 @@ fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {
     })
 }
 
-fn instance_of(object: &Object) -> Instance {
-    Instance { rows: rows_of(&object.transform), tint: unpack_unorm(object.tint) }
+fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {
+    let tint = || unpack_unorm(object.tint).map(f32::to_bits);
+    let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object.mesh, id.0));
+    Instance { rows: rows_of(&object.transform), tail }
 }
 
 fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
@@ -255,17 +393,26 @@ fn leaf_box(hierarchy: &Hierarchy, object: ObjectId) -> ProxyBox {
 fn join_meshes(scene: &Scene) -> (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>) {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();
-    let mut draws = Vec::with_capacity(scene.meshes.len());
-    for mesh in &scene.meshes {
-        draws.push(IndirectDraw {
+    let mut draws = vec![IndirectDraw::default(); scene.meshes.len()];
+    for number in mesh_order(scene) {
+        let (Some(mesh), Some(draw)) = (scene.meshes.get(number), draws.get_mut(number)) else {
+            continue;
+        };
+        *draw = IndirectDraw {
             index_count: mesh.indices.len() as u32,
             instance_count: 1,
             first_index: indices.len() as u32,
             vertex_offset: vertices.len() as i32,
             first_instance: 0,
-        });
+        };
         vertices.extend_from_slice(&mesh.vertices);
         indices.extend_from_slice(&mesh.indices);
     }
     (vertices, indices, draws)
+}
+
+/// The box around a box that is somewhere, if it can be there.
+pub(crate) fn bounds_in_world(bounds: &Aabb, transform: &Affine3A) -> Option<Aabb> {
+    let bounds = bounds_of_transformed(bounds, transform);
+    bounds.is_usable().then_some(bounds)
 }

@@ -31,7 +31,10 @@
 
 mod adjustments;
 mod birds_eye;
+mod blended;
 mod calibration;
+mod deformers;
+mod detail;
 mod dialogue_frame;
 mod draw_changes;
 mod error;
@@ -42,6 +45,7 @@ mod frame_times;
 mod geometry;
 mod leaf_counts;
 mod moment;
+mod object_bounds;
 mod passes;
 mod pyramid_frame;
 mod pyramid_history;
@@ -50,6 +54,8 @@ mod renderer;
 mod sample_counts;
 pub mod scene;
 mod shaders;
+mod shading;
+mod surfaces;
 mod update;
 mod view_history;
 mod views;
@@ -57,20 +63,25 @@ mod visible_set;
 mod window;
 
 pub use calibration::Costs;
+pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
 pub use explanation::Explanation;
 pub use flat_overlay::FlatOverlay;
 pub use moment::Moment;
+pub use object_bounds::object_bounds;
 pub use passes::{
     ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
     LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
-    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, pyramid_levels,
+    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, SkyPass,
+    SurfaceIo, SurfaceKind, SurfacePass, pyramid_levels,
 };
-pub use renderer::{
-    FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, object_bounds,
-};
+pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
+pub use surfaces::{
+    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, Page, PagePlan,
+    SurfaceOptions, SurfaceResources, reach_m,
+};
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};
 pub use views::{Area, Eye, ViewsRequest};

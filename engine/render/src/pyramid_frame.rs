@@ -7,6 +7,7 @@
 //! tests       everything in the frustum against the pyramid -> list of what shows and was not
 //!             drawn; what shows -> the next frame
 //! revealed    draw the list
+//! surfaces    both lists again, for their colour, in scenes with surfaces
 //! read back   counts -> mapped memory of this slot
 //! ```
 //!
@@ -16,7 +17,8 @@
 
 use cull::{Hierarchy, View};
 use gpu::{
-    Access, Buffer, Commands, Device, Frame, IndirectDraw, MemoryBarrier, Optional, Place, vk,
+    Access, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryBarrier, Optional,
+    Place, vk,
 };
 
 use crate::error::Error;
@@ -33,8 +35,19 @@ pub(crate) struct PyramidFrame {
     cull: PyramidCullPass,
     list: Buffer,
     list_kind: ListKind,
+    /// Where the list of the second phase lies: over that of the first, unless both are drawn again.
+    second_bytes: u64,
     counters: Buffer,
     leaf_count: u32,
+}
+
+/// How many of the lists of the two phases are there once a frame is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Lists {
+    /// That of the second: nobody wants the other any more.
+    One,
+    /// Both, to be drawn again.
+    Both,
 }
 
 /// What one frame is made from.
@@ -44,6 +57,9 @@ pub(crate) struct PyramidRequest<'a> {
 }
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+/// No device wants storage buffers to begin at multiples of more.
+const MOST_ALIGNMENT_BYTES: u64 = 256;
 
 /// Storage buffers that the second phase reads and writes.
 const STORAGE_BUFFERS: u32 = 6;
@@ -58,6 +74,7 @@ impl PyramidFrame {
         shaders: &ShaderSet,
         hierarchy: &Hierarchy,
         size: [u32; 2],
+        lists: Lists,
     ) -> Result<Self, Error> {
         Self::check(device, hierarchy, size)?;
         let limits = &device.adapter().limits;
@@ -70,12 +87,17 @@ impl PyramidFrame {
         let buffer = |name, size_bytes, usage| {
             Buffer::new(device, name, size_bytes, storage | usage, Place::Device)
         };
-        let leaves = u64::from(leaf_count);
+        let list_bytes = u64::from(leaf_count) * DRAW_BYTES;
+        let second_bytes = match lists {
+            Lists::One => 0,
+            Lists::Both => list_bytes.next_multiple_of(MOST_ALIGNMENT_BYTES),
+        };
         Ok(Self {
             pyramid: PyramidPass::new(device, shaders, size)?,
             cull: PyramidCullPass::new(device, shaders)?,
-            list: buffer("pyramid draws", leaves * DRAW_BYTES, indirect)?,
+            list: buffer("pyramid draws", second_bytes + list_bytes, indirect)?,
             list_kind: if has_counts { ListKind::Compact } else { ListKind::EveryLeaf },
+            second_bytes,
             counters: buffer("pyramid counters", COUNTER_BYTES, indirect | from | to)?,
             leaf_count,
         })
@@ -147,21 +169,20 @@ impl PyramidFrame {
             boxes: passes.geometry.leaf_boxes.whole(),
             leaves: passes.predicates.draws(),
             seen: kept.seen(),
-            list: self.list.whole(),
+            list: self.list(Phase::First),
             counters: self.counters.whole(),
             depths: self.pyramid.depths(),
             leaf_count: self.leaf_count,
             list_kind: self.list_kind,
         };
-        let [red, green, blue] = passes.light.sky;
         commands.pass("remembered", |commands| {
             self.cull.record(commands, &io, request.view, Phase::First);
         });
         passes.target.prepare(commands);
         commands.pass("visible", |commands| {
-            let from = passes.target_of(request.view, Some([red, green, blue, 1.0]));
-            commands.rendering(from, |commands| {
-                self.draw(commands, passes, request.view, Phase::First);
+            commands.rendering(passes.first_target(request.view), |commands| {
+                passes.bind_rounds(commands, request.view);
+                self.draw(commands, Phase::First);
             });
         });
         commands.pass("pyramid", |commands| {
@@ -171,23 +192,34 @@ impl PyramidFrame {
             // The list of phase 1 has been drawn.
             let between = MemoryBarrier::between;
             commands.barrier(between(&[Access::IndirectRead], &[Access::ComputeWrite]));
+            let io = PyramidCullIo { list: self.list(Phase::Second), ..io };
             self.cull.record(commands, &io, request.view, Phase::Second);
         });
         passes.target.prepare(commands);
         commands.pass("revealed", |commands| {
-            commands.rendering(passes.target_of(request.view, None), |commands| {
-                self.draw(commands, passes, request.view, Phase::Second);
+            commands.rendering(passes.next_target(request.view), |commands| {
+                passes.bind_rounds(commands, request.view);
+                self.draw(commands, Phase::Second);
             });
+        });
+        passes.shade(commands, request.view, |_, commands| {
+            self.draw(commands, Phase::First);
+            self.draw(commands, Phase::Second);
         });
         commands.pass("read back", |commands| {
             kept.read_back(commands, self.counters.whole());
         });
     }
 
+    /// Room for the list of `phase`.
+    fn list(&self, phase: Phase) -> BufferSlice {
+        let start = if phase == Phase::Second { self.second_bytes } else { 0 };
+        self.list.whole().part(start, u64::from(self.leaf_count) * DRAW_BYTES)
+    }
+
     /// Draws the list of `phase`.
-    fn draw(&self, commands: &Commands, passes: &FramePasses, view: &View, phase: Phase) {
-        passes.opaque.bind(commands, &passes.opaque_io(), view, &passes.light);
-        let list = self.list.whole().part(0, u64::from(self.leaf_count) * DRAW_BYTES);
+    fn draw(&self, commands: &Commands, phase: Phase) {
+        let list = self.list(phase);
         match self.list_kind {
             ListKind::EveryLeaf => commands.draw_indirect(list),
             ListKind::Compact => {

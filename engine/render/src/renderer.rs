@@ -3,15 +3,17 @@
 use std::time::Duration;
 
 use cull::{
-    Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId,
-    Policy, SceneCosts, Strategy, View,
+    Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, Policy,
+    SceneCosts, Strategy, View,
 };
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
     Timeline,
 };
 
+use crate::blended::Blended;
 use crate::calibration::{self, Costs};
+use crate::deformers::Deformers;
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::explanation::{Explainer, Explanation};
@@ -19,10 +21,12 @@ use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
 use crate::frame_times::FrameTimes;
 use crate::geometry::Geometry;
+use crate::object_bounds::{check_hierarchy, object_bounds};
 use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::pyramid_frame::PyramidFrame;
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
+use crate::shading::Shading;
 use crate::update::UpdateScratch;
 use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
@@ -131,6 +135,8 @@ pub struct FrameReport {
     /// How often the CPU waited for an answer within the frame: never, but with the strategies that
     /// are a dialogue ([`Strategy::is_dialogue`]).
     pub waits: u32,
+    /// Blended objects in the frustum.
+    pub blended: u32,
     /// Ranges of draws under a predicate.
     pub predicated_draws: u32,
     /// Age in frames of the answers that came home for this frame; `None` if none did.
@@ -214,6 +220,12 @@ impl Renderer {
         let scatter = ScatterPass::new(device, &shaders)?;
         check_hierarchy(scene, &hierarchy)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
+        let surfaces = geometry.surfaces.as_ref();
+        let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
+        let shading = shading.transpose()?;
+        let blended = Blended::new(device, &shaders, scene, surfaces)?;
+        let first_vertices = |mesh| geometry.first_vertex(mesh);
+        let deformers = Deformers::new(device, &shaders, scene, first_vertices)?;
         let slots = options.frames_in_flight.max(1);
         let draws = geometry.draws();
         let (wanted, threshold) = (options.predication, options.threshold_samples);
@@ -229,6 +241,9 @@ impl Renderer {
             leaf_boxes,
             counts: None,
             light,
+            deformers,
+            blended,
+            shading,
         };
         let id = RendererId::new();
         let costs = calibration::cost_table(options.costs, device, &shaders, &mut passes);
@@ -410,7 +425,7 @@ impl Renderer {
     /// The frame that was recorded last is on its way.
     pub(crate) fn submitted(&mut self) {
         self.passes.target.submitted();
-        self.passes.geometry.submitted();
+        self.passes.brought();
         if let Some(overlay) = &mut self.flat_overlay {
             overlay.submitted();
         }
@@ -461,31 +476,5 @@ impl Renderer {
         self.device.drain()?;
         history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
         Ok(())
-    }
-}
-
-/// The box of each object of `scene` in the world, in their order: what a hierarchy is built over.
-///
-/// # Errors
-/// The first mesh or object that cannot be drawn.
-pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
-    scene.validate()?;
-    Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
-}
-
-/// Refuses a hierarchy that is not over the objects of `scene`, each in a box that holds it.
-fn check_hierarchy(scene: &Scene, hierarchy: &Hierarchy) -> Result<(), Error> {
-    let bounds = object_bounds(scene)?;
-    let leaves = hierarchy.leaf_objects().len() as u32;
-    let ids = (0..leaves.max(bounds.len() as u32)).map(ObjectId);
-    let is_right = |id: &ObjectId| match bounds.get(id.0 as usize) {
-        Some(bounds) => {
-            hierarchy.node_of(*id).is_some_and(|node| hierarchy.bounds(node).contains(bounds))
-        }
-        None => !hierarchy.contains(*id),
-    };
-    match ids.into_iter().find(|id| !is_right(id)) {
-        Some(object) => Err(Error::ForeignHierarchy { object }),
-        None => Ok(()),
     }
 }

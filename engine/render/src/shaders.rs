@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 19] = [
+pub const SHADERS: [Shader; 25] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -36,12 +36,18 @@ pub const SHADERS: [Shader; 19] = [
     shader!("flat.frag"),
     shader!("seen.vert"),
     shader!("seen.frag"),
+    shader!("sky.vert"),
+    shader!("sky.frag"),
     shader!("depth_grid.comp"),
     shader!("compute_test.comp"),
     shader!("pyramid_build.comp"),
     shader!("pyramid_first.comp"),
     shader!("pyramid_second.comp"),
     shader!("scatter.comp"),
+    shader!("deform.comp"),
+    shader!("surface.vert"),
+    shader!("surface.frag"),
+    shader!("surface_depth.frag"),
 ];
 
 /// The shaders a renderer is built from.

@@ -1,15 +1,16 @@
 //! Changes of the scene between frames: applied to the hierarchy at once, and to what the GPU reads
 //! at the start of the next frame, in its order. Nobody waits.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::time::{Duration, Instant};
 
 use cull::{Aabb, HierarchyError, LeafRange, ObjectId};
 use glam::Affine3A;
 
 use crate::error::Error;
+use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
-use crate::scene::{Cast, Motion, Object, ObjectChange};
+use crate::scene::{Cast, MeshId, Motion, Object, ObjectChange};
 
 /// What an update did.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -36,6 +37,10 @@ pub(crate) struct UpdateScratch {
     /// The box of what each change is about; empty where it goes.
     bounds: Vec<Aabb>,
     gone: HashSet<ObjectId>,
+    /// The meshes that change their form and get an object.
+    taken: HashSet<MeshId>,
+    /// The boxes that the update gives, each in the space of its object.
+    reshaped: HashMap<ObjectId, Aabb>,
     moves: Vec<(ObjectId, Aabb)>,
     changed: Vec<ObjectId>,
     reordered: Vec<LeafRange>,
@@ -67,22 +72,32 @@ impl Renderer {
         changes: &[ObjectChange],
         scratch: &mut UpdateScratch,
     ) -> Result<(), Error> {
-        let UpdateScratch { bounds, gone, .. } = scratch;
+        let UpdateScratch { bounds, gone, reshaped, taken, .. } = scratch;
         bounds.clear();
         gone.clear();
+        reshaped.clear();
+        taken.clear();
         let mut free_leaves = self.hierarchy.free_leaves();
         for (index, change) in changes.iter().enumerate() {
             let found = match change {
                 ObjectChange::Move { object, transform } => self
                     .check_there(*object, gone)
-                    .and_then(|()| self.bounds_of_moved(*object, transform)),
+                    .and_then(|()| self.bounds_of_moved(*object, transform, reshaped)),
+                ObjectChange::Reshape { object, transform, bounds } => self
+                    .check_there(*object, gone)
+                    .and_then(|()| bounds_of_reshaped(bounds, transform))
+                    .inspect(|_| {
+                        reshaped.insert(*object, *bounds);
+                    }),
                 ObjectChange::Remove { object } => self.check_there(*object, gone).map(|()| {
                     gone.insert(*object);
                     free_leaves += 1;
                     Aabb::EMPTY
                 }),
                 ObjectChange::Add { object } => {
-                    let found = self.bounds_of_added(object);
+                    let found = self
+                        .check_alone(object, gone, taken)
+                        .and_then(|()| self.bounds_of_added(object));
                     found.and_then(|found| match free_leaves.checked_sub(1) {
                         Some(left) => {
                             free_leaves = left;
@@ -105,9 +120,35 @@ impl Renderer {
         Err(HierarchyError::UnknownObject { object }.to_string())
     }
 
-    fn bounds_of_moved(&self, object: ObjectId, transform: &Affine3A) -> Result<Aabb, String> {
+    fn bounds_of_moved(
+        &self,
+        object: ObjectId,
+        transform: &Affine3A,
+        reshaped: &HashMap<ObjectId, Aabb>,
+    ) -> Result<Aabb, String> {
         const NOWHERE: &str = "its transform takes it nowhere: check it for infinities and NaN";
-        self.passes.geometry.bounds_at(object, transform).ok_or_else(|| NOWHERE.to_owned())
+        let bounds = match reshaped.get(&object) {
+            Some(bounds) => bounds_in_world(bounds, transform),
+            None => self.passes.geometry.bounds_at(object, transform),
+        };
+        bounds.ok_or_else(|| NOWHERE.to_owned())
+    }
+
+    /// Refuses a second object of a mesh that changes its form: the box of one would not hold the other.
+    fn check_alone(
+        &self,
+        object: &Object,
+        gone: &HashSet<ObjectId>,
+        taken: &mut HashSet<MeshId>,
+    ) -> Result<(), String> {
+        const TAKEN: &str =
+            "its mesh changes its form and another object has it: remove that first";
+        let geometry = &self.passes.geometry;
+        if !geometry.is_deformed(object.mesh) {
+            return Ok(());
+        }
+        let is_there = geometry.owner(object.mesh).is_some_and(|owner| !gone.contains(&owner));
+        if is_there || !taken.insert(object.mesh) { Err(TAKEN.to_owned()) } else { Ok(()) }
     }
 
     fn bounds_of_added(&self, object: &Object) -> Result<Aabb, String> {
@@ -198,6 +239,13 @@ impl Renderer {
                 scratch.changed.push(*object);
                 Ok(None)
             }
+            ObjectChange::Reshape { object, transform, bounds: own } => {
+                self.passes.geometry.reshape(*object, *own);
+                self.passes.geometry.place(*object, transform);
+                scratch.moves.push((*object, bounds));
+                scratch.changed.push(*object);
+                Ok(None)
+            }
             ObjectChange::Remove { object } => {
                 self.move_all(scratch)?;
                 self.hierarchy.remove(*object)?;
@@ -227,6 +275,7 @@ impl Renderer {
     fn mark(&mut self, scratch: &mut UpdateScratch) {
         let geometry = &mut self.passes.geometry;
         for object in scratch.changed.drain(..) {
+            geometry.find_lights(&self.hierarchy, object);
             if let Some(leaf) = self.hierarchy.leaf_of(object) {
                 geometry.mark(leaf, object);
             }
@@ -237,4 +286,12 @@ impl Renderer {
             }
         }
     }
+}
+
+fn bounds_of_reshaped(bounds: &Aabb, transform: &Affine3A) -> Result<Aabb, String> {
+    const NOWHERE: &str =
+        "its box or its transform is nowhere: check both for infinities, NaN and a box inside out";
+    let is_usable = bounds.is_usable();
+    let bounds = bounds_in_world(bounds, transform).filter(|_| is_usable);
+    bounds.ok_or_else(|| NOWHERE.to_owned())
 }

@@ -16,8 +16,9 @@ use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FrameIo;
 use crate::frame_times;
 use crate::passes::{ComputeTest, CountPass};
-use crate::pyramid_frame::{PyramidFrame, PyramidRequest};
+use crate::pyramid_frame::{Lists, PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
+use crate::shaders::ShaderSet;
 use crate::view_history::ViewHistory;
 use crate::visible_set::VisibleSet;
 
@@ -121,7 +122,7 @@ impl Renderer {
         }
 
         let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
-        passes.geometry.bring(&mut frame, hierarchy, &passes.predicates, &self.scatter)?;
+        passes.bring(&mut frame, hierarchy, &self.scatter)?;
         // What explanations draw beside the plan says nothing about prices.
         let is_timed = request.strategy.is_governed()
             && self.learns
@@ -135,6 +136,7 @@ impl Renderer {
         for Eye { history, camera, visible, area } in eyes.iter_mut() {
             let view = &view_in(&self.device, camera, *area);
             history.ingest(self.device.completed()?, hierarchy, &passes.geometry);
+            report.blended += passes.gather_blended(&mut frame, view, request.strategy)?;
             if let (Strategy::Pyramid, Some(pyramid)) = (request.strategy, &self.pyramid) {
                 let request = PyramidRequest { hierarchy, view };
                 pyramid.record(&mut frame, history, passes, &request)?;
@@ -199,15 +201,18 @@ impl Renderer {
     /// Makes what only some strategies need, for the first frame that does.
     fn prepare(&mut self, strategy: Strategy) -> Result<(), Error> {
         if strategy == Strategy::Pyramid && self.pyramid.is_none() {
-            let size = self.size();
-            let made = PyramidFrame::new(&self.device, &self.shaders, &self.hierarchy, size)?;
-            self.pyramid = Some(made);
+            self.pyramid = Some(self.pyramid_frame(&self.shaders)?);
         }
         if strategy.is_dialogue() && self.dialogue.is_none() {
             let options = self.dialogue_options;
             self.dialogue = Some(DialogueFrame::new(&self.device, &self.shaders, options)?);
         }
         Ok(())
+    }
+
+    pub(crate) fn pyramid_frame(&self, shaders: &ShaderSet) -> Result<PyramidFrame, Error> {
+        let lists = self.passes.shading.as_ref().map_or(Lists::One, |_| Lists::Both);
+        PyramidFrame::new(&self.device, shaders, &self.hierarchy, self.size(), lists)
     }
 
     /// Makes what counting needs, for the first frame that counts.

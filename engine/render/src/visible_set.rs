@@ -137,9 +137,8 @@ impl Renderer {
             commands.fill(words, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
-            let from = passes.target_of(view, Some([0.0; 4]));
-            commands.rendering(from, |commands| {
-                passes.opaque.bind(commands, &passes.opaque_io(), view, &passes.light);
+            commands.rendering(passes.first_target(view), |commands| {
+                passes.bind_rounds(commands, view);
                 if !leaves.is_empty() {
                     commands.draw_indirect(draws);
                 }

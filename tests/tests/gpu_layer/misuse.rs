@@ -11,7 +11,7 @@ use tests::{Driver, open, run, run_on_all};
 fn compute(device: &Device) -> ComputePipeline {
     let bytes = include_bytes!("../../../shaders/predicate_counts.comp.spv");
     let spirv = Spirv::from_bytes("predicate_counts.comp", bytes).unwrap();
-    let storage = StorageLayout { buffers: 3, textures: 0, push_bytes: 12 };
+    let storage = StorageLayout { buffers: 3, textures: 0, texture_arrays: 0, push_bytes: 12 };
     ComputePipeline::new(device, "counts", &spirv, storage).unwrap()
 }
 

@@ -18,8 +18,9 @@ use crate::label::LabelName;
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
 use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
-use crate::target::RenderTarget;
+use crate::target::{Load, RenderTarget};
 use crate::texture::Texture;
+use crate::texture_array::TextureArray;
 use crate::timing::PassTimer;
 
 /// A command buffer being recorded.
@@ -147,12 +148,7 @@ impl Commands {
                 .new_layout(change.new_layout)
                 .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
                 .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                .subresource_range(vk::ImageSubresourceRange {
-                    aspect_mask: change.aspect,
-                    level_count: 1,
-                    layer_count: 1,
-                    ..Default::default()
-                })
+                .subresource_range(change.part)
         });
         let info = vk::DependencyInfo::default().image_memory_barriers(&images);
         // SAFETY: the images live at least until this frame is over.
@@ -161,22 +157,19 @@ impl Commands {
 
     /// Draws to a colour and a depth image; viewport and scissor cover all of the target's area.
     pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
-        let load = match target.clear {
-            Some(_) => vk::AttachmentLoadOp::CLEAR,
-            None => vk::AttachmentLoadOp::LOAD,
-        };
-        let (colour_clear, depth_clear) = target.clear.unwrap_or_default();
+        let (colour_load, colour_store, colour_clear) = load_ops(target.colour_load);
+        let (depth_load, depth_store, depth_clear) = load_ops(target.depth_load);
         let colour = [vk::RenderingAttachmentInfo::default()
             .image_view(target.colour)
             .image_layout(Access::Colour.layout())
-            .load_op(load)
-            .store_op(vk::AttachmentStoreOp::STORE)
+            .load_op(colour_load)
+            .store_op(colour_store)
             .clear_value(vk::ClearValue { color: vk::ClearColorValue { float32: colour_clear } })];
         let depth = vk::RenderingAttachmentInfo::default()
             .image_view(target.depth)
             .image_layout(Access::Depth.layout())
-            .load_op(load)
-            .store_op(vk::AttachmentStoreOp::STORE)
+            .load_op(depth_load)
+            .store_op(depth_store)
             .clear_value(vk::ClearValue {
                 depth_stencil: vk::ClearDepthStencilValue { depth: depth_clear, stencil: 0 },
             });
@@ -222,12 +215,22 @@ impl Commands {
         storage: &[BufferSlice],
         textures: &[&Texture],
     ) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures);
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, &[]);
+    }
+
+    /// Binds a graphics pipeline, the storage buffers it reads, and the texture arrays it samples.
+    pub fn bind_arrays(
+        &self,
+        pipeline: &GraphicsPipeline,
+        storage: &[BufferSlice],
+        arrays: &[&TextureArray],
+    ) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, &[], arrays);
     }
 
     /// Binds a compute pipeline and its storage buffers.
     pub fn bind_compute(&self, pipeline: &ComputePipeline, storage: &[BufferSlice]) {
-        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, &[]);
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, &[], &[]);
     }
 
     fn bind_kind(
@@ -236,6 +239,7 @@ impl Commands {
         point: vk::PipelineBindPoint,
         storage: &[BufferSlice],
         textures: &[&Texture],
+        arrays: &[&TextureArray],
     ) {
         let raw = self.device.raw();
         if storage.len() != pipeline.buffers as usize {
@@ -247,9 +251,14 @@ impl Commands {
             self.fail(Failure::Wrong("a pipeline is bound with textures that are not there"));
             return;
         }
+        let are_filled = arrays.iter().all(|array| array.is_filled());
+        if arrays.len() != pipeline.texture_arrays as usize || !are_filled {
+            self.fail(Failure::Wrong("a pipeline is bound with texture arrays that are not there"));
+            return;
+        }
         // SAFETY: a live pipeline of the right kind.
         unsafe { raw.cmd_bind_pipeline(self.raw, point, pipeline.raw) };
-        if storage.is_empty() && textures.is_empty() {
+        if storage.is_empty() && textures.is_empty() && arrays.is_empty() {
             return;
         }
         let layouts = [pipeline.storage];
@@ -288,6 +297,17 @@ impl Commands {
                 .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
                 .image_info(&images);
             // SAFETY: as above; image and sampler live at least until this frame is over.
+            unsafe { raw.update_descriptor_sets(&[write], &[]) };
+        }
+        for (element, array) in (0..).zip(arrays) {
+            let images = [array.descriptor()];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding((storage.len() + textures.len()) as u32)
+                .dst_array_element(element)
+                .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+                .image_info(&images);
+            // SAFETY: as above.
             unsafe { raw.update_descriptor_sets(&[write], &[]) };
         }
         // SAFETY: the set was made from this pipeline's layout.
@@ -335,6 +355,19 @@ impl Commands {
                 let offset = indices.offset_bytes;
                 raw.cmd_bind_index_buffer(self.raw, indices.raw, offset, vk::IndexType::UINT32);
             }
+        }
+    }
+
+    /// Binds two vertex buffers, side by side as in [`VertexLayout::beside`](crate::VertexLayout::beside),
+    /// and a buffer of 32-bit indices.
+    pub fn bind_geometry_beside(&self, vertices: [BufferSlice; 2], indices: BufferSlice) {
+        let buffers = vertices.map(|slice| slice.raw);
+        let offsets = vertices.map(|slice| slice.offset_bytes);
+        let (raw, kind) = (self.device.raw(), vk::IndexType::UINT32);
+        // SAFETY: all three buffers live at least until this frame is over.
+        unsafe {
+            raw.cmd_bind_vertex_buffers(self.raw, 0, &buffers, &offsets);
+            raw.cmd_bind_index_buffer(self.raw, indices.raw, indices.offset_bytes, kind);
         }
     }
 
@@ -406,5 +439,15 @@ impl Commands {
         record(self);
         // SAFETY: closes the query opened above.
         unsafe { raw.cmd_end_query(self.raw, pool, query.0) };
+    }
+}
+
+/// How a rendering begins and ends for an image, and what it is cleared to.
+fn load_ops<T: Default>(load: Load<T>) -> (vk::AttachmentLoadOp, vk::AttachmentStoreOp, T) {
+    use vk::{AttachmentLoadOp as L, AttachmentStoreOp as S};
+    match load {
+        Load::Keep => (L::LOAD, S::STORE, T::default()),
+        Load::Clear(value) => (L::CLEAR, S::STORE, value),
+        Load::Forget => (L::DONT_CARE, S::DONT_CARE, T::default()),
     }
 }

@@ -3,7 +3,7 @@
 use cull::{Aabb, Camera, Hierarchy, ObjectId, View};
 use glam::{Affine3A, Vec3};
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, Device, DrawRange, FlagRing, Frame, IndirectDraw,
+    Access, Buffer, BufferSlice, Commands, Device, DrawRange, FlagRing, Frame, IndirectDraw, Load,
     MemoryBarrier, Place, Predicated, Predicates, Predication, QueryIndex, QueryRing, Reveal,
     WordSource, vk,
 };
@@ -11,8 +11,8 @@ use gpu::{
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
+use crate::object_bounds::object_bounds;
 use crate::passes::{ComputeTest, ComputeTestIo, OpaqueIo, ProxyBox, ProxyIo};
-use crate::renderer::object_bounds;
 use crate::scene::{
     Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
     pack_unorm,
@@ -232,7 +232,7 @@ impl<'a> Bench<'a> {
         // As if something at the near plane hid everything; nothing to draw, so nothing to take time.
         let depth = if batch.thing == Thing::FlaggedPixels { 0.0 } else { 1.0 };
         let mut from = self.passes.target.render_target(None);
-        from.clear = Some(([0.0; 4], depth));
+        (from.colour_load, from.depth_load) = (Load::Clear([0.0; 4]), Load::Clear(depth));
         commands.rendering(from, |commands| {
             self.bind_opaque(commands);
             self.record_inside(commands, batch, &io);

@@ -85,7 +85,12 @@ impl ComputeTest {
         let limits = &device.adapter().limits;
         let bytes = |size| product(size).saturating_mul(4);
         let pipeline = |name, shader, buffers, push_bytes: usize| {
-            let storage = StorageLayout { buffers, textures: 0, push_bytes: push_bytes as u32 };
+            let storage = StorageLayout {
+                buffers,
+                textures: 0,
+                texture_arrays: 0,
+                push_bytes: push_bytes as u32,
+            };
             ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;

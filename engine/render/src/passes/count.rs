@@ -44,6 +44,7 @@ impl CountPass {
             storage: StorageLayout {
                 buffers: 1,
                 textures: 0,
+                texture_arrays: 0,
                 push_bytes: size_of::<ProxyConstants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
@@ -59,10 +60,12 @@ impl CountPass {
             vertices: VertexLayout {
                 stride_bytes: size_of::<Vertex>() as u32,
                 attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
+                beside: None,
             },
             storage: StorageLayout {
                 buffers: 1,
                 textures: 0,
+                texture_arrays: 0,
                 push_bytes: size_of::<SeenConstants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,

@@ -71,6 +71,7 @@ impl FlatPass {
             fragment: Some(shaders.find("flat.frag")?),
             vertices: VertexLayout {
                 stride_bytes: size_of::<FlatVertex>() as u32,
+                beside: None,
                 attributes: &[
                     (vk::Format::R32G32_SFLOAT, 0),
                     (vk::Format::R32G32_SFLOAT, 8),
@@ -80,6 +81,7 @@ impl FlatPass {
             storage: StorageLayout {
                 buffers: 0,
                 textures: 1,
+                texture_arrays: 0,
                 push_bytes: size_of::<Constants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,

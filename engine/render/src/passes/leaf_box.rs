@@ -51,6 +51,7 @@ impl LeafBoxPass {
             storage: StorageLayout {
                 buffers: 3,
                 textures: 0,
+                texture_arrays: 0,
                 push_bytes: size_of::<Constants>() as u32,
             },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,

@@ -2,6 +2,7 @@
 
 mod compute_test;
 mod count;
+mod deform;
 mod flat;
 mod leaf_box;
 mod opaque;
@@ -11,9 +12,12 @@ mod pyramid;
 mod pyramid_cull;
 mod scatter;
 mod seen;
+mod sky;
+mod surface;
 
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use count::CountPass;
+pub(crate) use deform::{DeformIo, DeformPass, Deformation, REST_WORDS};
 pub use flat::{FlatDraw, FlatIo, FlatPass, FlatVertex};
 pub use leaf_box::{LeafBoxIo, LeafBoxPass};
 pub use opaque::{OpaqueIo, OpaquePass};
@@ -23,3 +27,5 @@ pub use pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
 pub(crate) use pyramid_cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
 pub use scatter::{ScatterIo, ScatterPass};
 pub use seen::{SeenIo, SeenPass};
+pub use sky::SkyPass;
+pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};

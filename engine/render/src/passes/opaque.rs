@@ -57,7 +57,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Whole)
     }
 
-    /// Compiles a pass that writes the same depth, to the bit, and no colour.
+    /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws count
+    /// what is as near as the depth so far, too.
     ///
     /// # Errors
     /// A failed call.
@@ -85,7 +86,7 @@ impl OpaquePass {
         let fragment = shaders.find("opaque.frag")?;
         let (name, fragment, depth, blend) = match kind {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
-            Kind::Depth => ("opaque depth", None, DepthMode::TestAndWrite, Blend::NoColour),
+            Kind::Depth => ("opaque depth", None, DepthMode::TestEqualAndWrite, Blend::NoColour),
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
             Kind::Wires => {
                 ("wires", Some(shaders.find("wires.frag")?), DepthMode::TestOnly, Blend::Opaque)
@@ -100,6 +101,7 @@ impl OpaquePass {
                 fragment,
                 vertices: VertexLayout {
                     stride_bytes: size_of::<Vertex>() as u32,
+                    beside: None,
                     attributes: &[
                         (vk::Format::R32G32B32_SFLOAT, 0),
                         (vk::Format::R8G8B8A8_SNORM, 12),
@@ -109,6 +111,7 @@ impl OpaquePass {
                 storage: StorageLayout {
                     buffers: 1,
                     textures: 0,
+                    texture_arrays: 0,
                     push_bytes: size_of::<Constants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,

@@ -61,6 +61,7 @@ impl OverlayPass {
                     fragment: Some(shaders.find("overlay.frag")?),
                     vertices: VertexLayout {
                         stride_bytes: size_of::<OverlayVertex>() as u32,
+                        beside: None,
                         attributes: &[
                             (vk::Format::R32G32B32_SFLOAT, 0),
                             (vk::Format::R8G8B8A8_UNORM, 12),
@@ -69,6 +70,7 @@ impl OverlayPass {
                     storage: StorageLayout {
                         buffers: 0,
                         textures: 0,
+                        texture_arrays: 0,
                         push_bytes: size_of::<Constants>() as u32,
                     },
                     topology,

@@ -65,6 +65,7 @@ impl ProxyPass {
                 storage: StorageLayout {
                     buffers,
                     textures: 0,
+                    texture_arrays: 0,
                     push_bytes: size_of::<Constants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,

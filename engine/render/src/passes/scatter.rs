@@ -36,8 +36,13 @@ const GROUP_THREADS: u32 = 64;
 const GROUPS_MAX: u32 = 4096;
 
 /// What may look at a per-leaf array.
-const USES: [Access; 4] =
-    [Access::VertexRead, Access::IndirectRead, Access::ComputeRead, Access::ComputeWrite];
+const USES: [Access; 5] = [
+    Access::VertexRead,
+    Access::FragmentRead,
+    Access::IndirectRead,
+    Access::ComputeRead,
+    Access::ComputeWrite,
+];
 
 impl ScatterPass {
     /// Compiles the pass.
@@ -45,8 +50,12 @@ impl ScatterPass {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        let storage =
-            StorageLayout { buffers: 3, textures: 0, push_bytes: size_of::<Constants>() as u32 };
+        let storage = StorageLayout {
+            buffers: 3,
+            textures: 0,
+            texture_arrays: 0,
+            push_bytes: size_of::<Constants>() as u32,
+        };
         let name = "scatter.comp";
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }

@@ -66,10 +66,12 @@ impl SeenPass {
                 vertices: VertexLayout {
                     stride_bytes: size_of::<Vertex>() as u32,
                     attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
+                    beside: None,
                 },
                 storage: StorageLayout {
                     buffers: 2,
                     textures: 0,
+                    texture_arrays: 0,
                     push_bytes: size_of::<SeenConstants>() as u32,
                 },
                 topology: vk::PrimitiveTopology::TRIANGLE_LIST,

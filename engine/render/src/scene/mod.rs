@@ -6,6 +6,7 @@
 //! share edges, with bit-identical vertices.
 
 mod builder;
+mod check;
 mod city;
 mod field;
 mod mesh;
@@ -71,6 +72,16 @@ pub enum SceneError {
         /// What is wrong with it.
         fault: &'static str,
     },
+    /// Surfaces that cannot be drawn.
+    #[error("{part} {index} of the surfaces cannot be drawn: {fault}")]
+    BrokenSurfaces {
+        /// Which kind of part: a mesh, a material, a deformer...
+        part: &'static str,
+        /// Its place among its like.
+        index: usize,
+        /// What is wrong with it.
+        fault: &'static str,
+    },
     /// An object that cannot be drawn.
     #[error("object {index} cannot be drawn: {fault}")]
     BrokenObject {
@@ -103,6 +114,16 @@ pub enum ObjectChange {
         object: ObjectId,
         /// Where it is now.
         transform: Affine3A,
+    },
+    /// It has another form, for which its mesh's box may be too small, and perhaps another place.
+    Reshape {
+        /// The object.
+        object: ObjectId,
+        /// Where it is now.
+        transform: Affine3A,
+        /// The box around it in its own space, before `transform`. It stays that of the object when
+        /// it moves, until it is told another.
+        bounds: Aabb,
     },
     /// It is gone; its id may be given to another.
     Remove {
@@ -215,8 +236,9 @@ impl Scene {
     /// Checks that everything can be drawn.
     ///
     /// # Errors
-    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, or the
-    /// first object that names no mesh or stands nowhere.
+    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the first
+    /// object that names no mesh or stands nowhere, or the first of its surfaces that does not belong
+    /// to it or has a number that is none.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });
@@ -246,7 +268,10 @@ impl Scene {
                 return broken("its transform has a number that is not finite");
             }
         }
-        Ok(())
+        match &self.surfaces {
+            Some(surfaces) => check::check_surfaces(self, surfaces),
+            None => Ok(()),
+        }
     }
 }
 

@@ -292,7 +292,7 @@ pub struct Level {
 }
 
 /// What a scene looks like close by.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
     /// One for each mesh of the scene.
     pub meshes: Vec<SurfaceMesh>,
@@ -310,4 +310,23 @@ pub struct Surfaces {
     pub deformers: Vec<Deformer>,
     /// Coarser forms of each mesh, the finest first; empty, or one list for each mesh of the scene.
     pub levels: Vec<Vec<Level>>,
+    /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
+    pub exposure: f32,
+}
+
+impl Default for Surfaces {
+    /// Nothing, at an exposure of 1.
+    fn default() -> Self {
+        Self {
+            meshes: Vec::new(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            images: Vec::new(),
+            lights: Vec::new(),
+            blended: Vec::new(),
+            deformers: Vec::new(),
+            levels: Vec::new(),
+            exposure: 1.0,
+        }
+    }
 }

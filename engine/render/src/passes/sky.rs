@@ -1,0 +1,56 @@
+//! The sky pass: a colour where nothing was drawn.
+
+use bytemuck::{Pod, Zeroable};
+use gpu::{
+    Blend, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
+    StorageLayout, VertexLayout, vk,
+};
+
+use crate::error::Error;
+use crate::shaders::ShaderSet;
+
+/// Draws one triangle over all of the area at the farthest depth: it shows where nothing is nearer.
+pub struct SkyPass {
+    pipeline: GraphicsPipeline,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    sky: [f32; 4],
+}
+
+const _: () = assert!(size_of::<Constants>() == 16);
+
+impl SkyPass {
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let info = GraphicsPipelineInfo {
+            name: "sky",
+            vertex: shaders.find("sky.vert")?,
+            fragment: Some(shaders.find("sky.frag")?),
+            vertices: VertexLayout::default(),
+            storage: StorageLayout {
+                push_bytes: size_of::<Constants>() as u32,
+                ..StorageLayout::default()
+            },
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
+            cull: vk::CullModeFlags::NONE,
+            depth: DepthMode::TestOnly,
+            blend: Blend::Opaque,
+        };
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+    }
+
+    /// Draws the sky in a linear colour, against the depth that is there.
+    pub fn draw(&self, commands: &Commands, sky: [f32; 3]) {
+        let [red, green, blue] = sky;
+        commands.bind(&self.pipeline, &[]);
+        commands.push_constants(&self.pipeline, &Constants { sky: [red, green, blue, 1.0] });
+        commands.draw(3, 0);
+    }
+}

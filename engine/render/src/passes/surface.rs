@@ -1,0 +1,138 @@
+//! The surface pass: the depth and the colour of objects made of metallic-roughness materials.
+
+use bytemuck::{Pod, Zeroable};
+use cull::View;
+use gpu::{
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    Polygon, StorageLayout, VertexLayout, vk,
+};
+
+use crate::error::Error;
+use crate::scene::{Light, SurfaceVertex, Vertex};
+use crate::shaders::ShaderSet;
+use crate::surfaces::{MAX_PAGES, SurfaceResources};
+
+/// What a surface pass draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceKind {
+    /// Depth alone, with the holes of masked materials. Where there are none,
+    /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only) draws the same depth for less.
+    Depth,
+    /// The colour of what owns a pixel of the finished depth, which was drawn by either of the two. Of what
+    /// is equally near the larger of each channel is kept, so the order of draws decides nothing: start
+    /// from black.
+    Colour,
+    /// Blended objects over the finished picture, hidden by what is nearer; draw them back to front.
+    Blended,
+}
+
+/// Draws objects of a scene with surfaces. Compiled for what its materials and lights make use of.
+pub struct SurfacePass {
+    pipeline: GraphicsPipeline,
+}
+
+/// Reads positions, surface vertices, indices, instances, materials, textures, lights and their lists;
+/// writes the colour and depth that are being rendered to.
+#[derive(Clone, Copy)]
+pub struct SurfaceIo<'a> {
+    /// [`Vertex`]es of all meshes.
+    pub vertices: BufferSlice,
+    /// Their indices.
+    pub indices: BufferSlice,
+    /// One instance per leaf, or per blended object; their last words are
+    /// [`SurfaceResources::instance_tail`]s.
+    pub instances: BufferSlice,
+    /// What the scene's surfaces are, the second half of its vertices too.
+    pub surfaces: &'a SurfaceResources,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Constants {
+    view_proj: [f32; 16],
+    eye: [f32; 4],
+    ambient_above: [f32; 4],
+    ambient_below: [f32; 4],
+}
+
+const _: () = assert!(size_of::<Constants>() == 112);
+
+impl SurfacePass {
+    /// Compiles the pass for a scene.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        kind: SurfaceKind,
+        surfaces: &SurfaceResources,
+    ) -> Result<Self, Error> {
+        let (name, fragment, depth, blend) = match kind {
+            SurfaceKind::Depth => (
+                "surface depth",
+                "surface_depth.frag",
+                DepthMode::TestEqualAndWrite,
+                Blend::NoColour,
+            ),
+            SurfaceKind::Colour => ("surface", "surface.frag", DepthMode::Equal, Blend::Max),
+            SurfaceKind::Blended => {
+                ("blended surface", "surface.frag", DepthMode::TestOnly, Blend::Alpha)
+            }
+        };
+        let is_blended = kind == SurfaceKind::Blended;
+        let constants = surfaces.features(is_blended).constants(is_blended);
+        let surface_vertices = VertexLayout {
+            stride_bytes: size_of::<SurfaceVertex>() as u32,
+            attributes: &[
+                (vk::Format::R16G16B16A16_SNORM, 0),
+                (vk::Format::R16G16B16A16_SNORM, 8),
+                (vk::Format::R32G32_SFLOAT, 16),
+                (vk::Format::R32G32_SFLOAT, 24),
+                (vk::Format::R16G16B16A16_UNORM, 32),
+            ],
+            beside: None,
+        };
+        let info = GraphicsPipelineInfo {
+            name,
+            vertex: &shaders.find("surface.vert")?.specialised(&constants),
+            fragment: Some(&shaders.find(fragment)?.specialised(&constants)),
+            vertices: VertexLayout {
+                stride_bytes: size_of::<Vertex>() as u32,
+                attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
+                beside: Some(&surface_vertices),
+            },
+            storage: StorageLayout {
+                buffers: 5,
+                textures: 0,
+                texture_arrays: MAX_PAGES as u32,
+                push_bytes: size_of::<Constants>() as u32,
+            },
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
+            cull: vk::CullModeFlags::BACK,
+            depth,
+            blend,
+        };
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
+    }
+
+    /// Binds everything; the caller then records draws of one instance each, for a draw has one material.
+    pub fn bind(&self, commands: &Commands, io: &SurfaceIo<'_>, view: &View, light: &Light) {
+        let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
+        let [steps_across, steps_up] = view.snap_steps;
+        let [materials, transforms, lights, lists] = io.surfaces.buffers();
+        let buffers = [io.instances, materials, transforms, lights, lists];
+        commands.bind_arrays(&self.pipeline, &buffers, &io.surfaces.pages());
+        commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
+        commands.push_constants(
+            &self.pipeline,
+            &Constants {
+                view_proj: view.view_proj.to_cols_array(),
+                eye: view.eye.extend(io.surfaces.exposure()).to_array(),
+                ambient_above: with(light.ambient_above, steps_across),
+                ambient_below: with(light.ambient_below, steps_up),
+            },
+        );
+    }
+}

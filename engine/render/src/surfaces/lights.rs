@@ -1,0 +1,132 @@
+//! The light table: what of each light the shaders read.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::scene::{LightKind, PunctualLight, Surfaces};
+
+/// The most directional lights that shine: each reaches every pixel.
+pub const MAX_DIRECTIONAL_LIGHTS: usize = 4;
+
+/// A light that falls below this share of white, at an exposure of 1, is taken for dark.
+const DARK: f32 = 1.0 / 256.0;
+
+/// One light as `lights.glsl` declares it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(crate) struct LightEntry {
+    /// Where it is; 1 / range in 1/m, 0 without one.
+    position: [f32; 4],
+    /// Lux or candela of red, green and blue; scale of the cone.
+    intensity: [f32; 4],
+    /// Along which it shines; offset of the cone.
+    direction: [f32; 4],
+}
+
+const _: () = assert!(size_of::<LightEntry>() == 48);
+
+impl LightEntry {
+    /// What is no light (numbers that are not finite, nothing of it) is a dark one.
+    pub(crate) fn of(light: &PunctualLight) -> Self {
+        if !is_bright(light) {
+            return Self::default();
+        }
+        let inverse_range = light.range_m.filter(|range| *range > 0.0).map_or(0.0, f32::recip);
+        // The cone of KHR_lights_punctual: 1 within the inner angle, 0 beyond the outer one.
+        let (scale, offset) = match light.kind {
+            LightKind::Spot { inner_rad, outer_rad } => {
+                let (inner, outer) = (inner_rad.cos(), outer_rad.cos());
+                let scale = (inner - outer).max(0.001).recip();
+                (scale, -outer * scale)
+            }
+            LightKind::Directional | LightKind::Point => (0.0, 1.0),
+        };
+        let [red, green, blue] = light.colour.map(|part| part.max(0.0) * light.intensity);
+        let direction = light.direction.normalize_or_zero();
+        Self {
+            position: light.position.extend(inverse_range).to_array(),
+            intensity: [red, green, blue, scale],
+            direction: direction.extend(offset).to_array(),
+        }
+    }
+}
+
+/// Whether a light gives any light, and all its numbers are ones.
+pub(crate) fn is_bright(light: &PunctualLight) -> bool {
+    let angles = match light.kind {
+        LightKind::Spot { inner_rad, outer_rad } => inner_rad + outer_rad,
+        LightKind::Directional | LightKind::Point => 0.0,
+    };
+    let reach = light.range_m.unwrap_or_default();
+    let [red, green, blue] = light.colour;
+    let numbers = [angles, reach, red + green + blue, light.intensity];
+    let is_number = numbers.iter().all(|number| number.is_finite())
+        && light.position.is_finite()
+        && light.direction.is_finite();
+    is_number && strongest_part(light) > 0.0
+}
+
+/// The strongest of its three colours, in lux or candela.
+pub(crate) fn strongest_part(light: &PunctualLight) -> f32 {
+    light.colour.into_iter().fold(0.0, f32::max) * light.intensity
+}
+
+/// How far a point's or spot's light reaches, in metres: its range, or where a white surface that faces it
+/// falls below 1/256 of white at an exposure of 1 (a matt one of irradiance E has radiance E / pi).
+#[must_use]
+pub fn reach_m(light: &PunctualLight) -> f32 {
+    let dark = (strongest_part(light).max(0.0) / (DARK * std::f32::consts::PI)).sqrt();
+    light.range_m.filter(|range| *range > 0.0).unwrap_or(dark)
+}
+
+/// The lights of a scene in the order of the table.
+#[derive(Debug, Default)]
+pub(crate) struct LightTable {
+    /// All of them as they are now, in the scene's order.
+    pub(crate) lights: Vec<PunctualLight>,
+    /// The place of each in the table; `None` of directional ones that are too many.
+    pub(crate) places: Vec<Option<u32>>,
+    /// How many places directional lights take, the first ones.
+    pub(crate) directional: u32,
+}
+
+impl LightTable {
+    /// The strongest directional lights first, then all others in their order.
+    pub(crate) fn new(surfaces: &Surfaces) -> Self {
+        let lights = surfaces.lights.clone();
+        let is_directional = |place: &usize| {
+            lights.get(*place).is_some_and(|light| light.kind == LightKind::Directional)
+        };
+        let (mut suns, others): (Vec<usize>, Vec<usize>) =
+            (0..lights.len()).partition(is_directional);
+        let strength = |place: &usize| {
+            lights.get(*place).filter(|light| is_bright(light)).map_or(0.0, strongest_part)
+        };
+        suns.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
+        if suns.len() > MAX_DIRECTIONAL_LIGHTS {
+            tracing::warn!(
+                "{} directional lights: only the strongest {MAX_DIRECTIONAL_LIGHTS} shine",
+                suns.len()
+            );
+            suns.truncate(MAX_DIRECTIONAL_LIGHTS);
+        }
+        let mut places = vec![None; lights.len()];
+        for (entry, place) in (0..).zip(suns.iter().chain(&others)) {
+            if let Some(found) = places.get_mut(*place) {
+                *found = Some(entry);
+            }
+        }
+        Self { directional: suns.len() as u32, lights, places }
+    }
+
+    /// What the GPU reads, at least one entry.
+    pub(crate) fn entries(&self) -> Vec<LightEntry> {
+        let count = self.places.iter().flatten().count().max(1);
+        let mut entries = vec![LightEntry::default(); count];
+        for (light, place) in self.lights.iter().zip(&self.places) {
+            if let Some(entry) = place.and_then(|place| entries.get_mut(place as usize)) {
+                *entry = LightEntry::of(light);
+            }
+        }
+        entries
+    }
+}

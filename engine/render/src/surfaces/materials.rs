@@ -1,0 +1,209 @@
+//! The material table: what the shaders read of materials, and what of all this a scene makes use of.
+
+use std::collections::HashMap;
+
+use bytemuck::{Pod, Zeroable};
+use glam::Affine2;
+
+use crate::error::Error;
+use crate::scene::{Alpha, Material, Surfaces, TextureUse};
+use crate::surfaces::pages::PagePlan;
+
+/// One material as `material.glsl` declares it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct MaterialEntry {
+    base_colour: [u32; 2],
+    roughness_metallic: u32,
+    occlusion_and_flags: u32,
+    cutoff: f32,
+    normal_scale: f32,
+    base_colour_texture: u32,
+    metallic_roughness_texture: u32,
+    emission: [f32; 3],
+    emission_texture: u32,
+    normal_texture: u32,
+    occlusion_texture: u32,
+    unused: [u32; 2],
+}
+
+const _: () = assert!(size_of::<MaterialEntry>() == 64);
+
+/// From texture coordinates to those of one texture, as `texels.glsl` declares it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct TransformEntry {
+    axes: [f32; 4],
+    origin: [f32; 4],
+}
+
+const _: () = assert!(size_of::<TransformEntry>() == 32);
+
+/// A texture word without a page.
+const NO_TEXTURE: u32 = 15;
+const UNLIT_FLAG: u32 = 1 << 16;
+/// A texture's transform has 16 bits.
+const MAX_TRANSFORMS: usize = 1 << 16;
+
+/// All materials of a scene; the last one is for meshes that name none.
+pub(crate) struct MaterialTable {
+    pub(crate) entries: Vec<MaterialEntry>,
+    pub(crate) transforms: Vec<TransformEntry>,
+}
+
+/// What the materials and lights of a scene make use of. Pipelines are compiled for it, so what no
+/// material has costs no pixel anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Features {
+    pub(crate) is_masked: bool,
+    pub(crate) is_unlit: bool,
+    pub(crate) is_emissive: bool,
+    pub(crate) is_transformed: bool,
+    pub(crate) directional_lights: u32,
+    pub(crate) has_local_lights: bool,
+    pub(crate) has_spots: bool,
+    /// Of base colours, of roughness and metallic, normals, occlusion, emission: a bit a page.
+    pub(crate) pages: [u32; 5],
+}
+
+impl MaterialTable {
+    /// Packs the materials, whose textures lie where `plan` says.
+    pub(crate) fn new(surfaces: &Surfaces, plan: &PagePlan) -> Result<Self, Error> {
+        let mut transforms = Transforms::default();
+        transforms.number_of(Affine2::IDENTITY);
+        let fallback = Material::default();
+        let all = surfaces.materials.iter().chain([&fallback]);
+        let entries = all.map(|material| entry_of(material, plan, &mut transforms)).collect();
+        if transforms.entries.len() > MAX_TRANSFORMS {
+            return Err(gpu::Error::TooLarge {
+                what: "the number of different texture transforms".to_owned(),
+                wanted: transforms.entries.len() as u64,
+                limit: MAX_TRANSFORMS as u64,
+            }
+            .into());
+        }
+        Ok(Self { entries, transforms: transforms.entries })
+    }
+}
+
+impl Features {
+    /// What those materials make use of that `counts`; lights are left to the caller.
+    pub(crate) fn of<'a>(materials: impl Iterator<Item = &'a Material>, plan: &PagePlan) -> Self {
+        let mut found = Self::default();
+        for material in materials {
+            found.is_masked |= matches!(material.alpha, Alpha::Mask { .. });
+            found.is_unlit |= material.is_unlit;
+            found.is_emissive |= material.emission.iter().any(|part| *part > 0.0);
+            for (pages, texture_use) in found.pages.iter_mut().zip(textures_of(material)) {
+                let Some((page, _)) =
+                    texture_use.and_then(|texture_use| place_of(texture_use, plan))
+                else {
+                    continue;
+                };
+                *pages |= 1 << page;
+                found.is_transformed |= texture_use
+                    .is_some_and(|texture_use| texture_use.transform != Affine2::IDENTITY);
+            }
+        }
+        found
+    }
+
+    /// The specialisation constants of `surface_constants.glsl`.
+    pub(crate) fn constants(&self, is_blended: bool) -> [(u32, u32); 13] {
+        let [base_colour, metallic_roughness, normal, occlusion, emission] = self.pages;
+        let values = [
+            u32::from(self.is_masked),
+            u32::from(is_blended),
+            u32::from(self.is_unlit),
+            u32::from(self.is_emissive),
+            u32::from(self.is_transformed),
+            self.directional_lights,
+            u32::from(self.has_local_lights),
+            u32::from(self.has_spots),
+            base_colour,
+            metallic_roughness,
+            normal,
+            occlusion,
+            emission,
+        ];
+        std::array::from_fn(|id| (id as u32, values[id]))
+    }
+}
+
+/// Numbers of texture transforms; equal ones share one.
+#[derive(Default)]
+struct Transforms {
+    entries: Vec<TransformEntry>,
+    numbers: HashMap<[u32; 6], u32>,
+}
+
+impl Transforms {
+    fn number_of(&mut self, transform: Affine2) -> u32 {
+        // What is no transform would take texels nowhere.
+        let transform = if transform.is_finite() { transform } else { Affine2::IDENTITY };
+        let [a, b, c, d, x, y] = transform.to_cols_array();
+        let entries = &mut self.entries;
+        *self.numbers.entry([a, b, c, d, x, y].map(f32::to_bits)).or_insert_with(|| {
+            entries.push(TransformEntry { axes: [a, b, c, d], origin: [x, y, 0.0, 0.0] });
+            entries.len() as u32 - 1
+        })
+    }
+}
+
+fn textures_of(material: &Material) -> [Option<TextureUse>; 5] {
+    [
+        material.base_colour_texture,
+        material.metallic_roughness_texture,
+        material.normal_texture,
+        material.occlusion_texture,
+        // Black stays black whatever its texture is.
+        material.emission_texture.filter(|_| material.emission.iter().any(|part| *part > 0.0)),
+    ]
+}
+
+fn place_of(texture_use: TextureUse, plan: &PagePlan) -> Option<(usize, u32)> {
+    plan.places.get(texture_use.texture.0 as usize).copied().flatten()
+}
+
+fn entry_of(material: &Material, plan: &PagePlan, transforms: &mut Transforms) -> MaterialEntry {
+    let mut word = |texture_use: Option<TextureUse>| {
+        let placed = texture_use.and_then(|used| Some((used, place_of(used, plan)?)));
+        let Some((texture_use, (page, layer))) = placed else { return NO_TEXTURE };
+        let set = u32::from(texture_use.uv_set.min(1));
+        page as u32 | set << 4 | layer << 5 | transforms.number_of(texture_use.transform) << 16
+    };
+    let [base, metallic_roughness, normal, occlusion, emission] =
+        textures_of(material).map(&mut word);
+    let [red, green, blue, alpha] = material.base_colour.map(|part| or(part, 1.0));
+    let flags = if material.is_unlit { UNLIT_FLAG } else { 0 };
+    MaterialEntry {
+        base_colour: [pack_unorm16(red, green), pack_unorm16(blue, alpha)],
+        roughness_metallic: pack_unorm16(or(material.roughness, 1.0), or(material.metallic, 1.0)),
+        occlusion_and_flags: pack_unorm16(or(material.occlusion_strength, 1.0), 0.0) | flags,
+        cutoff: match material.alpha {
+            Alpha::Mask { cutoff } => or(cutoff, 0.5),
+            // No alpha is below this.
+            Alpha::Opaque | Alpha::Blend => -1.0,
+        },
+        normal_scale: or(material.normal_scale, 1.0),
+        base_colour_texture: base,
+        metallic_roughness_texture: metallic_roughness,
+        // What is brighter is white all the same.
+        emission: material.emission.map(|part| or(part, 0.0).clamp(0.0, 65504.0)),
+        emission_texture: emission,
+        normal_texture: normal,
+        occlusion_texture: occlusion,
+        unused: [0; 2],
+    }
+}
+
+/// A number, or `otherwise` what should have been one.
+fn or(value: f32, otherwise: f32) -> f32 {
+    if value.is_finite() { value } else { otherwise }
+}
+
+/// Two numbers of `0.0..=1.0` as GLSL's `unpackUnorm2x16` reads them.
+fn pack_unorm16(low: f32, high: f32) -> u32 {
+    let word = |value: f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u32;
+    word(low) | word(high) << 16
+}

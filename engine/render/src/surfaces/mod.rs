@@ -1,0 +1,13 @@
+//! Surfaces on the GPU: textures in pages, materials, lights, and which lights reach which object.
+
+mod light_lists;
+mod lights;
+mod materials;
+mod pages;
+mod relight;
+mod resources;
+
+pub use light_lists::{LightLists, MAX_LIGHTS_PER_OBJECT};
+pub use lights::{MAX_DIRECTIONAL_LIGHTS, reach_m};
+pub use pages::{MAX_PAGES, Page, PagePlan};
+pub use resources::{SurfaceOptions, SurfaceResources};

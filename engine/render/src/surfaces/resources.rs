@@ -1,0 +1,386 @@
+//! A scene's surfaces in GPU memory.
+
+use cull::{Aabb, Hierarchy};
+use gpu::{
+    Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, TextureArrayInfo, TextureUploads,
+    vk,
+};
+
+use crate::deformers::mesh_order;
+use crate::error::Error;
+use crate::passes::{ScatterIo, ScatterPass};
+use crate::scene::{
+    Alpha, Encoding, Filter, MeshId, PunctualLight, Scene, SurfaceVertex, Surfaces, Wrap,
+    bounds_of_transformed,
+};
+use crate::surfaces::light_lists::{LIST_WORDS, LightLists, MAX_LIGHTS};
+use crate::surfaces::lights::{LightEntry, LightTable};
+use crate::surfaces::materials::{Features, MaterialTable};
+use crate::surfaces::pages::{MAX_PAGES, Page, PagePlan};
+
+/// How surfaces are brought to the GPU.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceOptions {
+    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on devices that are a CPU,
+    /// where each costs as much as a texture more.
+    pub anisotropy: Option<f32>,
+    /// Who makes the mip maps.
+    pub mip_making: MipMaking,
+}
+
+impl Default for SurfaceOptions {
+    fn default() -> Self {
+        Self { anisotropy: None, mip_making: MipMaking::Blits }
+    }
+}
+
+/// Everything that the surface pass reads of a scene beside positions, indices and instances.
+///
+/// An object has a *slot*: its id, and, for what is blended, the number of the hierarchy's leaves and its
+/// place in [`Surfaces::blended`].
+pub struct SurfaceResources {
+    /// [`SurfaceVertex`]es, beside the vertices of all meshes in their order.
+    vertices: Buffer,
+    materials: Buffer,
+    transforms: Buffer,
+    lights: Buffer,
+    lists: Buffer,
+    pages: Vec<TextureArray>,
+    features: [Features; 2],
+    mesh_materials: Vec<u32>,
+    /// Of meshes that name no material.
+    default_material: u32,
+    pub(crate) table: LightTable,
+    pub(crate) light_lists: LightLists,
+    stale_lights: Vec<usize>,
+    first_blended_slot: u32,
+    exposure: f32,
+}
+
+impl SurfaceResources {
+    /// Brings the surfaces of `scene` to the GPU and finds the lights of the objects in `hierarchy`; `None` for
+    /// a scene without surfaces. Waits for copies, on whatever thread.
+    ///
+    /// # Errors
+    /// Too many lights, meshes without surface vertices, images whose bytes are not as many as their size
+    /// says; what is beyond the device's limits, no memory, a failed call.
+    pub fn upload(
+        device: &Device,
+        scene: &Scene,
+        hierarchy: &Hierarchy,
+        options: &SurfaceOptions,
+    ) -> Result<Option<Self>, Error> {
+        let Some(surfaces) = &scene.surfaces else { return Ok(None) };
+        check(scene, surfaces)?;
+        let limits = &device.adapter().limits;
+        let (max_side, max_layers) = (limits.max_image_dimension2_d, limits.max_image_array_layers);
+        let plan = PagePlan::new(surfaces, max_side, max_layers);
+        let pages = upload_pages(device, surfaces, &plan, options)?;
+        let materials = MaterialTable::new(surfaces, &plan)?;
+        let table = LightTable::new(surfaces);
+        let first_blended_slot = hierarchy.leaf_objects().len() as u32;
+        let mut light_lists =
+            LightLists::new(&table, first_blended_slot as usize + surfaces.blended.len());
+        light_lists.fill(hierarchy);
+        for (slot, object) in (first_blended_slot..).zip(&surfaces.blended) {
+            if let Some(mesh) = scene.mesh_of(object) {
+                light_lists.find(slot, &bounds_of_transformed(&mesh.bounds, &object.transform));
+            }
+        }
+        light_lists.submitted();
+        let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
+        let vertices: Vec<SurfaceVertex> =
+            meshes.flat_map(|mesh| mesh.vertices.iter().copied()).collect();
+        // Without lights nobody reads the lists.
+        let lists = if light_lists.has_lights() { light_lists.all_words() } else { Vec::new() };
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let default_material = surfaces.materials.len() as u32;
+        let material_of = |material: u32| material.min(default_material);
+        Ok(Some(Self {
+            vertices: device.upload(
+                "surface vertices",
+                &vertices,
+                vk::BufferUsageFlags::VERTEX_BUFFER | storage,
+            )?,
+            materials: device.upload("materials", &materials.entries, storage)?,
+            transforms: device.upload("texture transforms", &materials.transforms, storage)?,
+            lights: device.upload("lights", &table.entries(), storage)?,
+            lists: device.upload("light lists", &lists, storage)?,
+            pages,
+            features: features(surfaces, &plan, &table, &light_lists),
+            mesh_materials: surfaces
+                .meshes
+                .iter()
+                .map(|mesh| material_of(mesh.material.0))
+                .collect(),
+            default_material,
+            table,
+            light_lists,
+            stale_lights: Vec::new(),
+            first_blended_slot,
+            exposure: if surfaces.exposure.is_finite() { surfaces.exposure.max(0.0) } else { 1.0 },
+        }))
+    }
+
+    /// Whether some object that is not blended has holes: then depth is drawn by a
+    /// [`SurfaceKind::Depth`](crate::SurfaceKind::Depth) pass, else by
+    /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only).
+    pub fn is_masked(&self) -> bool {
+        self.features[0].is_masked
+    }
+
+    /// The slot of the first of [`Surfaces::blended`]; the others follow.
+    pub fn first_blended_slot(&self) -> u32 {
+        self.first_blended_slot
+    }
+
+    /// The last 16 bytes of the instance of an object, where other scenes have its tint.
+    pub fn instance_tail(&self, mesh: MeshId, slot: u32) -> [u32; 4] {
+        let material =
+            self.mesh_materials.get(mesh.0 as usize).copied().unwrap_or(self.default_material);
+        [material, slot, self.light_lists.count(slot), 0]
+    }
+
+    /// [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute shader may write them.
+    pub fn vertices(&self) -> BufferSlice {
+        self.vertices.whole()
+    }
+
+    /// What lights reach which object.
+    pub fn light_lists(&self) -> &LightLists {
+        &self.light_lists
+    }
+
+    /// Factor of all light before tone mapping.
+    pub fn exposure(&self) -> f32 {
+        self.exposure
+    }
+
+    /// Sets the factor of all light before tone mapping; what is no positive number counts as 1.
+    pub fn expose(&mut self, exposure: f32) {
+        self.exposure = if exposure.is_finite() && exposure >= 0.0 { exposure } else { 1.0 };
+    }
+
+    /// What lies in the box of a slot is lit by others now, or not. Answers whether its instance must be
+    /// brought to the GPU again.
+    pub(crate) fn find_lights(&mut self, slot: u32, bounds: &Aabb) -> bool {
+        self.light_lists.has_lights() && self.light_lists.find(slot, bounds)
+    }
+
+    /// Replaces a light by one of the same kind; the next frame shows it.
+    pub(crate) fn replace_light(
+        &mut self,
+        light: usize,
+        to: PunctualLight,
+    ) -> Vec<(glam::Vec3, f32)> {
+        let place = self.table.places.get(light).copied().flatten();
+        if let Some(there) = self.table.lights.get_mut(light) {
+            *there = to;
+            self.stale_lights.push(light);
+        }
+        self.light_lists.replace(light, place, &to)
+    }
+
+    /// Records what brings lights and lists that changed to the GPU, before anything of `frame` reads
+    /// them. They count as changed until the frame was [submitted](SurfaceResources::submitted).
+    pub(crate) fn bring(&self, frame: &mut Frame<'_>, scatter: &ScatterPass) -> Result<(), Error> {
+        let stale = self.light_lists.stale();
+        if !stale.is_empty() {
+            let uploads = frame.uploads();
+            let leaves = uploads.push(stale)?;
+            let elements =
+                uploads.push_iter(stale.iter().map(|slot| self.light_lists.words(*slot)))?;
+            let io = ScatterIo { leaves, elements, array: self.lists.whole() };
+            scatter.record(frame.commands(), stale.len() as u32, &[(io, LIST_WORDS * 4)]);
+        }
+        let changed = || {
+            let place = |light: &usize| self.table.places.get(*light).copied().flatten();
+            self.stale_lights
+                .iter()
+                .filter_map(move |light| Some((place(light)?, self.table.lights.get(*light)?)))
+        };
+        let count = changed().count();
+        if count > 0 {
+            let places: Vec<u32> = changed().map(|(place, _)| place).collect();
+            let entries: Vec<LightEntry> =
+                changed().map(|(_, light)| LightEntry::of(light)).collect();
+            let uploads = frame.uploads();
+            let (leaves, elements) = (uploads.push(&places)?, uploads.push(&entries)?);
+            let io = ScatterIo { leaves, elements, array: self.lights.whole() };
+            scatter.record(frame.commands(), count as u32, &[(io, size_of::<LightEntry>())]);
+        }
+        Ok(())
+    }
+
+    /// The frame that [`SurfaceResources::bring`] recorded for is on its way.
+    pub(crate) fn submitted(&mut self) {
+        self.light_lists.submitted();
+        self.stale_lights.clear();
+    }
+
+    /// What opaque and masked objects, or blended ones, make use of.
+    pub(crate) fn features(&self, is_blended: bool) -> &Features {
+        &self.features[usize::from(is_blended)]
+    }
+
+    /// Buffers at the bindings after the instances: materials, transforms, lights, lists.
+    pub(crate) fn buffers(&self) -> [BufferSlice; 4] {
+        [&self.materials, &self.transforms, &self.lights, &self.lists].map(Buffer::whole)
+    }
+
+    /// As many pages as shaders declare; those that are not there are the first one.
+    pub(crate) fn pages(&self) -> Vec<&TextureArray> {
+        let first = self.pages.first();
+        (0..MAX_PAGES).filter_map(|page| self.pages.get(page).or(first)).collect()
+    }
+}
+
+/// Refuses surfaces that do not belong to the scene.
+fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
+    if surfaces.lights.len() > MAX_LIGHTS {
+        let (wanted, limit) = (surfaces.lights.len() as u64, MAX_LIGHTS as u64);
+        let what = "the number of lights".to_owned();
+        return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
+    }
+    let broken = |mesh: usize| {
+        let beside = surfaces.meshes.get(mesh).map(|mesh| mesh.vertices.len());
+        beside != scene.meshes.get(mesh).map(|mesh| mesh.vertices.len())
+    };
+    if let Some(mesh) =
+        (0..scene.meshes.len().max(surfaces.meshes.len())).find(|mesh| broken(*mesh))
+    {
+        let name = scene.meshes.get(mesh).map(|mesh| mesh.name.clone()).unwrap_or_default();
+        let fault = "it has not as many surface vertices as vertices";
+        return Err(crate::scene::SceneError::BrokenMesh { mesh: name, fault }.into());
+    }
+    let pixels = |image: &crate::scene::Image| u64::from(image.size[0]) * u64::from(image.size[1]);
+    let is_whole = |image: &crate::scene::Image| {
+        pixels(image) > 0 && pixels(image) * 4 == image.rgba8.len() as u64
+    };
+    match surfaces.images.iter().find(|image| !is_whole(image)) {
+        Some(image) => Err(Error::Image {
+            image: image.name.clone(),
+            size: image.size,
+            bytes: image.rgba8.len(),
+        }),
+        None => Ok(()),
+    }
+}
+
+fn features(
+    surfaces: &Surfaces,
+    plan: &PagePlan,
+    table: &LightTable,
+    lists: &LightLists,
+) -> [Features; 2] {
+    [false, true].map(|is_blended| {
+        let fallback = crate::scene::Material::default();
+        let is_of_class =
+            |material: &&crate::scene::Material| (material.alpha == Alpha::Blend) == is_blended;
+        let materials = surfaces.materials.iter().filter(is_of_class).chain([&fallback]);
+        let is_spot =
+            |light: &PunctualLight| matches!(light.kind, crate::scene::LightKind::Spot { .. });
+        Features {
+            directional_lights: table.directional,
+            has_local_lights: lists.has_lights(),
+            has_spots: table.lights.iter().any(is_spot),
+            ..Features::of(materials, plan)
+        }
+    })
+}
+
+/// Makes and fills the pages; one white texel where there are none.
+fn upload_pages(
+    device: &Device,
+    surfaces: &Surfaces,
+    plan: &PagePlan,
+    options: &SurfaceOptions,
+) -> Result<Vec<TextureArray>, Error> {
+    let (wanted, limit) = (plan.pages.len(), MAX_PAGES);
+    if wanted > limit {
+        let what = "the number of texture pages".to_owned();
+        return Err(
+            gpu::Error::TooLarge { what, wanted: wanted as u64, limit: limit as u64 }.into()
+        );
+    }
+    if plan.resampled + plan.resampled_by_others > 0 {
+        tracing::warn!(
+            "textures of more kinds than {MAX_PAGES}: {} images were resampled, {} textures have another sampler",
+            plan.resampled,
+            plan.resampled_by_others
+        );
+    }
+    let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
+    let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
+    let mut uploads = TextureUploads::new(device)?;
+    let mut pages = Vec::with_capacity(plan.pages.len().max(1));
+    for (number, page) in plan.pages.iter().enumerate() {
+        let name = format!("texture page {number}");
+        let mut array =
+            TextureArray::new(device, &array_info(&name, page, anisotropy, options.mip_making))?;
+        for (layer, image) in (0..).zip(&page.layers) {
+            let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
+            if image.size == page.size {
+                uploads.write(&mut array, layer, &image.rgba8)?;
+            } else {
+                let format = format_of(page.encoding);
+                uploads.write(
+                    &mut array,
+                    layer,
+                    &gpu::resampled(&image.rgba8, image.size, page.size, format),
+                )?;
+            }
+        }
+        pages.push(array);
+    }
+    if pages.is_empty() {
+        let sampler =
+            crate::scene::Sampler { between_levels: None, ..crate::scene::Sampler::default() };
+        let white = Page { size: [1, 1], encoding: Encoding::Linear, sampler, layers: Vec::new() };
+        let info = array_info("no texture", &white, 1.0, MipMaking::Blits);
+        let mut array = TextureArray::new(device, &TextureArrayInfo { layers: 1, ..info })?;
+        uploads.write(&mut array, 0, &[255; 4])?;
+        pages.push(array);
+    }
+    Ok(pages)
+}
+
+fn format_of(encoding: Encoding) -> vk::Format {
+    match encoding {
+        Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
+        Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
+    }
+}
+
+fn array_info<'a>(
+    name: &'a str,
+    page: &Page,
+    anisotropy: f32,
+    mip_making: MipMaking,
+) -> TextureArrayInfo<'a> {
+    let filter = |filter: Filter| match filter {
+        Filter::Nearest => vk::Filter::NEAREST,
+        Filter::Linear => vk::Filter::LINEAR,
+    };
+    let wrap = |wrap: Wrap| match wrap {
+        Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
+        Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+        Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+    };
+    let between = |filter: Filter| match filter {
+        Filter::Nearest => vk::SamplerMipmapMode::NEAREST,
+        Filter::Linear => vk::SamplerMipmapMode::LINEAR,
+    };
+    TextureArrayInfo {
+        name,
+        size: page.size,
+        layers: page.layers.len() as u32,
+        format: format_of(page.encoding),
+        wrap: page.sampler.wrap.map(wrap),
+        magnified: filter(page.sampler.magnified),
+        minified: filter(page.sampler.minified),
+        between_levels: page.sampler.between_levels.map(between),
+        anisotropy,
+        mip_making,
+    }
+}

@@ -1,0 +1,108 @@
+// The deform pass: morphs the vertices of a mesh, then skins them, and writes them where all passes read
+// them. What stays as it is, colours and coordinates, is not touched.
+#version 460
+
+layout(local_size_x = 64) in;
+
+// Five words a vertex: position, normal as snorm8, colour.
+layout(std430, binding = 0) writeonly buffer Vertices { uint vertices[]; };
+// Ten words a vertex: normal and tangent as snorm16, then what shading needs beside them.
+layout(std430, binding = 1) writeonly buffer Surfaces { uint surfaces[]; };
+// What does not change: vertices at rest, how they hang on joints, what targets add to them.
+layout(std430, binding = 2) readonly buffer Forms { uint forms[]; };
+// What changes: the joints, and the targets that count.
+layout(std430, binding = 3) readonly buffer Poses { uint poses[]; };
+
+// All but the counts are numbers of words.
+layout(push_constant) uniform Constants {
+    uint vertex_count;
+    uint first_vertex;
+    uint rest;
+    uint skin;
+    uint joint_sets; // groups of four joints a vertex; 0 without a skin
+    uint joints;
+    uint targets;
+    uint target_count;
+};
+
+const uint REST_WORDS = 7;
+const uint SET_WORDS = 6;
+const uint JOINT_WORDS = 12;
+const uint TARGET_WORDS = 4;
+const uint NOTHING = 0xffffffff;
+
+vec3 form_vector(uint at) {
+    return uintBitsToFloat(uvec3(forms[at], forms[at + 1], forms[at + 2]));
+}
+
+vec4 pose_row(uint at) {
+    return uintBitsToFloat(uvec4(poses[at], poses[at + 1], poses[at + 2], poses[at + 3]));
+}
+
+// What a target adds; `list` is where its list begins, if it has one.
+vec3 added(uint list, uint vertex) {
+    return list == NOTHING ? vec3(0.0) : form_vector(list + 3 * vertex);
+}
+
+vec3 unit(vec3 direction, vec3 otherwise) {
+    float squared = dot(direction, direction);
+    return squared > 0.0 && !isinf(squared) ? direction * inversesqrt(squared) : otherwise;
+}
+
+void main() {
+    uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
+    for (uint vertex = gl_GlobalInvocationID.x; vertex < vertex_count; vertex += stride) {
+        uint at = rest + REST_WORDS * vertex;
+        vec3 position = form_vector(at);
+        vec3 rest_normal = vec3(unpackSnorm2x16(forms[at + 3]), unpackSnorm2x16(forms[at + 4]).x);
+        vec2 tangent_z_sign = unpackSnorm2x16(forms[at + 6]);
+        vec3 rest_tangent = vec3(unpackSnorm2x16(forms[at + 5]), tangent_z_sign.x);
+        vec3 normal = rest_normal;
+        vec3 tangent = rest_tangent;
+        for (uint number = 0; number < target_count; ++number) {
+            uint target = targets + TARGET_WORDS * number;
+            float weight = uintBitsToFloat(poses[target]);
+            position += weight * added(poses[target + 1], vertex);
+            normal += weight * added(poses[target + 2], vertex);
+            tangent += weight * added(poses[target + 3], vertex);
+        }
+        if (joint_sets > 0) {
+            vec4 rows[3] = vec4[](vec4(0.0), vec4(0.0), vec4(0.0));
+            for (uint set = 0; set < joint_sets; ++set) {
+                uint hangs = skin + SET_WORDS * (joint_sets * vertex + set);
+                for (uint which = 0; which < 4; ++which) {
+                    uint joint = forms[hangs + which / 2] >> 16 * (which % 2) & 0xffff;
+                    float weight = uintBitsToFloat(forms[hangs + 2 + which]);
+                    if (weight != 0.0) {
+                        for (uint row = 0; row < 3; ++row) {
+                            rows[row] += weight * pose_row(joints + JOINT_WORDS * joint + 4 * row);
+                        }
+                    }
+                }
+            }
+            vec4 point = vec4(position, 1.0);
+            position = vec3(dot(rows[0], point), dot(rows[1], point), dot(rows[2], point));
+            // Normals go by the inverse of the transpose, which is the cofactors but for a factor.
+            vec3 cofactors[3] = vec3[](cross(rows[1].xyz, rows[2].xyz), cross(rows[2].xyz, rows[0].xyz),
+                                       cross(rows[0].xyz, rows[1].xyz));
+            float turned = dot(rows[0].xyz, cofactors[0]) < 0.0 ? -1.0 : 1.0;
+            normal = turned * vec3(dot(cofactors[0], normal), dot(cofactors[1], normal),
+                                   dot(cofactors[2], normal));
+            tangent = vec3(dot(rows[0].xyz, tangent), dot(rows[1].xyz, tangent),
+                           dot(rows[2].xyz, tangent));
+        }
+        normal = unit(normal, rest_normal);
+        tangent = unit(tangent, rest_tangent);
+        uint place = 5 * (first_vertex + vertex);
+        uvec3 words = floatBitsToUint(position);
+        vertices[place] = words.x;
+        vertices[place + 1] = words.y;
+        vertices[place + 2] = words.z;
+        vertices[place + 3] = packSnorm4x8(vec4(normal, 0.0));
+        place = 10 * (first_vertex + vertex);
+        surfaces[place] = packSnorm2x16(normal.xy);
+        surfaces[place + 1] = packSnorm2x16(vec2(normal.z, 0.0));
+        surfaces[place + 2] = packSnorm2x16(tangent.xy);
+        surfaces[place + 3] = packSnorm2x16(vec2(tangent.z, tangent_z_sign.y));
+    }
+}

@@ -1,0 +1,33 @@
+// The lights of KHR_lights_punctual: how much of each arrives where.
+
+struct PunctualLight {
+    vec4 position;  // w: 1 / range, 0 without one
+    vec4 intensity; // lux or candela times colour; w: scale of the cone
+    vec4 direction; // along which it shines, unit; w: offset of the cone
+};
+
+layout(std430, binding = 3) readonly buffer Lights { PunctualLight lights[]; };
+// For each object eight words: sixteen lights of sixteen bits, the strongest first.
+layout(std430, binding = 4) readonly buffer LightLists { uint light_lists[]; };
+
+const uint LIST_WORDS = 8;
+
+uint light_of_list(uint slot, uint place) {
+    uint word = light_lists[slot * LIST_WORDS + place / 2u];
+    return (place & 1u) != 0u ? word >> 16 : word & 0xFFFFu;
+}
+
+// What of a point's or spot's light arrives at a place that far away: the inverse square, which the
+// recommended window takes to 0 at the light's range, and the cone.
+vec3 arriving(PunctualLight light, vec3 towards_light, float squared_distance) {
+    // Nearer than a millimetre is as a millimetre.
+    float squared = max(squared_distance, 1e-6);
+    float share = squared * light.position.w * light.position.w;
+    float falloff = clamp(1.0 - share * share, 0.0, 1.0) / squared;
+    if (SPOTS) {
+        float cosine = -dot(light.direction.xyz, towards_light);
+        float cone = clamp(cosine * light.intensity.w + light.direction.w, 0.0, 1.0);
+        falloff *= cone * cone;
+    }
+    return light.intensity.rgb * falloff;
+}

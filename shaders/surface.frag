@@ -1,0 +1,80 @@
+// The surface pass: metallic-roughness materials under punctual lights and a hemisphere of ambient light;
+// sRGB is encoded by the attachment.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "material.glsl"
+#include "surface_constants.glsl"
+#include "texels.glsl"
+#include "surface_inputs.glsl"
+#include "brdf.glsl"
+#include "lights.glsl"
+#include "tonemap.glsl"
+
+layout(location = 0) out vec4 colour;
+
+// The normal that is seen: the surface's own, or that of its texture in tangent space.
+vec3 shading_normal(Material material) {
+    vec3 n = unit_or(world_normal, vec3(0.0, 1.0, 0.0));
+    if (NORMAL_PAGES == 0u || !has_texture(material.details.x)) return n;
+    vec3 mapped = texel(NORMAL_PAGES, material.details.x, uvs).xyz * 2.0 - 1.0;
+    mapped.xy *= uintBitsToFloat(material.cuts.y);
+    vec3 t = unit_or(world_tangent.xyz, vec3(0.0));
+    vec3 b = cross(n, t) * world_tangent.w;
+    return unit_or(mapped.x * t + mapped.y * b + mapped.z * n, n);
+}
+
+// What comes from everywhere: the hemisphere on the diffuse part, and, where it is mirrored, on the
+// specular one; rougher surfaces mirror more of what is around their normal.
+vec3 ambient(Brdf brdf, float roughness) {
+    float mirrored = reflect(-brdf.towards_eye, brdf.normal).y;
+    float specular_up = mix(mirrored, brdf.normal.y, roughness);
+    vec3 on_diffuse = mix(ambient_below.rgb, ambient_above.rgb, 0.5 + 0.5 * brdf.normal.y);
+    vec3 on_specular = mix(ambient_below.rgb, ambient_above.rgb, 0.5 + 0.5 * specular_up);
+    return brdf.diffuse * on_diffuse + brdf.specular * on_specular;
+}
+
+vec3 direct(Brdf brdf) {
+    vec3 sum = vec3(0.0);
+    for (uint number = 0; number < DIRECTIONAL_LIGHTS; ++number) {
+        PunctualLight light = lights[number];
+        sum += light.intensity.rgb * reflected(brdf, -light.direction.xyz);
+    }
+    if (LOCAL_LIGHTS) {
+        for (uint place = 0; place < lights_of_object.y; ++place) {
+            PunctualLight light = lights[light_of_list(lights_of_object.x, place)];
+            vec3 away = light.position.xyz - world_position;
+            vec3 towards = unit_or(away, brdf.normal);
+            sum += arriving(light, towards, dot(away, away)) * reflected(brdf, towards);
+        }
+    }
+    return sum;
+}
+
+void main() {
+    Material material = material_here();
+    vec4 base = base_colour(material);
+    if (MASKED && base.a < uintBitsToFloat(material.cuts.x)) discard;
+    float alpha = BLENDED ? clamp(base.a, 0.0, 1.0) : 1.0;
+
+    vec2 roughness_metallic = unpackUnorm2x16(material.factors.z);
+    if (METALLIC_ROUGHNESS_PAGES != 0u) {
+        roughness_metallic *= texel(METALLIC_ROUGHNESS_PAGES, material.cuts.w, uvs).gb;
+    }
+    float occlusion = 1.0;
+    if (OCCLUSION_PAGES != 0u) {
+        float strength = unpackUnorm2x16(material.factors.w).x;
+        occlusion += strength * (texel(OCCLUSION_PAGES, material.details.y, uvs).r - 1.0);
+    }
+    vec3 emission = vec3(0.0);
+    if (EMISSIVE) {
+        emission = uintBitsToFloat(material.emission.xyz);
+        if (EMISSION_PAGES != 0u) emission *= texel(EMISSION_PAGES, material.emission.w, uvs).rgb;
+    }
+    vec3 n = shading_normal(material);
+    vec3 v = unit_or(eye.xyz - world_position, n);
+    Brdf brdf = brdf_of(base.rgb, roughness_metallic.y, roughness_metallic.x, n, v);
+    vec3 light = ambient(brdf, roughness_metallic.x) * occlusion + direct(brdf) + emission;
+    colour = vec4(tone_mapped(min(light * eye.w, vec3(65504.0))), alpha);
+    // An unlit surface is its base colour: neither lit nor exposed, so not mapped either.
+    if (UNLIT && (material.factors.w & UNLIT_FLAG) != 0u) colour.rgb = base.rgb;
+}

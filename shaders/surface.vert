@@ -1,0 +1,64 @@
+// The surface pass: places vertices of a scene with surfaces, at the opaque pass's positions to the bit.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define SURFACES
+#include "instance.glsl"
+#include "material.glsl"
+#include "snap.glsl"
+#include "surface_constants.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec4 normal;  // w unused
+layout(location = 2) in vec4 tangent; // w: sign of the bitangent
+layout(location = 3) in vec2 uv_first;
+layout(location = 4) in vec2 uv_second;
+layout(location = 5) in vec4 colour; // linear
+
+layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
+layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };
+
+layout(location = 0) out vec3 world_position;
+layout(location = 1) out vec3 world_normal;
+layout(location = 2) out vec4 world_tangent;
+layout(location = 3) out vec4 uvs;
+layout(location = 4) out vec4 vertex_colour;
+layout(location = 5) flat out uvec2 lights_of_object;
+layout(location = 6) flat out uvec4 material_factors;
+layout(location = 7) flat out uvec4 material_cuts;
+layout(location = 8) flat out uvec4 material_emission;
+layout(location = 9) flat out uvec4 material_details;
+
+// Depth drawn by the opaque pass is found again, to the bit.
+invariant gl_Position;
+
+vec3 unit_or_zero(vec3 v) {
+    float squared = dot(v, v);
+    return squared > 0.0 ? v * inversesqrt(squared) : vec3(0.0);
+}
+
+void main() {
+    Instance instance = instances[gl_InstanceIndex];
+    vec3 world = to_world(instance, position);
+    vec4 clip = view_proj * vec4(world, 1.0);
+    gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
+
+    // Normals follow the cofactors of the matrix, which stay finite for flat objects; they turn around
+    // where it mirrors, and so would bitangents.
+    vec3 x = instance.rows[0].xyz;
+    vec3 y = instance.rows[1].xyz;
+    vec3 z = instance.rows[2].xyz;
+    float turn = dot(x, cross(y, z)) < 0.0 ? -1.0 : 1.0;
+    vec3 cofactors = vec3(dot(cross(y, z), normal.xyz), dot(cross(z, x), normal.xyz), dot(cross(x, y), normal.xyz));
+    world_position = world;
+    world_normal = turn * unit_or_zero(cofactors);
+    world_tangent = vec4(unit_or_zero(direction_to_world(instance, tangent.xyz)), turn * tangent.w);
+    uvs = vec4(uv_first, uv_second);
+    vertex_colour = colour;
+
+    lights_of_object = instance.surface.yz;
+    uint material = instance.surface.x;
+    material_factors = materials[material].factors;
+    material_cuts = materials[material].cuts;
+    material_emission = materials[material].emission;
+    material_details = materials[material].details;
+}

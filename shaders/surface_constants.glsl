@@ -1,0 +1,24 @@
+// What is the same for all that one surface pass draws: the view and the ambient light in 112 bytes of push
+// constants, and what the scene makes use of, which pipelines are compiled for.
+
+layout(push_constant) uniform Constants {
+    mat4 view_proj;
+    vec4 eye;           // w: exposure
+    vec4 ambient_above; // w: steps of the sub-pixel grid from the middle of the picture to its side
+    vec4 ambient_below; // w: the same to its top
+};
+
+layout(constant_id = 0) const bool MASKED = false;
+layout(constant_id = 1) const bool BLENDED = false;
+layout(constant_id = 2) const bool UNLIT = false;
+layout(constant_id = 3) const bool EMISSIVE = false;
+layout(constant_id = 4) const bool TRANSFORMED = false;
+layout(constant_id = 5) const uint DIRECTIONAL_LIGHTS = 0;
+layout(constant_id = 6) const bool LOCAL_LIGHTS = false;
+layout(constant_id = 7) const bool SPOTS = false;
+// One bit for each page that some material's texture of this kind lies on.
+layout(constant_id = 8) const uint BASE_COLOUR_PAGES = 0;
+layout(constant_id = 9) const uint METALLIC_ROUGHNESS_PAGES = 0;
+layout(constant_id = 10) const uint NORMAL_PAGES = 0;
+layout(constant_id = 11) const uint OCCLUSION_PAGES = 0;
+layout(constant_id = 12) const uint EMISSION_PAGES = 0;

@@ -1,0 +1,12 @@
+// The surface pass, depth only: cuts the holes of masked materials.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "material.glsl"
+#include "surface_constants.glsl"
+#include "texels.glsl"
+#include "surface_inputs.glsl"
+
+void main() {
+    Material material = material_here();
+    if (base_colour(material).a < uintBitsToFloat(material.cuts.x)) discard;
+}

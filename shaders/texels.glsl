@@ -1,0 +1,46 @@
+// Texels of materials: which page a texture lies on, and where on it.
+
+// From texture coordinates to those of one texture.
+struct TextureTransform {
+    vec4 axes; // columns of a 2x2 matrix
+    vec4 origin;
+};
+
+layout(std430, binding = 2) readonly buffer TextureTransforms { TextureTransform transforms[]; };
+layout(binding = 5) uniform sampler2DArray pages[12];
+
+const uint NO_PAGE = 15;
+
+bool has_texture(uint texture_word) {
+    return (texture_word & 15u) != NO_PAGE;
+}
+
+// The texel of a texture on one of the `used` pages, white if there is none. Arrays of samplers are
+// indexed by constants only, so no feature is needed. Fragments of a quad belong to one draw, and
+// with it to one material: they take the same branch, and derivatives are defined.
+vec4 texel(const uint used, uint texture_word, vec4 uvs) {
+    vec2 uv = (texture_word & 16u) != 0u ? uvs.zw : uvs.xy;
+    if (TRANSFORMED) {
+        TextureTransform transform = transforms[texture_word >> 16];
+        uv = mat2(transform.axes.xy, transform.axes.zw) * uv + transform.origin.xy;
+    }
+    uint page = texture_word & 15u;
+    vec3 place = vec3(uv, float((texture_word >> 5) & 2047u));
+    vec4 found = vec4(1.0);
+#define TEXEL_OF_PAGE(number) \
+    if ((used & (1u << number)) != 0u && page == number) found = texture(pages[number], place)
+    TEXEL_OF_PAGE(0);
+    TEXEL_OF_PAGE(1);
+    TEXEL_OF_PAGE(2);
+    TEXEL_OF_PAGE(3);
+    TEXEL_OF_PAGE(4);
+    TEXEL_OF_PAGE(5);
+    TEXEL_OF_PAGE(6);
+    TEXEL_OF_PAGE(7);
+    TEXEL_OF_PAGE(8);
+    TEXEL_OF_PAGE(9);
+    TEXEL_OF_PAGE(10);
+    TEXEL_OF_PAGE(11);
+#undef TEXEL_OF_PAGE
+    return found;
+}
