@@ -50,6 +50,7 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
         return broken(("exposure", 0), "it is not a finite number");
     }
     check_blended(scene, surfaces)?;
+    check_levels(scene, surfaces)?;
     check_deformers(scene, surfaces)
 }
 
@@ -97,6 +98,30 @@ fn check_blended(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
         let bounds = bounds_of_transformed(&mesh.bounds, &object.transform);
         if !object.transform.is_finite() || !bounds.is_usable() {
             return broken(part, "its transform takes it nowhere");
+        }
+    }
+    Ok(())
+}
+
+fn check_levels(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+    if !surfaces.levels.is_empty() && surfaces.levels.len() != scene.meshes.len() {
+        return broken(
+            ("the levels of mesh", surfaces.levels.len()),
+            "there are as many as meshes, or none",
+        );
+    }
+    for (index, (mesh, levels)) in scene.meshes.iter().zip(&surfaces.levels).enumerate() {
+        let part = ("the levels of mesh", index);
+        let is_in_mesh = |vertex: &u32| (*vertex as usize) < mesh.vertices.len();
+        let mut before_m = 0.0;
+        for level in levels {
+            if !level.indices.len().is_multiple_of(3) || !level.indices.iter().all(is_in_mesh) {
+                return broken(part, "its indices are no triangles of the mesh's vertices");
+            }
+            if !(level.error_m.is_finite() && level.error_m >= before_m) {
+                return broken(part, "errors are finite and ascend");
+            }
+            before_m = level.error_m;
         }
     }
     Ok(())

@@ -29,8 +29,8 @@ pub use mesh::{
 pub use motion::{Cast, Motion, MotionError};
 pub use path::{CameraPath, EYE_HEIGHT_M, FOV_Y_RAD, NEAR_M, PathKind};
 pub use surface::{
-    Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, LightId, LightKind,
-    Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
+    Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, Level, LightId,
+    LightKind, Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
     SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, Wrap,
 };
 
