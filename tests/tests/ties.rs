@@ -187,7 +187,7 @@ fn with_holes() -> Scene {
 fn what_is_seen_through_holes_is_exact() {
     run_on_all(|device| {
         check_scene(device, &with_holes(), &options(2), 10);
-        let mut pictures_of = |scene: &Scene| {
+        let pictures_of = |scene: &Scene| {
             let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
             pictures(&mut renderer, Strategy::Frustum, &cameras(6))
         };
