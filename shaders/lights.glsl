@@ -17,13 +17,12 @@ uint light_of_list(uint slot, uint place) {
     return (place & 1u) != 0u ? word >> 16 : word & 0xFFFFu;
 }
 
-// What of a point's or spot's light arrives at a place that far away: the inverse square, which the
-// recommended window takes to 0 at the light's range, and the cone.
-vec3 arriving(PunctualLight light, vec3 towards_light, float squared_distance) {
-    // Nearer than a millimetre is as a millimetre.
-    float squared = max(squared_distance, 1e-6);
-    float share = squared * light.position.w * light.position.w;
-    float falloff = clamp(1.0 - share * share, 0.0, 1.0) / squared;
+// What of a point's or spot's light arrives at a place, of which it lies that way and that far: the inverse
+// square, which the recommended window takes to 0 at the light's range, and the cone.
+vec3 arriving(PunctualLight light, vec3 towards_light, float squared_distance, float inverse_distance) {
+    float inverse_square = inverse_distance * inverse_distance;
+    float share = squared_distance * light.position.w * light.position.w;
+    float falloff = clamp(1.0 - share * share, 0.0, 1.0) * inverse_square;
     if (SPOTS) {
         float cosine = -dot(light.direction.xyz, towards_light);
         float cone = clamp(cosine * light.intensity.w + light.direction.w, 0.0, 1.0);

@@ -50,8 +50,11 @@ vec3 direct(Brdf brdf) {
         for (uint place = 0; place < lights_of_object.y; ++place) {
             PunctualLight light = lights[light_of_list(lights_of_object.x, place)];
             vec3 away = light.position.xyz - world_position;
-            vec3 towards = unit_or(away, brdf.normal);
-            sum += arriving(light, towards, dot(away, away)) * reflected(brdf, towards);
+            // Nearer than a millimetre is as a millimetre.
+            float squared = max(dot(away, away), 1e-6);
+            float inverse_distance = inversesqrt(squared);
+            vec3 towards = away * inverse_distance;
+            sum += arriving(light, towards, squared, inverse_distance) * reflected(brdf, towards);
         }
     }
     return sum;

@@ -1,7 +1,9 @@
 //! How surfaces cover each other: holes, ties, blending, the sky.
 
-use glam::DVec3;
-use render::scene::{Alpha, Encoding, Material, MeshId, Object, Surfaces};
+use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};
+use render::scene::{
+    Alpha, Encoding, Material, MaterialId, MeshId, Object, SurfaceMesh, SurfaceVertex, Surfaces,
+};
 use tests::{run_on_all, studio};
 
 use super::{
@@ -164,5 +166,61 @@ fn numbers_that_are_none_leave_pictures_whole() {
         let found = draw(device, &scene);
         let is_whole = |pixel: &[u8; 4]| pixel[0] == 255 && pixel[3] == 255;
         assert!(found.iter().all(is_whole), "{:?}", found.iter().find(|pixel| !is_whole(pixel)));
+    });
+}
+
+#[test]
+fn colour_finds_every_depth_again() {
+    run_on_all(|device| {
+        for alpha in [Alpha::Opaque, Alpha::Mask { cutoff: 0.5 }] {
+            let material = Material {
+                alpha,
+                base_colour: [0.7, 0.8, 0.9, 1.0],
+                is_unlit: true,
+                ..Material::default()
+            };
+            let cube = tests::shapes::box_scene(&[]).meshes.remove(0);
+            let plain = SurfaceVertex {
+                normal: [0; 4],
+                tangent: [0; 4],
+                uv: [[0.0; 2]; 2],
+                colour: [u16::MAX; 4],
+            };
+            let surface =
+                SurfaceMesh { vertices: vec![plain; cube.vertices.len()], material: MaterialId(0) };
+            let surfaces = Surfaces { materials: vec![material], ..Surfaces::default() };
+            let mut scene = scene_of(vec![(cube, surface)], surfaces);
+            // Crossing each other at all angles, some through the near plane.
+            let place = |number: u32| {
+                let turn = |step: f32| number as f32 * step;
+                Affine3A::from_scale_rotation_translation(
+                    Vec3::new(
+                        1.0 + turn(0.37) % 2.0,
+                        0.3 + turn(0.73) % 1.5,
+                        0.5 + turn(0.11) % 3.0,
+                    ),
+                    Quat::from_euler(EulerRot::XYZ, turn(1.3), turn(2.1), turn(0.7)),
+                    Vec3::new(
+                        turn(0.9) % 5.0 - 2.5,
+                        turn(1.7) % 4.0 - 2.0,
+                        -0.5 - turn(0.31) % 6.0,
+                    ),
+                )
+            };
+            let object = scene.objects[0];
+            scene.objects =
+                (0..200).map(|number| Object { transform: place(number), ..object }).collect();
+            scene.light.sky = [0.0, 0.0, 1.0];
+            let found = draw(device, &scene);
+            let expected = reference::encoded(reference::wide([0.7, 0.8, 0.9]));
+            let mut drawn = 0;
+            for (pixel, found) in found.into_iter().enumerate() {
+                if found != [0, 0, 255, 255] {
+                    assert_close(found, expected, pixel, "what has a depth has its colour");
+                    drawn += 1;
+                }
+            }
+            assert!(drawn > 1000, "{drawn}");
+        }
     });
 }

@@ -10,8 +10,7 @@ use crate::deformers::mesh_order;
 use crate::error::Error;
 use crate::passes::{ScatterIo, ScatterPass};
 use crate::scene::{
-    Alpha, Encoding, Filter, MeshId, PunctualLight, Scene, SurfaceVertex, Surfaces, Wrap,
-    bounds_of_transformed,
+    Alpha, Encoding, Filter, MeshId, Object, PunctualLight, Scene, SurfaceVertex, Surfaces, Wrap,
 };
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists, MAX_LIGHTS};
 use crate::surfaces::lights::{LightEntry, LightTable};
@@ -54,6 +53,8 @@ pub struct SurfaceResources {
     pub(crate) light_lists: LightLists,
     stale_lights: Vec<usize>,
     first_blended_slot: u32,
+    /// Boxes of blended objects, which no hierarchy holds.
+    blended_bounds: Vec<Aabb>,
     exposure: f32,
 }
 
@@ -82,10 +83,10 @@ impl SurfaceResources {
         let mut light_lists =
             LightLists::new(&table, first_blended_slot as usize + surfaces.blended.len());
         light_lists.fill(hierarchy);
-        for (slot, object) in (first_blended_slot..).zip(&surfaces.blended) {
-            if let Some(mesh) = scene.mesh_of(object) {
-                light_lists.find(slot, &bounds_of_transformed(&mesh.bounds, &object.transform));
-            }
+        let bounds = |object: &Object| scene.bounds_of(object).unwrap_or(Aabb::EMPTY);
+        let blended_bounds: Vec<Aabb> = surfaces.blended.iter().map(bounds).collect();
+        for (slot, bounds) in (first_blended_slot..).zip(&blended_bounds) {
+            light_lists.find(slot, bounds);
         }
         light_lists.submitted();
         let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
@@ -118,6 +119,7 @@ impl SurfaceResources {
             light_lists,
             stale_lights: Vec::new(),
             first_blended_slot,
+            blended_bounds,
             exposure: if surfaces.exposure.is_finite() { surfaces.exposure.max(0.0) } else { 1.0 },
         }))
     }
@@ -164,10 +166,15 @@ impl SurfaceResources {
     /// What lies in the box of a slot is lit by others now, or not. Answers whether its instance must be
     /// brought to the GPU again.
     pub(crate) fn find_lights(&mut self, slot: u32, bounds: &Aabb) -> bool {
+        let blended = slot.checked_sub(self.first_blended_slot);
+        if let Some(there) = blended.and_then(|place| self.blended_bounds.get_mut(place as usize)) {
+            *there = *bounds;
+        }
         self.light_lists.has_lights() && self.light_lists.find(slot, bounds)
     }
 
-    /// Replaces a light by one of the same kind; the next frame shows it.
+    /// Replaces a light by one of the same kind; the next frame shows it. Answers around where, in metres,
+    /// objects must find their lights again; what is blended has found them.
     pub(crate) fn replace_light(
         &mut self,
         light: usize,
@@ -178,7 +185,16 @@ impl SurfaceResources {
             *there = to;
             self.stale_lights.push(light);
         }
-        self.light_lists.replace(light, place, &to)
+        let around = self.light_lists.replace(light, place, &to);
+        for (slot, bounds) in (self.first_blended_slot..).zip(&self.blended_bounds) {
+            let is_near = |(centre, radius_m): &(glam::Vec3, f32)| {
+                bounds.distance_squared(*centre) <= radius_m * radius_m
+            };
+            if around.iter().any(is_near) {
+                self.light_lists.find(slot, bounds);
+            }
+        }
+        around
     }
 
     /// Records what brings lights and lists that changed to the GPU, before anything of `frame` reads
