@@ -14,7 +14,8 @@ use crate::shaders::ShaderSet;
 use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
 
-/// The leaves that own at least one pixel of a frame, nearest first.
+/// The leaves that own at least one pixel of a frame, nearest first. Of masked materials the holes count
+/// as theirs: those may be too many, never too few.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleSet {
     leaves: Vec<LeafIndex>,
