@@ -11,6 +11,7 @@ mod imported;
 mod json;
 mod layout;
 mod limits;
+mod meshopt;
 mod notes;
 mod source;
 mod textures;
