@@ -14,6 +14,7 @@ mod layout;
 mod levels;
 mod limits;
 mod load;
+mod meshopt;
 mod notes;
 mod performance;
 mod source;
