@@ -30,11 +30,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     if is_bare {
         let (document, buffers, images) = gltf::import(file)?;
         report(began, before);
-        println!("{} nodes, {} buffers, {} images", document.nodes().len(), buffers.len(), images.len());
+        println!(
+            "{} nodes, {} buffers, {} images",
+            document.nodes().len(),
+            buffers.len(),
+            images.len()
+        );
         return Ok(());
     }
     let options = import::LoadOptions::default();
-    let imported = import::load(&PathBuf::from(file), &options, &mut |_| ControlFlow::Continue(()))?;
+    let imported =
+        import::load(&PathBuf::from(file), &options, &mut |_| ControlFlow::Continue(()))?;
     report(began, before);
     imported.scene.validate()?;
     tell(&imported);
