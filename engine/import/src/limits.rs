@@ -28,6 +28,9 @@ pub struct Limits {
     pub elements: u64,
     /// Vertices of all meshes, as [`Source`](crate::Source) counts them. Default: 2^25.
     pub vertices: u64,
+    /// Vertices of all primitives as their accessors have them: also those that no index refers to, for each
+    /// primitive anew. A single one may have [`Limits::vertices`]. Default: 2^28.
+    pub listed_vertices: u64,
     /// Corners of the triangles of all meshes, counted likewise. Default: 2^27.
     pub corners: u64,
     /// Nodes. Default: 2^20.
@@ -54,6 +57,7 @@ impl Default for Limits {
             image_scratch_bytes: 2048 * MIB,
             elements: 1 << 29,
             vertices: 1 << 25,
+            listed_vertices: 1 << 28,
             corners: 1 << 27,
             nodes: 1 << 20,
             objects: 1 << 22,

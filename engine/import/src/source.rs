@@ -70,7 +70,8 @@ pub struct Instancing {
 ///   elements as the interpolation and the number of morph targets demand.
 /// - **Limits.** What the scene would be made of is within the limits. Vertices are counted as the
 ///   lesser of a primitive's vertices and its indices, so drop those that no index refers to; once for each
-///   mesh that a node has, but once for each *node* where it is deformed (by a skin or morph targets).
+///   mesh, but once for each *node* where it is deformed (by a skin or morph targets).
+///   A point, and a segment of a line, counts as a box.
 ///
 /// # What does not
 /// Values in buffers are not looked at, save indices and joints: positions, normals, weights, matrices and

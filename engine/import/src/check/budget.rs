@@ -19,6 +19,7 @@ const BOX_CORNERS: u64 = 36;
 struct Cost {
     primitives: u64,
     vertices: u64,
+    listed_vertices: u64,
     corners: u64,
     morph_values: u64,
 }
@@ -27,6 +28,7 @@ impl Cost {
     fn add(&mut self, other: Self) {
         self.primitives = self.primitives.saturating_add(other.primitives);
         self.vertices = self.vertices.saturating_add(other.vertices);
+        self.listed_vertices = self.listed_vertices.saturating_add(other.listed_vertices);
         self.corners = self.corners.saturating_add(other.corners);
         self.morph_values = self.morph_values.saturating_add(other.morph_values);
     }
@@ -39,6 +41,7 @@ pub(super) fn check(
     limits: &Limits,
 ) -> Result<(), Fault> {
     let costs: Vec<Cost> = root.meshes.iter().map(|mesh| cost_of(root, mesh)).collect();
+    check_single(root, limits)?;
     let mut total = Cost::default();
     for (index, &cost) in costs.iter().enumerate() {
         total.add(Cost { primitives: 0, morph_values: 0, ..cost });
@@ -61,6 +64,18 @@ pub(super) fn check(
     check_keys(root, limits)
 }
 
+/// However few of its vertices a primitive uses, reading an attribute takes memory for all of them.
+fn check_single(root: &Root, limits: &Limits) -> Result<(), Fault> {
+    for (mesh_index, mesh) in root.meshes.iter().enumerate() {
+        for (index, primitive) in mesh.primitives.iter().enumerate() {
+            let vertices = super::vertex_count(root, primitive).unwrap_or(0);
+            below("vertices", vertices, limits.vertices)
+                .map_err(|reason| reason.of(format!("mesh {mesh_index}, primitive {index}")))?;
+        }
+    }
+    Ok(())
+}
+
 /// What a node adds: objects, and where it is deformed, meshes of its own.
 fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
     let mesh = node.mesh.and_then(|mesh| root.get(mesh));
@@ -73,6 +88,7 @@ fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
 fn within(total: &Cost, limits: &Limits) -> Result<(), Reason> {
     below("objects up to it", total.primitives, limits.objects)?;
     below("vertices up to it", total.vertices, limits.vertices)?;
+    below("vertices in accessors up to it", total.listed_vertices, limits.listed_vertices)?;
     below("corners of triangles up to it", total.corners, limits.corners)?;
     below("numbers in morph targets up to it", total.morph_values, limits.morph_values)
 }
@@ -105,7 +121,7 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
     // Each target moves up to three attributes of three numbers.
     let targets = primitive.targets.as_ref().map_or(0, Vec::len) as u64;
     let morph_values = vertices.saturating_mul(targets).saturating_mul(9);
-    Cost { primitives: 1, vertices, corners, morph_values }
+    Cost { primitives: 1, vertices, listed_vertices: all, corners, morph_values }
 }
 
 fn check_keys(root: &Root, limits: &Limits) -> Result<(), Fault> {

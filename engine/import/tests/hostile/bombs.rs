@@ -28,8 +28,7 @@ fn large_meshes_without_bytes_are_refused() {
 
     let mut scene = Scene::triangle();
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": 1 << 26 }));
-    scene.remove("/meshes/0/primitives/0/indices");
-    too_large(scene.glb(), &["mesh 0", "vertices up to it"]);
+    too_large(scene.glb(), &["mesh 0, primitive 0", "vertices: 67108864, more than"]);
 
     let mut scene = Scene::triangle();
     scene.set("/accessors/1", json!({ "componentType": U16, "type": "SCALAR", "count": 1 << 28 }));
@@ -43,6 +42,11 @@ fn meshes_that_are_named_often_are_refused() {
     let primitive = json!({ "attributes": { "POSITION": 0 } });
     scene.set("/meshes", json!([{ "primitives": vec![primitive; 40] }]));
     too_large(scene.glb(), &["mesh 0", "vertices up to it"]);
+
+    scene.set("/accessors/0/count", json!(1 << 24));
+    let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 1 });
+    scene.set("/meshes", json!([{ "primitives": vec![primitive; 40] }]));
+    too_large(scene.glb(), &["mesh 0", "vertices in accessors up to it"]);
 
     let mut scene = everything();
     scene.set("/nodes", json!(vec![json!({ "mesh": 1, "skin": 0 }); 600_000]));

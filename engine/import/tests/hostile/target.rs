@@ -17,6 +17,7 @@ pub fn small_limits() -> Limits {
         image_scratch_bytes: 16 * MIB,
         elements: 1 << 20,
         vertices: 1 << 20,
+        listed_vertices: 1 << 20,
         corners: 1 << 20,
         nodes: 1 << 16,
         objects: 1 << 16,
