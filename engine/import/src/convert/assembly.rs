@@ -37,6 +37,8 @@ pub(super) struct Assembly<'a> {
     pub(super) placements: Vec<Placement>,
     pub(super) forms: Forms,
     pub(super) budget: Budget,
+    /// As [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
+    pub(super) cut_above: Option<usize>,
 }
 
 impl<'a> Assembly<'a> {

@@ -34,7 +34,7 @@ pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     read_everything(&source);
     drop(source);
     // What is well-formed can still hold numbers of which no scene can be made.
-    let options = LoadOptions { limits: small_limits() };
+    let options = LoadOptions { limits: small_limits(), ..LoadOptions::default() };
     let listener = &mut |_| ControlFlow::Continue(());
     if let Ok(imported) = load_bytes(bytes.to_vec(), None, &options, listener) {
         loaded::check(&imported);

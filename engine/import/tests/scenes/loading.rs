@@ -79,7 +79,7 @@ fn what_grows_while_it_is_made_counts_against_the_limits() {
     scene.set("/meshes/0/primitives/0/material", json!(0));
     let with = |vertices: u64, corners: u64| {
         let limits = Limits { vertices, corners, ..Limits::default() };
-        let options = LoadOptions { limits };
+        let options = LoadOptions { limits, ..LoadOptions::default() };
         load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
     };
     assert!(with(6, 6).is_ok());
@@ -98,4 +98,31 @@ fn an_empty_scene_is_a_scene() {
     let imported = load(&scene);
     assert!(imported.scene.objects.is_empty() && imported.scene.meshes.is_empty());
     assert!(notes(&imported, "there is nothing to see"));
+}
+
+#[test]
+fn what_is_large_and_seen_once_is_cut_and_what_is_shared_is_not() {
+    let mut scene = Scene::triangle();
+    let row = |place: usize| {
+        let x = place as f32;
+        [x, 0.0, 0.0, x + 1.0, 0.0, 0.0, x, 1.0, 0.0]
+    };
+    let places: Vec<f32> = (0..100).flat_map(row).collect();
+    let positions = scene.floats("VEC3", &places);
+    scene.set("/meshes/0/primitives/0", json!({ "attributes": { "POSITION": positions } }));
+    let with = |scene: &Scene, cut_above_triangles: Option<usize>| {
+        let options = LoadOptions { cut_above_triangles, ..LoadOptions::default() };
+        let listener = &mut |_| ControlFlow::Continue(());
+        load_bytes(scene.glb(), None, &options, listener).expect("it is loaded").scene
+    };
+    let cut = with(&scene, Some(80));
+    assert_eq!((cut.objects.len(), cut.meshes.len(), cut.triangles()), (8, 8, 100));
+    assert!(cut.meshes.iter().all(|mesh| mesh.triangles() <= 20));
+    assert_eq!(cut.meshes[3].name, "mesh 0, piece 3");
+    assert_eq!(with(&scene, Some(100)).meshes.len(), 1);
+    assert_eq!(with(&scene, None).meshes.len(), 1);
+    scene.set("/nodes/1", json!({ "mesh": 0 }));
+    scene.set("/scenes/0/nodes", json!([0, 1]));
+    let shared = with(&scene, Some(80));
+    assert_eq!((shared.objects.len(), shared.meshes.len()), (2, 1));
 }
