@@ -6,10 +6,20 @@ use std::path::Path;
 use crate::{Cause, ImportError, Imported, Limits, convert, open, read};
 
 /// How a file is loaded.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
     /// What it may at most ask for.
     pub limits: Limits,
+    /// Meshes of more triangles than this that are seen once and keep their form are cut into pieces that
+    /// lie side by side, of at most a quarter as many triangles, each an object. `None` leaves all whole.
+    /// Default: 65,536.
+    pub cut_above_triangles: Option<usize>,
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self { limits: Limits::default(), cut_above_triangles: Some(1 << 16) }
+    }
 }
 
 /// What is being done.

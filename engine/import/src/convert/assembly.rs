@@ -17,6 +17,7 @@ use super::pack::pack;
 use super::primitives::Primitive;
 use super::shared::Plan;
 use super::skins::Skins;
+use crate::error::quoted;
 use crate::imported::{Placed, Placement};
 use crate::{Cause, ImportError, Source};
 
@@ -36,6 +37,8 @@ pub(super) struct Assembly<'a> {
     pub(super) placements: Vec<Placement>,
     pub(super) forms: Forms,
     pub(super) budget: Budget,
+    /// As [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
+    pub(super) cut_above: Option<usize>,
 }
 
 impl<'a> Assembly<'a> {
@@ -44,7 +47,10 @@ impl<'a> Assembly<'a> {
         let given = self.source.document.as_json().meshes.get(mesh)?;
         let json = given.primitives.get(number)?;
         let name = given.name.as_deref().filter(|name| !name.is_empty());
-        let mesh = name.map_or(format!("mesh {mesh}"), |name| format!("mesh {mesh} ({name})"));
+        let mesh = name.map_or_else(
+            || format!("mesh {mesh}"),
+            |name| format!("mesh {mesh} ({})", quoted(name)),
+        );
         Some(Primitive { source: self.source, json, place: format!("{mesh}, primitive {number}") })
     }
 

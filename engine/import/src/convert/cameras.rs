@@ -8,6 +8,7 @@ use gltf::json;
 use super::nodes::Tree;
 use super::notes::Notes;
 use crate::Source;
+use crate::error::quoted;
 use crate::imported::Camera;
 
 /// The narrowest and the widest angle of sight, in radians.
@@ -48,7 +49,7 @@ fn lens(given: &json::Camera, notes: &mut Notes) -> (f32, f32) {
         return (render::scene::FOV_Y_RAD, render::scene::NEAR_M);
     };
     notes.count("orthographic cameras, shown in perspective", 1, || {
-        given.name.clone().unwrap_or_else(|| "a camera without a name".to_owned())
+        format!("camera {}", quoted(given.name.as_deref().unwrap_or_default()))
     });
     // As much is seen in the middle of its depth.
     let distance = (parallel.znear * 0.5 + parallel.zfar * 0.5).max(1e-3);
@@ -69,7 +70,7 @@ mod tests {
         assert_eq!(near, 1.0);
         assert_eq!(
             notes.finish(),
-            ["orthographic cameras, shown in perspective: 1, first in plan"]
+            ["orthographic cameras, shown in perspective: 1, first in camera \"plan\""]
         );
     }
 }

@@ -9,6 +9,7 @@ use gltf::json::validation::Checked;
 use super::nodes::Tree;
 use super::notes::Notes;
 use super::numbers::rotation;
+use crate::error::quoted;
 use crate::{Cause, ImportError, Source};
 
 /// All animations of the file that do anything in the scene.
@@ -27,7 +28,7 @@ pub(super) fn clips(
         let mut channels = Vec::with_capacity(animation.channels.len());
         let mut known = std::collections::HashSet::new();
         for given in &animation.channels {
-            let at = || format!("animation {number} ({name})");
+            let at = || format!("animation {number} ({})", quoted(&name));
             let Some(node) = tree.id_of(given.target.node.value()) else {
                 notes.count(
                     "animation channels of nodes that are not in the scene, left out",
@@ -53,7 +54,7 @@ pub(super) fn clips(
             }
         }
         if channels.is_empty() {
-            notes.count("animations that move nothing in the scene, left out", 1, || name.clone());
+            notes.count("animations that move nothing in the scene, left out", 1, || quoted(&name));
         } else {
             clips.push(Clip { name, channels });
         }

@@ -12,6 +12,7 @@ use super::sidedness::Backs;
 use super::tangents::NormalUvs;
 use super::textures::{Named, Textures};
 use crate::Source;
+use crate::error::quoted;
 
 /// The strongest emission: what half-precision numbers can hold.
 const LARGEST_EMISSION: f32 = 65504.0;
@@ -71,7 +72,7 @@ impl Materials {
         notes.count(
             "textures by a third set of texture coordinates, shown by the first",
             slots.homeless,
-            || material.name.clone(),
+            || format!("material {}", quoted(&material.name)),
         );
         let is_blended = material.alpha == Alpha::Blend;
         let found = MaterialUse {

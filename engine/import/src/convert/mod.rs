@@ -15,6 +15,7 @@ mod normals;
 mod notes;
 mod numbers;
 mod pack;
+mod pieces;
 mod primitives;
 mod shared;
 mod sidedness;
@@ -69,6 +70,7 @@ pub(crate) fn convert(
         placements: Vec::new(),
         forms: deformed::Forms::default(),
         budget: Budget::new(&options.limits),
+        cut_above: options.cut_above_triangles,
     };
     for (light, node) in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);

@@ -8,6 +8,7 @@ use gltf::json::validation::Checked;
 
 use super::notes::Notes;
 use super::numbers::rotation;
+use crate::error::quoted;
 use crate::{Cause, ImportError, Source};
 
 /// The nodes of the scene that is shown: depth first, so that all that is below a node follows it.
@@ -90,7 +91,7 @@ impl Tree {
         let in_file = self.in_file.get(node.0 as usize).copied().unwrap_or_default();
         match name {
             "" => format!("node {in_file}"),
-            name => format!("node {in_file} ({name})"),
+            name => format!("node {in_file} ({})", quoted(name)),
         }
     }
 }
@@ -148,7 +149,7 @@ fn rest(given: &json::Node, is_moved: bool, notes: &mut Notes) -> Rest {
     let rotation = given.rotation.map_or(Some(Quat::IDENTITY), |given| rotation(given.0));
     if rotation.is_none() {
         notes.count("rotations of length 0, taken as none", 1, || {
-            format!("node {}", given.name.as_deref().unwrap_or("without a name"))
+            format!("node {}", quoted(given.name.as_deref().unwrap_or_default()))
         });
     }
     Rest::Parts(Trs {

@@ -5,6 +5,7 @@ use render::scene::MorphTarget;
 
 use super::geometry::Geometry;
 use super::numbers::{direction, triangle_normal};
+use super::pack::snorm16;
 
 /// The normal of a triangle; any if it has no area.
 fn flat(corners: [Vec3; 3]) -> Vec3 {
@@ -35,8 +36,9 @@ pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     let normals = of_target(None);
     let is_morphed = geometry.targets.iter().any(|target| !target.positions.is_empty());
     let (mut split, origins) = geometry.split(|triangle, _| {
-        let bits = normals.get(triangle).copied().unwrap_or_default().to_array().map(f32::to_bits);
-        (bits, if is_morphed { triangle } else { 0 })
+        let normal = normals.get(triangle).copied().unwrap_or_default();
+        // As they are packed: what rounding sets apart is one plane.
+        (normal.to_array().map(snorm16), if is_morphed { triangle } else { 0 })
     });
     let of_vertices = |of_triangles: &[Vec3]| -> Vec<Vec3> {
         let of_origin = |&[triangle, _]: &[u32; 2]| of_triangles.get(triangle as usize).copied();

@@ -10,8 +10,10 @@ use gltf::mesh::{Mode, Semantic};
 use render::scene::{MeshId, Object};
 
 use super::assembly::{Assembly, NO_TINT, rigid};
+use super::geometry::Geometry;
 use super::materials::{MaterialUse, Shading};
 use super::numbers::mirrors;
+use super::pieces;
 use super::primitives::{Primitive, Variant};
 use crate::ImportError;
 
@@ -169,11 +171,29 @@ impl Assembly<'_> {
         if is_mirrored {
             name.push_str(" (mirrored)");
         }
-        let made: Vec<MeshId> = geometry
-            .iter()
-            .map(|geometry| self.add_mesh(geometry, &kind.material, name.clone()))
-            .collect();
+        let mut made = Vec::new();
+        if let Some(geometry) = geometry {
+            let pieces = self.pieces(geometry, kind.uses);
+            let count = pieces.len();
+            for (number, piece) in pieces.iter().enumerate() {
+                let name = match count {
+                    1 => name.clone(),
+                    _ => format!("{name}, piece {number}"),
+                };
+                made.push(self.add_mesh(piece, &kind.material, name));
+            }
+        }
         kind.made[usize::from(is_mirrored)] = Some(made.clone());
         Ok(made)
+    }
+
+    /// What is large and seen once, in pieces; all else whole.
+    fn pieces(&self, geometry: Geometry, uses: u64) -> Vec<Geometry> {
+        match self.cut_above {
+            Some(most) if uses == 1 && geometry.triangles.len() > most => {
+                pieces::cut(geometry, most / 4)
+            }
+            _ => vec![geometry],
+        }
     }
 }

@@ -1,6 +1,11 @@
 //! What is tried with every malformed file, here and by `cargo fuzz`.
 
-use antumbra_import::{ImportError, Limits, Source, read};
+#[path = "loaded.rs"]
+pub mod loaded;
+
+use std::ops::ControlFlow;
+
+use antumbra_import::{ImportError, Limits, LoadOptions, Source, load_bytes, read};
 
 /// Limits that keep each try fast.
 pub fn small_limits() -> Limits {
@@ -27,6 +32,13 @@ pub fn small_limits() -> Limits {
 pub fn try_bytes(bytes: &[u8]) -> Result<(), ImportError> {
     let source = read(bytes.to_vec(), None, &small_limits())?;
     read_everything(&source);
+    drop(source);
+    // What is well-formed can still hold numbers of which no scene can be made.
+    let options = LoadOptions { limits: small_limits(), ..LoadOptions::default() };
+    let listener = &mut |_| ControlFlow::Continue(());
+    if let Ok(imported) = load_bytes(bytes.to_vec(), None, &options, listener) {
+        loaded::check(&imported);
+    }
     Ok(())
 }
 

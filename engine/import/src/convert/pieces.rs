@@ -1,0 +1,129 @@
+//! Pieces: a large mesh as several that lie side by side, so that culling has something to cull.
+
+use glam::Vec3;
+
+use super::geometry::Geometry;
+
+/// Cuts geometry into pieces of at most `most` triangles: the triangles are halved by their middles along the
+/// longest side of the box around these, again and again. Within a piece they keep their order. What fits
+/// is one piece.
+pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
+    let most = most.max(1);
+    if geometry.triangles.len() <= most {
+        return vec![geometry];
+    }
+    let middles: Vec<Vec3> = geometry.triangles.iter().map(|it| middle(&geometry, it)).collect();
+    let of = |triangle: u32| middles.get(triangle as usize).copied().unwrap_or_default();
+    let mut order: Vec<u32> = (0..geometry.triangles.len() as u32).collect();
+    let mut pending = vec![order.as_mut_slice()];
+    let mut pieces = Vec::new();
+    // Where a vertex is in the piece at hand; each piece cleans up behind itself.
+    let mut names = vec![u32::MAX; geometry.positions.len()];
+    while let Some(part) = pending.pop() {
+        if part.len() <= most {
+            part.sort_unstable();
+            pieces.push(piece(&geometry, part, &mut names));
+            continue;
+        }
+        let axis = longest_side(part.iter().map(|&triangle| of(triangle)));
+        let half = part.len() / 2;
+        part.select_nth_unstable_by(half, |&a, &b| {
+            of(a)[axis].total_cmp(&of(b)[axis]).then(a.cmp(&b))
+        });
+        let (low, high) = part.split_at_mut(half);
+        pending.push(high);
+        pending.push(low);
+    }
+    pieces
+}
+
+fn middle(geometry: &Geometry, triangle: &[u32; 3]) -> Vec3 {
+    let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
+    // Thirds first: the sum of three large numbers may be no number.
+    triangle.iter().map(|&vertex| at(vertex) / 3.0).sum()
+}
+
+fn longest_side(points: impl Iterator<Item = Vec3>) -> usize {
+    let (low, high) = points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
+        (low.min(point), high.max(point))
+    });
+    (high * 0.5 - low * 0.5).max_position()
+}
+
+fn piece(geometry: &Geometry, part: &[u32], names: &mut [u32]) -> Geometry {
+    let mut picks = Vec::new();
+    let mut name = |vertex: u32| match names.get_mut(vertex as usize) {
+        Some(name) => {
+            if *name == u32::MAX {
+                *name = picks.len() as u32;
+                picks.push(vertex);
+            }
+            *name
+        }
+        None => 0,
+    };
+    let own = part.iter().filter_map(|&triangle| geometry.triangles.get(triangle as usize));
+    let triangles = own.map(|triangle| triangle.map(&mut name)).collect();
+    for &vertex in &picks {
+        if let Some(name) = names.get_mut(vertex as usize) {
+            *name = u32::MAX;
+        }
+    }
+    Geometry { triangles, ..geometry.gather(&picks) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A strip of squares along x, each of two triangles.
+    fn strip(squares: u32) -> Geometry {
+        let corner = |place: u32| Vec3::new((place / 2) as f32, (place % 2) as f32, 0.0);
+        let square = |place: u32| {
+            let start = place * 2;
+            [[start, start + 2, start + 1], [start + 1, start + 2, start + 3]]
+        };
+        Geometry {
+            positions: (0..squares * 2 + 2).map(corner).collect(),
+            triangles: (0..squares).flat_map(square).collect(),
+            ..Geometry::default()
+        }
+    }
+
+    fn corners(geometry: &Geometry) -> Vec<[[u32; 3]; 3]> {
+        let at = |vertex: u32| geometry.positions[vertex as usize].to_array().map(f32::to_bits);
+        geometry.triangles.iter().map(|triangle| triangle.map(at)).collect()
+    }
+
+    #[test]
+    fn pieces_have_every_triangle_once_and_lie_side_by_side() {
+        let whole = strip(1000);
+        let pieces = cut(whole.clone(), 128);
+        assert_eq!(pieces.len(), 16);
+        let mut all: Vec<_> = pieces.iter().flat_map(corners).collect();
+        let mut expected = corners(&whole);
+        all.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(all, expected);
+        let mut end = 0.0;
+        for piece in &pieces {
+            assert!(piece.triangles.len() <= 128);
+            let xs = piece.positions.iter().map(|at| at.x);
+            let (low, high) =
+                xs.fold((f32::MAX, f32::MIN), |(low, high), x| (low.min(x), high.max(x)));
+            assert!((low - end).abs() <= 1.0, "{low} after {end}");
+            end = high;
+        }
+    }
+
+    #[test]
+    fn what_is_all_in_one_place_is_cut_too_and_what_is_small_is_not() {
+        let heap = Geometry { triangles: [[0, 1, 2]].repeat(100), ..strip(1) };
+        let pieces = cut(heap, 30);
+        assert_eq!(pieces.iter().map(|piece| piece.triangles.len()).sum::<usize>(), 100);
+        assert!(
+            pieces.iter().all(|piece| piece.triangles.len() <= 30 && piece.positions.len() == 3)
+        );
+        assert_eq!(cut(strip(3), 6), [strip(3)]);
+    }
+}

@@ -1,0 +1,116 @@
+//! Whole scenes from a folder that `ANTUMBRA_ASSETS` names are loaded, and nothing of them is lost.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use antumbra_import::{LoadOptions, load};
+
+use super::loaded::check;
+
+/// What is in a scene, counted from its file by another program.
+struct Expected {
+    file: &'static str,
+    meshes: usize,
+    objects: usize,
+    triangles: u64,
+    nodes: usize,
+    clips: usize,
+    lights: usize,
+    images: usize,
+    deformers: usize,
+    cameras: &'static [&'static str],
+}
+
+const SCENES: &[Expected] = &[
+    Expected {
+        file: "rooms.glb",
+        meshes: 4,
+        objects: 17_416,
+        triangles: 65_249_376,
+        nodes: 19_475,
+        clips: 6,
+        lights: 1025,
+        images: 0,
+        deformers: 0,
+        cameras: &["walk", "fly"],
+    },
+    Expected {
+        file: "kaykit_city.glb",
+        meshes: 45,
+        objects: 18_792,
+        triangles: 7_790_320,
+        nodes: 34_111,
+        clips: 2,
+        lights: 1,
+        images: 1,
+        deformers: 0,
+        cameras: &["street", "fly"],
+    },
+    Expected {
+        file: "kaykit_dungeon.glb",
+        meshes: 20,
+        objects: 2475,
+        triangles: 1_560_030,
+        nodes: 4877,
+        clips: 75,
+        lights: 101,
+        images: 1,
+        deformers: 0,
+        cameras: &["walk", "fly"],
+    },
+    Expected {
+        file: "fox.glb",
+        meshes: 1,
+        objects: 1,
+        triangles: 576,
+        nodes: 26,
+        clips: 3,
+        lights: 1,
+        images: 1,
+        deformers: 1,
+        cameras: &[],
+    },
+    Expected {
+        file: "morphstresstest.gltf",
+        meshes: 2,
+        objects: 2,
+        // Both materials are double-sided.
+        triangles: 2 * 2412,
+        nodes: 1,
+        clips: 3,
+        lights: 1,
+        images: 3,
+        deformers: 2,
+        cameras: &[],
+    },
+];
+
+#[test]
+fn nothing_of_a_scene_is_lost() {
+    let Some(folder) = std::env::var_os("ANTUMBRA_ASSETS") else {
+        eprintln!("SKIPPED: ANTUMBRA_ASSETS names no folder of scenes");
+        return;
+    };
+    for expected in SCENES {
+        let path = Path::new(&folder).join(expected.file);
+        let listener = &mut |_| ControlFlow::Continue(());
+        let imported = load(&path, &LoadOptions::default(), listener).expect("it is loaded");
+        check(&imported);
+        let scene = &imported.scene;
+        let surfaces = scene.surfaces.as_ref().expect("surfaces");
+        let cameras: Vec<_> = imported.cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let file = expected.file;
+        assert_eq!(file.split('.').next(), Some(scene.name.as_str()));
+        assert_eq!(scene.meshes.len(), expected.meshes, "{file}");
+        assert_eq!(scene.objects.len() + surfaces.blended.len(), expected.objects, "{file}");
+        assert_eq!(scene.triangles(), expected.triangles, "{file}");
+        assert_eq!(imported.rig.nodes().len(), expected.nodes, "{file}");
+        assert_eq!(imported.clips.len(), expected.clips, "{file}");
+        assert_eq!(surfaces.lights.len(), expected.lights, "{file}");
+        assert_eq!(surfaces.images.len(), expected.images, "{file}");
+        assert_eq!(surfaces.deformers.len(), expected.deformers, "{file}");
+        assert_eq!(cameras, expected.cameras, "{file}");
+        let added = usize::from(expected.file.contains("fox") || expected.file.contains("morph"));
+        assert_eq!(imported.notes.len(), added, "{file}: {:?}", imported.notes);
+    }
+}

@@ -1,0 +1,219 @@
+//! Where things are: nodes, scenes, instances, lights, cameras, and places that are none.
+
+use std::f32::consts::FRAC_PI_2;
+
+use antumbra_import::Imported;
+use glam::{Vec3, vec3};
+use serde_json::json;
+
+use super::files::{F32, Scene};
+use super::loading::{load, notes};
+
+/// Where each object's own (1, 0, 0) is.
+fn tips(imported: &Imported) -> Vec<Vec3> {
+    let objects = imported.scene.objects.iter();
+    objects.map(|object| object.transform.transform_point3(Vec3::X)).collect()
+}
+
+fn assert_near(found: &[Vec3], expected: &[Vec3]) {
+    assert_eq!(found.len(), expected.len(), "{found:?}");
+    for (found, expected) in found.iter().zip(expected) {
+        assert!(found.distance(*expected) < 1e-5, "{found} is not {expected}");
+    }
+}
+
+#[test]
+fn transforms_go_down_the_tree_as_parts_and_as_matrices() {
+    let mut scene = Scene::triangle();
+    let half = 0.5_f32.sqrt();
+    scene.set(
+        "/nodes",
+        json!([
+            { "name": "root", "translation": [10, 0, 0], "children": [1, 2] },
+            { "mesh": 0, "rotation": [0, 0, half * 3.0, half * 3.0], "scale": [2, 1, 1] },
+            { "mesh": 0, "matrix": [0, 3, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1] },
+        ]),
+    );
+    let imported = load(&scene);
+    assert_near(&tips(&imported), &[vec3(10.0, 2.0, 0.0), vec3(10.0, 3.0, 5.0)]);
+    let nodes = imported.rig.nodes();
+    assert_eq!((nodes.len(), nodes[0].name.as_str(), nodes[0].parent), (3, "root", None));
+    assert!(matches!(nodes[2].rest, animation::Rest::Matrix(_)));
+    assert!(imported.placements.is_empty(), "nothing moves");
+}
+
+#[test]
+fn only_the_chosen_scene_is_shown() {
+    let mut scene = Scene::triangle();
+    scene.set("/nodes", json!([{ "mesh": 0 }, { "mesh": 0, "translation": [5, 0, 0] }]));
+    scene.set("/scenes", json!([{ "nodes": [0] }, { "nodes": [1] }]));
+    scene.set("/scene", json!(1));
+    let imported = load(&scene);
+    assert_near(&tips(&imported), &[vec3(6.0, 0.0, 0.0)]);
+    assert!(notes(&imported, "of 2 scenes, only scene 1"));
+    scene.remove("/scene");
+    assert_near(&tips(&load(&scene)), &[Vec3::X]);
+    scene.set("/nodes/0/children", json!([1]));
+    scene.remove("/scenes");
+    assert_near(&tips(&load(&scene)), &[Vec3::X, vec3(6.0, 0.0, 0.0)]);
+}
+
+#[test]
+fn a_hundred_thousand_nodes_deep_is_not_too_deep() {
+    let count = 100_000;
+    let mut scene = Scene::triangle();
+    let node = |index: usize| match index + 1 < count {
+        true => json!({ "children": [index + 1], "translation": [0, 0.5, 0] }),
+        false => json!({ "mesh": 0 }),
+    };
+    scene.set("/nodes", json!((0..count).map(node).collect::<Vec<_>>()));
+    assert_near(&tips(&load(&scene)), &[vec3(1.0, 49999.5, 0.0)]);
+}
+
+#[test]
+fn places_that_are_none_are_left_out_and_told() {
+    let mut scene = Scene::triangle();
+    let huge = json!({ "scale": [1e30, 1e30, 1e30], "children": [2] });
+    scene.set(
+        "/nodes",
+        json!([
+            { "mesh": 0 },
+            huge,
+            { "mesh": 0, "scale": [1e30, 1, 1] },
+            { "mesh": 0, "scale": [0, 0, 0] },
+            { "mesh": 0, "scale": [1, 0, 0] },
+            { "mesh": 0, "scale": [1, 1, 0] },
+            { "mesh": 0, "translation": [1e16, 0, 0] },
+            { "mesh": 0, "rotation": [0, 0, 0, 0], "translation": [0, 7, 0] },
+        ]),
+    );
+    scene.set("/scenes/0/nodes", json!([0, 1, 3, 4, 5, 6, 7]));
+    let imported = load(&scene);
+    assert_near(&tips(&imported), &[Vec3::X, Vec3::X, vec3(1.0, 7.0, 0.0)]);
+    for note in [
+        "objects whose place is beyond all numbers, left out: 1, first in node 2",
+        "objects scaled to nothing, left out: 2, first in node 3",
+        "objects that reach beyond all numbers, left out: 1, first in node 6",
+        "rotations of length 0",
+    ] {
+        assert!(notes(&imported, note), "{note}: {:?}", imported.notes);
+    }
+}
+
+#[test]
+fn instances_are_objects_each() {
+    let mut scene = Scene::triangle();
+    let places = scene.floats("VEC3", &[1.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+    let scales = scene.floats("VEC3", &[1.0, 1.0, 1.0, -3.0, 3.0, 3.0]);
+    let turns = scene.floats("VEC4", &[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    let attributes = json!({ "TRANSLATION": places, "SCALE": scales, "ROTATION": turns });
+    scene.set("/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes", attributes);
+    scene.set("/nodes/0/translation", json!([0, 0, 9]));
+    scene.set("/extensionsUsed", json!(["EXT_mesh_gpu_instancing"]));
+    let imported = load(&scene);
+    assert_near(&tips(&imported), &[vec3(1.0, 1.0, 9.0), vec3(-1.0, 0.0, 9.0)]);
+    assert_eq!(imported.scene.meshes.len(), 2, "the second is mirrored");
+    assert!(notes(&imported, "instances with a rotation of length 0"));
+    // On a node that moves, each goes with it from where it is on it.
+    animate(&mut scene, 0);
+    let moving = load(&scene);
+    let locals: Vec<Vec3> =
+        moving.placements.iter().map(|it| it.local.transform_point3(Vec3::X)).collect();
+    assert_near(&locals, &[vec3(1.0, 1.0, 0.0), vec3(-1.0, 0.0, 0.0)]);
+}
+
+/// Moves a node by a clip.
+fn animate(scene: &mut Scene, node: usize) {
+    let times = scene.floats("SCALAR", &[0.0, 1.0]);
+    let places = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let channel = json!({ "sampler": 0, "target": { "node": node, "path": "translation" } });
+    let sampler = json!({ "input": times, "output": places });
+    scene.set("/animations", json!([{ "samplers": [sampler], "channels": [channel] }]));
+}
+
+#[test]
+fn what_moves_is_told_and_what_stays_is_not() {
+    let mut scene = Scene::triangle();
+    scene.set(
+        "/nodes",
+        json!([
+            { "children": [1] },
+            { "mesh": 0, "scale": [0, 0, 0] },
+            { "mesh": 0 },
+            { "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [1, 2, 3] },
+        ]),
+    );
+    scene.set("/scenes/0/nodes", json!([0, 2, 3]));
+    scene.set("/extensions/KHR_lights_punctual/lights", json!([{ "type": "point" }]));
+    scene.set("/extensionsUsed", json!(["KHR_lights_punctual"]));
+    animate(&mut scene, 0);
+    let imported = load(&scene);
+    assert_eq!(imported.scene.objects.len(), 2, "what is nothing now may grow");
+    let placed: Vec<_> = imported.placements.iter().map(|it| (it.node.0, it.placed)).collect();
+    assert_eq!(placed, [(1, antumbra_import::Placed::Object(cull::ObjectId(0)))]);
+    let light = imported.scene.surfaces.as_ref().expect("surfaces").lights[0];
+    assert_eq!(light.position, vec3(1.0, 2.0, 3.0));
+    assert_eq!(light.kind, render::scene::LightKind::Point);
+    animate(&mut scene, 3);
+    let placed: Vec<_> = load(&scene).placements.iter().map(|it| it.placed).collect();
+    assert_eq!(placed, [antumbra_import::Placed::Light(render::scene::LightId(0))]);
+}
+
+#[test]
+fn cameras_have_the_names_of_their_nodes() {
+    let mut scene = Scene::triangle();
+    let lens = json!({ "yfov": 0.8, "znear": 0.25 });
+    let broken = json!({ "yfov": 9.0, "znear": 0.0 });
+    scene.set(
+        "/cameras",
+        json!([
+            { "type": "perspective", "perspective": lens, "name": "lens" },
+            { "type": "perspective", "perspective": broken },
+        ]),
+    );
+    scene.set(
+        "/nodes",
+        json!([
+            { "mesh": 0 },
+            { "name": "walk", "camera": 0, "translation": [0, 0, 5],
+              "rotation": [0, (FRAC_PI_2 / 2.0).sin(), 0, (FRAC_PI_2 / 2.0).cos()] },
+            { "camera": 0 },
+            { "camera": 1 },
+        ]),
+    );
+    scene.set("/scenes/0/nodes", json!([0, 1, 2, 3]));
+    let imported = load(&scene);
+    let names: Vec<_> = imported.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["walk", "lens", "camera 2"]);
+    let camera = &imported.cameras[0];
+    assert_eq!((camera.node.0, camera.fov_y_rad, camera.near_m), (1, 0.8, 0.25));
+    assert!(imported.cameras[2].fov_y_rad < std::f32::consts::PI);
+    assert!(imported.cameras[2].near_m > 0.0);
+    let seen = imported.default_camera();
+    assert!(seen.eye == vec3(0.0, 0.0, 5.0) && seen.forward.distance(Vec3::NEG_X) < 1e-6);
+    assert_eq!((seen.fov_y, seen.near), (0.8, 0.25));
+}
+
+#[test]
+fn without_a_camera_the_whole_scene_is_seen_and_without_a_light_there_is_one() {
+    let mut scene = Scene::triangle();
+    scene.set("/nodes/0/scale", json!([100, 100, 100]));
+    let imported = load(&scene);
+    let camera = imported.default_camera();
+    for corner in imported.bounds().corners() {
+        let towards = corner - camera.eye;
+        assert!(towards.angle_between(camera.forward) < camera.fov_y * 0.5);
+    }
+    assert_eq!(imported.scene.surfaces.as_ref().expect("surfaces").lights.len(), 1);
+    assert!(notes(&imported, "the file has no light"));
+}
+
+#[test]
+fn a_flood_of_zeros_is_no_flood_of_memory() {
+    let mut scene = Scene::triangle();
+    let zeros = json!({ "componentType": F32, "type": "VEC3", "count": 1_000_000 });
+    let zeros = scene.push("accessors", zeros);
+    scene.set("/meshes/0/primitives/0/attributes/POSITION", json!(zeros));
+    let imported = load(&scene);
+    assert_eq!(imported.scene.meshes[0].vertices.len(), 3);
+}

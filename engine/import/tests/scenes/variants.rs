@@ -1,0 +1,99 @@
+//! Which meshes are made: shared ones, mirrored ones, backs, and those that are blended.
+
+use serde_json::json;
+
+use super::files::Scene;
+use super::geometry::{ATTRIBUTES, corners, normals};
+use super::loading::load;
+
+#[test]
+fn nodes_share_the_meshes_that_they_have() {
+    let mut scene = Scene::triangle();
+    scene.set("/nodes", json!([{ "mesh": 0 }, { "mesh": 0 }, { "mesh": 1 }, { "mesh": 2 }]));
+    scene.set("/scenes/0/nodes", json!([0, 1, 2, 3]));
+    let same = scene.json["meshes"][0]["primitives"][0].clone();
+    let mut other = same.clone();
+    other["material"] = json!(0);
+    scene.set("/meshes/1", json!({ "name": "a copy", "primitives": [same, other.clone()] }));
+    scene.set("/meshes/2", json!({ "primitives": [other] }));
+    scene.set("/materials", json!([{ "name": "red" }]));
+    let imported = load(&scene);
+    let meshes: Vec<u32> = imported.scene.objects.iter().map(|object| object.mesh.0).collect();
+    assert_eq!(meshes, [0, 0, 0, 1, 1]);
+    let names: Vec<_> = imported.scene.meshes.iter().map(|mesh| mesh.name.as_str()).collect();
+    assert_eq!(names, ["mesh 0", "a copy, 1"]);
+    assert!(imported.scene.objects.iter().all(|object| object.tint == u32::MAX));
+}
+
+#[test]
+fn mirrored_places_have_a_mesh_of_the_other_winding() {
+    let mut scene = Scene::triangle();
+    scene.set(
+        "/nodes",
+        json!([
+            { "mesh": 0 },
+            { "mesh": 0, "scale": [-1, 1, 1] },
+            { "mesh": 0, "scale": [-1, -1, 1] },
+            { "scale": [1, 1, -2], "children": [4, 5] },
+            { "mesh": 0, "scale": [1, -1, 1] },
+            { "mesh": 0 },
+        ]),
+    );
+    scene.set("/scenes/0/nodes", json!([0, 1, 2, 3]));
+    let imported = load(&scene);
+    let meshes: Vec<u32> = imported.scene.objects.iter().map(|object| object.mesh.0).collect();
+    assert_eq!(meshes, [0, 1, 0, 0, 1]);
+    let [a, b, c] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    assert_eq!((corners(&imported, 0), corners(&imported, 1)), (vec![a, b, c], vec![a, c, b]));
+    assert_eq!(normals(&imported, 0), normals(&imported, 1));
+}
+
+#[test]
+fn double_sided_materials_have_backs_that_face_the_other_way() {
+    let mut scene = Scene::triangle();
+    scene.set("/materials", json!([{ "doubleSided": true }]));
+    scene.set("/meshes/0/primitives/0/material", json!(0));
+    let imported = load(&scene);
+    let [a, b, c] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    assert_eq!(corners(&imported, 0), [a, b, c, a, c, b]);
+    assert_eq!(normals(&imported, 0)[2..4], [[0, 0, 32767, 0], [0, 0, -32767, 0]]);
+    scene.set("/materials/0/alphaMode", json!("BLEND"));
+    let imported = load(&scene);
+    assert_eq!(corners(&imported, 0), [a, c, b, a, b, c], "the far side first");
+}
+
+#[test]
+fn blended_objects_are_apart_from_all_others() {
+    let mut scene = Scene::triangle();
+    scene.set("/materials", json!([{ "alphaMode": "BLEND" }, { "alphaMode": "MASK" }]));
+    let primitive =
+        |material: u32| json!({ "attributes": { "POSITION": 0 }, "material": material });
+    scene.set("/meshes/0/primitives", json!([primitive(0), primitive(1)]));
+    scene.set("/nodes/0/translation", json!([1, 2, 3]));
+    let imported = load(&scene);
+    let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
+    assert_eq!((imported.scene.objects.len(), surfaces.blended.len()), (1, 1));
+    let (masked, blended) = (&imported.scene.objects[0], &surfaces.blended[0]);
+    assert_eq!((blended.mesh.0, masked.mesh.0), (0, 1));
+    assert_eq!(masked.transform, blended.transform);
+}
+
+#[test]
+fn normal_textures_get_tangents() {
+    let mut scene = Scene::triangle();
+    let uv = scene.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+    scene.set(&format!("{ATTRIBUTES}/TEXCOORD_0"), json!(uv));
+    super::geometry::textured(&mut scene, 0);
+    scene.set("/materials/0/normalTexture", json!({ "index": 0 }));
+    let tangents = |scene: &Scene| {
+        let imported = load(scene);
+        let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
+        surfaces.meshes[0].vertices.iter().map(|vertex| vertex.tangent).collect::<Vec<_>>()
+    };
+    assert_eq!(tangents(&scene), [[32767, 0, 0, 32767]; 3]);
+    let turned = json!({ "KHR_texture_transform": { "rotation": std::f32::consts::FRAC_PI_2 } });
+    scene.set("/materials/0/normalTexture/extensions", turned);
+    scene.set("/extensionsUsed", json!(["KHR_texture_transform"]));
+    // u is what v was: it grows downwards.
+    assert_eq!(tangents(&scene), [[0, -32767, 0, 32767]; 3]);
+}
