@@ -1,7 +1,10 @@
-// The metallic-roughness model of glTF 2.0, appendix B: Lambert below, GGX above, mixed by Schlick's
-// Fresnel term.
+// The metallic-roughness model of glTF 2.0, appendix B: a metal's BRDF (GGX, tinted) and a dielectric's
+// (Lambert below, GGX above, mixed by Schlick's Fresnel term), mixed by how metallic a surface is. Both
+// share the GGX term, so their Fresnel terms mix; the light that a dielectric lets through is its own.
 
 const float PI = 3.14159265358979;
+// What a dielectric of index 1.5 mirrors of what meets it head on.
+const float DIELECTRIC = 0.04;
 
 // A material at one point of a surface, seen from one direction.
 struct Brdf {
@@ -20,7 +23,7 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
 // Perfect mirrors would show point lights as points: alpha is at least 0.001, a roughness of 0.032.
 Brdf brdf_of(vec3 base_colour, float metallic, float roughness, vec3 normal, vec3 towards_eye) {
     vec3 diffuse = mix(base_colour, vec3(0.0), metallic);
-    vec3 specular = mix(vec3(0.04), base_colour, metallic);
+    vec3 specular = mix(vec3(DIELECTRIC), base_colour, metallic);
     return Brdf(diffuse, specular, max(roughness * roughness, 0.001), normal, towards_eye);
 }
 
@@ -42,7 +45,8 @@ vec3 reflected(Brdf brdf, vec3 towards_light) {
     float shadowed = n_l + sqrt(squared + (1.0 - squared) * n_l * n_l);
     float masked = n_v + sqrt(squared + (1.0 - squared) * n_v * n_v);
     float rest = 1.0 - v_h;
-    vec3 fresnel = brdf.specular + (1.0 - brdf.specular) * (rest * rest * rest * rest * rest);
-    vec3 diffuse = (1.0 - fresnel) * brdf.diffuse / PI;
+    float grazing = rest * rest * rest * rest * rest;
+    vec3 fresnel = brdf.specular + (1.0 - brdf.specular) * grazing;
+    vec3 diffuse = brdf.diffuse * ((1.0 - DIELECTRIC) * (1.0 - grazing) / PI);
     return (diffuse + fresnel * (d / (shadowed * masked))) * n_l;
 }

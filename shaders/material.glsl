@@ -13,6 +13,6 @@ struct Material {
 
 const uint UNLIT_FLAG = 1u << 16;
 
-vec4 base_colour_factor(Material material) {
-    return vec4(unpackUnorm2x16(material.factors.x), unpackUnorm2x16(material.factors.y));
+vec4 base_colour_factor(uvec4 factors) {
+    return vec4(unpackUnorm2x16(factors.x), unpackUnorm2x16(factors.y));
 }

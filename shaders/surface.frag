@@ -5,19 +5,26 @@
 #include "material.glsl"
 #include "surface_constants.glsl"
 #include "texels.glsl"
-#include "surface_inputs.glsl"
+#include "surface_alpha.glsl"
 #include "brdf.glsl"
 #include "lights.glsl"
 #include "tonemap.glsl"
 
+layout(location = 4) flat in uvec4 material_emission;
+layout(location = 5) flat in uvec4 material_details;
+layout(location = 6) in vec3 world_position;
+layout(location = 7) in vec3 world_normal;
+layout(location = 8) in vec4 world_tangent; // w: sign of the bitangent
+layout(location = 9) flat in uvec2 lights_of_object; // slot of the list, how many
+
 layout(location = 0) out vec4 colour;
 
 // The normal that is seen: the surface's own, or that of its texture in tangent space.
-vec3 shading_normal(Material material) {
+vec3 shading_normal() {
     vec3 n = unit_or(world_normal, vec3(0.0, 1.0, 0.0));
-    if (NORMAL_PAGES == 0u || !has_texture(material.details.x)) return n;
-    vec3 mapped = texel(NORMAL_PAGES, material.details.x, uvs).xyz * 2.0 - 1.0;
-    mapped.xy *= uintBitsToFloat(material.cuts.y);
+    if (NORMAL_PAGES == 0u || !has_texture(material_details.x)) return n;
+    vec3 mapped = texel(NORMAL_PAGES, material_details.x, uvs).xyz * 2.0 - 1.0;
+    mapped.xy *= uintBitsToFloat(material_cuts.y);
     vec3 t = unit_or(world_tangent.xyz, vec3(0.0));
     vec3 b = cross(n, t) * world_tangent.w;
     return unit_or(mapped.x * t + mapped.y * b + mapped.z * n, n);
@@ -51,30 +58,29 @@ vec3 direct(Brdf brdf) {
 }
 
 void main() {
-    Material material = material_here();
-    vec4 base = base_colour(material);
-    if (MASKED && base.a < uintBitsToFloat(material.cuts.x)) discard;
+    vec4 base = base_colour();
+    if (MASKED && is_hole(base)) discard;
     float alpha = BLENDED ? clamp(base.a, 0.0, 1.0) : 1.0;
 
-    vec2 roughness_metallic = unpackUnorm2x16(material.factors.z);
+    vec2 roughness_metallic = unpackUnorm2x16(material_factors.z);
     if (METALLIC_ROUGHNESS_PAGES != 0u) {
-        roughness_metallic *= texel(METALLIC_ROUGHNESS_PAGES, material.cuts.w, uvs).gb;
+        roughness_metallic *= texel(METALLIC_ROUGHNESS_PAGES, material_cuts.w, uvs).gb;
     }
     float occlusion = 1.0;
     if (OCCLUSION_PAGES != 0u) {
-        float strength = unpackUnorm2x16(material.factors.w).x;
-        occlusion += strength * (texel(OCCLUSION_PAGES, material.details.y, uvs).r - 1.0);
+        float strength = unpackUnorm2x16(material_factors.w).x;
+        occlusion += strength * (texel(OCCLUSION_PAGES, material_details.y, uvs).r - 1.0);
     }
     vec3 emission = vec3(0.0);
     if (EMISSIVE) {
-        emission = uintBitsToFloat(material.emission.xyz);
-        if (EMISSION_PAGES != 0u) emission *= texel(EMISSION_PAGES, material.emission.w, uvs).rgb;
+        emission = uintBitsToFloat(material_emission.xyz);
+        if (EMISSION_PAGES != 0u) emission *= texel(EMISSION_PAGES, material_emission.w, uvs).rgb;
     }
-    vec3 n = shading_normal(material);
+    vec3 n = shading_normal();
     vec3 v = unit_or(eye.xyz - world_position, n);
     Brdf brdf = brdf_of(base.rgb, roughness_metallic.y, roughness_metallic.x, n, v);
     vec3 light = ambient(brdf, roughness_metallic.x) * occlusion + direct(brdf) + emission;
     colour = vec4(tone_mapped(min(light * eye.w, vec3(65504.0))), alpha);
     // An unlit surface is its base colour: neither lit nor exposed, so not mapped either.
-    if (UNLIT && (material.factors.w & UNLIT_FLAG) != 0u) colour.rgb = base.rgb;
+    if (UNLIT && (material_factors.w & UNLIT_FLAG) != 0u) colour.rgb = base.rgb;
 }

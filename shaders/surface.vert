@@ -17,16 +17,16 @@ layout(location = 5) in vec4 colour; // linear
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
 layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };
 
-layout(location = 0) out vec3 world_position;
-layout(location = 1) out vec3 world_normal;
-layout(location = 2) out vec4 world_tangent;
-layout(location = 3) out vec4 uvs;
-layout(location = 4) out vec4 vertex_colour;
-layout(location = 5) flat out uvec2 lights_of_object;
-layout(location = 6) flat out uvec4 material_factors;
-layout(location = 7) flat out uvec4 material_cuts;
-layout(location = 8) flat out uvec4 material_emission;
-layout(location = 9) flat out uvec4 material_details;
+layout(location = 0) out vec4 uvs;
+layout(location = 1) out vec4 vertex_colour;
+layout(location = 2) flat out uvec4 material_factors;
+layout(location = 3) flat out uvec4 material_cuts;
+layout(location = 4) flat out uvec4 material_emission;
+layout(location = 5) flat out uvec4 material_details;
+layout(location = 6) out vec3 world_position;
+layout(location = 7) out vec3 world_normal;
+layout(location = 8) out vec4 world_tangent; // w: sign of the bitangent
+layout(location = 9) flat out uvec2 lights_of_object; // slot of the list, how many
 
 // Depth drawn by the opaque pass is found again, to the bit.
 invariant gl_Position;

@@ -4,9 +4,8 @@
 #include "material.glsl"
 #include "surface_constants.glsl"
 #include "texels.glsl"
-#include "surface_inputs.glsl"
+#include "surface_alpha.glsl"
 
 void main() {
-    Material material = material_here();
-    if (base_colour(material).a < uintBitsToFloat(material.cuts.x)) discard;
+    if (is_hole(base_colour())) discard;
 }

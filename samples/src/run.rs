@@ -80,6 +80,7 @@ impl From<render::Error> for RunError {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_)
             | render::Error::Scene(_)
+            | render::Error::Image { .. }
             | render::Error::FramesInFlight { .. }
             | render::Error::Cost(_)
             | render::Error::CannotCount { .. } => Self::user(error),
@@ -92,10 +93,10 @@ impl From<render::Error> for RunError {
             | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
             | render::Error::Atlas { .. }
-            | render::Error::Change { .. }
+            | render::Error::Blended { .. }
             | render::Error::Deform { .. }
-            | render::Error::Image { .. }
-            | render::Error::Light { .. } => Self::machine(error),
+            | render::Error::Light { .. }
+            | render::Error::Change { .. } => Self::machine(error),
         }
     }
 }

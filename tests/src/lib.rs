@@ -5,7 +5,9 @@
 #![allow(clippy::panic, clippy::expect_used)]
 #![forbid(unsafe_code)]
 
+pub mod reference;
 pub mod shapes;
+pub mod studio;
 pub mod walk;
 pub mod weston;
 pub mod xvfb;

@@ -307,6 +307,13 @@ fn a_moved_object_keeps_the_box_it_was_told() {
             assert!((size(&renderer, object) - 9.0).abs() < 1e-3);
         }
         assert!(size(&renderer, 4) < 1.0, "others of the same mesh keep theirs");
+        // Whose box would be that of another.
+        let second = ObjectChange::Add { object: scene.objects[0] };
+        let gone = ObjectChange::Remove { object: ObjectId(0) };
+        assert!(renderer.update(&[second]).unwrap_err().to_string().contains("another object"));
+        assert!(renderer.update(&[gone, second, second]).is_err());
+        renderer.update(&[gone, second]).unwrap();
+        assert!((size(&renderer, 0) - 9.0).abs() < 1e-3, "the mesh keeps its box");
     });
 }
 

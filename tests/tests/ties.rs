@@ -8,11 +8,13 @@
     reason = "a test fails by panicking"
 )]
 
-use cull::{Camera, Strategy};
+use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
-use render::scene::{MeshId, Object, Scene};
-use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use render::scene::{Alpha, MeshId, Object, Scene};
+use render::{
+    Area, Costs, Explanation, Eye, FrameRequest, Renderer, RendererOptions, ShaderSet, ViewsRequest,
+};
 use tests::shapes::coloured_cubes;
 use tests::walk::{frame_loop, pixels_that_differ};
 use tests::{Driver, run, run_on_all};
@@ -131,8 +133,12 @@ fn wrong(
 }
 
 fn check(device: &Device, options: &RendererOptions, frames: u32) {
+    check_scene(device, &ties(), options, frames);
+}
+
+fn check_scene(device: &Device, scene: &Scene, options: &RendererOptions, frames: u32) {
     let in_flight = options.frames_in_flight;
-    for (strategy, pixels) in wrong(device, &ties(), options, exact(), frames) {
+    for (strategy, pixels) in wrong(device, scene, options, exact(), frames) {
         assert!(pixels.iter().all(|wrong| *wrong == 0), "{strategy}, {in_flight}: {pixels:?}");
     }
 }
@@ -161,6 +167,84 @@ fn every_way_to_skip_draws_is_exact_with_ties() {
         for predication in [Predication::Counts, Predication::Instances] {
             check(device, &RendererOptions { predication: Some(predication), ..options(2) }, 16);
         }
+    });
+}
+
+/// The same with holes: two of the materials cut what is less than half there, by the corners of faces.
+fn with_holes() -> Scene {
+    let mut scene = ties();
+    let surfaces = scene.surfaces.as_mut().unwrap();
+    for number in [1, 4] {
+        surfaces.materials[number].alpha = Alpha::Mask { cutoff: 0.5 };
+        for (corner, vertex) in surfaces.meshes[number].vertices.iter_mut().enumerate() {
+            vertex.colour[3] = if corner % 2 == 0 { u16::MAX } else { 0 };
+        }
+    }
+    scene
+}
+
+#[test]
+fn what_is_seen_through_holes_is_exact() {
+    run_on_all(|device| {
+        check_scene(device, &with_holes(), &options(2), 10);
+        let pictures_of = |scene: &Scene| {
+            let mut renderer = Renderer::new(device, scene, &options(2)).unwrap();
+            pictures(&mut renderer, Strategy::Frustum, &cameras(6))
+        };
+        let (whole, cut) = (pictures_of(&ties()), pictures_of(&with_holes()));
+        let differ = |(a, b): (&Readback, &Readback)| pixels_that_differ(a.rgba8(), b.rgba8());
+        assert!(whole.iter().zip(&cut).map(differ).sum::<usize>() > 1000, "there are holes");
+    });
+}
+
+#[test]
+fn all_else_goes_on_with_surfaces() {
+    run_on_all(|device| {
+        let mut renderer = Renderer::new(device, &ties(), &options(2)).unwrap();
+        let mut left = renderer.new_view().unwrap();
+        let mut right = renderer.new_view().unwrap();
+        let has_wires = device.capabilities().has(gpu::Optional::Wires);
+        let corner = Area { origin: [100, 0], size: [60, 40] };
+        let cameras = cameras(12);
+        left.watch(&[ObjectId(3), ObjectId(30)]).unwrap();
+        for (frame, camera) in cameras.iter().enumerate() {
+            if frame == 4 {
+                let (has_boxes, birds_eye) = (true, Some(corner));
+                renderer.explain(Explanation { has_wires, has_boxes, birds_eye }).unwrap();
+            }
+            if frame == 8 {
+                renderer.explain(Explanation::default()).unwrap();
+                renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
+            }
+            let mut halves = Area::side_by_side(SIZE, 2);
+            let mut eye = |history| Eye {
+                history,
+                camera: *camera,
+                visible: None,
+                area: halves.next().unwrap(),
+            };
+            let eyes = &mut [eye(&mut left), eye(&mut right)];
+            let strategies = [Strategy::Antumbra, Strategy::Pyramid, Strategy::Batched];
+            let strategy = strategies[frame % 3];
+            let request = ViewsRequest { strategy, picture: None, after: None };
+            renderer.render_views(eyes, &request).unwrap();
+        }
+        let area = Area { origin: [0, 0], size: [80, 90] };
+        let view = renderer.view_in(&cameras[11], area);
+        let moment = renderer.moment(&mut left, view).unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        renderer.birds_eye(&moment, &picture).unwrap();
+        renderer.render_moment(&moment, cameras[3], Some(&picture)).unwrap();
+        renderer.drain(&mut left).unwrap();
+        assert!(!left.visible_samples().is_empty());
+        // Something of the scene's colours: neither only sky nor only black.
+        let mut colours: Vec<&[u8]> = picture.rgba8().chunks_exact(4).collect();
+        colours.sort_unstable();
+        colours.dedup();
+        assert!(colours.len() >= 4, "{colours:?}");
+        renderer.resize([128, 72]).unwrap();
+        renderer.render(&mut left, &FrameRequest::new(Strategy::Pyramid, cameras[0])).unwrap();
+        renderer.drain(&mut left).unwrap();
     });
 }
 

@@ -15,7 +15,7 @@
 //! [`refine`](crate::refine) halves those that make the whole too large.
 
 use cull::Aabb;
-use glam::{Affine3A, Vec3};
+use glam::Affine3A;
 
 use crate::attached::{Attached, box_of};
 use crate::bone_tracks::{NodeTracks, Swing};
@@ -35,7 +35,12 @@ pub(crate) struct Alone<'a> {
     pub directions: &'a Directions,
     swings: Vec<Swing>,
     transforms: Vec<Affine3A>,
+    /// Bones above all that is attached, counted once for each.
+    chains: usize,
 }
+
+/// Beyond this sum of the lengths of all chains one error is taken for all that is attached.
+const LONGEST_CHAINS: usize = 100_000;
 
 impl<'a> Alone<'a> {
     pub fn new(
@@ -45,8 +50,20 @@ impl<'a> Alone<'a> {
         attached: &'a [Attached],
         directions: &'a Directions,
     ) -> Self {
+        let mut depths: Vec<usize> = Vec::with_capacity(bones.len());
+        for bone in bones {
+            let above = bone.parent.and_then(|parent| depths.get(parent)).copied();
+            depths.push(above.unwrap_or_default() + 1);
+        }
+        let depth = |attached: &Attached| attached.bone.and_then(|bone| depths.get(bone)).copied();
+        let chains = attached.iter().filter_map(depth).fold(0, usize::saturating_add);
         let (swings, transforms) = (Vec::new(), Vec::new());
-        Self { rig, bones, tracks, attached, directions, swings, transforms }
+        Self { rig, bones, tracks, attached, directions, swings, transforms, chains }
+    }
+
+    /// What one estimate costs, in bones; at least 1.
+    pub fn work(&self) -> usize {
+        1 + self.bones.len() + self.attached.len() + self.chains.min(LONGEST_CHAINS) / 8
     }
 
     /// The boxes of a span.
@@ -60,14 +77,17 @@ impl<'a> Alone<'a> {
                 .push(finite(parent.map_or(swing.local, |parent| *parent * swing.local)));
             self.swings.push(swing);
         }
+        let common = (self.chains > LONGEST_CHAINS).then(|| self.common_error());
         let (mut inner, mut outer) = (Aabb::EMPTY, Aabb::EMPTY);
         for attached in self.attached {
             let bone = attached.bone.and_then(|bone| self.transforms.get(bone));
             let transform = bone.copied().unwrap_or(Affine3A::IDENTITY);
             let [min, max] = box_of(&attached.support, self.directions, &transform);
-            let error = self.error(attached);
+            let error = common.unwrap_or_else(|| self.error(attached));
+            // What is no number would be lost in unions: it may be anywhere.
+            let error = if error.is_finite() { error } else { f32::INFINITY };
             inner = inner.union(&Aabb::new(min, max));
-            outer = outer.union(&Aabb::new(min - Vec3::splat(error), max + Vec3::splat(error)));
+            outer = outer.union(&Aabb::new(min - error, max + error));
         }
         Estimate { inner, outer }
     }
@@ -86,5 +106,32 @@ impl<'a> Alone<'a> {
             next = bone.parent;
         }
         error
+    }
+
+    /// The same for all that is attached at once: the farthest of all that hangs on a bone stands for it.
+    fn common_error(&self) -> f32 {
+        let mut hanging = vec![(0.0_f32, 0.0_f32); self.bones.len()];
+        for attached in self.attached {
+            let distance = attached.centre.length() + attached.radius;
+            if let Some((farthest, _)) = attached.bone.and_then(|bone| hanging.get_mut(bone)) {
+                *farthest = farthest.max(distance);
+            }
+        }
+        let mut most = 0.0_f32;
+        for (index, (bone, swing)) in self.bones.iter().zip(&self.swings).enumerate().rev() {
+            let Some((distance, error)) = hanging.get(index).copied() else { continue };
+            let change = swing.turned * swing.scale + swing.scaled;
+            let error = (swing.scale + swing.scaled) * error + swing.moved + change * distance;
+            let distance = swing.local.translation.length() + swing.scale * distance;
+            let or_anywhere = |number: f32| if number.is_nan() { f32::INFINITY } else { number };
+            match bone.parent.and_then(|parent| hanging.get_mut(parent)) {
+                Some(above) => {
+                    let farthest = above.0.max(or_anywhere(distance));
+                    *above = (farthest, above.1.max(or_anywhere(error)));
+                }
+                None => most = most.max(or_anywhere(error)),
+            }
+        }
+        most
     }
 }

@@ -107,6 +107,8 @@ fn enclose(
                 let weight = range.least.abs().max(range.largest.abs());
                 distance += inverse_bind.transform_vector3a(delta).length() * weight;
             }
+            // What is no number would be lost in the maximum: it may be anywhere.
+            let distance = if distance.is_finite() { distance } else { f32::INFINITY };
             set.radius = set.radius.max(distance);
         }
     }

@@ -5,7 +5,7 @@ use glam::{Affine3A, Quat, Vec3, Vec4};
 use crate::clip::{Clip, Track, Values};
 use crate::hull::{Span, cones, hull};
 use crate::rig::{NodeId, Rest, Rig, Trs};
-use crate::skeleton::Bone;
+use crate::skeleton::Skeleton;
 
 /// The tracks of one node.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,17 +16,10 @@ pub(crate) struct NodeTracks<'a> {
 }
 
 /// The tracks of each bone in a clip.
-pub(crate) fn bone_tracks<'a>(bones: &[Bone], rig: &Rig, clip: &'a Clip) -> Vec<NodeTracks<'a>> {
-    let mut bone_of: Vec<Option<usize>> = vec![None; rig.nodes().len()];
-    for (index, bone) in bones.iter().enumerate() {
-        if let Some(entry) = bone_of.get_mut(bone.node.0 as usize) {
-            *entry = Some(index);
-        }
-    }
-    let mut tracks = vec![NodeTracks::default(); bones.len()];
+pub(crate) fn bone_tracks<'a>(skeleton: &Skeleton, clip: &'a Clip) -> Vec<NodeTracks<'a>> {
+    let mut tracks = vec![NodeTracks::default(); skeleton.bones.len()];
     for channel in &clip.channels {
-        let NodeId(node) = channel.node;
-        let bone = bone_of.get(node as usize).copied().flatten();
+        let bone = skeleton.bone_of(channel.node);
         let Some(tracks) = bone.and_then(|bone| tracks.get_mut(bone)) else { continue };
         let track = &channel.track;
         match &track.values {

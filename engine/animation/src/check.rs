@@ -127,10 +127,8 @@ impl Track {
         }
         let wild = match &values {
             Values::Translation(values) | Values::Scale(values) => values.iter().position(is_wild),
-            Values::Rotation(values) => {
-                values.iter().position(|q| !(q.length_squared() <= LARGEST * LARGEST))
-            }
-            Values::Weights(values) => values.iter().position(|w| !(w.abs() <= LARGEST)),
+            Values::Rotation(values) => values.iter().position(|q| is_large(q.length())),
+            Values::Weights(values) => values.iter().position(|w| is_large(w.abs())),
         };
         if let Some(value) = wild {
             return Err(TrackError::NotFinite { value });
@@ -143,7 +141,12 @@ impl Track {
 }
 
 fn is_wild(value: &Vec3) -> bool {
-    !(value.abs().max_element() <= LARGEST && value.is_finite())
+    !value.is_finite() || is_large(value.abs().max_element())
+}
+
+/// Also of what is no number.
+fn is_large(size: f32) -> bool {
+    size.is_nan() || size > LARGEST
 }
 
 fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
@@ -173,7 +176,7 @@ fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
         if length < 1e-6 {
             return Err(TrackError::NoRotation { value: index });
         }
-        *value = *value / length;
+        *value /= length;
     }
     Ok(())
 }

@@ -1,5 +1,84 @@
 //! How a scene moves: a rig of nodes, clips that play on it, poses, skins, morph targets, and the boxes
-//! that hold while it does. Pure values: time in, poses out.
+//! that hold while it does. Pure values: time in, poses out. It reads no clock, knows no file format and no
+//! GPU, never panics, and allocates nothing per frame once its vectors have grown.
+//!
+//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check what plays, [`Skeleton::new`] what hangs,
+//! and [`Reach`] finds boxes. In each frame: [`Player::pose_at`] gives the pose, [`Rig::update_world`] the
+//! world transforms of what moves, [`Skeleton::joint_matrices`] what skinned vertices follow,
+//! [`Pose::weights`] what morphed ones do.
+//!
+//! ```
+//! use antumbra_animation::*;
+//! use glam::{Affine3A, Quat, Vec3};
+//!
+//! // An arm of two bones: the upper one on the ground, the lower one a metre above.
+//! let rest = |y| Rest::Parts(Trs { translation: Vec3::Y * y, ..Trs::IDENTITY });
+//! let node = |name: &str, parent, y| {
+//!     Node { name: name.into(), parent, rest: rest(y), weights: Vec::new() }
+//! };
+//! let rig = Rig::new(vec![node("upper", None, 0.0), node("lower", Some(NodeId(0)), 1.0)])?;
+//!
+//! // In one clip it bends to the left within a second, in another it jumps up.
+//! let bent = Quat::from_rotation_z(1.5);
+//! let bend = Track::new(
+//!     Interpolation::Linear,
+//!     vec![0.0, 1.0],
+//!     Values::Rotation(vec![Quat::IDENTITY, bent]),
+//!     0,
+//! )?;
+//! let jump = Track::new(
+//!     Interpolation::Linear,
+//!     vec![0.0, 1.0],
+//!     Values::Translation(vec![Vec3::ZERO, Vec3::Y * 9.0]),
+//!     0,
+//! )?;
+//! let clips = [
+//!     Clip::new("bend".into(), vec![Channel { node: NodeId(1), track: bend }], &rig)?,
+//!     Clip::new("jump".into(), vec![Channel { node: NodeId(0), track: jump }], &rig)?,
+//! ];
+//!
+//! // A skin of one vertex at its tip. The object it belongs to hangs on the upper bone, so a jump is in the
+//! // object's transform and not in its box.
+//! let skin = Skin {
+//!     joints: vec![NodeId(0), NodeId(1)],
+//!     inverse_bind: vec![Affine3A::IDENTITY, Affine3A::from_translation(Vec3::NEG_Y)],
+//! };
+//! let skeleton = Skeleton::new(&rig, &skin, &[])?;
+//! assert_eq!(skeleton.space(), Some(NodeId(0)));
+//! assert!(skeleton.is_moved_by(&clips[0]) && !skeleton.is_moved_by(&clips[1]));
+//! let mesh = DeformedMesh {
+//!     positions: &[[0.0, 2.0, 0.0]],
+//!     targets: &[],
+//!     node: NodeId(1),
+//!     binding: Some(Binding {
+//!         skeleton: &skeleton,
+//!         joints: &[[1, 0, 0, 0]],
+//!         weights: &[[1.0, 0.0, 0.0, 0.0]],
+//!         sets: 1,
+//!     }),
+//! };
+//! let reach = Reach::new(&rig, mesh)?;
+//! let alone = reach.clip_bounds(&clips[0])?;
+//! let mixed = reach.blend_bounds(&[&clips[0], &clips[1]])?;
+//!
+//! // Half a second into a fade of two seconds from the one to the other, a quarter of it is the other.
+//! let mut player = Player::new();
+//! let once = Playback { repeat: Repeat::Once, ..Playback::looped(ClipId(0), 0.0) };
+//! let layer = player.play(once);
+//! player.cross_fade(layer, Playback::looped(ClipId(1), 1.0), 1.0, 2.0);
+//! let (mut workspace, mut pose) = (Workspace::new(&rig), Pose::new(&rig));
+//! player.pose_at(&rig, &clips, 1.5, &mut workspace, &mut pose);
+//!
+//! let (mut world, mut matrices) = (Vec::new(), Vec::new());
+//! rig.world(&pose, &mut world);
+//! rig.update_world(&rig.moved_by(&clips), &pose, &mut world); // what all later frames do instead
+//! skeleton.joint_matrices(&rig, &pose, &mut matrices);
+//! let tip = matrices[1].transform_point3(Vec3::new(0.0, 2.0, 0.0));
+//! assert!((world[0].translation.y - 9.0 * 0.5 * 0.25).abs() < 1e-5);
+//! assert!(mixed.contains_point(tip) && tip.x < -0.9 && tip.y > 1.0);
+//! assert!(alone.max.y < 2.01 && alone.min.x > -1.05);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod alone;
@@ -10,6 +89,7 @@ mod clip;
 mod form;
 mod hull;
 mod morph;
+mod player;
 mod pose;
 mod reach;
 mod refine;
@@ -25,6 +105,7 @@ mod world;
 pub use check::{ClipError, TrackError};
 pub use clip::{Channel, Clip, Interpolation, Track, Values};
 pub use form::{Binding, DeformedMesh};
+pub use player::{ClipId, LayerId, Playback, Player, Repeat, Workspace};
 pub use pose::Pose;
 pub use reach::{Reach, ReachError};
 pub use rig::{Node, NodeId, Rest, Rig, RigError, Trs};

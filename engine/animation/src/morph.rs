@@ -80,6 +80,10 @@ pub(crate) fn morph_box(mesh: &DeformedMesh, ranges: &[Range]) -> [Aabb; 2] {
             least += one.min(other);
             largest += one.max(other);
         }
+        if !(least.is_finite() && largest.is_finite()) {
+            // What is no number would be lost in unions: it may be anywhere.
+            (least, largest) = (Vec3A::NEG_INFINITY, Vec3A::INFINITY);
+        }
         let [inner, outer] = &mut boxes;
         *inner = inner.union(&Aabb::new(Vec3::from(middle), Vec3::from(middle)));
         *outer = outer.union(&Aabb::new(Vec3::from(least), Vec3::from(largest)));

@@ -1,6 +1,6 @@
 //! How far a mesh reaches while it moves: the boxes that hold.
 //!
-//! [`alone`](crate::alone) says why that of one clip holds, [`together`](crate::together) why that of
+//! `alone.rs` says why that of one clip holds, `together.rs` why that of
 //! several mixed does, and why the union of the first is not enough. Both take a vertex to be anywhere in the
 //! hull of what hangs on its joints, and morph targets' weights anywhere in their ranges.
 
@@ -130,7 +130,7 @@ impl<'a> Reach<'a> {
         let steps_s = step_times_s(clip);
         let duration_s = clip.duration_s();
         let Some(binding) = &self.mesh.binding else {
-            let work = self.mesh.positions.len() * (1 + self.mesh.targets.len());
+            let work = self.mesh.positions.len().saturating_mul(1 + self.mesh.targets.len());
             return self.usable(refine(duration_s, &steps_s, MOST_VERTICES / work, |span| {
                 let ranges = ranges(self.rig, &self.mesh, &[clip], span);
                 let [inner, outer] = morph_box(&self.mesh, &ranges);
@@ -139,12 +139,10 @@ impl<'a> Reach<'a> {
         };
         let bones = &binding.skeleton.bones;
         let attached = self.attached(binding, &[clip]);
-        let tracks = bone_tracks(bones, self.rig, clip);
+        let tracks = bone_tracks(binding.skeleton, clip);
         let mut alone = Alone::new(self.rig, bones, tracks, &attached, &self.directions);
-        let work = bones.len() + attached.len();
-        self.usable(refine(duration_s, &steps_s, MOST_BONES / work.max(1), |span| {
-            alone.estimate(span)
-        }))
+        let most_parts = MOST_BONES / alone.work();
+        self.usable(refine(duration_s, &steps_s, most_parts, |span| alone.estimate(span)))
     }
 
     /// A box that no vertex leaves while **any** of these clips play, at any times, in any layers, mixed with
@@ -158,9 +156,10 @@ impl<'a> Reach<'a> {
             return self.usable(outer);
         };
         let bones = &binding.skeleton.bones;
-        let tracks: Vec<_> = clips.iter().map(|clip| bone_tracks(bones, self.rig, clip)).collect();
+        let tracks: Vec<_> = clips.iter().map(|clip| bone_tracks(binding.skeleton, clip)).collect();
         let attached = self.attached(binding, clips);
-        let support = together(self.rig, bones, &tracks, &attached, &self.directions);
+        let all = together(self.rig, bones, &tracks, &attached, &self.directions);
+        let Some(support) = all else { return Err(ReachError::Unbounded) };
         let along = |axis: Vec3| self.directions.along(&support, axis);
         self.usable(Aabb::new(
             -Vec3::new(along(-Vec3::X), along(-Vec3::Y), along(-Vec3::Z)),

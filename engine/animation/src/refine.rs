@@ -80,9 +80,10 @@ pub(crate) fn refine(
     // The last moment is no part of a span before it, if something jumps there.
     outer = outer.union(&look(Span { from_s: duration_s, to_s: duration_s }, &mut inner).outer);
     let mut from_s = 0.0;
-    let mut first = Vec::with_capacity(FIRST_PARTS);
-    for part in 1..=FIRST_PARTS {
-        let to_s = duration_s * (part as f32 / FIRST_PARTS as f32);
+    let first_parts = most_parts.clamp(1, FIRST_PARTS);
+    let mut first = Vec::with_capacity(first_parts);
+    for part in 1..=first_parts {
+        let to_s = duration_s * (part as f32 / first_parts as f32);
         if to_s > from_s {
             first.push(look(Span { from_s, to_s }, &mut inner));
             from_s = to_s;

@@ -69,6 +69,8 @@ pub struct Skeleton {
     space: Option<NodeId>,
     /// Parents before children.
     pub(crate) bones: Vec<Bone>,
+    /// The bone of each node that has one, by node.
+    bone_of: Vec<(NodeId, usize)>,
     /// One for each joint of the skin; `None` if no vertex follows it.
     pub(crate) joints: Vec<Option<Joint>>,
 }
@@ -118,13 +120,23 @@ impl Skeleton {
             let bone = bone_of.get(node.0 as usize).copied().flatten();
             uses(joint).then_some(Joint { bone, inverse_bind: *inverse_bind })
         });
-        Ok(Self { space, bones, joints: joints.collect() })
+        let joints = joints.collect();
+        let mut bone_of: Vec<_> =
+            (0..).zip(&bones).map(|(index, bone)| (bone.node, index)).collect();
+        bone_of.sort_unstable();
+        Ok(Self { space, bones, bone_of, joints })
     }
 
     /// The node whose world transform is the object's; `None` if the joints have no ancestor in common: then
     /// the object's space is the world.
     pub fn space(&self) -> Option<NodeId> {
         self.space
+    }
+
+    /// The bone that a node is.
+    pub(crate) fn bone_of(&self, node: NodeId) -> Option<usize> {
+        let place = self.bone_of.binary_search_by_key(&node, |(node, _)| *node).ok()?;
+        self.bone_of.get(place).map(|(_, bone)| *bone)
     }
 
     /// How many matrices [`Skeleton::joint_matrices`] gives.
@@ -135,7 +147,7 @@ impl Skeleton {
     /// Whether a clip changes the form of what hangs on it, rather than only its place.
     pub fn is_moved_by(&self, clip: &Clip) -> bool {
         let mut moving = clip.channels.iter().filter(|channel| channel.is_transform());
-        moving.any(|channel| self.bones.iter().any(|bone| bone.node == channel.node))
+        moving.any(|channel| self.bone_of(channel.node).is_some())
     }
 
     /// For each joint the matrix from the mesh's space at rest to the object's: what vertices are multiplied

@@ -33,6 +33,9 @@ pub(crate) const ALWAYS: Span = Span { from_s: 0.0, to_s: f32::INFINITY };
 /// Turned directions that are looked up in all: some 0.1 s.
 const MOST_LOOKUPS: usize = 4_000_000;
 
+/// What reaches farther than this has no box: up to it nothing overflows on the way.
+const FARTHEST: f32 = 1e30;
+
 /// What hangs on a bone, in the bone's space.
 #[derive(Clone)]
 struct Hanging {
@@ -49,21 +52,21 @@ struct Freedom {
 }
 
 /// How far all that is attached reaches along each direction, in the object's space. `clips` has the tracks of
-/// all bones for each clip; none is the rig at rest.
+/// all bones for each clip; none is the rig at rest. `None` if it reaches too far for numbers.
 pub(crate) fn together(
     rig: &Rig,
     bones: &[Bone],
     clips: &[Vec<NodeTracks>],
     attached: &[Attached],
     directions: &Directions,
-) -> Support {
+) -> Option<Support> {
     let mut hanging: Vec<Option<Hanging>> = vec![None; bones.len()];
-    let mut all = directions.nothing();
+    let mut all = None;
     for set in attached {
         let reach = Vec3::from(set.centre).length() + set.radius;
         match set.bone.and_then(|bone| hanging.get_mut(bone)) {
             Some(entry) => hang(entry, &set.support, reach),
-            None => all.unite(&set.support),
+            None => hang(&mut all, &set.support, reach),
         }
     }
     let most_corners = MOST_LOOKUPS / (directions.all().len() * bones.len().max(1));
@@ -89,13 +92,15 @@ pub(crate) fn together(
         };
         match bone.parent.and_then(|parent| hanging.get_mut(parent)) {
             Some(entry) => hang(entry, &support, reach),
-            None => all.unite(&support),
+            None => hang(&mut all, &support, reach),
         }
     }
-    all
+    all.filter(|all| all.reach < FARTHEST).map(|all| all.support)
 }
 
 fn hang(entry: &mut Option<Hanging>, support: &Support, reach: f32) {
+    // What is no number would be lost in the maximum.
+    let reach = if reach.is_nan() { f32::INFINITY } else { reach };
     if let Some(hanging) = entry {
         hanging.support.unite(support);
         hanging.reach = hanging.reach.max(reach);

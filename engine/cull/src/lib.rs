@@ -73,6 +73,7 @@ mod bounds;
 mod camera;
 mod costs;
 mod culler;
+mod detail;
 mod dialogue;
 mod front_to_back;
 mod frustum;
@@ -91,6 +92,7 @@ pub use bounds::Aabb;
 pub use camera::Camera;
 pub use costs::{BadCost, CostTable, SceneCosts};
 pub use culler::{Culler, NodeState};
+pub use detail::{DetailLevel, DetailPolicy};
 pub use dialogue::{
     Batch, BatchDraw, BatchTest, BatchedOptions, CoherentOptions, Conversation, Dialogue,
     DialogueOptions, DialogueStats, FirstPass, LeafTest, Step, TestAnswer, TestToken,

@@ -74,6 +74,10 @@ impl Reason {
         Self { cause: Cause::Unreadable, text: text.into() }
     }
 
+    pub(crate) fn beyond_limits(text: impl Into<String>) -> Self {
+        Self { cause: Cause::TooLarge, text: text.into() }
+    }
+
     /// More of something than the limits allow.
     pub(crate) fn too_large(what: &str, amount: u64, limit: u64) -> Self {
         Self {

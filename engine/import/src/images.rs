@@ -174,7 +174,11 @@ fn decoder<'a>(
 }
 
 fn undecodable(error: &image::ImageError) -> Reason {
-    Reason::malformed(format!("it cannot be decoded: {error}"))
+    let text = format!("it cannot be decoded: {error}");
+    match error {
+        image::ImageError::Limits(_) => Reason::beyond_limits(text),
+        _ => Reason::malformed(text),
+    }
 }
 
 /// Decodes all, on as many threads as make sense; results in the order of the jobs.

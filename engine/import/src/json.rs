@@ -1,6 +1,7 @@
 //! The JSON of a file: weighed, read, and where `gltf` is stricter than glTF, brought into the form it reads.
 
 mod weight;
+mod wide;
 
 use gltf::json::Root;
 use serde_json::Value;
@@ -9,6 +10,7 @@ use serde_path_to_error::Segment;
 use crate::Limits;
 use crate::error::{Fault, Reason, quoted};
 use crate::notes::Notes;
+use weight::Numbers;
 
 /// Reads the JSON of a file. What was left out of it is noted.
 pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<Root, Fault> {
@@ -17,7 +19,12 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<R
     let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let json = json.get(..end).unwrap_or_default();
 
-    weight::check(json, limits).map_err(|reason| reason.of("JSON"))?;
+    let numbers = weight::check(json, limits).map_err(|reason| reason.of("JSON"))?;
+    if numbers == Numbers::SomeWide
+        && let Ok(value) = serde_json::from_slice::<Value>(json)
+    {
+        wide::check(&value)?;
+    }
     let mut root = match serde_json::from_slice(json) {
         Ok(root) => root,
         Err(error) if error.is_data() => repaired(json, notes)?,

@@ -11,6 +11,7 @@ mod images;
 mod imported;
 mod json;
 mod layout;
+mod levels;
 mod limits;
 mod load;
 mod notes;
@@ -21,6 +22,7 @@ mod uri;
 
 pub use error::{Cause, ImportError};
 pub use imported::{Camera, Imported, Placed, Placement};
+pub use levels::LevelOptions;
 pub use limits::Limits;
 pub use load::{Listener, LoadOptions, Progress, Stage, load, load_bytes};
 pub use performance::{BlendedMove, Changes, Deformation, LightMove, ObjectMove, Performance};

@@ -2,8 +2,8 @@
 
 const MIB: u64 = 1 << 20;
 
-/// What a file may at most ask for. With the defaults, reading a file takes at most
-/// a stated number of bytes at any time, and a scene made of it is bounded by the counts.
+/// What a file may at most ask for. Reading it takes at most [`Limits::memory_bound`] bytes at any time,
+/// and what is made of it is bounded by the counts.
 ///
 /// All limits are inclusive. They are checked before the memory is taken.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,8 @@ pub struct Limits {
     pub image_side: u32,
     /// Bytes of all images together, decoded to four bytes a pixel. Default: 2 GiB.
     pub image_bytes: u64,
-    /// Bytes in use at any time for decoding images, beside the images themselves. Default: 1 GiB.
+    /// Bytes in use at any time for decoding images, beside the images themselves: one that
+    /// needs more by itself is refused. Default: 2 GiB.
     pub image_scratch_bytes: u64,
     /// Elements of all accessors together, also of those that share their bytes. Default: 2^29.
     pub elements: u64,
@@ -50,7 +51,7 @@ impl Default for Limits {
             buffer_bytes: 1024 * MIB,
             image_side: 16384,
             image_bytes: 2048 * MIB,
-            image_scratch_bytes: 1024 * MIB,
+            image_scratch_bytes: 2048 * MIB,
             elements: 1 << 29,
             vertices: 1 << 25,
             corners: 1 << 27,
@@ -60,5 +61,25 @@ impl Default for Limits {
             key_values: 1 << 26,
             morph_values: 1 << 27,
         }
+    }
+}
+
+impl Limits {
+    /// How many bytes reading a file takes at any time at the most: 9.1 GiB with the defaults, which only
+    /// files reach that use up all of the limits.
+    ///
+    /// The file, its JSON (in several forms while it is read), buffers, images, and what decoding them takes;
+    /// 16 MiB are for tables and stacks.
+    pub fn memory_bound(&self) -> u64 {
+        [
+            self.file_bytes,
+            self.json_memory_bytes.saturating_mul(3),
+            self.buffer_bytes,
+            self.image_bytes,
+            self.image_scratch_bytes,
+            16 * MIB,
+        ]
+        .into_iter()
+        .fold(0, u64::saturating_add)
     }
 }

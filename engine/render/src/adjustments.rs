@@ -3,6 +3,7 @@
 
 use gpu::{FrameRing, Target};
 
+use crate::blended::Blended;
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::explanation::Explainer;
@@ -102,6 +103,10 @@ impl Renderer {
         let surfaces = self.passes.geometry.surfaces.as_ref();
         let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
         let shading = shading.transpose()?;
+        let blending = match (surfaces, &self.passes.blended) {
+            (Some(surfaces), Some(_)) => Some(Blended::pass(device, &shaders, surfaces)?),
+            _ => None,
+        };
         let explanation = self.explanation();
         let explainer =
             again(self.explainer.as_ref(), || Explainer::new(device, &shaders, explanation))?;
@@ -113,6 +118,9 @@ impl Renderer {
         (passes.counts, passes.compute_test, self.scatter) = (counts, compute_test, scatter);
         (self.birds_eye, self.dialogue, self.pyramid) = (birds_eye, dialogue, pyramid);
         (passes.shading, self.explainer) = (shading, explainer);
+        if let (Some(blended), Some(pass)) = (&mut passes.blended, blending) {
+            blended.pass = pass;
+        }
         if let (Some(deformers), Some(pass)) = (&mut passes.deformers, deforming) {
             deformers.pass = pass;
         }

@@ -1,7 +1,7 @@
 //! The bird's-eye view of a moment: what is drawn, what is hidden as boxes, and where the eye looks
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
-use cull::{Aabb, Camera, Hierarchy, View};
+use cull::{Aabb, Camera, Hierarchy, Strategy, View};
 use glam::{Vec3, Vec4};
 use gpu::{Frame, Readback, Tick};
 
@@ -71,6 +71,7 @@ impl Renderer {
         };
         let mut frame = frames.begin()?;
         passes.bring(&mut frame, hierarchy, scatter)?;
+        passes.gather_blended(&mut frame, &view, Strategy::Frustum)?;
         let draws = moment.upload(&mut frame, &passes.geometry)?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
@@ -79,6 +80,7 @@ impl Renderer {
             let from = passes.picture_target(&view, clear);
             commands.rendering(from, |commands| {
                 passes.draw_all(commands, &view, draws, clear);
+                passes.draw_blended(commands, &view);
                 if let Some(overlay) = birds_eye {
                     overlay.record(commands, &io, &view);
                 }

@@ -79,6 +79,14 @@ pub enum Error {
         /// Why not, and what to do.
         reason: String,
     },
+    /// A blended object that cannot be moved.
+    #[error("the blended object {} cannot be moved: {reason}", blended.0)]
+    Blended {
+        /// The object.
+        blended: crate::scene::BlendedId,
+        /// Why not.
+        reason: &'static str,
+    },
     /// A pose that a mesh cannot take.
     #[error("the deformer {} cannot take this pose: {reason}", deformer.0)]
     Deform {

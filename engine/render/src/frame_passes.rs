@@ -6,6 +6,7 @@ use gpu::{
     QueryIndex, RenderTarget, Reveal, Target, WordSource,
 };
 
+use crate::blended::Blended;
 use crate::deformers::Deformers;
 use crate::error::Error;
 use crate::geometry::Geometry;
@@ -35,6 +36,8 @@ pub(crate) struct FramePasses {
     pub(crate) light: Light,
     /// Where meshes change their form.
     pub(crate) deformers: Option<Deformers>,
+    /// Where objects are blended.
+    pub(crate) blended: Option<Blended>,
     /// For scenes with surfaces.
     pub(crate) shading: Option<Shading>,
 }

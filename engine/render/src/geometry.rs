@@ -3,22 +3,25 @@
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
-use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
+use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
 
 use crate::deformers::{DeformedVertices, are_deformed, check_size, deformed_vertices, mesh_order};
+use crate::detail::{Forms, stretch};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
-use crate::scene::{Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm};
+use crate::scene::{
+    BlendedId, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm,
+};
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
-struct Instance {
+pub(crate) struct Instance {
     rows: [[f32; 4]; 3],
     /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
     tail: [u32; 4],
@@ -40,17 +43,21 @@ pub(crate) struct Geometry {
     pub(crate) leaf_boxes: Buffer,
     /// Of scenes that have them.
     pub(crate) surfaces: Option<SurfaceResources>,
+    /// Of meshes, and of their coarser forms behind those.
     mesh_draws: Vec<IndirectDraw>,
     mesh_bounds: Vec<Aabb>,
+    pub(crate) forms: Forms,
     // By object.
     object_meshes: Vec<u32>,
+    /// Which of the draws: that of its mesh, or of a coarser form.
+    object_forms: Vec<u32>,
     object_instances: Vec<Instance>,
     /// The boxes of objects that have another than their mesh, in their own space.
     reshaped: HashMap<ObjectId, Aabb>,
     /// By mesh: whether it changes its form, so that its box is that of the one object it has.
     is_deformed: Vec<bool>,
     // By leaf.
-    leaf_meshes: Vec<u32>,
+    leaf_forms: Vec<u32>,
     leaf_counts: LeafCounts,
     pub(crate) draw_changes: DrawChanges,
     stale: Vec<LeafIndex>,
@@ -77,7 +84,8 @@ impl Geometry {
         scene: &Scene,
         hierarchy: &Hierarchy,
     ) -> Result<Self, Error> {
-        let (vertices, indices, mesh_draws) = join_meshes(scene);
+        let (vertices, mut indices, mut mesh_draws) = join_meshes(scene);
+        let forms = Forms::join(scene, &mut indices, &mut mesh_draws);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
         let deformed_bytes = deformed_vertices(scene) * size_of::<SurfaceVertex>() as u64;
@@ -92,13 +100,13 @@ impl Geometry {
             *instance = instance_of(ObjectId(id), object, surfaces.as_ref());
         }
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
-        let leaf_meshes: Vec<u32> =
+        let leaf_forms: Vec<u32> =
             by_leaf().map(|o| object_meshes.get(o).copied().unwrap_or(NO_MESH)).collect();
         let instances: Vec<Instance> =
             by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
         let leaf_boxes: Vec<ProxyBox> =
             hierarchy.leaf_objects().iter().map(|object| leaf_box(hierarchy, *object)).collect();
-        let counts = leaf_meshes.iter().map(|mesh| count_of(&mesh_draws, *mesh));
+        let counts = leaf_forms.iter().map(|mesh| count_of(&mesh_draws, *mesh));
         let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let deformed_vertices = deformed_vertices(scene);
@@ -119,9 +127,11 @@ impl Geometry {
             draw_changes: DrawChanges::new(leaf_count),
             surfaces,
             mesh_draws,
+            forms,
+            object_forms: object_meshes.clone(),
             object_meshes,
             object_instances,
-            leaf_meshes,
+            leaf_forms,
             stale: Vec::new(),
             is_stale: vec![false; leaf_count],
         })
@@ -129,19 +139,31 @@ impl Geometry {
 
     /// The draw of one leaf; of nothing where the leaf is free.
     pub(crate) fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
-        let mesh = self.leaf_meshes.get(leaf.0 as usize).copied().unwrap_or(NO_MESH);
+        let mesh = self.leaf_forms.get(leaf.0 as usize).copied().unwrap_or(NO_MESH);
         let draw = self.mesh_draws.get(mesh as usize).copied().unwrap_or_default();
         IndirectDraw { first_instance: leaf.0, ..draw }
     }
 
+    /// The draw of a mesh; of nothing where the scene does not have it.
+    pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
+        self.mesh_draws.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// What the vertex shader knows of a blended object.
+    pub(crate) fn blended_instance(&self, id: BlendedId, object: &Object) -> Instance {
+        let slot = |surfaces: &SurfaceResources| surfaces.first_blended_slot() + id.0;
+        let surfaces = self.surfaces.as_ref();
+        instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
+    }
+
     /// The draws of all leaves, in their order.
     pub(crate) fn draws(&self) -> Vec<IndirectDraw> {
-        (0..self.leaf_meshes.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
+        (0..self.leaf_forms.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
     }
 
     /// The objects and triangles of a range of leaves.
     pub(crate) fn count(&self, leaves: LeafRange) -> Count {
-        match (leaves.count, self.leaf_meshes.get(leaves.first.0 as usize)) {
+        match (leaves.count, self.leaf_forms.get(leaves.first.0 as usize)) {
             (1, Some(mesh)) => count_of(&self.mesh_draws, *mesh),
             _ => self.leaf_counts.of(leaves),
         }
@@ -173,6 +195,17 @@ impl Geometry {
         }
     }
 
+    /// Whether a mesh changes its form.
+    pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
+        self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
+    }
+
+    /// The first object that has a mesh; looks at all objects.
+    pub(crate) fn owner(&self, mesh: MeshId) -> Option<ObjectId> {
+        let place = self.object_meshes.iter().position(|it| *it == mesh.0)?;
+        Some(ObjectId(place as u32))
+    }
+
     /// Where vertices are written that change.
     pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
         let part = |vertices: BufferSlice, vertex_bytes: usize| {
@@ -180,7 +213,7 @@ impl Geometry {
         };
         Some(DeformedVertices {
             vertices: part(self.vertices.whole(), size_of::<Vertex>()),
-            surfaces: part(self.surfaces.as_ref()?.vertices.whole(), size_of::<SurfaceVertex>()),
+            surfaces: part(self.surfaces.as_ref()?.vertices(), size_of::<SurfaceVertex>()),
         })
     }
 
@@ -202,13 +235,37 @@ impl Geometry {
         let surfaces = self.surfaces.as_ref();
         let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
         let id = id.0 as usize;
-        let (Some(mesh), Some(instance)) =
-            (self.object_meshes.get_mut(id), self.object_instances.get_mut(id))
-        else {
+        let (Some(mesh), Some(form), Some(instance)) = (
+            self.object_meshes.get_mut(id),
+            self.object_forms.get_mut(id),
+            self.object_instances.get_mut(id),
+        ) else {
             return;
         };
         *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
+        *form = *mesh;
         *instance = now;
+    }
+
+    /// Lets an object take the form that fits how large it looks; answers whether it is another. Its
+    /// leaf must then be marked.
+    pub(crate) fn take_form(
+        &mut self,
+        object: ObjectId,
+        pixels_per_metre: f32,
+        policy: &DetailPolicy,
+    ) -> bool {
+        let id = object.0 as usize;
+        let (Some(mesh), Some(form), Some(instance)) = (
+            self.object_meshes.get(id),
+            self.object_forms.get_mut(id),
+            self.object_instances.get(id),
+        ) else {
+            return false;
+        };
+        let scale = pixels_per_metre * stretch(&instance.rows);
+        let chosen = self.forms.choose(MeshId(*mesh), *form, scale, policy);
+        chosen.is_some_and(|chosen| std::mem::replace(form, chosen) != chosen)
     }
 
     /// Finds the lights of an object where it is now; answers whether there are others than before.
@@ -230,9 +287,9 @@ impl Geometry {
     pub(crate) fn mark(&mut self, leaf: LeafIndex, object: ObjectId) {
         let place = leaf.0 as usize;
         let (Some(mesh), Some(is_stale), Some(now)) = (
-            self.leaf_meshes.get_mut(place),
+            self.leaf_forms.get_mut(place),
             self.is_stale.get_mut(place),
-            self.object_meshes.get(object.0 as usize).copied(),
+            self.object_forms.get(object.0 as usize).copied(),
         ) else {
             return;
         };

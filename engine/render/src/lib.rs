@@ -31,8 +31,10 @@
 
 mod adjustments;
 mod birds_eye;
+mod blended;
 mod calibration;
 mod deformers;
+mod detail;
 mod dialogue_frame;
 mod draw_changes;
 mod error;
@@ -61,6 +63,7 @@ mod visible_set;
 mod window;
 
 pub use calibration::Costs;
+pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
 pub use explanation::Explanation;
 pub use flat_overlay::FlatOverlay;

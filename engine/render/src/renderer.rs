@@ -11,6 +11,7 @@ use gpu::{
     Timeline,
 };
 
+use crate::blended::Blended;
 use crate::calibration::{self, Costs};
 use crate::deformers::Deformers;
 use crate::dialogue_frame::DialogueFrame;
@@ -134,6 +135,8 @@ pub struct FrameReport {
     /// How often the CPU waited for an answer within the frame: never, but with the strategies that
     /// are a dialogue ([`Strategy::is_dialogue`]).
     pub waits: u32,
+    /// Blended objects in the frustum.
+    pub blended: u32,
     /// Ranges of draws under a predicate.
     pub predicated_draws: u32,
     /// Age in frames of the answers that came home for this frame; `None` if none did.
@@ -220,6 +223,7 @@ impl Renderer {
         let surfaces = geometry.surfaces.as_ref();
         let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
         let shading = shading.transpose()?;
+        let blended = Blended::new(device, &shaders, scene, surfaces)?;
         let first_vertices = |mesh| geometry.first_vertex(mesh);
         let deformers = Deformers::new(device, &shaders, scene, first_vertices)?;
         let slots = options.frames_in_flight.max(1);
@@ -238,6 +242,7 @@ impl Renderer {
             counts: None,
             light,
             deformers,
+            blended,
             shading,
         };
         let id = RendererId::new();

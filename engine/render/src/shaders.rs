@@ -22,7 +22,7 @@ macro_rules! shader {
 }
 
 /// Every shader of the passes.
-pub const SHADERS: [Shader; 25] = [
+pub const SHADERS: [Shader; 26] = [
     shader!("opaque.vert"),
     shader!("opaque.frag"),
     shader!("proxy.vert"),
@@ -47,6 +47,7 @@ pub const SHADERS: [Shader; 25] = [
     shader!("deform.comp"),
     shader!("surface.vert"),
     shader!("surface.frag"),
+    shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
 ];
 

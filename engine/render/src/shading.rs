@@ -3,6 +3,7 @@
 //! ```text
 //! as always   the rounds of culling, each strategy's own, with the depth alone
 //! surfaces    what they drew once more, for its colour; the sky where nothing is
+//! blended     what is blended, back to front
 //! ```
 //!
 //! Real scenes have surfaces that lie in one plane or cut each other, so that several are equally near at
@@ -92,14 +93,12 @@ impl FramePasses {
         pass.bind(commands, &self.opaque_io(), view, &self.light);
     }
 
-    fn surface_io(&self) -> Option<SurfaceIo<'_>> {
-        let surfaces = self.geometry.surfaces.as_ref()?;
+    pub(crate) fn surface_io(&self) -> Option<SurfaceIo<'_>> {
         Some(SurfaceIo {
             vertices: self.geometry.vertices.whole(),
-            surface_vertices: surfaces.vertices.whole(),
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),
-            surfaces,
+            surfaces: self.geometry.surfaces.as_ref()?,
         })
     }
 
@@ -113,13 +112,16 @@ impl FramePasses {
         if self.shading.is_none() {
             return;
         }
+        self.prepare_blended(commands);
         self.target.prepare(commands);
         commands.pass("surfaces", |commands| {
             let target = self.target_of(view, None).cleared_to(DARK);
             commands.rendering(target, |commands| {
                 self.draw_surfaces(commands, view, self.light.sky, |commands| draw(self, commands));
+                self.test_blended(commands, view);
             });
         });
+        self.record_blended(commands, view);
     }
 
     fn draw_surfaces(

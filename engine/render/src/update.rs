@@ -10,7 +10,7 @@ use glam::Affine3A;
 use crate::error::Error;
 use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
-use crate::scene::{Cast, Motion, Object, ObjectChange};
+use crate::scene::{Cast, MeshId, Motion, Object, ObjectChange};
 
 /// What an update did.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -37,6 +37,8 @@ pub(crate) struct UpdateScratch {
     /// The box of what each change is about; empty where it goes.
     bounds: Vec<Aabb>,
     gone: HashSet<ObjectId>,
+    /// The meshes that change their form and get an object.
+    taken: HashSet<MeshId>,
     /// The boxes that the update gives, each in the space of its object.
     reshaped: HashMap<ObjectId, Aabb>,
     moves: Vec<(ObjectId, Aabb)>,
@@ -70,10 +72,11 @@ impl Renderer {
         changes: &[ObjectChange],
         scratch: &mut UpdateScratch,
     ) -> Result<(), Error> {
-        let UpdateScratch { bounds, gone, reshaped, .. } = scratch;
+        let UpdateScratch { bounds, gone, reshaped, taken, .. } = scratch;
         bounds.clear();
         gone.clear();
         reshaped.clear();
+        taken.clear();
         let mut free_leaves = self.hierarchy.free_leaves();
         for (index, change) in changes.iter().enumerate() {
             let found = match change {
@@ -92,7 +95,9 @@ impl Renderer {
                     Aabb::EMPTY
                 }),
                 ObjectChange::Add { object } => {
-                    let found = self.bounds_of_added(object);
+                    let found = self
+                        .check_alone(object, gone, taken)
+                        .and_then(|()| self.bounds_of_added(object));
                     found.and_then(|found| match free_leaves.checked_sub(1) {
                         Some(left) => {
                             free_leaves = left;
@@ -127,6 +132,23 @@ impl Renderer {
             None => self.passes.geometry.bounds_at(object, transform),
         };
         bounds.ok_or_else(|| NOWHERE.to_owned())
+    }
+
+    /// Refuses a second object of a mesh that changes its form: the box of one would not hold the other.
+    fn check_alone(
+        &self,
+        object: &Object,
+        gone: &HashSet<ObjectId>,
+        taken: &mut HashSet<MeshId>,
+    ) -> Result<(), String> {
+        const TAKEN: &str =
+            "its mesh changes its form and another object has it: remove that first";
+        let geometry = &self.passes.geometry;
+        if !geometry.is_deformed(object.mesh) {
+            return Ok(());
+        }
+        let is_there = geometry.owner(object.mesh).is_some_and(|owner| !gone.contains(&owner));
+        if is_there || !taken.insert(object.mesh) { Err(TAKEN.to_owned()) } else { Ok(()) }
     }
 
     fn bounds_of_added(&self, object: &Object) -> Result<Aabb, String> {

@@ -136,6 +136,7 @@ impl Renderer {
         for Eye { history, camera, visible, area } in eyes.iter_mut() {
             let view = &view_in(&self.device, camera, *area);
             history.ingest(self.device.completed()?, hierarchy, &passes.geometry);
+            report.blended += passes.gather_blended(&mut frame, view, request.strategy)?;
             if let (Strategy::Pyramid, Some(pyramid)) = (request.strategy, &self.pyramid) {
                 let request = PyramidRequest { hierarchy, view };
                 pyramid.record(&mut frame, history, passes, &request)?;

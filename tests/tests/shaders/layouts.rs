@@ -22,10 +22,17 @@ fn interface(name: &str) -> (Buffers, usize) {
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { desc_bind, ty, nbind, .. } => {
-                assert_eq!((desc_bind.set(), *nbind), (0, 1), "{name}");
+                assert_eq!(desc_bind.set(), 0, "{name}");
                 if let Type::CombinedImageSampler(_) = ty {
+                    let is_array = name.starts_with("surface");
+                    assert_eq!(
+                        *nbind,
+                        if is_array { render::MAX_PAGES as u32 } else { 1 },
+                        "{name}"
+                    );
                     continue;
                 }
+                assert_eq!(*nbind, 1, "{name}");
                 let (stride, offsets) = array_in(name, ty);
                 buffers.push((desc_bind.bind(), stride, offsets));
             }
@@ -151,10 +158,42 @@ fn scattering_knows_only_words() {
 }
 
 #[test]
+fn surfaces_have_materials_transforms_lights_and_lists() {
+    // Rows and tail; then four vectors of a material.
+    let objects = vec![(0, 64, vec![0, 48]), (1, 64, vec![0, 16, 32, 48])];
+    assert_eq!(interface("surface.vert"), (objects.clone(), 112));
+    assert_eq!(interface("surface_depth.vert"), (objects, 112));
+    let transforms = (2, 32, vec![0, 16]);
+    let lights = (3, 48, vec![0, 16, 32]);
+    assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 112));
+    assert_eq!(interface("surface_depth.frag").0, vec![transforms]);
+    let source = std::fs::read_to_string(crate::folder().join("lights.glsl")).unwrap();
+    let words = render::MAX_LIGHTS_PER_OBJECT / 2;
+    assert!(source.contains(&format!("LIST_WORDS = {words};")));
+}
+
+#[test]
+fn the_sky_is_a_colour() {
+    assert_eq!(interface("sky.vert"), (vec![], 0));
+    assert_eq!(interface("sky.frag"), (vec![], 16));
+}
+
+#[test]
 fn push_constants_fit_every_device() {
     // Vulkan promises 128 bytes (specification, "Required Limits").
     let folder = crate::folder();
     for name in crate::sources::stages(&folder).unwrap() {
         assert!(interface(&name).1 <= 128, "{name}");
     }
+}
+
+#[test]
+fn the_deform_pass_reads_and_writes_words() {
+    let words = |binding| (binding, 4, vec![0]);
+    assert_eq!(interface("deform.comp"), ([0, 1, 2, 3].map(words).to_vec(), 32));
+    // What its words are: a vertex is five of them, a surface vertex ten.
+    assert_eq!(size_of::<render::scene::Vertex>(), 5 * 4);
+    assert_eq!(size_of::<render::scene::SurfaceVertex>(), 10 * 4);
+    assert_eq!(offset_of!(render::scene::Vertex, normal), 3 * 4);
+    assert_eq!(offset_of!(render::scene::SurfaceVertex, tangent), 2 * 4);
 }

@@ -1,5 +1,6 @@
 //! The fox of the shared assets: its boxes hold, are not much too large, and are found in no time. Skipped,
 //! and says so, without `ANTUMBRA_ASSETS`, the folder that has `fox.glb`.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::time::Instant;
 
@@ -114,8 +115,8 @@ fn boxes_of_blends_hold_and_are_not_much_too_large() {
         println!("{} and {}: {took:?}, {ratio} of {tight:?}", a.name, b.name);
         assert!(bounds.contains(&tight), "{bounds:?} does not hold {tight:?}");
         assert!(ratio.max_element() < 2.5, "{ratio}");
-        all = all.union(&bounds);
+        all = all.union(&tight);
     }
     let clips: Vec<_> = fox.clips.iter().collect();
-    assert!(reach.blend_bounds(&clips).unwrap().enlarged(1.0).contains(&all));
+    assert!(reach.blend_bounds(&clips).unwrap().contains(&all));
 }

@@ -9,6 +9,7 @@
 //!   the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
 //!   range, not only with the number of ranges.
 
+mod choice;
 mod lane;
 
 use std::ops::Range;
@@ -25,6 +26,7 @@ use crate::error::Error;
 use crate::frames::Frame;
 use crate::pipeline::{ComputePipeline, StorageLayout};
 use crate::shader::Spirv;
+use choice::choose;
 pub use lane::BOX_VERTICES;
 use lane::Lane;
 
@@ -335,12 +337,19 @@ impl Predicates {
     /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in
     /// the command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
-        let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
         match self.predication {
-            Predication::Counts if draws.size_bytes / DRAW_BYTES <= limit => {
-                commands.draw_indirect_count(draws, self.all.whole());
-            }
+            Predication::Counts => self.draw_after_counted(commands, draws),
             _ => commands.draw_indirect(draws),
+        }
+    }
+
+    /// The same where others may have drawn by a count before, whatever the executor.
+    pub fn draw_after_counted(&self, commands: &Commands, draws: BufferSlice) {
+        let counts = self.device.capabilities().has(Optional::DrawIndirectCount);
+        let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
+        match counts && draws.size_bytes / DRAW_BYTES <= limit {
+            true => commands.draw_indirect_count(draws, self.all.whole()),
+            false => commands.draw_indirect(draws),
         }
     }
 
@@ -439,51 +448,6 @@ impl Predicates {
     fn lane(&self, source: WordSource) -> &Lane {
         &self.lanes[source as usize]
     }
-}
-
-/// The executor for `draws` draws: the one wanted, else the best that the device has for so many. Any
-/// range may become one draw call, and a draw count is limited as a whole.
-fn choose(
-    device: &Device,
-    wanted: Option<Predication>,
-    draws: u64,
-    threshold_samples: u32,
-) -> Result<Predication, Error> {
-    let capabilities = device.capabilities();
-    let unsupported = |lacking: Optional, wanted| Error::Unsupported {
-        device: device.adapter().name.clone(),
-        missing: lacking.name(),
-        wanted,
-    };
-    let compares = threshold_samples > 0;
-    if compares && wanted == Some(Predication::Conditional) {
-        return Err(Error::CannotCompare { threshold_samples });
-    }
-    if compares && !capabilities.has(Optional::PreciseQueries) {
-        return Err(unsupported(Optional::PreciseQueries, "a visibility threshold"));
-    }
-    let limit = u64::from(device.adapter().limits.max_draw_indirect_count);
-    let is_too_much = |predication| predication == Predication::Counts && draws > limit;
-    let Some(wanted) = wanted else {
-        let best = match Predication::best(capabilities) {
-            Predication::Conditional if compares => {
-                match capabilities.has(Optional::DrawIndirectCount) {
-                    true => Predication::Counts,
-                    false => Predication::Instances,
-                }
-            }
-            best => best,
-        };
-        return Ok(if is_too_much(best) { Predication::Instances } else { best });
-    };
-    if let Some(lacking) = wanted.needs().filter(|optional| !capabilities.has(*optional)) {
-        return Err(unsupported(lacking, "this way to skip hidden draws"));
-    }
-    if is_too_much(wanted) {
-        let what = "the number of draws under draw counts".to_owned();
-        return Err(Error::TooLarge { what, wanted: draws, limit });
-    }
-    Ok(wanted)
 }
 
 /// Storage buffers of the compute shader: words, what they decide, counts or draws, and box draws

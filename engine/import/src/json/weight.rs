@@ -14,8 +14,9 @@ use crate::error::Reason;
 const SCALAR_BYTES: u64 = size_of::<serde_json::Value>() as u64;
 /// An entry of a map of JSON values, beside its key and value.
 const ENTRY_BYTES: u64 = 64;
-/// An object anywhere: the largest structure that `gltf` makes of one.
-const OBJECT_BYTES: u64 = 1024;
+/// An object anywhere: the largest structure that `gltf` makes of one, save a material, of which there are
+/// few.
+const OBJECT_BYTES: u64 = 512;
 
 const _: () = {
     let largest = OBJECT_BYTES as usize;
@@ -27,7 +28,7 @@ const _: () = {
     assert!(size_of::<json::buffer::View>() <= largest);
     assert!(size_of::<json::Camera>() <= largest);
     assert!(size_of::<json::Image>() <= largest);
-    assert!(size_of::<json::Material>() <= largest);
+    assert!(size_of::<json::Material>() <= 2 * largest);
     assert!(size_of::<json::Mesh>() <= largest);
     assert!(size_of::<json::mesh::Primitive>() <= largest);
     assert!(size_of::<json::Node>() <= largest);
@@ -37,26 +38,37 @@ const _: () = {
     assert!(size_of::<json::texture::Sampler>() <= largest);
 };
 
+/// How large the whole numbers are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Numbers {
+    /// None has more than 32 bits.
+    AllNarrow,
+    /// Some has.
+    SomeWide,
+}
+
 /// Fails if the JSON is longer than the limits allow, or would take more memory.
 ///
 /// JSON that is not well-formed passes as far as it is: who reads it says what is wrong with it.
-pub(super) fn check(json: &[u8], limits: &Limits) -> Result<(), Reason> {
+pub(super) fn check(json: &[u8], limits: &Limits) -> Result<Numbers, Reason> {
     let length = json.len() as u64;
     if length > limits.json_bytes {
         return Err(Reason::too_large("bytes of JSON", length, limits.json_bytes));
     }
-    let mut weight = Weight { bytes: 0, limit: limits.json_memory_bytes };
+    let mut weight =
+        Weight { bytes: 0, limit: limits.json_memory_bytes, numbers: Numbers::AllNarrow };
     let mut reader = serde_json::Deserializer::from_slice(json);
     let _ = weight.deserialize(&mut reader);
     if weight.is_too_much() {
         return Err(Reason::too_large("bytes of JSON in memory", weight.bytes, weight.limit));
     }
-    Ok(())
+    Ok(weight.numbers)
 }
 
 struct Weight {
     bytes: u64,
     limit: u64,
+    numbers: Numbers,
 }
 
 impl Weight {
@@ -97,7 +109,10 @@ impl<'de> Visitor<'de> for &mut Weight {
         self.add(SCALAR_BYTES)
     }
 
-    fn visit_u64<E: Error>(self, _: u64) -> Result<(), E> {
+    fn visit_u64<E: Error>(self, number: u64) -> Result<(), E> {
+        if number > u64::from(u32::MAX) {
+            self.numbers = Numbers::SomeWide;
+        }
         self.add(SCALAR_BYTES)
     }
 

@@ -37,14 +37,12 @@ pub struct SurfacePass {
 pub struct SurfaceIo<'a> {
     /// [`Vertex`]es of all meshes.
     pub vertices: BufferSlice,
-    /// [`SurfaceVertex`]es beside them.
-    pub surface_vertices: BufferSlice,
     /// Their indices.
     pub indices: BufferSlice,
     /// One instance per leaf, or per blended object; their last words are
     /// [`SurfaceResources::instance_tail`]s.
     pub instances: BufferSlice,
-    /// What the scene's surfaces are.
+    /// What the scene's surfaces are, the second half of its vertices too.
     pub surfaces: &'a SurfaceResources,
 }
 
@@ -59,6 +57,15 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 112);
 
+/// Of a [`SurfaceVertex`]: normal, tangent, both sets of texture coordinates, colour.
+const ATTRIBUTES: [(vk::Format, u32); 5] = [
+    (vk::Format::R16G16B16A16_SNORM, 0),
+    (vk::Format::R16G16B16A16_SNORM, 8),
+    (vk::Format::R32G32_SFLOAT, 16),
+    (vk::Format::R32G32_SFLOAT, 24),
+    (vk::Format::R16G16B16A16_UNORM, 32),
+];
+
 impl SurfacePass {
     /// Compiles the pass for a scene.
     ///
@@ -70,35 +77,31 @@ impl SurfacePass {
         kind: SurfaceKind,
         surfaces: &SurfaceResources,
     ) -> Result<Self, Error> {
-        let (name, fragment, depth, blend) = match kind {
-            SurfaceKind::Depth => (
-                "surface depth",
-                "surface_depth.frag",
-                DepthMode::TestEqualAndWrite,
-                Blend::NoColour,
-            ),
-            SurfaceKind::Colour => ("surface", "surface.frag", DepthMode::Equal, Blend::Max),
+        let (name, shader, depth, blend) = match kind {
+            SurfaceKind::Depth => {
+                ("surface depth", "surface_depth", DepthMode::TestEqualAndWrite, Blend::NoColour)
+            }
+            SurfaceKind::Colour => ("surface", "surface", DepthMode::Equal, Blend::Max),
             SurfaceKind::Blended => {
-                ("blended surface", "surface.frag", DepthMode::TestOnly, Blend::Alpha)
+                ("blended surface", "surface", DepthMode::TestOnly, Blend::Alpha)
             }
         };
         let is_blended = kind == SurfaceKind::Blended;
         let constants = surfaces.features(is_blended).constants(is_blended);
+        let stage = |end: &str| {
+            shaders.find(&format!("{shader}.{end}")).map(|shader| shader.specialised(&constants))
+        };
+        // Holes are a matter of texture coordinates and colours alone, the last three.
+        let attributes = &ATTRIBUTES[if kind == SurfaceKind::Depth { 2 } else { 0 }..];
         let surface_vertices = VertexLayout {
             stride_bytes: size_of::<SurfaceVertex>() as u32,
-            attributes: &[
-                (vk::Format::R16G16B16A16_SNORM, 0),
-                (vk::Format::R16G16B16A16_SNORM, 8),
-                (vk::Format::R32G32_SFLOAT, 16),
-                (vk::Format::R32G32_SFLOAT, 24),
-                (vk::Format::R16G16B16A16_UNORM, 32),
-            ],
+            attributes,
             beside: None,
         };
         let info = GraphicsPipelineInfo {
             name,
-            vertex: &shaders.find("surface.vert")?.specialised(&constants),
-            fragment: Some(&shaders.find(fragment)?.specialised(&constants)),
+            vertex: &stage("vert")?,
+            fragment: Some(&stage("frag")?),
             vertices: VertexLayout {
                 stride_bytes: size_of::<Vertex>() as u32,
                 attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
@@ -126,7 +129,7 @@ impl SurfacePass {
         let [materials, transforms, lights, lists] = io.surfaces.buffers();
         let buffers = [io.instances, materials, transforms, lights, lists];
         commands.bind_arrays(&self.pipeline, &buffers, &io.surfaces.pages());
-        commands.bind_geometry_beside([io.vertices, io.surface_vertices], io.indices);
+        commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
         commands.push_constants(
             &self.pipeline,
             &Constants {

@@ -6,6 +6,7 @@
 //! share edges, with bit-identical vertices.
 
 mod builder;
+mod check;
 mod city;
 mod field;
 mod mesh;
@@ -28,8 +29,8 @@ pub use mesh::{
 pub use motion::{Cast, Motion, MotionError};
 pub use path::{CameraPath, EYE_HEIGHT_M, FOV_Y_RAD, NEAR_M, PathKind};
 pub use surface::{
-    Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, LightId, LightKind,
-    Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
+    Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, Level, LightId,
+    LightKind, Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
     SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, Wrap,
 };
 
@@ -68,6 +69,16 @@ pub enum SceneError {
     BrokenMesh {
         /// The mesh's name.
         mesh: String,
+        /// What is wrong with it.
+        fault: &'static str,
+    },
+    /// Surfaces that cannot be drawn.
+    #[error("{part} {index} of the surfaces cannot be drawn: {fault}")]
+    BrokenSurfaces {
+        /// Which kind of part: a mesh, a material, a deformer...
+        part: &'static str,
+        /// Its place among its like.
+        index: usize,
         /// What is wrong with it.
         fault: &'static str,
     },
@@ -225,8 +236,9 @@ impl Scene {
     /// Checks that everything can be drawn.
     ///
     /// # Errors
-    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, or the
-    /// first object that names no mesh or stands nowhere.
+    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the first
+    /// object that names no mesh or stands nowhere, or the first of its surfaces that does not belong
+    /// to it or has a number that is none.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });
@@ -256,7 +268,10 @@ impl Scene {
                 return broken("its transform has a number that is not finite");
             }
         }
-        Ok(())
+        match &self.surfaces {
+            Some(surfaces) => check::check_surfaces(self, surfaces),
+            None => Ok(()),
+        }
     }
 }
 

@@ -282,6 +282,15 @@ pub struct Deformer {
     pub targets: Vec<MorphTarget>,
 }
 
+/// A coarser form of a mesh, of the same vertices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Three indices for each triangle.
+    pub indices: Vec<u32>,
+    /// How far its surface may be from the mesh's, in the mesh's space, in metres.
+    pub error_m: f32,
+}
+
 /// What a scene looks like close by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
@@ -299,6 +308,8 @@ pub struct Surfaces {
     pub blended: Vec<Object>,
     /// What changes its form.
     pub deformers: Vec<Deformer>,
+    /// Coarser forms of each mesh, the finest first; empty, or one list for each mesh of the scene.
+    pub levels: Vec<Vec<Level>>,
     /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
     pub exposure: f32,
 }
@@ -314,6 +325,7 @@ impl Default for Surfaces {
             lights: Vec::new(),
             blended: Vec::new(),
             deformers: Vec::new(),
+            levels: Vec::new(),
             exposure: 1.0,
         }
     }

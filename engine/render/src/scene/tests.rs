@@ -4,6 +4,7 @@ mod ground;
 mod layout;
 mod meshes;
 mod paths;
+mod surfaces;
 mod views;
 
 use std::collections::HashMap;

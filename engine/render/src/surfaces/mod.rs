@@ -11,3 +11,8 @@ pub use light_lists::{LightLists, MAX_LIGHTS_PER_OBJECT};
 pub use lights::{MAX_DIRECTIONAL_LIGHTS, reach_m};
 pub use pages::{MAX_PAGES, Page, PagePlan};
 pub use resources::{SurfaceOptions, SurfaceResources};
+
+#[cfg(test)]
+mod light_tests;
+#[cfg(test)]
+mod page_tests;

@@ -40,7 +40,7 @@ impl Default for SurfaceOptions {
 /// place in [`Surfaces::blended`].
 pub struct SurfaceResources {
     /// [`SurfaceVertex`]es, beside the vertices of all meshes in their order.
-    pub(crate) vertices: Buffer,
+    vertices: Buffer,
     materials: Buffer,
     transforms: Buffer,
     lights: Buffer,
@@ -100,7 +100,7 @@ impl SurfaceResources {
             vertices: device.upload(
                 "surface vertices",
                 &vertices,
-                vk::BufferUsageFlags::VERTEX_BUFFER,
+                vk::BufferUsageFlags::VERTEX_BUFFER | storage,
             )?,
             materials: device.upload("materials", &materials.entries, storage)?,
             transforms: device.upload("texture transforms", &materials.transforms, storage)?,
@@ -139,6 +139,11 @@ impl SurfaceResources {
         let material =
             self.mesh_materials.get(mesh.0 as usize).copied().unwrap_or(self.default_material);
         [material, slot, self.light_lists.count(slot), 0]
+    }
+
+    /// [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute shader may write them.
+    pub fn vertices(&self) -> BufferSlice {
+        self.vertices.whole()
     }
 
     /// What lights reach which object.

@@ -1,13 +1,11 @@
 //! Whole scenes from a folder that `ANTUMBRA_ASSETS` names are accepted.
 
-#![allow(clippy::expect_used, reason = "a test fails by panicking")]
-
 use std::path::PathBuf;
 
 use antumbra_import as import;
 
 #[test]
-fn scenes_are_accepted() {
+fn whole_scenes_are_accepted() {
     let Some(folder) = std::env::var_os("ANTUMBRA_ASSETS") else {
         eprintln!("SKIPPED: ANTUMBRA_ASSETS names no folder of scenes");
         return;

@@ -1,0 +1,74 @@
+//! A frame allocates nothing, and its work goes with what moves: two doors in a scene of 34,000 nodes.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use antumbra_animation::{
+    Channel, Clip, ClipId, Interpolation, Node, NodeId, Playback, Player, Pose, Rest, Rig,
+    Skeleton, Skin, Track, Trs, Values, Workspace,
+};
+use glam::{Affine3A, Quat, Vec3};
+
+#[path = "../../../tests/tests/swapchain/counting.rs"]
+mod counting;
+
+#[global_allocator]
+static COUNTING: counting::Counting = counting::Counting;
+
+const NODES: u32 = 34_000;
+
+/// Each tenth node hangs on none, the others on the one before.
+fn rig() -> Rig {
+    let node = |id: u32| Node {
+        name: String::new(),
+        parent: id.checked_sub(1).filter(|_| !id.is_multiple_of(10)).map(NodeId),
+        rest: Rest::Parts(Trs { translation: Vec3::X, ..Trs::IDENTITY }),
+        weights: vec![0.0; 2],
+    };
+    Rig::new((0..NODES).map(node).collect()).unwrap()
+}
+
+fn turns(node: u32, rig: &Rig) -> Clip {
+    let turns = [0.0, 1.0, 2.0].map(Quat::from_rotation_y).to_vec();
+    let interpolation = Interpolation::Linear;
+    let times_s = vec![0.0, 1.0, 2.0];
+    let turn = Track { interpolation, times_s: times_s.clone(), values: Values::Rotation(turns) };
+    let weights = Track { interpolation, times_s, values: Values::Weights(vec![0.5; 6]) };
+    let channel = |track| Channel { node: NodeId(node), track };
+    Clip::new("turns".into(), vec![channel(turn), channel(weights)], rig).unwrap()
+}
+
+#[test]
+fn frames_allocate_nothing_and_touch_what_moves() {
+    let rig = rig();
+    let clips = [turns(5005, &rig), turns(20_008, &rig)];
+    let skin = Skin {
+        joints: vec![NodeId(5005), NodeId(5009)],
+        inverse_bind: vec![Affine3A::IDENTITY; 2],
+    };
+    let skeleton = Skeleton::new(&rig, &skin, &[]).unwrap();
+    let moved = rig.moved_by(&clips);
+    let mut sorted = moved.clone();
+    sorted.sort();
+    assert_eq!(sorted, [5005, 5006, 5007, 5008, 5009, 20_008, 20_009].map(NodeId));
+
+    let mut player = Player::new();
+    player.play(Playback::looped(ClipId(0), 0.0));
+    let layer = player.play(Playback::looped(ClipId(1), 0.0));
+    player.cross_fade(layer, Playback::looped(ClipId(0), 1.0), 1.0, 1.0);
+    let (mut workspace, mut pose) = (Workspace::new(&rig), Pose::new(&rig));
+    let (mut world, mut matrices) = (Vec::new(), Vec::new());
+    rig.world(&pose, &mut world);
+    let mut frame = |now_s: f64| {
+        player.pose_at(&rig, &clips, now_s, &mut workspace, &mut pose);
+        rig.update_world(&moved, &pose, &mut world);
+        skeleton.joint_matrices(&rig, &pose, &mut matrices);
+        (pose.moved().len(), player.playing(now_s).count())
+    };
+    // All that ever plays has played once.
+    let warm = [frame(0.5), frame(1.5), frame(3.0)];
+    assert_eq!(warm, [(2, 2), (2, 3), (1, 2)]);
+    let before = counting::allocations();
+    for number in 0..1000 {
+        frame(f64::from(number) * 0.01);
+    }
+    assert_eq!(counting::allocations() - before, 0);
+}

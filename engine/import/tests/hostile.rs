@@ -1,0 +1,22 @@
+//! Files that are valid are accepted, files that are not are refused: with a reason, in time, without a panic.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "hostile/accepted.rs"]
+mod accepted;
+#[path = "hostile/assets.rs"]
+mod assets;
+#[path = "hostile/bombs.rs"]
+mod bombs;
+#[path = "hostile/containers.rs"]
+mod containers;
+#[path = "hostile/disk.rs"]
+mod disk;
+#[path = "hostile/files.rs"]
+mod files;
+#[path = "hostile/mutations.rs"]
+mod mutations;
+#[path = "hostile/refused.rs"]
+mod refused;
+#[path = "hostile/target.rs"]
+mod target;

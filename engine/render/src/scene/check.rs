@@ -1,0 +1,192 @@
+//! Whether the surfaces of a scene belong to it and can be drawn: nothing that is checked here can make
+//! a shader read beside what there is, or meet a number that is none.
+
+use super::surface::{Deformer, Material, MorphTarget, SkinWeights, Surfaces, TextureUse};
+use super::{Scene, SceneError, bounds_of_transformed};
+
+/// The weights of a vertex are rounded to as little as eight bits each, eight of them or more.
+const WEIGHT_SLACK: f32 = 1.0 / 32.0;
+
+/// Which part of the surfaces, and its place among its like.
+type Part = (&'static str, usize);
+
+fn broken((part, index): Part, fault: &'static str) -> Result<(), SceneError> {
+    Err(SceneError::BrokenSurfaces { part, index, fault })
+}
+
+fn are_finite<const N: usize>(numbers: &[f32; N]) -> bool {
+    numbers.iter().all(|number| number.is_finite())
+}
+
+/// The first thing that is wrong with the surfaces of a scene whose meshes and objects are right.
+///
+/// # Errors
+/// [`SceneError::BrokenSurfaces`].
+pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+    if surfaces.meshes.len() != scene.meshes.len() {
+        return broken(
+            ("mesh", surfaces.meshes.len().min(scene.meshes.len())),
+            "there must be as many as the scene has meshes",
+        );
+    }
+    for (index, (surface, mesh)) in surfaces.meshes.iter().zip(&scene.meshes).enumerate() {
+        let part = ("mesh", index);
+        if surface.vertices.len() != mesh.vertices.len() {
+            return broken(part, "it has not as many surface vertices as vertices");
+        }
+        if surface.vertices.iter().any(|vertex| !vertex.uv.iter().all(are_finite)) {
+            return broken(part, "a texture coordinate is not a finite number");
+        }
+    }
+    for (index, texture) in surfaces.textures.iter().enumerate() {
+        if texture.image.0 as usize >= surfaces.images.len() {
+            return broken(("texture", index), "the scene does not have its image");
+        }
+    }
+    for (index, material) in surfaces.materials.iter().enumerate() {
+        check_material(surfaces, material, ("material", index))?;
+    }
+    if !surfaces.exposure.is_finite() {
+        return broken(("exposure", 0), "it is not a finite number");
+    }
+    check_blended(scene, surfaces)?;
+    check_levels(scene, surfaces)?;
+    check_deformers(scene, surfaces)
+}
+
+fn check_material(surfaces: &Surfaces, material: &Material, part: Part) -> Result<(), SceneError> {
+    let uses: [&Option<TextureUse>; 5] = [
+        &material.base_colour_texture,
+        &material.metallic_roughness_texture,
+        &material.normal_texture,
+        &material.occlusion_texture,
+        &material.emission_texture,
+    ];
+    for texture in uses.into_iter().flatten() {
+        if texture.texture.0 as usize >= surfaces.textures.len() {
+            return broken(part, "the scene does not have one of its textures");
+        }
+        if texture.uv_set > 1 {
+            return broken(part, "a texture lies by another set of coordinates than 0 and 1");
+        }
+        if !texture.transform.is_finite() {
+            return broken(part, "the transform of a texture has a number that is not finite");
+        }
+    }
+    let cutoff = match material.alpha {
+        super::Alpha::Mask { cutoff } => cutoff,
+        super::Alpha::Opaque | super::Alpha::Blend => 0.0,
+    };
+    let numbers = [
+        material.metallic,
+        material.roughness,
+        material.normal_scale,
+        material.occlusion_strength,
+        cutoff,
+    ];
+    let are_all =
+        are_finite(&numbers) && are_finite(&material.base_colour) && are_finite(&material.emission);
+    if are_all { Ok(()) } else { broken(part, "one of its numbers is not finite") }
+}
+
+fn check_blended(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+    for (index, object) in surfaces.blended.iter().enumerate() {
+        let part = ("blended object", index);
+        let Some(mesh) = scene.mesh_of(object) else {
+            return broken(part, "the scene does not have its mesh");
+        };
+        let bounds = bounds_of_transformed(&mesh.bounds, &object.transform);
+        if !object.transform.is_finite() || !bounds.is_usable() {
+            return broken(part, "its transform takes it nowhere");
+        }
+    }
+    Ok(())
+}
+
+fn check_levels(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+    if !surfaces.levels.is_empty() && surfaces.levels.len() != scene.meshes.len() {
+        return broken(
+            ("the levels of mesh", surfaces.levels.len()),
+            "there are as many as meshes, or none",
+        );
+    }
+    for (index, (mesh, levels)) in scene.meshes.iter().zip(&surfaces.levels).enumerate() {
+        let part = ("the levels of mesh", index);
+        let is_in_mesh = |vertex: &u32| (*vertex as usize) < mesh.vertices.len();
+        let mut before_m = 0.0;
+        for level in levels {
+            if !level.indices.len().is_multiple_of(3) || !level.indices.iter().all(is_in_mesh) {
+                return broken(part, "its indices are no triangles of the mesh's vertices");
+            }
+            if !(level.error_m.is_finite() && level.error_m >= before_m) {
+                return broken(part, "errors are finite and ascend");
+            }
+            before_m = level.error_m;
+        }
+    }
+    Ok(())
+}
+
+fn check_deformers(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+    // The object of each mesh that one has, and whether it is the only one.
+    let mut users = vec![0_u32; scene.meshes.len()];
+    for object in scene.objects.iter().chain(&surfaces.blended) {
+        if let Some(users) = users.get_mut(object.mesh.0 as usize) {
+            *users = users.saturating_add(1);
+        }
+    }
+    let mut is_deformed = vec![false; scene.meshes.len()];
+    for (index, deformer) in surfaces.deformers.iter().enumerate() {
+        let (part, mesh) = (("deformer", index), deformer.mesh.0 as usize);
+        let (Some(users), Some(is_deformed)) = (users.get(mesh), is_deformed.get_mut(mesh)) else {
+            return broken(part, "the scene does not have its mesh");
+        };
+        if *users > 1 {
+            return broken(part, "several objects have its mesh: give each a mesh of its own");
+        }
+        if std::mem::replace(is_deformed, true) {
+            return broken(part, "another one deforms its mesh");
+        }
+        check_deformer(deformer, scene.meshes.get(mesh).map_or(0, |it| it.vertices.len()), part)?;
+    }
+    Ok(())
+}
+
+fn check_deformer(deformer: &Deformer, vertices: usize, part: Part) -> Result<(), SceneError> {
+    if let Some(skin) = &deformer.skin {
+        check_skin(skin, vertices, part)?;
+    }
+    for MorphTarget { positions, normals, tangents } in &deformer.targets {
+        for list in [positions, normals, tangents] {
+            if !list.is_empty() && list.len() != vertices {
+                return broken(part, "a list of a morph target is not as long as its mesh's");
+            }
+            if !list.iter().all(are_finite) {
+                return broken(part, "a morph target has a number that is not finite");
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_skin(skin: &SkinWeights, vertices: usize, part: Part) -> Result<(), SceneError> {
+    let sets = skin.sets as usize;
+    let wanted = vertices.checked_mul(sets);
+    if sets == 0 || Some(skin.joints.len()) != wanted || Some(skin.weights.len()) != wanted {
+        return broken(part, "it has not as many joints and weights as its vertices need");
+    }
+    for (joints, weights) in skin.joints.chunks(sets).zip(skin.weights.chunks(sets)) {
+        let (joints, weights) = (joints.as_flattened(), weights.as_flattened());
+        if weights.iter().any(|weight| !weight.is_finite() || *weight < 0.0) {
+            return broken(part, "a weight is not a positive finite number");
+        }
+        if (weights.iter().sum::<f32>() - 1.0).abs() > WEIGHT_SLACK {
+            return broken(part, "the weights of a vertex are not 1 together");
+        }
+        let mut hangs = joints.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
+        if hangs.any(|(joint, _)| u32::from(*joint) >= skin.joint_count) {
+            return broken(part, "a vertex hangs on a joint that it does not have");
+        }
+    }
+    Ok(())
+}

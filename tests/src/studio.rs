@@ -1,0 +1,204 @@
+//! A studio: draws a scene with surfaces whole, pass by pass, with nothing culled.
+
+use bytemuck::{Pod, Zeroable};
+use cull::{Camera, Hierarchy, View};
+use glam::{Affine3A, Vec3};
+use gpu::{Device, Readback, Target, vk};
+use render::scene::{
+    Flight, Light, Mesh, MeshId, Object, Scene, Streets, SurfaceMesh, SurfaceVertex, Surfaces,
+    Vertex, bounds_of_vertices,
+};
+use render::{
+    OpaqueIo, OpaquePass, ShaderSet, SkyPass, SurfaceIo, SurfaceKind, SurfaceOptions, SurfacePass,
+    SurfaceResources, object_bounds,
+};
+
+/// An instance as the shaders of scenes with surfaces read it.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Instance {
+    rows: [[f32; 4]; 3],
+    tail: [u32; 4],
+}
+
+/// A picture of `scene`, four bytes a pixel: depth first, then the colour of what is seen, the sky, and what is
+/// blended, in its order.
+pub fn picture(
+    device: &Device,
+    scene: &Scene,
+    camera: &Camera,
+    size: [u32; 2],
+    options: &SurfaceOptions,
+) -> Vec<u8> {
+    let shaders = ShaderSet::embedded().expect("shaders");
+    let hierarchy = Hierarchy::build(&object_bounds(scene).expect("a scene")).expect("a hierarchy");
+    let surfaces = SurfaceResources::upload(device, scene, &hierarchy, options);
+    let surfaces = surfaces.expect("surfaces").expect("a scene with surfaces");
+    let blended = &scene.surfaces.as_ref().expect("surfaces").blended;
+    let first_blended = surfaces.first_blended_slot();
+    let slots = (0..scene.objects.len() as u32).chain(first_blended..);
+    let instance = |(slot, object): (u32, &Object)| Instance {
+        rows: rows_of(&object.transform),
+        tail: surfaces.instance_tail(object.mesh, slot),
+    };
+    let instances: Vec<Instance> =
+        slots.zip(scene.objects.iter().chain(blended)).map(instance).collect();
+    let (mut vertices, mut indices, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
+    for mesh in &scene.meshes {
+        meshes.push((indices.len() as u32, mesh.indices.len() as u32, vertices.len() as i32));
+        vertices.extend_from_slice(&mesh.vertices);
+        indices.extend_from_slice(&mesh.indices);
+    }
+    let draw = |(first_instance, object): (u32, &Object)| {
+        let (first_index, index_count, vertex_offset) = meshes[object.mesh.0 as usize];
+        gpu::IndirectDraw {
+            index_count,
+            instance_count: 1,
+            first_index,
+            vertex_offset,
+            first_instance,
+        }
+    };
+    let draws: Vec<_> = (0..).zip(scene.objects.iter().chain(blended)).map(draw).collect();
+    let (draws, over) = draws.split_at(scene.objects.len());
+    let upload = |name, bytes: &[u8], usage| device.upload(name, bytes, usage).expect("memory");
+    let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
+    let vertices = upload("vertices", bytemuck::cast_slice(&vertices), usage);
+    let indices =
+        upload("indices", bytemuck::cast_slice(&indices), vk::BufferUsageFlags::INDEX_BUFFER);
+    let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
+    let instances = upload("instances", bytemuck::cast_slice(&instances), usage);
+    let usage = vk::BufferUsageFlags::INDIRECT_BUFFER;
+    let draws = upload("draws", bytemuck::cast_slice(draws), usage);
+    let over = upload("blended draws", bytemuck::cast_slice(over), usage);
+
+    let plain = OpaquePass::depth_only(device, &shaders).expect("a pass");
+    let pass = |kind| SurfacePass::new(device, &shaders, kind, &surfaces).expect("a pass");
+    let [masked, colour, blending] =
+        [SurfaceKind::Depth, SurfaceKind::Colour, SurfaceKind::Blended].map(pass);
+    let sky = SkyPass::new(device, &shaders).expect("a pass");
+    let view = View::new(camera, size, device.adapter().limits.sub_pixel_precision_bits);
+    let io = SurfaceIo {
+        vertices: vertices.whole(),
+        indices: indices.whole(),
+        instances: instances.whole(),
+        surfaces: &surfaces,
+    };
+    let mut target = Target::new(device, size, "studio").expect("a target");
+    let readback = Readback::new(device, size).expect("a picture");
+    let record = |commands: &gpu::Commands| {
+        target.prepare(commands);
+        commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
+            if surfaces.is_masked() {
+                masked.bind(commands, &io, &view, &scene.light);
+            } else {
+                let SurfaceIo { vertices, indices, instances, .. } = io;
+                let io = OpaqueIo { vertices, indices, instances };
+                plain.bind(commands, &io, &view, &scene.light);
+            }
+            commands.draw_indirect(draws.whole());
+            colour.bind(commands, &io, &view, &scene.light);
+            commands.draw_indirect(draws.whole());
+            sky.draw(commands, scene.light.sky);
+            if !blended.is_empty() {
+                blending.bind(commands, &io, &view, &scene.light);
+                commands.draw_indirect(over.whole());
+            }
+        });
+        target.copy_to(commands, &readback);
+    };
+    device.run_once("studio", record).expect("a picture");
+    readback.rgba8().to_vec()
+}
+
+/// A scene of these meshes, one object of each at its place, that nothing but its lights light.
+pub fn scene(
+    meshes: Vec<(Mesh, SurfaceMesh)>,
+    transforms: &[Affine3A],
+    surfaces: Surfaces,
+) -> Scene {
+    let (meshes, surface_meshes): (Vec<_>, Vec<_>) = meshes.into_iter().unzip();
+    let object = |(mesh, transform): (u32, &Affine3A)| Object {
+        mesh: MeshId(mesh),
+        transform: *transform,
+        tint: 0,
+    };
+    Scene {
+        name: "studio".to_owned(),
+        seed: 0,
+        meshes,
+        objects: (0..).zip(transforms).map(object).collect(),
+        light: Light {
+            towards_sun: Vec3::Y,
+            sun: [0.0; 3],
+            ambient_above: [0.0; 3],
+            ambient_below: [0.0; 3],
+            sky: [0.0; 3],
+        },
+        streets: Streets::default(),
+        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
+        surfaces: Some(Surfaces { meshes: surface_meshes, ..surfaces }),
+    }
+}
+
+/// A mesh from its corners, whose surface vertices lie beside them.
+pub fn mesh(
+    positions: &[Vec3],
+    vertices: Vec<SurfaceVertex>,
+    indices: Vec<u32>,
+    material: u32,
+) -> (Mesh, SurfaceMesh) {
+    let corner = |position: &Vec3| Vertex { position: position.to_array(), normal: 0, colour: 0 };
+    let corners: Vec<Vertex> = positions.iter().map(corner).collect();
+    let bounds = bounds_of_vertices(&corners);
+    let material = render::scene::MaterialId(material);
+    (
+        Mesh { name: "mesh".to_owned(), vertices: corners, indices, bounds },
+        SurfaceMesh { vertices, material },
+    )
+}
+
+/// A square of the picture that [`square_camera`](crate::shapes::square_camera) takes, `side` pixels large: from
+/// one corner of pixels to another, `distance_m` away, facing the camera. Coordinates of textures go from
+/// the upper left (`uv[0]`) to the lower right (`uv[1]`), in both sets; `change` may have it otherwise.
+pub fn quad(
+    side: u32,
+    [from, to]: [[u32; 2]; 2],
+    distance_m: f32,
+    uv: [[f32; 2]; 2],
+    material: u32,
+    change: impl Fn(&mut SurfaceVertex),
+) -> (Mesh, SurfaceMesh) {
+    let middle = side as f32 / 2.0;
+    let corners = [[0, 0], [0, 1], [1, 0], [1, 1]];
+    let place = |[x, y]: [usize; 2]| {
+        let part = |pixel: u32| pixel as f32 / middle - 1.0;
+        let (x, y) = (part([from, to][x][0]), -part([from, to][y][1]));
+        Vec3::new(x, y, -1.0) * distance_m
+    };
+    let vertex = |[x, y]: [usize; 2]| {
+        let mut vertex = SurfaceVertex {
+            normal: snorm16(Vec3::Z, 0),
+            tangent: snorm16(Vec3::X, 1),
+            uv: [[uv[x][0], uv[y][1]]; 2],
+            colour: [u16::MAX; 4],
+        };
+        change(&mut vertex);
+        vertex
+    };
+    let indices = vec![0, 1, 2, 2, 1, 3];
+    mesh(&corners.map(place), corners.map(vertex).to_vec(), indices, material)
+}
+
+/// A unit vector as snorm16, with a fourth number of -1, 0 or 1.
+pub fn snorm16(v: Vec3, w: i16) -> [i16; 4] {
+    let part = |value: f32| (value.clamp(-1.0, 1.0) * 32767.0).round() as i16;
+    [part(v.x), part(v.y), part(v.z), w * 32767]
+}
+
+fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
+    std::array::from_fn(|r| {
+        let row = transform.matrix3.row(r);
+        [row.x, row.y, row.z, transform.translation[r]]
+    })
+}

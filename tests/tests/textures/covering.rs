@@ -1,0 +1,168 @@
+//! How surfaces cover each other: holes, ties, blending, the sky.
+
+use glam::DVec3;
+use render::scene::{Alpha, Encoding, Material, MeshId, Object, Surfaces};
+use tests::{run_on_all, studio};
+
+use super::{
+    SHARP, SIDE, assert_close, draw, image, one, reference, scene_of, texture, unlit, using, whole,
+};
+
+const ALL: [[u32; 2]; 2] = [[0, 0], [SIDE, SIDE]];
+const ONCE: [[f32; 2]; 2] = [[0.0; 2], [1.0; 2]];
+
+#[test]
+fn masks_cut_holes_where_alpha_is_below_the_cutoff() {
+    run_on_all(|device| {
+        // Alpha grows to the right, and is scaled by factor and vertex.
+        let ramp = |x: u32, _| [200, 100, 50, (x * 17) as u8];
+        for cutoff in [0.0, 0.3, 0.5, 1.0, 1.5] {
+            let masked = Material {
+                alpha: Alpha::Mask { cutoff },
+                base_colour: [1.0, 1.0, 1.0, 0.8],
+                ..unlit()
+            };
+            let behind = Material {
+                base_colour: [0.0, 0.0, 1.0, 1.0],
+                is_unlit: true,
+                ..Material::default()
+            };
+            let mut surfaces = one(image([16, 1], ramp), texture(0, Encoding::Srgb, SHARP), masked);
+            surfaces.materials.push(behind);
+            let upper = [[0, 0], [SIDE, SIDE / 2]];
+            let meshes = vec![whole(ONCE, |_| {}), studio::quad(SIDE, upper, 5.0, ONCE, 1, |_| {})];
+            let mut scene = scene_of(meshes, surfaces);
+            scene.light.sky = [1.0, 1.0, 0.0];
+            for (pixel, found) in draw(device, &scene).into_iter().enumerate() {
+                let x = pixel as u32 % SIDE / 4;
+                let alpha = f64::from(x * 17) / 255.0 * 0.8;
+                let is_hole = alpha < f64::from(cutoff);
+                let expected = match (is_hole, pixel as u32 / SIDE < SIDE / 2) {
+                    (false, _) => [200, 100, 50, 255],
+                    (true, true) => [0, 0, 255, 255],
+                    (true, false) => [255, 255, 0, 255],
+                };
+                assert_eq!(found, expected, "cutoff {cutoff} at {pixel}");
+            }
+        }
+    });
+}
+
+#[test]
+fn ties_do_not_depend_on_the_order_of_draws() {
+    run_on_all(|device| {
+        let colours = [[0.8, 0.1, 0.3, 1.0], [0.2, 0.9, 0.3, 1.0], [0.1, 0.1, 0.7, 1.0]];
+        let material =
+            |base_colour| Material { base_colour, is_unlit: true, ..Material::default() };
+        let draw_in = |order: [usize; 3]| {
+            let materials = order.map(|place| material(colours[place])).to_vec();
+            let surfaces = Surfaces { materials, ..Surfaces::default() };
+            let square = |material| studio::quad(SIDE, ALL, 4.0, ONCE, material, |_| {});
+            draw(device, &scene_of((0..3).map(square).collect(), surfaces))
+        };
+        let first = draw_in([0, 1, 2]);
+        for order in [[2, 1, 0], [1, 2, 0], [2, 0, 1]] {
+            assert_eq!(draw_in(order), first);
+        }
+        let largest = DVec3::new(0.8, 0.9, 0.7);
+        assert_close(first[0], reference::encoded(largest), 0, "the largest of each channel");
+    });
+}
+
+#[test]
+fn the_sky_is_where_nothing_is_and_black_surfaces_stay_black() {
+    run_on_all(|device| {
+        let black =
+            Material { base_colour: [0.0, 0.0, 0.0, 1.0], is_unlit: true, ..Material::default() };
+        let surfaces = Surfaces { materials: vec![black], ..Surfaces::default() };
+        // Far away, where depth is nearly that of nothing.
+        let half = studio::quad(SIDE, [[0, 0], [SIDE / 2, SIDE]], 1.0e6, ONCE, 0, |_| {});
+        let mut scene = scene_of(vec![half], surfaces);
+        scene.light.sky = [0.0, 1.0, 0.0];
+        for (pixel, found) in draw(device, &scene).into_iter().enumerate() {
+            let is_black = (pixel as u32 % SIDE) < SIDE / 2;
+            assert_eq!(found, if is_black { [0, 0, 0, 255] } else { [0, 255, 0, 255] });
+        }
+    });
+}
+
+#[test]
+fn blended_surfaces_mix_and_are_hidden_but_hide_nothing() {
+    run_on_all(|device| {
+        let unlit = |base_colour, alpha| Material {
+            base_colour,
+            alpha,
+            is_unlit: true,
+            ..Material::default()
+        };
+        let materials = vec![
+            unlit([1.0, 0.0, 0.0, 1.0], Alpha::Opaque),
+            unlit([0.0, 1.0, 0.0, 0.25], Alpha::Blend),
+            unlit([0.0, 0.0, 1.0, 0.5], Alpha::Blend),
+        ];
+        let surfaces = Surfaces { materials, ..Surfaces::default() };
+        let meshes = vec![
+            studio::quad(SIDE, ALL, 4.0, ONCE, 0, |_| {}),
+            studio::quad(SIDE, ALL, 3.0, ONCE, 1, |_| {}),
+            studio::quad(SIDE, ALL, 2.0, ONCE, 2, |_| {}),
+            studio::quad(SIDE, ALL, 5.0, ONCE, 2, |_| {}),
+        ];
+        let mut scene = scene_of(meshes, surfaces);
+        let blended: Vec<Object> = scene.objects.drain(1..).collect();
+        assert_eq!(blended[0].mesh, MeshId(1));
+        scene.surfaces.as_mut().unwrap().blended = blended;
+        let mixed = (DVec3::X * 0.75 + DVec3::Y * 0.25) * 0.5 + DVec3::Z * 0.5;
+        for (pixel, found) in draw(device, &scene).into_iter().enumerate() {
+            assert_close(found, reference::encoded(mixed), pixel, "two blended");
+            assert_eq!(found[3], 255);
+        }
+    });
+}
+
+#[test]
+fn numbers_that_are_none_leave_pictures_whole() {
+    run_on_all(|device| {
+        let strange = Material {
+            base_colour: [f32::NAN, 2.0, -1.0, f32::INFINITY],
+            metallic: f32::NAN,
+            roughness: 0.0,
+            emission: [f32::INFINITY, f32::NAN, 1.0e30],
+            normal_scale: f32::NAN,
+            normal_texture: using(0),
+            occlusion_strength: -3.0,
+            ..Material::default()
+        };
+        let mut surfaces = one(
+            image([1, 1], |_, _| [128, 128, 0, 255]),
+            texture(0, Encoding::Linear, SHARP),
+            strange,
+        );
+        let bulb = render::scene::PunctualLight {
+            kind: render::scene::LightKind::Point,
+            colour: [1.0; 3],
+            intensity: 1.0e9,
+            range_m: None,
+            position: glam::Vec3::new(0.0, 0.0, -4.0),
+            direction: glam::Vec3::ZERO,
+        };
+        surfaces.lights = vec![
+            bulb,
+            render::scene::PunctualLight { intensity: f32::NAN, ..bulb },
+            render::scene::PunctualLight { position: glam::Vec3::INFINITY, ..bulb },
+            render::scene::PunctualLight { kind: render::scene::LightKind::Directional, ..bulb },
+        ];
+        surfaces.exposure = f32::NAN;
+        let square = whole(ONCE, |vertex| {
+            vertex.normal = [0; 4];
+            vertex.tangent = [0; 4];
+        });
+        let mut scene = scene_of(vec![square], surfaces);
+        // So flat that it has no normal either.
+        scene.objects[0].transform.matrix3.z_axis *= 1.0e-30;
+        scene.objects[0].transform.translation.z = -4.0;
+        scene.light.sky = [0.0, 0.0, 1.0];
+        let found = draw(device, &scene);
+        let is_whole = |pixel: &[u8; 4]| pixel[0] == 255 && pixel[3] == 255;
+        assert!(found.iter().all(is_whole), "{:?}", found.iter().find(|pixel| !is_whole(pixel)));
+    });
+}
