@@ -106,23 +106,22 @@ pub fn cameras(
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Clips {
     playing: Vec<usize>,
-    is_all: bool,
 }
 
 impl Clips {
     /// All of them, but for those that move what an earlier one moves; `first` comes before all others.
     pub fn all(performance: &Performance, first: Option<usize>) -> Self {
-        Self { playing: performance.compatible(first), is_all: true }
+        Self { playing: performance.compatible(first) }
     }
 
-    /// The one after the one that plays, alone; after the last one and after all it is the first.
+    /// The one after the one that plays alone; after the last one, and after several, the first.
     pub fn next(&self, performance: &Performance) -> Self {
-        let after = match (self.is_all, self.playing.first()) {
-            (false, Some(clip)) => clip + 1,
+        let after = match self.playing.as_slice() {
+            [clip] => clip + 1,
             _ => 0,
         };
         let clip = after.checked_rem(performance.clips().len());
-        Self { playing: clip.into_iter().collect(), is_all: false }
+        Self { playing: clip.into_iter().collect() }
     }
 
     /// Their places.

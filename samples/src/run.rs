@@ -199,7 +199,8 @@ fn walk_on(
     progress: &dyn Progress,
 ) -> Result<Report, RunError> {
     let mut clock = Stopwatch::start();
-    let WalkScene { scene, path, mut moving, file } = WalkScene::build(options, progress)?;
+    let WalkScene { scene, path, path_name, mut moving, file } =
+        WalkScene::build(options, progress)?;
     let scene_ms = clock.lap_ms();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
     let hierarchy_ms = clock.lap_ms();
@@ -235,7 +236,7 @@ fn walk_on(
             conditional_rendering: adapter.has_conditional_rendering(),
         },
         scene: scene_report,
-        path: options.path.to_string(),
+        path: path_name,
         views: options.views,
         moving_percent: options.moving_percent,
         moving_objects: moving.movers() as u64,

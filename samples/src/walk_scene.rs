@@ -25,6 +25,8 @@ pub struct WalkScene {
     pub scene: Scene,
     /// Where the camera goes.
     pub path: Course,
+    /// What that is called.
+    pub path_name: String,
     /// What moves.
     pub moving: Moving,
     /// What there is to say of its file, if it comes from one.
@@ -57,7 +59,8 @@ impl WalkScene {
         };
         let path = Course::new(&options.path, &scene)?;
         let moving = Moving::new(&scene, options.moving_percent, seed)?;
-        Ok(Self { scene, path, moving, file: None })
+        let path_name = options.path.to_string();
+        Ok(Self { scene, path, path_name, moving, file: None })
     }
 
     fn load(file: &Path, options: &Options, progress: &dyn Progress) -> Result<Self, RunError> {
@@ -88,12 +91,18 @@ impl WalkScene {
         performance.play(clips.playing(), 0.0, 0.0);
         let seconds = own.and_then(|clip| performance.duration_s(clip));
         let clock = FrameClock::of_walk(seconds, options.frames);
+        let path_name = match (&way, camera) {
+            (Way::Recorded(_), _) => options.path.to_string(),
+            (_, Some(camera)) => camera.name.clone(),
+            (_, None) => "around".to_owned(),
+        };
         let path = match (way, camera) {
             (Way::Recorded(path), _) => Course::Recorded(path, orbit.camera(0, 1)),
             (_, Some(camera)) => film::cameras(&mut performance, camera, clock, options.frames),
             (_, None) => Course::Around(orbit, options.frames),
         };
-        Ok(Self { scene, path, moving: Moving::played(performance, clock), file: Some(report) })
+        let moving = Moving::played(performance, clock);
+        Ok(Self { scene, path, path_name, moving, file: Some(report) })
     }
 }
 

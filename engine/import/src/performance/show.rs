@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use render::scene::ObjectChange;
 use render::{Error, Renderer};
 
-use super::{Changes, Deformation, LightMove, ObjectMove, Performance};
+use super::{BlendedMove, Changes, Deformation, LightMove, ObjectMove, Performance};
 
 /// Lists in the making, kept to allocate nothing.
 #[derive(Default)]
@@ -46,6 +46,9 @@ impl Scratch {
             let joints = changes.joints.get(joints.clone()).unwrap_or_default();
             let weights = changes.weights.get(weights.clone()).unwrap_or_default();
             renderer.deform(*deformer, joints, weights)?;
+        }
+        for BlendedMove { blended, transform, bounds } in &changes.blended {
+            renderer.move_blended(*blended, *transform, *bounds)?;
         }
         for LightMove { light, to } in &changes.lights {
             renderer.set_light(*light, *to)?;

@@ -1,1 +1,279 @@
 //! Tests of a performance: what changes when, without a device.
+
+use animation::{Channel, Clip, Interpolation, Node, NodeId, Rest, Rig, Skin, Track, Trs, Values};
+use cull::{Aabb, ObjectId};
+use glam::{Affine3A, Quat, Vec3};
+use render::scene::{
+    BlendedId, Deformer, DeformerId, LightId, LightKind, Mesh, MeshId, MorphTarget, Object,
+    PunctualLight, Scene, SkinWeights, SurfaceMesh, Surfaces,
+};
+
+use super::*;
+
+const REST: Trs = Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
+
+fn node(name: &str, parent: Option<u32>, translation: Vec3, weights: &[f32]) -> Node {
+    Node {
+        name: name.to_owned(),
+        parent: parent.map(NodeId),
+        rest: Rest::Parts(Trs { translation, ..REST }),
+        weights: weights.to_vec(),
+    }
+}
+
+fn track(node: u32, values: Values) -> Channel {
+    let interpolation = Interpolation::Linear;
+    Channel { node: NodeId(node), track: Track { interpolation, times_s: vec![0.0, 1.0], values } }
+}
+
+fn clip(name: &str, channels: Vec<Channel>) -> Clip {
+    Clip { name: name.to_owned(), channels }
+}
+
+fn along(node: u32, to: Vec3) -> Channel {
+    track(node, Values::Translation(vec![Vec3::ZERO, to]))
+}
+
+fn unit_box(scale: f32) -> Aabb {
+    Aabb { min: Vec3::splat(-scale), max: Vec3::splat(scale) }
+}
+
+/// Something rigid on a node.
+fn rigid(node: u32, placed: Placed) -> Placement {
+    Placement {
+        node: NodeId(node),
+        placed,
+        local: Affine3A::from_translation(Vec3::Y),
+        deformer: None,
+        rest_bounds: Aabb::EMPTY,
+        clip_bounds: Vec::new(),
+        blend_bounds: Aabb::EMPTY,
+    }
+}
+
+/// A pivot (0) with an arm (1) that has a camera (2); a joint (3) with another below it (4); a face (5)
+/// that is morphed; something that nothing moves (6).
+fn imported() -> Imported {
+    let nodes = vec![
+        node("pivot", None, Vec3::ZERO, &[]),
+        node("arm", Some(0), Vec3::X, &[]),
+        node("camera", Some(1), Vec3::Z, &[]),
+        node("hip", None, Vec3::ZERO, &[]),
+        node("knee", Some(3), Vec3::NEG_Y, &[]),
+        node("face", None, Vec3::ZERO, &[0.0]),
+        node("stone", None, Vec3::ZERO, &[]),
+    ];
+    let mesh = Mesh::of_triangles("triangle", &[([0.0; 3], [1.0; 3]); 3]);
+    let mut scene = Scene::single(mesh.clone());
+    scene.meshes = vec![mesh; 3];
+    let object = |mesh| Object { mesh: MeshId(mesh), transform: Affine3A::IDENTITY, tint: 0 };
+    scene.objects = [0, 1, 2, 0].map(object).to_vec();
+    let look = SurfaceMesh { vertices: Vec::new(), material: render::scene::MaterialId(0) };
+    let weights = SkinWeights {
+        joint_count: 2,
+        joints: vec![[0, 1, 0, 0]; 3],
+        weights: vec![[0.5, 0.5, 0.0, 0.0]; 3],
+        sets: 1,
+    };
+    let target = MorphTarget { positions: vec![[0.0, 1.0, 0.0]; 3], ..Default::default() };
+    let lamp = PunctualLight {
+        kind: LightKind::Point,
+        colour: [1.0; 3],
+        intensity: 7.0,
+        range_m: None,
+        position: Vec3::ZERO,
+        direction: Vec3::NEG_Z,
+    };
+    scene.surfaces = Some(Surfaces {
+        meshes: vec![look; 3],
+        deformers: vec![
+            Deformer { mesh: MeshId(1), skin: Some(weights), targets: Vec::new() },
+            Deformer { mesh: MeshId(2), skin: None, targets: vec![target] },
+        ],
+        lights: vec![lamp],
+        blended: vec![object(0)],
+        ..Surfaces::default()
+    });
+    let formed = |node, object, deformer, skin, moving: usize| {
+        let mut clip_bounds = vec![unit_box(1.0); 5];
+        clip_bounds[moving] = unit_box(2.0);
+        Placement {
+            local: Affine3A::IDENTITY,
+            deformer: Some((DeformerId(deformer), skin)),
+            rest_bounds: unit_box(1.0),
+            clip_bounds,
+            blend_bounds: unit_box(3.0),
+            ..rigid(node, Placed::Object(ObjectId(object)))
+        }
+    };
+    let clips = vec![
+        clip("swing", vec![along(0, Vec3::X * 4.0)]),
+        clip("walk", vec![along(3, Vec3::Z * 4.0), along(4, Vec3::Z)]),
+        clip("smile", vec![track(5, Values::Weights(vec![0.0, 1.0]))]),
+        clip("camera", vec![along(2, Vec3::Z)]),
+        clip("kick", vec![along(4, Vec3::X)]),
+    ];
+    Imported {
+        scene,
+        rig: Rig::new(nodes).unwrap(),
+        clips,
+        skins: vec![Skin {
+            joints: vec![NodeId(3), NodeId(4)],
+            inverse_bind: vec![Affine3A::IDENTITY; 2],
+        }],
+        placements: vec![
+            rigid(1, Placed::Object(ObjectId(0))),
+            formed(6, 1, 0, Some(0), 1),
+            formed(5, 2, 1, None, 2),
+            rigid(6, Placed::Object(ObjectId(3))),
+            rigid(1, Placed::Light(LightId(0))),
+            rigid(0, Placed::Blended(BlendedId(0))),
+        ],
+        cameras: vec![Camera {
+            name: "camera".to_owned(),
+            node: NodeId(2),
+            fov_y_rad: 1.0,
+            near_m: 0.1,
+        }],
+        notes: vec!["a note".to_owned()],
+    }
+}
+
+fn performance() -> Performance {
+    let (_, performance, cameras, notes) = Performance::of(imported());
+    assert_eq!((cameras.len(), notes.len()), (1, 1));
+    performance
+}
+
+/// The objects that change at a time.
+fn moved(performance: &mut Performance, seconds: f64) -> Vec<u32> {
+    performance.changes(seconds).objects.iter().map(|moved| moved.object.0).collect()
+}
+
+#[test]
+fn at_first_only_what_has_no_form_yet_gets_one() {
+    let mut performance = performance();
+    let changes = performance.changes(0.0).clone();
+    let deformers: Vec<u32> = changes.deformations.iter().map(|it| it.deformer.0).collect();
+    assert_eq!(deformers, [0, 1]);
+    assert_eq!((changes.joints.len(), changes.weights.as_slice()), (2, &[0.0][..]));
+    let bounds: Vec<Option<Aabb>> = changes.objects.iter().map(|moved| moved.bounds).collect();
+    assert_eq!(bounds, [Some(unit_box(1.0)); 2]);
+    assert!(changes.lights.is_empty() && changes.blended.is_empty());
+    assert!(performance.changes(0.5).is_empty(), "nothing plays");
+    assert_eq!(performance.moving_objects(), 0);
+}
+
+#[test]
+fn what_hangs_on_a_node_goes_where_it_goes() {
+    let mut performance = performance();
+    performance.play(&[0], 0.0, 0.0);
+    performance.changes(0.0);
+    assert_eq!(performance.moving_objects(), 1);
+    let changes = performance.changes(0.5).clone();
+    let at = Vec3::new(3.0, 1.0, 0.0);
+    let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
+    assert_eq!((moved.object, moved.bounds), (ObjectId(0), None));
+    assert_eq!(Vec3::from(moved.transform.translation), at);
+    let [light] = changes.lights.as_slice() else { panic!("{changes:?}") };
+    assert_eq!((light.to.position, light.to.intensity), (at, 7.0));
+    let [blended] = changes.blended.as_slice() else { panic!("{changes:?}") };
+    assert_eq!(blended.transform.translation.x, 2.0);
+    assert!(changes.deformations.is_empty());
+    assert!(performance.changes(0.5).is_empty(), "it is there already");
+    let (_, _, cameras, _) = Performance::of(imported());
+    assert_eq!(performance.seen_by(&cameras[0]).eye, Vec3::new(3.0, 0.0, 1.0));
+}
+
+#[test]
+fn any_moment_can_follow_any_other() {
+    let mut there = performance();
+    there.play(&[0, 1, 2, 3], 0.0, 0.0);
+    let state = |performance: &Performance| {
+        let parts = performance.parts.iter();
+        parts
+            .map(|part| (part.shown, part.shown_bounds, part.shown_form.clone()))
+            .collect::<Vec<_>>()
+    };
+    for seconds in [0.0, 0.25, 0.9, 0.1, 7.3, 0.25] {
+        there.changes(seconds);
+        let mut fresh = performance();
+        fresh.play(&[0, 1, 2, 3], 0.0, 0.0);
+        fresh.changes(seconds);
+        assert!(state(&there) == state(&fresh), "{seconds}");
+    }
+}
+
+#[test]
+fn boxes_are_those_of_the_clips_that_change_the_form() {
+    let mut performance = performance();
+    performance.changes(0.0);
+    for (playing, expected) in [(&[1][..], 2.0), (&[0, 2], 1.0), (&[1, 4], 3.0), (&[], 1.0)] {
+        performance.play(playing, 0.0, 0.0);
+        performance.changes(0.3);
+        let skinned = &performance.parts[1];
+        assert_eq!(skinned.shown_bounds, unit_box(expected), "{playing:?}");
+    }
+    // A joint's own way is in the transform, and the form is what happens below it.
+    performance.play(&[1], 0.0, 0.0);
+    let changes = performance.changes(0.5).clone();
+    let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
+    assert_eq!(moved.transform.translation.z, 2.0);
+    assert_eq!(changes.joints[0], Affine3A::IDENTITY);
+    assert_eq!(changes.joints[1].translation.z, 0.5);
+}
+
+#[test]
+fn clips_fade_into_each_other_and_the_old_one_comes_to_rest() {
+    let mut performance = performance();
+    performance.play(&[1], 0.0, 0.0);
+    performance.changes(0.5);
+    performance.play(&[4], 0.5, 0.4);
+    performance.changes(0.7);
+    assert_eq!(performance.parts[1].shown_bounds, unit_box(3.0), "both form it");
+    let half = performance.parts[1].shown.translation.z;
+    assert!((half - 0.5 * 4.0 * 0.7).abs() < 1e-4, "{half}");
+    assert_eq!(moved(&mut performance, 0.95), [1]);
+    assert_eq!(performance.parts[1].shown.translation.z, 0.0);
+    assert_eq!(performance.parts[1].shown_bounds, unit_box(1.0));
+    assert_eq!(performance.moving, [NodeId(4)], "who is at rest is not looked at");
+}
+
+#[test]
+fn clips_that_move_the_same_do_not_play_together() {
+    let performance = performance();
+    assert_eq!(performance.compatible(None), [0, 1, 2, 3]);
+    assert_eq!(performance.compatible(Some(4)), [0, 2, 3, 4]);
+    assert_eq!(performance.compatible(Some(99)), [0, 1, 2, 3]);
+}
+
+#[test]
+fn the_clip_of_a_camera_is_the_one_with_its_name() {
+    let (_, performance, cameras, _) = Performance::of(imported());
+    assert_eq!(performance.clip_of(&cameras[0]), Some(3));
+    let other = Camera { name: "other".to_owned(), ..cameras[0].clone() };
+    assert_eq!(
+        performance.clip_of(&other),
+        Some(0),
+        "the first that moves it, by its ancestors too"
+    );
+    let still = Camera { node: NodeId(6), ..other };
+    assert_eq!(performance.clip_of(&still), None);
+    assert_eq!((performance.duration_s(0), performance.duration_s(9)), (Some(1.0), None));
+}
+
+#[test]
+fn squashed_and_turned_nodes_still_see() {
+    let (_, mut performance, cameras, _) = Performance::of(imported());
+    for matrix in [
+        Affine3A::from_scale(Vec3::ZERO),
+        Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)),
+        Affine3A::from_scale(Vec3::new(-2.0, 3.0, -0.5)),
+        Affine3A::from_rotation_x(1.0),
+    ] {
+        performance.world[2] = matrix;
+        let camera = performance.seen_by(&cameras[0]);
+        assert!((camera.forward.length() - 1.0).abs() < 1e-5 && camera.up.is_normalized());
+        assert!(camera.forward.dot(camera.up).abs() < 1e-5);
+    }
+}

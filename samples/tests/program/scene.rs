@@ -1,0 +1,137 @@
+//! A small scene as a GLB: a wall, boxes behind it, a door in it that slides, and two cameras.
+
+use serde_json::{Value, json};
+
+/// Everything that a buffer holds, and the views and accessors of it.
+#[derive(Default)]
+struct Bytes {
+    all: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+}
+
+impl Bytes {
+    /// Adds numbers; answers their accessor.
+    fn floats(&mut self, kind: &str, width: usize, numbers: &[f32]) -> usize {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let rows = numbers.chunks_exact(width);
+        let extreme = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
+            let columns = (0..width).map(|column| rows.clone().map(move |row| row[column]));
+            columns.map(|column| column.reduce(pick).unwrap_or_default()).collect()
+        };
+        let (min, max) = (extreme(f32::min), extreme(f32::max));
+        let count = numbers.len() / width;
+        self.add(
+            &bytes,
+            json!({"componentType": 5126, "type": kind, "count": count, "min": min, "max": max}),
+        )
+    }
+
+    fn indices(&mut self, numbers: &[u16]) -> usize {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        self.add(&bytes, json!({"componentType": 5123, "type": "SCALAR", "count": numbers.len()}))
+    }
+
+    fn add(&mut self, bytes: &[u8], mut accessor: Value) -> usize {
+        self.all.resize(self.all.len().next_multiple_of(4), 0);
+        let view = json!({"buffer": 0, "byteOffset": self.all.len(), "byteLength": bytes.len()});
+        self.all.extend_from_slice(bytes);
+        accessor["bufferView"] = self.views.len().into();
+        self.views.push(view);
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}
+
+/// A box from -1 to 1, its faces apart: positions, normals, indices.
+fn cube() -> (Vec<f32>, Vec<f32>, Vec<u16>) {
+    let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for axis in 0..3 {
+        for side in [-1.0_f32, 1.0] {
+            let first = (positions.len() / 3) as u16;
+            for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                let mut corner = [0.0; 3];
+                let mut normal = [0.0; 3];
+                (corner[axis], normal[axis]) = (side, side);
+                (corner[(axis + 1) % 3], corner[(axis + 2) % 3]) = (u, v);
+                positions.extend(corner);
+                normals.extend(normal);
+            }
+            let turn = if side > 0.0 { [0, 1, 2, 0, 2, 3] } else { [0, 2, 1, 0, 3, 2] };
+            indices.extend(turn.map(|index| first + index));
+        }
+    }
+    (positions, normals, indices)
+}
+
+/// The scene. The camera `walk` goes along the wall for two seconds, `still` stands; the clip `door`
+/// lasts one.
+pub fn small() -> Vec<u8> {
+    let mut bytes = Bytes::default();
+    let (positions, normals, indices) = cube();
+    let positions = bytes.floats("VEC3", 3, &positions);
+    let normals = bytes.floats("VEC3", 3, &normals);
+    let indices = bytes.indices(&indices);
+    let keys = bytes.floats("SCALAR", 1, &[0.0, 0.5, 1.0]);
+    let slides = bytes.floats("VEC3", 3, &[0.0, 1.0, 0.0, 2.2, 1.0, 0.0, 0.0, 1.0, 0.0]);
+    let ends = bytes.floats("SCALAR", 1, &[0.0, 2.0]);
+    let walked = bytes.floats("VEC3", 3, &[-6.0, 1.2, 7.0, 6.0, 1.2, 7.0]);
+    let mut nodes = vec![
+        json!({"name": "left", "mesh": 0, "translation": [-6.1, 1.0, 0.0], "scale": [5.0, 1.5, 0.1]}),
+        json!({"name": "right", "mesh": 0, "translation": [6.1, 1.0, 0.0], "scale": [5.0, 1.5, 0.1]}),
+        json!({"name": "door", "mesh": 0, "translation": [0.0, 1.0, 0.0], "scale": [1.05, 1.5, 0.06]}),
+        json!({"name": "walk", "camera": 0, "translation": [-6.0, 1.2, 7.0]}),
+        json!({"name": "still", "camera": 0, "translation": [0.5, 1.2, 8.0]}),
+        json!({"name": "floor", "mesh": 1, "translation": [0.0, -0.7, 0.0], "scale": [14.0, 0.1, 14.0]}),
+    ];
+    for place in 0..60_u8 {
+        let (column, row) = (f32::from(place % 12), f32::from(place / 12));
+        nodes.push(json!({
+            "name": format!("box {place}"), "mesh": 1 + place % 2,
+            "translation": [column * 1.5 - 8.0, 0.4, -2.0 - row * 1.5], "scale": [0.4, 0.8, 0.4],
+        }));
+    }
+    let primitive = |material: usize| {
+        let attributes = json!({"POSITION": positions, "NORMAL": normals});
+        json!({"primitives": [{"attributes": attributes, "indices": indices, "material": material}]})
+    };
+    let material = |colour: [f32; 4]| json!({"pbrMetallicRoughness": {"baseColorFactor": colour, "metallicFactor": 0.0}});
+    let clip = |name: &str, node: usize, input: usize, output: usize| {
+        json!({
+            "name": name,
+            "samplers": [{"input": input, "output": output}],
+            "channels": [{"sampler": 0, "target": {"node": node, "path": "translation"}}],
+        })
+    };
+    let document = json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": (0..nodes.len()).collect::<Vec<_>>()}],
+        "nodes": nodes,
+        "meshes": [primitive(0), primitive(1), primitive(2)],
+        "materials": [material([0.7, 0.7, 0.6, 1.0]), material([0.8, 0.2, 0.1, 1.0]), material([0.1, 0.3, 0.8, 1.0])],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
+        "animations": [clip("walk", 3, ends, walked), clip("door", 2, keys, slides)],
+        "accessors": bytes.accessors,
+        "bufferViews": bytes.views,
+        "buffers": [{"byteLength": bytes.all.len()}],
+    });
+    glb(&document, &bytes.all)
+}
+
+/// A GLB of a document and its buffer.
+pub fn glb(document: &Value, buffer: &[u8]) -> Vec<u8> {
+    let chunk = |kind: &[u8; 4], bytes: &[u8], filler: u8| {
+        let mut bytes = bytes.to_vec();
+        bytes.resize(bytes.len().next_multiple_of(4), filler);
+        let mut chunk = (bytes.len() as u32).to_le_bytes().to_vec();
+        chunk.extend_from_slice(kind);
+        chunk.extend(bytes);
+        chunk
+    };
+    let json = chunk(b"JSON", document.to_string().as_bytes(), b' ');
+    let binary = chunk(b"BIN\0", buffer, 0);
+    let mut file = b"glTF\x02\0\0\0".to_vec();
+    file.extend(((12 + json.len() + binary.len()) as u32).to_le_bytes());
+    [file, json, binary].concat()
+}
