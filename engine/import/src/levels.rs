@@ -1,6 +1,6 @@
 //! Levels of detail: coarser forms of meshes, by quadric error simplification (the crate `meshopt`).
 
-use meshopt::{SimplifyOptions, VertexDataAdapter};
+use ::meshopt::{SimplifyOptions, VertexDataAdapter};
 use render::scene::{Alpha, Level, Mesh, Scene, SurfaceMesh, SurfaceVertex};
 
 use crate::imported::Imported;
@@ -81,7 +81,7 @@ fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<Lev
         let wanted = (before as f32 * options.share.clamp(0.0, 1.0)) as usize;
         let mut error_m = 0.0;
         // Always from the finest form: errors of forms made from each other would add up.
-        let indices = meshopt::simplify_with_attributes_and_locks(
+        let indices = ::meshopt::simplify_with_attributes_and_locks(
             &mesh.indices,
             &adapter,
             &attributes,
