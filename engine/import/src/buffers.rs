@@ -32,18 +32,32 @@ impl Budget {
         self.left = self.left.saturating_sub(bytes.len() as u64);
         Ok(bytes)
     }
+
+    /// Room for what is decompressed.
+    fn zeros(&mut self, length: u64) -> Result<Vec<u8>, Reason> {
+        let left = self.left.checked_sub(length);
+        self.left =
+            left.ok_or_else(|| Reason::too_large("bytes decompressed", length, self.left))?;
+        Ok(vec![0; length as usize])
+    }
 }
 
-/// Finds the bytes of all buffers.
+/// Finds the bytes of all buffers; those of placeholders are zeros.
 pub(crate) fn resolve(
     root: &Root,
     binary: Option<&Range<usize>>,
+    placeholders: &[bool],
     folder: Option<&Path>,
     budget: &mut Budget,
 ) -> Result<Vec<BufferBytes>, Fault> {
     let mut buffers = Vec::with_capacity(root.buffers.len());
     for (index, buffer) in root.buffers.iter().enumerate() {
         let length = buffer.byte_length.0;
+        if placeholders.get(index) == Some(&true) {
+            let bytes = budget.zeros(length).at(|| format!("buffer {index}"))?;
+            buffers.push(BufferBytes::Apart(bytes));
+            continue;
+        }
         let bytes = match (&buffer.uri, binary) {
             (Some(uri), _) => {
                 budget.fetch(uri, folder, Wanted::First(length)).map(BufferBytes::Apart)

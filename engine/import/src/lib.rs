@@ -13,6 +13,7 @@ mod json;
 mod layout;
 mod limits;
 mod load;
+mod meshopt;
 mod notes;
 mod source;
 mod textures;

@@ -69,16 +69,16 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// How many bytes reading a file takes at any time at the most: 9.1 GiB with the defaults, which only
+    /// How many bytes reading a file takes at any time at the most: 10.1 GiB with the defaults, which only
     /// files reach that use up all of the limits.
     ///
-    /// The file, its JSON (in several forms while it is read), buffers, images, and what decoding them takes;
+    /// The file, its JSON (in several forms while it is read), buffers (decompressed and where they go), images, and what decoding them takes;
     /// 16 MiB are for tables and stacks.
     pub fn memory_bound(&self) -> u64 {
         [
             self.file_bytes,
             self.json_memory_bytes.saturating_mul(3),
-            self.buffer_bytes,
+            self.buffer_bytes.saturating_mul(2),
             self.image_bytes,
             self.image_scratch_bytes,
             16 * MIB,

@@ -10,12 +10,13 @@ use crate::elements::{self, Store};
 use crate::error::{Fault, Reason};
 use crate::notes::Notes;
 use crate::uri::{self, Wanted};
-use crate::{Cause, ImportError, Limits, check, glb, images, json, textures};
+use crate::{Cause, ImportError, Limits, check, glb, images, json, meshopt, textures};
 
 /// The extensions that a file may require. Others that it requires are refused by name, others that it
 /// merely uses are noted.
 pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -57,6 +58,7 @@ pub struct Instancing {
 ///   its buffer, sparse ones with both their parts; sparse indices are increasing and below the count.
 ///   An accessor may have no view (zeros), a sparse one no base. The readers of `gltf` get some of these
 ///   wrong: read them by [`Source::floats`] and [`Source::integers`], which read all.
+///   Views that were compressed are not any more.
 /// - **Primitives.** All attributes of a primitive and of its morph targets have the same count, and their
 ///   types are what the specification and `KHR_mesh_quantization` allow. `POSITION` may be missing (draw
 ///   nothing then). Indices are unsigned scalars, and every one of them is below the count. How many there are fits the mode no better than the file says: ignore the
@@ -202,10 +204,14 @@ fn check_and_decode(
     check::views_and_accessors(&root, limits)?;
     let instancing = check::structure(&root, limits)?;
 
+    let placeholders = meshopt::placeholders(&root, binary.is_some());
+    let compressed = meshopt::compressed(&root, &placeholders, limits)?;
+
     let mut budget = Budget::new(limits);
-    let buffers = buffers::resolve(&root, binary.as_ref(), folder, &mut budget)?;
+    let buffers = buffers::resolve(&root, binary.as_ref(), &placeholders, folder, &mut budget)?;
     let file = if binary.is_some() { bytes } else { Vec::new() };
-    let store = Store { file, buffers };
+    let mut store = Store { file, buffers };
+    meshopt::decompress(&root, &compressed, &mut store)?;
     check::indices_and_joints(&root, &store)?;
 
     let texture_images = textures::images_of(&root, notes);

@@ -8,6 +8,8 @@ mod accepted;
 mod assets;
 #[path = "hostile/bombs.rs"]
 mod bombs;
+#[path = "hostile/compressed.rs"]
+mod compressed;
 #[path = "hostile/containers.rs"]
 mod containers;
 #[path = "hostile/disk.rs"]

@@ -202,7 +202,7 @@ fn collect(value: &Value, pointer: String, all: &mut Vec<String>) {
 #[ignore = "writes into the project"]
 fn write_corpus() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/read");
-    for (name, bytes) in super::accepted::seeds() {
+    for (name, bytes) in super::accepted::seeds().into_iter().chain(super::compressed::seeds()) {
         std::fs::write(folder.join(name), bytes).expect("it can be written");
     }
 }

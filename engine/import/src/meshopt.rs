@@ -1,0 +1,222 @@
+//! Views that are compressed: `EXT_meshopt_compression`. They are decompressed into their buffers, so that
+//! nobody after this knows that they were.
+
+mod attributes;
+mod filters;
+mod indices;
+mod stream;
+mod triangles;
+
+use gltf::json::Root;
+use gltf::json::buffer::View;
+use serde_json::{Map, Value};
+
+use crate::Limits;
+use crate::elements::{BufferBytes, Store};
+use crate::error::{At, Fault, Reason};
+
+const EXTENSION: &str = "EXT_meshopt_compression";
+
+/// A view whose bytes are compressed in another buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Compressed {
+    view: usize,
+    from_buffer: usize,
+    from_byte: usize,
+    bytes: usize,
+    stride: usize,
+    count: usize,
+    mode: Mode,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Attributes(Filter),
+    Triangles,
+    Indices,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Filter {
+    None,
+    Octahedral,
+    Quaternion,
+    Exponential,
+}
+
+/// Checks all views that say they are compressed, and lists those whose bytes are nowhere else.
+/// Views and buffers themselves were checked before.
+pub(crate) fn compressed(
+    root: &Root,
+    placeholders: &[bool],
+    limits: &Limits,
+) -> Result<Vec<Compressed>, Fault> {
+    let mut all = Vec::new();
+    let mut total: u64 = 0;
+    for (index, view) in root.buffer_views.iter().enumerate() {
+        let at = || format!("buffer view {index}, {EXTENSION}");
+        let Some(extension) = view.extensions.as_ref().and_then(|all| all.others.get(EXTENSION))
+        else {
+            continue;
+        };
+        let extension =
+            extension.as_object().ok_or_else(|| Reason::malformed("it is no object").of(at()))?;
+        let compressed = of_view(root, index, view, extension).at(at)?;
+        if placeholders.get(view.buffer.value()) != Some(&true) {
+            continue;
+        }
+        if placeholders.get(compressed.from_buffer) == Some(&true) {
+            let text = format!("its buffer {} has no bytes of its own", compressed.from_buffer);
+            return Err(Reason::malformed(text).of(at()));
+        }
+        // A few bytes can stand for many, and many views for the same.
+        total = total.saturating_add(view.byte_length.0);
+        if total > limits.buffer_bytes {
+            return Err(Reason::too_large(
+                "bytes decompressed up to it",
+                total,
+                limits.buffer_bytes,
+            )
+            .of(at()));
+        }
+        all.push(compressed);
+    }
+    Ok(all)
+}
+
+/// For each buffer, whether it only says how much room decompressed views need.
+pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
+    let mut is_compressed_into = vec![false; root.buffers.len()];
+    for view in &root.buffer_views {
+        let is_compressed =
+            view.extensions.as_ref().is_some_and(|all| all.others.contains_key(EXTENSION));
+        if let Some(slot) = is_compressed_into.get_mut(view.buffer.value()) {
+            *slot |= is_compressed;
+        }
+    }
+    let buffers = root.buffers.iter().zip(is_compressed_into).enumerate();
+    let is_placeholder = buffers.map(|(index, (buffer, is_compressed_into))| {
+        let extension = buffer.extensions.as_ref().and_then(|all| all.others.get(EXTENSION));
+        let is_marked = extension.and_then(|it| it.get("fallback")) == Some(&Value::Bool(true));
+        let is_binary_chunk = index == 0 && has_binary;
+        // Without a view that is compressed into it, a buffer without bytes is a mistake.
+        is_marked || (buffer.uri.is_none() && !is_binary_chunk && is_compressed_into)
+    });
+    is_placeholder.collect()
+}
+
+fn of_view(
+    root: &Root,
+    index: usize,
+    view: &View,
+    json: &Map<String, Value>,
+) -> Result<Compressed, Reason> {
+    let number = |key: &str| -> Result<usize, Reason> {
+        let value = json.get(key).ok_or_else(|| Reason::malformed(format!("it has no {key}")))?;
+        let number = value.as_u64().and_then(|number| usize::try_from(number).ok());
+        number.ok_or_else(|| Reason::malformed(format!("its {key} is no whole number")))
+    };
+    let from_byte = if json.contains_key("byteOffset") { number("byteOffset")? } else { 0 };
+    let found = Compressed {
+        view: index,
+        from_buffer: number("buffer")?,
+        from_byte,
+        bytes: number("byteLength")?,
+        stride: number("byteStride")?,
+        count: number("count")?,
+        mode: mode(json)?,
+    };
+    let buffer = root
+        .buffers
+        .get(found.from_buffer)
+        .ok_or_else(|| Reason::out_of_range("buffer", found.from_buffer, root.buffers.len()))?;
+    let end = found.from_byte.checked_add(found.bytes);
+    if end.is_none_or(|end| end as u64 > buffer.byte_length.0) {
+        return Err(Reason::malformed("it ends beyond its buffer"));
+    }
+    found.check_layout()?;
+    if found.count.checked_mul(found.stride).map(|bytes| bytes as u64) != Some(view.byte_length.0) {
+        let text = format!(
+            "{} elements of {} bytes are not the {} bytes of the view",
+            found.count, found.stride, view.byte_length.0
+        );
+        return Err(Reason::malformed(text));
+    }
+    Ok(found)
+}
+
+fn mode(json: &Map<String, Value>) -> Result<Mode, Reason> {
+    let filter = match json.get("filter").map(Value::as_str) {
+        None | Some(Some("NONE")) => Filter::None,
+        Some(Some("OCTAHEDRAL")) => Filter::Octahedral,
+        Some(Some("QUATERNION")) => Filter::Quaternion,
+        Some(Some("EXPONENTIAL")) => Filter::Exponential,
+        Some(_) => return Err(Reason::malformed("its filter does not exist")),
+    };
+    match (json.get("mode").and_then(Value::as_str), filter) {
+        (Some("ATTRIBUTES"), filter) => Ok(Mode::Attributes(filter)),
+        (Some("TRIANGLES"), Filter::None) => Ok(Mode::Triangles),
+        (Some("INDICES"), Filter::None) => Ok(Mode::Indices),
+        (Some("TRIANGLES" | "INDICES"), _) => Err(Reason::malformed("its mode allows no filter")),
+        _ => Err(Reason::malformed("its mode does not exist")),
+    }
+}
+
+impl Compressed {
+    fn check_layout(&self) -> Result<(), Reason> {
+        let stride = self.stride;
+        let fits = match self.mode {
+            Mode::Attributes(filter) => {
+                let fits_filter = match filter {
+                    Filter::None | Filter::Exponential => true,
+                    Filter::Octahedral => stride == 4 || stride == 8,
+                    Filter::Quaternion => stride == 8,
+                };
+                fits_filter && stride.is_multiple_of(4) && (4..=256).contains(&stride)
+            }
+            Mode::Triangles => self.count.is_multiple_of(3) && (stride == 2 || stride == 4),
+            Mode::Indices => stride == 2 || stride == 4,
+        };
+        if fits {
+            return Ok(());
+        }
+        let text = format!("its mode allows no {} elements of {stride} bytes", self.count);
+        Err(Reason::malformed(text))
+    }
+
+    fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
+        match self.mode {
+            Mode::Attributes(filter) => {
+                let mut bytes = attributes::decode(encoded, self.count, self.stride)?;
+                match filter {
+                    Filter::None => {}
+                    Filter::Octahedral if self.stride == 4 => filters::octahedral8(&mut bytes),
+                    Filter::Octahedral => filters::octahedral16(&mut bytes),
+                    Filter::Quaternion => filters::quaternion(&mut bytes),
+                    Filter::Exponential => filters::exponential(&mut bytes),
+                }
+                Ok(bytes)
+            }
+            Mode::Triangles => triangles::decode(encoded, self.count, self.stride),
+            Mode::Indices => indices::decode(encoded, self.count, self.stride),
+        }
+    }
+}
+
+/// Decompresses these views into their buffers.
+pub(crate) fn decompress(root: &Root, all: &[Compressed], store: &mut Store) -> Result<(), Fault> {
+    for compressed in all {
+        let at = || format!("buffer view {}, {EXTENSION}", compressed.view);
+        let encoded = store.buffer(compressed.from_buffer).get(compressed.from_byte..);
+        let encoded = encoded.and_then(|bytes| bytes.get(..compressed.bytes)).unwrap_or_default();
+        let bytes = compressed.decode(encoded).at(at)?;
+        let Some(view) = root.buffer_views.get(compressed.view) else { continue };
+        let start = view.byte_offset.unwrap_or_default().0 as usize;
+        if let Some(BufferBytes::Apart(buffer)) = store.buffers.get_mut(view.buffer.value())
+            && let Some(place) = buffer.get_mut(start..start.saturating_add(bytes.len()))
+        {
+            place.copy_from_slice(&bytes);
+        }
+    }
+    Ok(())
+}
