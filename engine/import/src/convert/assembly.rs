@@ -17,7 +17,6 @@ use super::pack::pack;
 use super::primitives::Primitive;
 use super::shared::Plan;
 use super::skins::Skins;
-use crate::error::quoted;
 use crate::imported::{Placed, Placement};
 use crate::{Cause, ImportError, Source};
 
@@ -45,13 +44,7 @@ impl<'a> Assembly<'a> {
     /// A primitive of the file.
     pub(super) fn primitive(&self, mesh: usize, number: usize) -> Option<Primitive<'a>> {
         let given = self.source.document.as_json().meshes.get(mesh)?;
-        let json = given.primitives.get(number)?;
-        let name = given.name.as_deref().filter(|name| !name.is_empty());
-        let mesh = name.map_or_else(
-            || format!("mesh {mesh}"),
-            |name| format!("mesh {mesh} ({})", quoted(name)),
-        );
-        Some(Primitive { source: self.source, json, place: format!("{mesh}, primitive {number}") })
+        Some(Primitive { source: self.source, json: given.primitives.get(number)?, mesh, number })
     }
 
     /// What people call a mesh that is made of a primitive.
@@ -87,8 +80,7 @@ impl<'a> Assembly<'a> {
             let skin = given.skin.filter(|_| primitive.is_skinned()).map(|skin| skin.value());
             if skin.is_some() || self.is_morphed(node, &primitive) {
                 let name = self.name_of(mesh, number);
-                let made = (&primitive, kind.material, name);
-                self.place_deformed(made, node, skin, &locals)?;
+                self.place_deformed((&primitive, kind.material, name), node, skin, &locals)?;
             } else {
                 self.place_shared(kind, &primitive, node, &locals)?;
             }

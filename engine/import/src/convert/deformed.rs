@@ -144,7 +144,7 @@ impl Assembly<'_> {
             self.forms.steps += rig.nodes().len() as u64;
             if self.forms.steps > MOST_STEPS {
                 let reason = "there are too many skinned meshes for so many nodes".to_owned();
-                return Err(self.source.error(Cause::TooLarge, primitive.place.clone(), reason));
+                return Err(self.source.error(Cause::TooLarge, primitive.place(), reason));
             }
             let Ok(skeleton) = Skeleton::new(rig, skin, &used_joints(weights)) else {
                 return Ok(None);

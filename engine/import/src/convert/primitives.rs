@@ -13,6 +13,7 @@ use super::notes::Notes;
 use super::sidedness::{Backs, mirror, with_backs};
 use super::topology::Elements;
 use super::{normals, solids, tangents};
+use crate::error::quoted;
 use crate::{Cause, ImportError, Source};
 
 /// Texture coordinates beyond this are cut off: no number left between two of them is a texture's part.
@@ -38,11 +39,21 @@ impl Variant {
 pub(super) struct Primitive<'a> {
     pub(super) source: &'a Source,
     pub(super) json: &'a json::mesh::Primitive,
-    /// Its mesh and its number in that, for errors.
-    pub(super) place: String,
+    /// The number of its mesh.
+    pub(super) mesh: usize,
+    /// Its own number in that.
+    pub(super) number: usize,
 }
 
 impl Primitive<'_> {
+    /// Its mesh and its number in that, for errors.
+    pub(super) fn place(&self) -> String {
+        let mesh = self.source.document.as_json().meshes.get(self.mesh);
+        let name = mesh.and_then(|mesh| mesh.name.as_deref()).filter(|name| !name.is_empty());
+        let name = name.map(|name| format!(" ({})", quoted(name))).unwrap_or_default();
+        format!("mesh {}{name}, primitive {}", self.mesh, self.number)
+    }
+
     /// The accessor of an attribute.
     pub(super) fn attribute(&self, semantic: Semantic) -> Option<usize> {
         self.json.attributes.get(&Checked::Valid(semantic)).map(json::Index::value)
@@ -73,7 +84,7 @@ impl Primitive<'_> {
     }
 
     fn error(&self, cause: Cause, reason: String) -> ImportError {
-        self.source.error(cause, self.place.clone(), reason)
+        self.source.error(cause, self.place(), reason)
     }
 
     /// The primitive as triangles, in full: normals, tangents, backs. `None` if there is nothing to draw.
@@ -122,10 +133,10 @@ impl Primitive<'_> {
         let mut geometry = geometry;
         let broken = normals::repair(&mut geometry);
         notes.count("normals without a direction, taken from their triangles", broken, || {
-            self.place.clone()
+            self.place()
         });
         let (mut geometry, broken) = tangents::complete(geometry, material.normal);
-        notes.count("tangents without a direction, replaced by any", broken, || self.place.clone());
+        notes.count("tangents without a direction, replaced by any", broken, || self.place());
         budget
             .take(geometry.positions.len() as u64 * sides, triangles * 3 * sides)
             .map_err(|over| self.over(&over))?;
@@ -148,9 +159,7 @@ impl Primitive<'_> {
         notes: &mut Notes,
     ) -> Result<Option<(Geometry, Elements)>, ImportError> {
         let Some(positions) = self.attribute(Semantic::Positions) else {
-            notes.count("primitives without positions, which draw nothing", 1, || {
-                self.place.clone()
-            });
+            notes.count("primitives without positions, which draw nothing", 1, || self.place());
             return Ok(None);
         };
         let positions = self.vectors(positions);
@@ -247,9 +256,7 @@ impl Primitive<'_> {
             }
         });
         let uvs = uvs.collect();
-        notes.count("texture coordinates that are huge or no numbers", broken, || {
-            self.place.clone()
-        });
+        notes.count("texture coordinates that are huge or no numbers", broken, || self.place());
         uvs
     }
 
@@ -267,7 +274,7 @@ impl Primitive<'_> {
             }
         }
         notes.count("colours of vertices that are no numbers, white instead", broken, || {
-            self.place.clone()
+            self.place()
         });
         colours
     }
@@ -313,7 +320,7 @@ impl Primitive<'_> {
         notes.count(
             "vertices without any weight, hung on their skin's first joint",
             broken,
-            || self.place.clone(),
+            || self.place(),
         );
         skin
     }

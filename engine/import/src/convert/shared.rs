@@ -102,7 +102,7 @@ impl Assembly<'_> {
             for (number, json) in primitives.iter().enumerate() {
                 let kind = *known.entry(Key::of(json)).or_insert(kinds.len());
                 if kind == kinds.len() {
-                    let primitive = Primitive { source, json, place: String::new() };
+                    let primitive = Primitive { source, json, mesh, number };
                     let material = self.material_of(&primitive);
                     kinds.push(Kind { mesh, number, material, uses: 0, made: [None, None] });
                 }
@@ -138,8 +138,8 @@ impl Assembly<'_> {
             if !self.can_be_seen(node, &transform) {
                 continue;
             }
-            let is_mirrored = mirrors(&transform);
-            for mesh in self.made(kind, primitive, is_mirrored)? {
+            let variant = Variant { is_mirrored: mirrors(&transform), ..Variant::PLAIN };
+            for mesh in self.made(kind, primitive, variant)? {
                 let object = Object { mesh, transform, tint: NO_TINT };
                 if !self.scene.bounds_of(&object).is_some_and(|bounds| bounds.is_usable()) {
                     self.leave_out_huge(node);
@@ -159,16 +159,15 @@ impl Assembly<'_> {
         &mut self,
         kind: &mut Kind,
         primitive: &Primitive<'_>,
-        is_mirrored: bool,
+        variant: Variant,
     ) -> Result<Vec<MeshId>, ImportError> {
-        if let Some(made) = &kind.made[usize::from(is_mirrored)] {
+        if let Some(made) = &kind.made[usize::from(variant.is_mirrored)] {
             return Ok(made.clone());
         }
-        let variant = Variant { is_mirrored, ..Variant::PLAIN };
         let geometry =
             primitive.build(variant, &kind.material, &mut self.budget, &mut self.notes)?;
         let mut name = self.name_of(kind.mesh, kind.number);
-        if is_mirrored {
+        if variant.is_mirrored {
             name.push_str(" (mirrored)");
         }
         let mut made = Vec::new();
@@ -183,7 +182,7 @@ impl Assembly<'_> {
                 made.push(self.add_mesh(piece, &kind.material, name));
             }
         }
-        kind.made[usize::from(is_mirrored)] = Some(made.clone());
+        kind.made[usize::from(variant.is_mirrored)] = Some(made.clone());
         Ok(made)
     }
 
