@@ -18,6 +18,8 @@ const FRAMES_A_SECOND: f64 = 60.0;
 const DOWN_RAD: f32 = 0.35;
 /// It has that much more than enough room.
 const ROOM: f32 = 1.05;
+/// The rims of the cylinder around a scene are looked at in so many points.
+const RIM_POINTS: u32 = 64;
 
 /// The place of the camera of that name, or of the first one; none where there is none and none is named.
 ///
@@ -162,7 +164,6 @@ impl Clips {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
     centre: Vec3,
-    radius_m: f32,
     away_m: f32,
 }
 
@@ -171,12 +172,26 @@ impl Orbit {
     pub fn around(bounds: &Aabb, size: [u32; 2]) -> Self {
         let half = (bounds.max - bounds.min) * 0.5;
         let is_something = half.is_finite() && half.cmpge(Vec3::ZERO).all();
-        let centre = if is_something { (bounds.min + bounds.max) * 0.5 } else { Vec3::ZERO };
-        let radius_m = if is_something { half.length().max(1e-3) } else { 1.0 };
-        let aspect = size[0].max(1) as f32 / size[1].max(1) as f32;
-        let tangent = (FOV_Y_RAD * 0.5).tan() * aspect.min(1.0);
-        let away_m = ROOM * radius_m / tangent.atan().sin();
-        Self { centre, radius_m, away_m }
+        let (centre, half) = match is_something {
+            true => ((bounds.min + bounds.max) * 0.5, half.max(Vec3::splat(1e-3))),
+            false => (Vec3::ZERO, Vec3::ONE),
+        };
+        // The upright cylinder around it looks the same from all sides. It must fit: from its rims comes how
+        // far away that is.
+        let tangent_up = (FOV_Y_RAD * 0.5).tan() / ROOM;
+        let tangent_across = tangent_up * size[0].max(1) as f32 / size[1].max(1) as f32;
+        let (down, level) = DOWN_RAD.sin_cos();
+        let rims = (0..RIM_POINTS).flat_map(|point| {
+            let rim =
+                Vec2::from_angle(TAU * point as f32 / RIM_POINTS as f32) * half.x.hypot(half.z);
+            [-half.y, half.y].map(|height| {
+                let nearer = rim.y * level + height * down;
+                let up = height * level - rim.y * down;
+                (rim.x.abs() / tangent_across).max(up.abs() / tangent_up) + nearer
+            })
+        });
+        let away_m = rims.fold(0.0, f32::max);
+        Self { centre, away_m }
     }
 
     /// Where the camera is in a frame of so many.
@@ -189,7 +204,7 @@ impl Orbit {
             forward: -outward,
             up: Vec3::Y,
             fov_y: FOV_Y_RAD,
-            near: (self.away_m - self.radius_m) * 0.5,
+            near: self.away_m * 1e-3,
         }
     }
 }

@@ -191,6 +191,9 @@ impl Session {
             self.world.advance(&mut self.renderer, seconds)?;
         }
         let camera = self.camera(steering, seconds);
+        if self.frozen.is_none() {
+            self.world.choose_detail(&mut self.renderer, &camera);
+        }
         self.seconds += f64::from(seconds);
         if let Some(recording) = &mut self.recording {
             recording.push(self.seconds, camera);

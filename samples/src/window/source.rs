@@ -40,11 +40,12 @@ impl Source {
 
     /// The same settings for another file, which has other cameras.
     pub fn settings_for_another(&self) -> FileSource {
-        let exposure = match self {
-            Self::Made { .. } => 1.0,
-            Self::File { settings, .. } | Self::Nothing { settings } => settings.exposure,
-        };
-        FileSource { camera: None, recorded: None, exposure }
+        match self {
+            Self::Made { .. } => FileSource::default(),
+            Self::File { settings, .. } | Self::Nothing { settings } => {
+                FileSource { camera: None, recorded: None, ..settings.clone() }
+            }
+        }
     }
 }
 
@@ -57,4 +58,12 @@ pub struct FileSource {
     pub recorded: Option<PathBuf>,
     /// What all light is multiplied with.
     pub exposure: f32,
+    /// By how many pixels surfaces may be off where objects take coarser forms; `None` has the finest.
+    pub detail_pixels: Option<f32>,
+}
+
+impl Default for FileSource {
+    fn default() -> Self {
+        Self { camera: None, recorded: None, exposure: 1.0, detail_pixels: None }
+    }
 }

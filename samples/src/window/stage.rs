@@ -83,6 +83,10 @@ impl Stage {
     ) -> Result<Self, RunError> {
         let mut imported = scene_file::load(file, told)?;
         scene_file::expose(&mut imported, settings.exposure);
+        if settings.detail_pixels.is_some() {
+            scene_file::tell(told, "making coarser forms", None)?;
+            imported.make_levels(&import::LevelOptions::default());
+        }
         let hierarchy = scene_file::hierarchy(&imported.scene, told)?;
         scene_file::tell(told, "bringing it to the device", None)?;
         let renderer_options = renderer_options(options, size)?;

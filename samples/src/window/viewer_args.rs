@@ -46,6 +46,9 @@ pub struct ViewerArguments {
     /// What all light is multiplied with before it is brought to the screen
     #[arg(long, value_name = "FACTOR", default_value = "1", help_heading = "World")]
     pub exposure: String,
+    /// Objects take coarser forms where that moves no surface by more than so many pixels [default: never]
+    #[arg(long, value_name = "PIXELS", help_heading = "World")]
+    pub detail: Option<String>,
     /// How it is shown.
     #[command(flatten)]
     pub show: ShowArguments,
@@ -58,13 +61,9 @@ impl ViewerArguments {
     /// The first argument that cannot be.
     pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
         let show = self.show.options()?;
-        let exposure = match self.exposure.parse::<f32>() {
-            Ok(factor) if factor > 0.0 && factor.is_finite() => factor,
-            _ => {
-                let text = &self.exposure;
-                return usage(format!("--exposure takes a number above 0, not '{text}'"));
-            }
-        };
+        let exposure = positive("--exposure", &self.exposure)?;
+        let detail_pixels = self.detail.as_deref();
+        let detail_pixels = detail_pixels.map(|text| positive("--detail", text)).transpose()?;
         let recorded = match &self.path {
             None => None,
             Some(_) if self.camera.is_some() => {
@@ -81,7 +80,8 @@ impl ViewerArguments {
                 }
             },
         };
-        let settings = FileSource { camera: self.camera.clone(), recorded, exposure };
+        let camera = self.camera.clone();
+        let settings = FileSource { camera, recorded, exposure, detail_pixels };
         match &self.file {
             Some(file) => Ok((Source::File { file: file.clone(), settings }, show)),
             None if show.is_headless => usage(
@@ -92,6 +92,13 @@ impl ViewerArguments {
             ),
             None => Ok((Source::Nothing { settings }, show)),
         }
+    }
+}
+
+fn positive(option: &str, text: &str) -> Result<f32, UsageError> {
+    match text.parse::<f32>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => usage(format!("{option} takes a number above 0, not '{text}'")),
     }
 }
 
@@ -112,7 +119,7 @@ mod tests {
     #[test]
     fn a_file_is_enough() {
         let (source, show) = parse(&["a.glb"]).unwrap();
-        let settings = FileSource { camera: None, recorded: None, exposure: 1.0 };
+        let settings = FileSource::default();
         assert_eq!(source, Source::File { file: "a.glb".into(), settings: settings.clone() });
         assert!(!show.is_headless && show.has_hud);
         assert_eq!(parse(&[]).unwrap().0, Source::Nothing { settings });
@@ -120,14 +127,26 @@ mod tests {
 
     #[test]
     fn every_option_arrives() {
-        let line =
-            ["--camera", "walk", "--exposure", "0.5", "a.glb", "--headless", "--size", "3x2"];
+        let line = [
+            "--camera=walk",
+            "--exposure=0.5",
+            "--detail=2",
+            "a.glb",
+            "--headless",
+            "--size",
+            "3x2",
+        ];
         let (source, show) = parse(&line).unwrap();
-        let settings = FileSource { camera: Some("walk".into()), recorded: None, exposure: 0.5 };
+        let settings = FileSource {
+            camera: Some("walk".into()),
+            recorded: None,
+            exposure: 0.5,
+            detail_pixels: Some(2.0),
+        };
         assert_eq!(source, Source::File { file: "a.glb".into(), settings });
         assert_eq!((show.size.width, show.size.height, show.is_headless), (3, 2, true));
         let (source, _) = parse(&["a.gltf", "--replay", "./p"]).unwrap();
-        let settings = FileSource { camera: None, recorded: Some("./p".into()), exposure: 1.0 };
+        let settings = FileSource { recorded: Some("./p".into()), ..FileSource::default() };
         assert_eq!(source, Source::File { file: "a.gltf".into(), settings });
     }
 
@@ -139,6 +158,7 @@ mod tests {
             (&["a.glb", "--exposure", "0"], "above 0, not '0'"),
             (&["a.glb", "--exposure", "NaN"], "above 0, not 'NaN'"),
             (&["a.glb", "--exposure", "bright"], "above 0, not 'bright'"),
+            (&["a.glb", "--detail", "-1"], "above 0, not '-1'"),
             (&["a.glb", "--path", "walk"], "say --camera"),
             (&["a.glb", "--path", "a/b", "--camera", "walk"], "do not go together"),
             (&["a.glb", "--strategy", "ideal"], "see walkthrough"),

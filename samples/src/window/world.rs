@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use cull::Camera;
+use cull::{Camera, DetailPolicy};
 use import::{Imported, Performance};
 use render::Renderer;
 
@@ -53,9 +53,15 @@ struct Life {
     cameras: Vec<import::Camera>,
     /// Which clips play.
     clips: Clips,
+    /// When objects take coarser forms; never where it is `None`.
+    detail: Option<DetailPolicy>,
     /// What time it is in the scene.
     seconds: f64,
     is_paused: bool,
+}
+
+fn detail_policy(error_pixels: f32) -> DetailPolicy {
+    DetailPolicy { error_pixels, ..DetailPolicy::default() }
 }
 
 impl World {
@@ -115,7 +121,14 @@ impl World {
             speed_m: if crossing_m.is_normal() { crossing_m } else { WALKING_M },
             notes,
             guide,
-            life: Some(Life { performance, cameras, clips, seconds: 0.0, is_paused: false }),
+            life: Some(Life {
+                performance,
+                cameras,
+                clips,
+                detail: settings.detail_pixels.map(detail_policy),
+                seconds: 0.0,
+                is_paused: false,
+            }),
         })
     }
 
@@ -146,6 +159,13 @@ impl World {
         }
         life.performance.show(renderer, life.seconds)?;
         Ok(())
+    }
+
+    /// Lets objects take the forms that are fine enough for `camera`.
+    pub fn choose_detail(&self, renderer: &mut Renderer, camera: &Camera) {
+        if let Some(policy) = self.life.as_ref().and_then(|life| life.detail) {
+            renderer.choose_detail(&[*camera], &policy);
+        }
     }
 
     /// Whether there are clips or cameras to choose from.

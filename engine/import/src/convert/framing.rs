@@ -12,12 +12,25 @@ pub(super) fn flight(bounds: &Aabb) -> Flight {
     Flight { centre: top + Vec3::Y * (reach * 0.35), radius_m: reach * 0.75, down_rad: 0.5 }
 }
 
+/// How much wider than high a picture is at least that shows everything.
+const ASPECT: f32 = 4.0 / 3.0;
+
+/// The share of the picture that the scene takes.
+const FILLED: f32 = 0.9;
+
 /// Three quarters from the front, somewhat from above, with everything in sight.
 pub(crate) fn overview(bounds: &Aabb) -> Camera {
-    let radius = bounds.half_extent().length().max(1e-3);
     let forward = vec3(-0.6, -0.45, -0.66).normalize_or(Vec3::NEG_Z);
-    // The sphere around the box fits between the frustum's sides: its distance is r / sin(half the angle).
-    let distance = radius / (FOV_Y_RAD * 0.5).sin();
+    let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);
+    let up = right.cross(forward);
+    let tan_up = (FOV_Y_RAD * 0.5).tan() * FILLED;
+    // As far away as the corner needs that is farthest out.
+    let distance_for = |corner: Vec3| {
+        let from_centre = corner - bounds.centre();
+        let across = from_centre.dot(right).abs() / (tan_up * ASPECT);
+        across.max(from_centre.dot(up).abs() / tan_up) - from_centre.dot(forward)
+    };
+    let distance = bounds.corners().into_iter().map(distance_for).fold(1e-3, f32::max);
     Camera {
         eye: bounds.centre() - forward * distance,
         forward,
@@ -35,11 +48,14 @@ mod tests {
     fn an_overview_has_every_corner_in_sight() {
         let bounds = Aabb::new(vec3(-10.0, 0.0, 5.0), vec3(70.0, 4.0, 9.0));
         let camera = overview(&bounds);
+        let view = cull::View::new(&camera, [400, 300], 8);
+        let mut farthest_out: f32 = 0.0;
         for corner in bounds.corners() {
-            let towards = corner - camera.eye;
-            assert!(towards.dot(camera.forward) > camera.near);
-            assert!(towards.angle_between(camera.forward) < camera.fov_y * 0.5);
+            let clip = view.view_proj * corner.extend(1.0);
+            assert!(clip.w > camera.near);
+            farthest_out = farthest_out.max(clip.x.abs() / clip.w).max(clip.y.abs() / clip.w);
         }
+        assert!((farthest_out - FILLED).abs() < 1.0e-3, "{farthest_out}");
         let point = overview(&Aabb::new(Vec3::ONE, Vec3::ONE));
         assert!(point.eye.is_finite() && point.near > 0.0);
     }
