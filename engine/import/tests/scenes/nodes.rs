@@ -200,9 +200,10 @@ fn without_a_camera_the_whole_scene_is_seen_and_without_a_light_there_is_one() {
     scene.set("/nodes/0/scale", json!([100, 100, 100]));
     let imported = load(&scene);
     let camera = imported.default_camera();
+    let view = cull::View::new(&camera, [400, 300], 8);
     for corner in imported.bounds().corners() {
-        let towards = corner - camera.eye;
-        assert!(towards.angle_between(camera.forward) < camera.fov_y * 0.5);
+        let clip = view.view_proj * corner.extend(1.0);
+        assert!(clip.w > 0.0 && clip.truncate().truncate().abs().max_element() < clip.w);
     }
     assert_eq!(imported.scene.surfaces.as_ref().expect("surfaces").lights.len(), 1);
     assert!(notes(&imported, "the file has no light"));
