@@ -41,7 +41,8 @@ pub struct Limits {
     pub joints: u64,
     /// Numbers in the outputs and inputs of all animation channels. Default: 2^26.
     pub key_values: u64,
-    /// Numbers in the morph targets of all meshes, each as often as its mesh is on a node. Default: 2^27.
+    /// Numbers in the morph targets, joints and weights of all meshes, each as often as its mesh is on a node
+    /// or instance. Default: 2^27.
     pub morph_values: u64,
 }
 

@@ -221,8 +221,7 @@ impl Performance {
         for mover in &self.movers {
             let Some(part) = self.parts.get_mut(*mover) else { continue };
             part.change(&self.rig, &self.pose, &mut self.changes);
-            let clips = self.playing.contributing(seconds);
-            let bounds = part.bounds(clips.filter_map(|clip| Some((clip, self.clips.get(clip)?))));
+            let bounds = part.bounds(self.playing.mixed(seconds), &self.clips);
             part.change_place(&self.world, bounds, &mut self.lights, &mut self.changes);
         }
         if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {

@@ -1,6 +1,6 @@
 //! What a scene of this file would be made of, against the limits: a short file can name a large mesh often.
 
-use gltf::json::mesh::{Mode, Primitive};
+use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Mesh, Node, Root};
 
@@ -31,6 +31,20 @@ impl Cost {
         self.listed_vertices = self.listed_vertices.saturating_add(other.listed_vertices);
         self.corners = self.corners.saturating_add(other.corners);
         self.morph_values = self.morph_values.saturating_add(other.morph_values);
+    }
+}
+
+impl Cost {
+    fn times(self, count: u64) -> Self {
+        let Self { primitives, vertices, listed_vertices, corners, morph_values } = self;
+        Self {
+            primitives: primitives.saturating_mul(count),
+            vertices: vertices.saturating_mul(count),
+            // What is in accessors is read once.
+            listed_vertices,
+            corners: corners.saturating_mul(count),
+            morph_values: morph_values.saturating_mul(count),
+        }
     }
 }
 
@@ -81,8 +95,12 @@ fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
     let mesh = node.mesh.and_then(|mesh| root.get(mesh));
     let is_deformed =
         node.skin.is_some() || mesh.is_some_and(|mesh| meshes::target_count(mesh) > 0);
-    let objects = Cost { primitives: cost.primitives.saturating_mul(instances), ..Cost::default() };
-    if is_deformed { Cost { primitives: objects.primitives, ..cost } } else { objects }
+    let primitives = cost.primitives.saturating_mul(instances);
+    if is_deformed {
+        Cost { primitives, ..cost.times(instances) }
+    } else {
+        Cost { primitives, ..Cost::default() }
+    }
 }
 
 fn within(total: &Cost, limits: &Limits) -> Result<(), Reason> {
@@ -90,7 +108,7 @@ fn within(total: &Cost, limits: &Limits) -> Result<(), Reason> {
     below("vertices up to it", total.vertices, limits.vertices)?;
     below("vertices in accessors up to it", total.listed_vertices, limits.listed_vertices)?;
     below("corners of triangles up to it", total.corners, limits.corners)?;
-    below("numbers in morph targets up to it", total.morph_values, limits.morph_values)
+    below("numbers in morph targets and skins up to it", total.morph_values, limits.morph_values)
 }
 
 fn below(what: &str, amount: u64, limit: u64) -> Result<(), Reason> {
@@ -121,7 +139,12 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
     // Each target moves up to three attributes of three numbers.
     let targets = primitive.targets.as_ref().map_or(0, Vec::len) as u64;
     let morph_values = vertices.saturating_mul(targets).saturating_mul(9);
-    Cost { primitives: 1, vertices, listed_vertices: all, corners, morph_values }
+    // So does each set of four joints, with as many weights.
+    let is_joints = |name: &&Checked<Semantic>| matches!(name, Checked::Valid(Semantic::Joints(_)));
+    let sets = primitive.attributes.keys().filter(is_joints).count() as u64;
+    let morph_values = morph_values.saturating_add(vertices.saturating_mul(sets.saturating_mul(8)));
+    let listed_vertices = all.saturating_mul(sets.max(1));
+    Cost { primitives: 1, vertices, listed_vertices, corners, morph_values }
 }
 
 fn check_keys(root: &Root, limits: &Limits) -> Result<(), Fault> {

@@ -127,19 +127,23 @@ impl Part {
         changes.matrices = matrices;
     }
 
-    /// The box that it stays in while these clips play together; `None` where it has its form for ever.
+    /// The box that it stays in while poses of these clips are mixed, one group with another; `None` where
+    /// it has its form for ever. The pose of a group that does not form it is that of the rest, so a single
+    /// clip's box holds only where there is nothing to mix it with.
     pub(super) fn bounds<'a>(
         &self,
-        clips: impl Iterator<Item = (usize, &'a Clip)>,
+        groups: impl Iterator<Item = &'a [usize]> + Clone,
+        all: &[Clip],
     ) -> Option<Aabb> {
         self.placement.deformer?;
-        let mut forming = clips.filter(|(_, clip)| self.is_formed_by(clip)).map(|(clip, _)| clip);
+        let forms = |clip: &&usize| all.get(**clip).is_some_and(|clip| self.is_formed_by(clip));
+        let mut forming = groups.clone().flatten().filter(forms);
         let Some(first) = forming.next() else { return Some(self.placement.rest_bounds) };
-        let own = |clip: usize| self.placement.clip_bounds.get(clip).copied();
-        match forming.find(|clip| *clip != first) {
-            None => Some(own(first).unwrap_or(self.placement.rest_bounds)),
-            Some(_) => Some(self.placement.blend_bounds),
+        let is_alone = groups.count() == 1 && forming.all(|clip| clip == first);
+        if !is_alone {
+            return Some(self.placement.blend_bounds);
         }
+        Some(self.placement.clip_bounds.get(*first).copied().unwrap_or(self.placement.rest_bounds))
     }
 
     /// Notes where it is if that is elsewhere.

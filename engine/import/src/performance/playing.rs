@@ -39,10 +39,11 @@ impl Playing {
         if done.is_nan() { 1.0 } else { done.clamp(0.0, 1.0) as f32 }
     }
 
-    /// Those that the pose of a time is made of; one may come twice.
-    pub(super) fn contributing(&self, seconds: f64) -> impl Iterator<Item = usize> + Clone {
-        let from = if self.weight(seconds) < 1.0 { self.from.as_slice() } else { &[] };
-        from.iter().chain(&self.to).copied()
+    /// The groups of clips whose poses are mixed at a time: those that were replaced, while they fade, and
+    /// those that play.
+    pub(super) fn mixed(&self, seconds: f64) -> impl Iterator<Item = &[usize]> + Clone {
+        let from = (self.weight(seconds) < 1.0).then_some(self.from.as_slice());
+        from.into_iter().chain([self.to.as_slice()])
     }
 
     /// All whose nodes are to be looked at.
@@ -122,8 +123,8 @@ mod tests {
         assert_eq!((playing.weight(0.0), playing.settles(0.0)), (1.0, false));
         playing.change(&[1], 10.0, 0.5);
         assert_eq!([9.0, 10.0, 10.25, 10.5].map(|s| playing.weight(s)), [0.0, 0.0, 0.5, 1.0]);
-        assert_eq!(playing.contributing(10.25).collect::<Vec<_>>(), [0, 1]);
-        assert_eq!(playing.contributing(10.5).collect::<Vec<_>>(), [1]);
+        assert_eq!(playing.mixed(10.25).collect::<Vec<_>>(), [[0], [1]]);
+        assert_eq!(playing.mixed(10.5).collect::<Vec<_>>(), [[1]]);
         assert!(!playing.settles(10.25) && playing.settles(10.5) && !playing.settles(11.0));
         assert_eq!(playing.weight(9.0), 1.0, "what is over does not come back");
         assert_eq!(playing.concerned().collect::<Vec<_>>(), [1]);

@@ -240,6 +240,19 @@ fn clips_fade_into_each_other_and_the_old_one_comes_to_rest() {
 }
 
 #[test]
+fn what_fades_to_its_rest_is_in_neither_box_alone() {
+    let mut performance = performance();
+    performance.play(&[4], 0.0, 0.0);
+    performance.changes(0.0);
+    performance.changes(0.5);
+    let alone = performance.parts[1].shown_bounds;
+    performance.play(&[], 0.5, 0.4);
+    performance.changes(0.7);
+    let fading = performance.parts[1].shown_bounds;
+    assert_eq!(fading, unit_box(3.0), "the box of all mixes, not {alone:?}");
+}
+
+#[test]
 fn clips_that_move_the_same_do_not_play_together() {
     let performance = performance();
     assert_eq!(performance.compatible(None), [0, 1, 2, 3]);
