@@ -66,8 +66,9 @@ impl Teller<'_> {
 /// Loads the scene of a .gltf or .glb file, with everything it refers to. The scene's name is the file's,
 /// without its ending.
 ///
-/// Whatever is in the file, this does not panic, does not read outside of its folder, and takes no more
-/// memory than the limits say. What can be shown is shown, and what is shown otherwise than the file says is
+/// Whatever is in the file, this does not panic and does not read outside of its folder. Reading takes no more
+/// memory than [`Limits`] say; boxes of what changes its form (one for each clip and object) and joints of
+/// deep rigs come on top of that. What can be shown is shown, and what is shown otherwise than the file says is
 /// in [`Imported::notes`]. The scene passes [`Scene::validate`](render::scene::Scene::validate), every
 /// object has a usable box, and all numbers are finite.
 ///

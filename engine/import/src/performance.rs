@@ -1,7 +1,8 @@
 //! A scene out of a file as it lives: time in, changes of the renderer out.
 //!
 //! The work of a moment goes with what moves then, not with the scene: nodes that no playing clip moves are
-//! not looked at, and what is where it was is not changed.
+//! not looked at, and what is where it was is not changed. For each part that changes its form the channels of the
+//! playing clips are looked through.
 
 mod changes;
 mod playing;

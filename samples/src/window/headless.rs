@@ -65,6 +65,9 @@ fn draw(
         }
         Source::Nothing { .. } => Stage::empty(device, options, size)?,
     };
+    for note in &stage.world.notes {
+        tracing::warn!("{}: {note}", stage.world.name);
+    }
     let mut session = Session::new(device, options, files, stage)?;
     let drawn = draw_frames(device, &mut session, options, signals);
     super::first_error([drawn, session.finish(options)])
