@@ -71,23 +71,30 @@ impl Rig {
     /// # Errors
     /// A parent that is not there; nodes that are their own ancestors.
     pub fn new(nodes: Vec<Node>) -> Result<Self, RigError> {
-        let mut children: Vec<Vec<NodeId>> = vec![Vec::new(); nodes.len()];
+        // The first child of each node, and the next child of its parent: lists without a vector each.
+        let mut first: Vec<Option<NodeId>> = vec![None; nodes.len()];
+        let mut next: Vec<Option<NodeId>> = vec![None; nodes.len()];
         let mut order = Vec::with_capacity(nodes.len());
-        for (id, node) in (0..).zip(&nodes) {
-            match node.parent {
-                None => order.push(NodeId(id)),
-                Some(parent) => match children.get_mut(parent.0 as usize) {
-                    Some(children) => children.push(NodeId(id)),
-                    None => return Err(RigError::NoParent { node: id, parent: parent.0 }),
-                },
+        for (place, node) in nodes.iter().enumerate().rev() {
+            let id = NodeId(place as u32);
+            let Some(parent) = node.parent else { continue };
+            let Some(first) = first.get_mut(parent.0 as usize) else {
+                return Err(RigError::NoParent { node: id.0, parent: parent.0 });
+            };
+            next[place] = first.replace(id);
+        }
+        let is_root = |(_, node): &(NodeId, &Node)| node.parent.is_none();
+        order.extend((0..).map(NodeId).zip(&nodes).filter(is_root).map(|(id, _)| id));
+        let mut done = 0;
+        while let Some(node) = order.get(done) {
+            let mut child = first[node.0 as usize].take();
+            while let Some(id) = child {
+                order.push(id);
+                child = next[id.0 as usize];
             }
+            done += 1;
         }
-        let mut next = 0;
-        while let Some(node) = order.get(next) {
-            order.extend(children.get_mut(node.0 as usize).map(std::mem::take).unwrap_or_default());
-            next += 1;
-        }
-        match children.iter().flatten().next() {
+        match first.iter().flatten().next() {
             Some(node) => Err(RigError::Cycle { node: node.0 }),
             None => Ok(Self { nodes, order }),
         }

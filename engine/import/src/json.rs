@@ -10,7 +10,6 @@ use serde_path_to_error::Segment;
 use crate::Limits;
 use crate::error::{Fault, Reason, quoted};
 use crate::notes::Notes;
-use weight::Numbers;
 
 /// Reads the JSON of a file. What was left out of it is noted.
 pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<Root, Fault> {
@@ -19,8 +18,8 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<R
     let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let json = json.get(..end).unwrap_or_default();
 
-    let numbers = weight::check(json, limits).map_err(|reason| reason.of("JSON"))?;
-    if numbers == Numbers::SomeWide
+    weight::check(json, limits).map_err(|reason| reason.of("JSON"))?;
+    if wide::may_be_in(json)
         && let Ok(value) = serde_json::from_slice::<Value>(json)
     {
         wide::check(&value)?;

@@ -36,10 +36,11 @@ impl Tree {
     pub(super) fn of(source: &Source, notes: &mut Notes) -> Result<Self, ImportError> {
         let json = source.document.as_json();
         let (moved, morphed) = animated(json);
-        let mut nodes: Vec<Node> = Vec::new();
-        let mut ids = vec![None; json.nodes.len()];
-        let (mut in_file, mut worlds) = (Vec::new(), Vec::new());
-        let (mut moves, mut morphs) = (Vec::new(), Vec::new());
+        let count = json.nodes.len();
+        let mut nodes: Vec<Node> = Vec::with_capacity(count);
+        let mut ids = vec![None; count];
+        let (mut in_file, mut worlds) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let (mut moves, mut morphs) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut pending: Vec<(usize, Option<NodeId>)> =
             roots(json, notes).into_iter().rev().map(|root| (root, None)).collect();
         while let Some((index, parent)) = pending.pop() {

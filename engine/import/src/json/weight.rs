@@ -38,37 +38,33 @@ const _: () = {
     assert!(size_of::<json::texture::Sampler>() <= largest);
 };
 
-/// How large the whole numbers are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Numbers {
-    /// None has more than 32 bits.
-    AllNarrow,
-    /// Some has.
-    SomeWide,
-}
+/// The most that a byte of JSON weighs: `{}` and a comma are an object, and nothing is more for its length.
+const MOST_PER_BYTE: u64 = OBJECT_BYTES / 2;
 
 /// Fails if the JSON is longer than the limits allow, or would take more memory.
 ///
-/// JSON that is not well-formed passes as far as it is: who reads it says what is wrong with it.
-pub(super) fn check(json: &[u8], limits: &Limits) -> Result<Numbers, Reason> {
+/// JSON that is not well-formed passes as far as it is: who reads it says what is wrong with it. What is so short
+/// that it cannot be too much is not weighed, which takes as long as reading half of it.
+pub(super) fn check(json: &[u8], limits: &Limits) -> Result<(), Reason> {
     let length = json.len() as u64;
     if length > limits.json_bytes {
         return Err(Reason::too_large("bytes of JSON", length, limits.json_bytes));
     }
-    let mut weight =
-        Weight { bytes: 0, limit: limits.json_memory_bytes, numbers: Numbers::AllNarrow };
+    if length.saturating_mul(MOST_PER_BYTE) <= limits.json_memory_bytes {
+        return Ok(());
+    }
+    let mut weight = Weight { bytes: 0, limit: limits.json_memory_bytes };
     let mut reader = serde_json::Deserializer::from_slice(json);
     let _ = weight.deserialize(&mut reader);
     if weight.is_too_much() {
         return Err(Reason::too_large("bytes of JSON in memory", weight.bytes, weight.limit));
     }
-    Ok(weight.numbers)
+    Ok(())
 }
 
 struct Weight {
     bytes: u64,
     limit: u64,
-    numbers: Numbers,
 }
 
 impl Weight {
@@ -109,10 +105,7 @@ impl<'de> Visitor<'de> for &mut Weight {
         self.add(SCALAR_BYTES)
     }
 
-    fn visit_u64<E: Error>(self, number: u64) -> Result<(), E> {
-        if number > u64::from(u32::MAX) {
-            self.numbers = Numbers::SomeWide;
-        }
+    fn visit_u64<E: Error>(self, _: u64) -> Result<(), E> {
         self.add(SCALAR_BYTES)
     }
 
@@ -137,5 +130,41 @@ impl<'de> Visitor<'de> for &mut Weight {
             map.next_value_seed(&mut *self)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn weight_of(json: &str) -> u64 {
+        let mut weight = Weight { bytes: 0, limit: u64::MAX };
+        let mut reader = serde_json::Deserializer::from_slice(json.as_bytes());
+        weight.deserialize(&mut reader).expect("well-formed");
+        weight.bytes
+    }
+
+    #[test]
+    fn no_json_weighs_more_than_its_length_can() {
+        let mut worst: f64 = 0.0;
+        for item in ["{}", "[]", "0", "\"\"", "{\"\":{}}", "{\"\":0}", "[{}]", "[[]]", "null"] {
+            for count in [1, 2, 1000] {
+                let json = format!("[{}]", vec![item; count].join(","));
+                worst = worst.max(weight_of(&json) as f64 / json.len() as f64);
+            }
+        }
+        assert!(worst <= MOST_PER_BYTE as f64, "{worst}");
+        assert!(weight_of("{}") <= 2 * MOST_PER_BYTE);
+    }
+
+    #[test]
+    fn what_could_be_too_much_is_weighed_and_what_cannot_be_is_not() {
+        let json = format!("[{}]", vec!["{}"; 1000].join(","));
+        let weight = weight_of(&json);
+        let limits = |bytes| Limits { json_memory_bytes: bytes, ..Limits::default() };
+        assert!(check(json.as_bytes(), &limits(weight)).is_ok());
+        assert!(check(json.as_bytes(), &limits(weight - 1)).is_err());
+        let long = " ".repeat(100);
+        assert!(check(long.as_bytes(), &limits(0)).is_ok(), "spaces weigh nothing");
     }
 }

@@ -37,6 +37,25 @@ const NARROW: &[&str] = &[
 /// Keys whose value is a list or an object of indices.
 const LISTS: &[&str] = &["attributes", "children", "joints", "nodes", "targets"];
 
+/// The digits of the least number beyond 32 bits.
+const WIDE_DIGITS: usize = 10;
+
+/// Whether a whole number of more than 32 bits may be in the JSON: so many digits in a row that follow no
+/// decimal point. Whoever has such a row has a digit at some multiple of its length.
+pub(super) fn may_be_in(json: &[u8]) -> bool {
+    let is_digit = |byte: &u8| byte.is_ascii_digit();
+    let starts_wide = |at: usize| {
+        let before = json.get(..at).unwrap_or_default();
+        let first = before.iter().rposition(|byte| !is_digit(byte));
+        let digits = before.len() - first.map_or(0, |first| first + 1);
+        let is_fraction = first.is_some_and(|first| before.get(first) == Some(&b'.'));
+        let after = json.get(at..).unwrap_or_default().iter().take(WIDE_DIGITS);
+        !is_fraction && digits + after.take_while(|byte| is_digit(byte)).count() >= WIDE_DIGITS
+    };
+    let places = (0..json.len()).step_by(WIDE_DIGITS);
+    places.into_iter().any(|at| json.get(at).is_some_and(is_digit) && starts_wide(at))
+}
+
 /// Fails at the first such number that is wider. Depth was limited by the reader of the JSON.
 pub(super) fn check(value: &Value) -> Result<(), Fault> {
     match value {
@@ -71,5 +90,24 @@ fn wide_number(value: &Value, levels: u32) -> Option<u64> {
                 .flatten()
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::may_be_in;
+
+    #[test]
+    fn wide_numbers_are_found_wherever_they_are() {
+        for lead in 0..25 {
+            let lead = " ".repeat(lead);
+            for wide in ["4294967296", "18446744073709551615", "-9999999999", "[1,4294967296]"] {
+                assert!(may_be_in(format!("{lead}{wide}").as_bytes()), "{lead}{wide}");
+                assert!(may_be_in(format!("{lead}{wide}, 0.5").as_bytes()), "{lead}{wide}");
+            }
+            for narrow in ["429496729", "0.70710678118654752", "[123456789,987654321]", ""] {
+                assert!(!may_be_in(format!("{lead}{narrow}").as_bytes()), "{lead}{narrow}");
+            }
+        }
     }
 }
