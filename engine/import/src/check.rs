@@ -12,6 +12,8 @@ mod nodes;
 mod skins;
 mod values;
 
+use std::collections::BTreeMap;
+
 use gltf::json::Root;
 use gltf::json::mesh::Primitive;
 
@@ -25,8 +27,11 @@ use crate::{Limits, SUPPORTED_EXTENSIONS};
 
 /// Checks all that the JSON alone can tell beyond views and accessors.
 ///
-/// Finds where meshes are instanced, one for each node.
-pub(crate) fn structure(root: &Root, limits: &Limits) -> Result<Vec<Option<Instancing>>, Fault> {
+/// Finds where meshes are instanced, by their nodes.
+pub(crate) fn structure(
+    root: &Root,
+    limits: &Limits,
+) -> Result<BTreeMap<usize, Instancing>, Fault> {
     materials::check(root)?;
     meshes::check(root)?;
     nodes::check(root, limits)?;

@@ -1,5 +1,6 @@
 //! A file that was read and checked: what may be relied on without looking again.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use gltf::json::Root;
@@ -88,8 +89,8 @@ pub struct Source {
     /// As many as the document has textures: the index of its image, which is there; `None` for those whose
     /// image is in a format that is not supported, which are noted.
     pub texture_images: Vec<Option<usize>>,
-    /// As many as the document has nodes: where its mesh is instanced.
-    pub instancing: Vec<Option<Instancing>>,
+    /// For each node whose mesh is instanced, where.
+    pub instancing: BTreeMap<usize, Instancing>,
     /// What was in the file that is not understood, for people.
     pub notes: Vec<String>,
     pub(crate) store: Store,
@@ -179,7 +180,7 @@ struct Parts {
     root: Root,
     images: Vec<Option<Image>>,
     texture_images: Vec<Option<usize>>,
-    instancing: Vec<Option<Instancing>>,
+    instancing: BTreeMap<usize, Instancing>,
     store: Store,
 }
 

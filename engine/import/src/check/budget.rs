@@ -1,5 +1,7 @@
 //! What a scene of this file would be made of, against the limits: a short file can name a large mesh often.
 
+use std::collections::BTreeMap;
+
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Mesh, Node, Root};
@@ -51,7 +53,7 @@ impl Cost {
 /// Fails at the first object with which a limit is exceeded. Everything else of the JSON was checked.
 pub(super) fn check(
     root: &Root,
-    instancing: &[Option<Instancing>],
+    instancing: &BTreeMap<usize, Instancing>,
     limits: &Limits,
 ) -> Result<(), Fault> {
     let costs: Vec<Cost> = root.meshes.iter().map(|mesh| cost_of(root, mesh)).collect();
@@ -65,8 +67,7 @@ pub(super) fn check(
     for (index, node) in root.nodes.iter().enumerate() {
         let Some(mesh) = node.mesh else { continue };
         let cost = costs.get(mesh.value()).copied().unwrap_or_default();
-        let instances =
-            instancing.get(index).copied().flatten().map_or(1, |instancing| instancing.count);
+        let instances = instancing.get(&index).map_or(1, |instancing| instancing.count);
         total.add(of_node(root, node, cost, instances as u64));
         joints = joints.saturating_add(
             node.skin.and_then(|skin| root.get(skin)).map_or(0, |skin| skin.joints.len() as u64),

@@ -1,5 +1,7 @@
 //! Where meshes are instanced: `EXT_mesh_gpu_instancing`.
 
+use std::collections::BTreeMap;
+
 use gltf::json::accessor::Type;
 use gltf::json::{Accessor, Node, Root};
 use serde_json::{Map, Value};
@@ -11,14 +13,16 @@ use crate::source::Instancing;
 
 const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
-pub(super) fn check(root: &Root) -> Result<Vec<Option<Instancing>>, Fault> {
+pub(super) fn check(root: &Root) -> Result<BTreeMap<usize, Instancing>, Fault> {
     if !uses(root, EXTENSION) {
-        return Ok(vec![None; root.nodes.len()]);
+        return Ok(BTreeMap::new());
     }
-    let nodes = root.nodes.iter().enumerate();
-    nodes
-        .map(|(index, node)| of_node(root, node).at(|| format!("node {index}, {EXTENSION}")))
-        .collect()
+    let mut all = BTreeMap::new();
+    for (index, node) in root.nodes.iter().enumerate() {
+        let found = of_node(root, node).at(|| format!("node {index}, {EXTENSION}"))?;
+        all.extend(found.map(|found| (index, found)));
+    }
+    Ok(all)
 }
 
 fn of_node(root: &Root, node: &Node) -> Result<Option<Instancing>, Reason> {

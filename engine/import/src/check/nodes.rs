@@ -17,7 +17,7 @@ pub(super) fn check(root: &Root, limits: &Limits) -> Result<(), Fault> {
             .at(|| format!("node {index}"))?;
     }
     let parents = parents(root)?;
-    check_ancestors(root, &parents)?;
+    check_ancestors(&parents)?;
     check_scenes(root, &parents)
 }
 
@@ -67,23 +67,26 @@ fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
     Ok(parents)
 }
 
-/// Where each node has one parent at most, those that no root leads to are on a circle or hang on one.
-fn check_ancestors(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
-    let mut is_reached = vec![false; parents.len()];
-    let mut waiting: Vec<usize> =
-        (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
-    while let Some(index) = waiting.pop() {
-        is_reached[index] = true;
-        waiting.extend(root.nodes[index].children.iter().flatten().map(|child| child.value()));
+/// Where each node has one parent at most, those that lead to no root are on a circle or hang on one.
+fn check_ancestors(parents: &[Option<usize>]) -> Result<(), Fault> {
+    let mut leads_to_root = vec![false; parents.len()];
+    for start in 0..parents.len() {
+        let mut at = start;
+        let mut steps = 0;
+        while let Some(parent) = parents[at].filter(|_| !leads_to_root[at]) {
+            at = parent;
+            steps += 1;
+            // As many steps up as there are nodes end on the circle.
+            if steps > parents.len() {
+                return Err(Reason::malformed("it is its own ancestor").of(format!("node {at}")));
+            }
+        }
+        at = start;
+        while !std::mem::replace(&mut leads_to_root[at], true) {
+            at = parents[at].unwrap_or(at);
+        }
     }
-    let Some(mut on_circle) = is_reached.iter().position(|reached| !reached) else {
-        return Ok(());
-    };
-    // As many steps up as there are nodes end on the circle.
-    for _ in 0..parents.len() {
-        on_circle = parents[on_circle].unwrap_or(on_circle);
-    }
-    Err(Reason::malformed("it is its own ancestor").of(format!("node {on_circle}")))
+    Ok(())
 }
 
 fn check_scenes(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {

@@ -70,7 +70,7 @@ impl<'a> Assembly<'a> {
         let Some(mesh) = given.mesh.map(|mesh| mesh.value()) else {
             return Ok(());
         };
-        let instances = self.source.instancing.get(in_file).copied().flatten();
+        let instances = self.source.instancing.get(&in_file).copied();
         let tree = self.tree;
         let name = || tree.name(node);
         let locals = instancing::locals(self.source, instances, &mut self.notes, name);

@@ -1,5 +1,7 @@
 //! Instances: where a node's mesh is, once or many times (`EXT_mesh_gpu_instancing`).
 
+use std::borrow::Cow;
+
 use glam::{Affine3A, Quat, Vec3};
 
 use super::notes::Notes;
@@ -12,9 +14,9 @@ pub(super) fn locals(
     instancing: Option<Instancing>,
     notes: &mut Notes,
     place: impl Fn() -> String,
-) -> Vec<Affine3A> {
+) -> Cow<'static, [Affine3A]> {
     let Some(given) = instancing else {
-        return vec![Affine3A::IDENTITY];
+        return Cow::Borrowed(&[Affine3A::IDENTITY]);
     };
     let vectors = |accessor: Option<usize>| accessor.and_then(|it| source.floats::<3>(it));
     let translations = vectors(given.translation);
@@ -37,5 +39,5 @@ pub(super) fn locals(
     };
     let locals = (0..given.count).map(&mut local).collect();
     notes.count("instances with a rotation of length 0, not turned", broken, place);
-    locals
+    Cow::Owned(locals)
 }

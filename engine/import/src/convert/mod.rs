@@ -80,6 +80,7 @@ pub(crate) fn convert(
         }
     }
     let mut plan = assembly.plan();
+    assembly.scene.objects.reserve_exact(plan.objects());
     let count = tree.in_file.len();
     for (place, node) in (0..count).zip((0..).map(NodeId)) {
         if place % TOLD_NODES == 0 {

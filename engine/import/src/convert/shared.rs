@@ -72,6 +72,12 @@ impl Plan {
         self.of_meshes.get(mesh).map_or(0, Vec::len)
     }
 
+    /// How many objects there will probably be, without what is blended: to make room for.
+    pub(super) fn objects(&self) -> usize {
+        let opaque = self.kinds.iter().filter(|kind| !kind.material.is_blended);
+        opaque.map(|kind| kind.uses).fold(0, u64::saturating_add).min(1 << 20) as usize
+    }
+
     /// Of which kind one of them is.
     pub(super) fn kind(&mut self, mesh: usize, number: usize) -> Option<&mut Kind> {
         let kind = *self.of_meshes.get(mesh)?.get(number)?;
@@ -88,7 +94,7 @@ impl Assembly<'_> {
         for in_file in &self.tree.in_file {
             let mesh = json.nodes.get(*in_file).and_then(|node| node.mesh);
             if let Some(seen) = mesh.and_then(|mesh| seen.get_mut(mesh.value())) {
-                let instances = source.instancing.get(*in_file).copied().flatten();
+                let instances = source.instancing.get(in_file).copied();
                 *seen += instances.map_or(1, |instances| instances.count as u64);
             }
         }
@@ -139,7 +145,9 @@ impl Assembly<'_> {
                 continue;
             }
             let variant = Variant { is_mirrored: mirrors(&transform), ..Variant::PLAIN };
-            for mesh in self.made(kind, primitive, variant)? {
+            self.make(kind, primitive, variant)?;
+            let made = kind.made[usize::from(variant.is_mirrored)].as_deref();
+            for mesh in made.unwrap_or_default().iter().copied() {
                 let object = Object { mesh, transform, tint: NO_TINT };
                 if !self.scene.bounds_of(&object).is_some_and(|bounds| bounds.is_usable()) {
                     self.leave_out_huge(node);
@@ -154,15 +162,15 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// The meshes of a primitive, which are made when they are first needed.
-    fn made(
+    /// Makes the meshes of a primitive when they are first needed.
+    fn make(
         &mut self,
         kind: &mut Kind,
         primitive: &Primitive<'_>,
         variant: Variant,
-    ) -> Result<Vec<MeshId>, ImportError> {
-        if let Some(made) = &kind.made[usize::from(variant.is_mirrored)] {
-            return Ok(made.clone());
+    ) -> Result<(), ImportError> {
+        if kind.made[usize::from(variant.is_mirrored)].is_some() {
+            return Ok(());
         }
         let geometry =
             primitive.build(variant, &kind.material, &mut self.budget, &mut self.notes)?;
@@ -182,8 +190,8 @@ impl Assembly<'_> {
                 made.push(self.add_mesh(piece, &kind.material, name));
             }
         }
-        kind.made[usize::from(variant.is_mirrored)] = Some(made.clone());
-        Ok(made)
+        kind.made[usize::from(variant.is_mirrored)] = Some(made);
+        Ok(())
     }
 
     /// What is large and seen once, in pieces; all else whole.

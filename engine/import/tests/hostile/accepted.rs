@@ -149,7 +149,7 @@ fn everything_is_read_from_glb_and_gltf_alike() {
         let (png, webp) = (source.images[0].as_ref(), source.images[2].as_ref());
         assert_eq!(png.map(|image| &image.rgba8[..8]), Some(&[0, 0, 77, 255, 16, 0, 77, 255][..]));
         assert_eq!(png.map(|image| &image.rgba8), webp.map(|image| &image.rgba8));
-        let instancing = source.instancing[0].expect("node 0 is instanced");
+        let instancing = source.instancing[&0];
         assert_eq!(instancing.count, 2);
         let turns = source.floats::<4>(instancing.rotation.expect("turned")).expect("four floats");
         assert_eq!(turns, [[0.0, 0.0, 0.0, 1.0]; 2]);
