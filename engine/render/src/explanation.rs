@@ -75,7 +75,7 @@ impl Explainer {
             commands.rendering(passes.target_of(view, None), |commands| {
                 if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
                     wires.bind(commands, &passes.opaque_io(), view, &passes.light);
-                    commands.draw_indirect(draws.0);
+                    passes.predicates.draw_after_counted(commands, draws.0);
                 }
                 if let Some(boxes) = &boxes {
                     self.overlay.record(commands, boxes, view);
@@ -100,7 +100,7 @@ impl Explainer {
             frame.commands().pass("explanation", |commands| {
                 commands.rendering(passes.target_of(view, None), |commands| {
                     wires.bind(commands, &passes.opaque_io(), view, &passes.light);
-                    commands.draw_indirect(draws.0);
+                    passes.predicates.draw_after_counted(commands, draws.0);
                 });
             });
         }

@@ -151,7 +151,7 @@ impl FramePasses {
     ) {
         let draw = |commands: &Commands| {
             if count > 0 {
-                commands.draw_indirect(draws);
+                self.predicates.draw_after_counted(commands, draws);
             }
         };
         self.bind_rounds(commands, view);
