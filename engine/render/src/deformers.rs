@@ -264,6 +264,7 @@ impl FramePasses {
         hierarchy: &Hierarchy,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
+        self.geometry.relight(hierarchy);
         self.geometry.bring(frame, hierarchy, &self.predicates, scatter)?;
         if let (Some(deformers), Some(deformed)) = (&mut self.deformers, self.geometry.deformed()) {
             deformers.bring(frame, deformed)?;

@@ -268,13 +268,13 @@ impl Geometry {
         chosen.is_some_and(|chosen| std::mem::replace(form, chosen) != chosen)
     }
 
-    /// Finds the lights of an object where it is now; answers whether there are others than before.
-    /// Its leaf must then be marked.
+    /// Finds the lights of an object where it is now, of none if it is gone; answers whether there are others
+    /// than before. Its leaf must then be marked.
     pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
-        let (Some(surfaces), Some(node)) = (&mut self.surfaces, hierarchy.node_of(object)) else {
-            return false;
-        };
-        let is_other = surfaces.find_lights(object.0, &hierarchy.bounds(node));
+        let Some(surfaces) = &mut self.surfaces else { return false };
+        let node = hierarchy.node_of(object);
+        let bounds = node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));
+        let is_other = surfaces.find_lights(object.0, &bounds);
         if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
             && is_other
         {

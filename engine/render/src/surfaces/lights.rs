@@ -58,7 +58,7 @@ pub(crate) fn is_bright(light: &PunctualLight) -> bool {
     };
     let reach = light.range_m.unwrap_or_default();
     let [red, green, blue] = light.colour;
-    let numbers = [angles, reach, red + green + blue, light.intensity];
+    let numbers = [angles, reach, red + green + blue, light.intensity, strongest_part(light)];
     let is_number = numbers.iter().all(|number| number.is_finite())
         && light.position.is_finite()
         && light.direction.is_finite();

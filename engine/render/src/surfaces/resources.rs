@@ -1,6 +1,6 @@
 //! A scene's surfaces in GPU memory.
 
-use cull::{Aabb, Hierarchy};
+use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{
     Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, TextureArrayInfo, TextureUploads,
     vk,
@@ -10,10 +10,12 @@ use crate::deformers::mesh_order;
 use crate::error::Error;
 use crate::passes::{ScatterIo, ScatterPass};
 use crate::scene::{
-    Alpha, Encoding, Filter, MeshId, Object, PunctualLight, Scene, SurfaceVertex, Surfaces, Wrap,
+    Alpha, BlendedId, Encoding, Filter, LightId, MeshId, Object, PunctualLight, Scene,
+    SurfaceVertex, Surfaces, Wrap,
 };
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists, MAX_LIGHTS};
 use crate::surfaces::lights::{LightEntry, LightTable};
+use crate::surfaces::marked::Marked;
 use crate::surfaces::materials::{Features, MaterialTable};
 use crate::surfaces::pages::{MAX_PAGES, Page, PagePlan};
 
@@ -51,10 +53,10 @@ pub struct SurfaceResources {
     default_material: u32,
     pub(crate) table: LightTable,
     pub(crate) light_lists: LightLists,
-    stale_lights: Vec<usize>,
+    stale_lights: Marked,
     first_blended_slot: u32,
-    /// Boxes of blended objects, which no hierarchy holds.
-    blended_bounds: Vec<Aabb>,
+    /// Over the blended objects, so that lights find them.
+    blended: Hierarchy,
     exposure: f32,
 }
 
@@ -82,11 +84,12 @@ impl SurfaceResources {
         let first_blended_slot = hierarchy.leaf_objects().len() as u32;
         let mut light_lists =
             LightLists::new(&table, first_blended_slot as usize + surfaces.blended.len());
-        light_lists.fill(hierarchy);
         let bounds = |object: &Object| scene.bounds_of(object).unwrap_or(Aabb::EMPTY);
-        let blended_bounds: Vec<Aabb> = surfaces.blended.iter().map(bounds).collect();
-        for (slot, bounds) in (first_blended_slot..).zip(&blended_bounds) {
-            light_lists.find(slot, bounds);
+        let blended: Vec<Aabb> = surfaces.blended.iter().map(bounds).collect();
+        let blended = Hierarchy::build(&blended)?;
+        if light_lists.has_lights() {
+            light_lists.fill(hierarchy, 0);
+            light_lists.fill(&blended, first_blended_slot);
         }
         light_lists.submitted();
         let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
@@ -115,11 +118,11 @@ impl SurfaceResources {
                 .map(|mesh| material_of(mesh.material.0))
                 .collect(),
             default_material,
+            stale_lights: Marked::none_of(table.lights.len()),
             table,
             light_lists,
-            stale_lights: Vec::new(),
             first_blended_slot,
-            blended_bounds,
+            blended,
             exposure: if surfaces.exposure.is_finite() { surfaces.exposure.max(0.0) } else { 1.0 },
         }))
     }
@@ -163,38 +166,58 @@ impl SurfaceResources {
         self.exposure = if exposure.is_finite() && exposure >= 0.0 { exposure } else { 1.0 };
     }
 
-    /// What lies in the box of a slot is lit by others now, or not. Answers whether its instance must be
-    /// brought to the GPU again.
+    /// What lies in the box of a slot is lit by others now, or not; in an empty box lies nothing. Answers
+    /// whether its instance must be brought to the GPU again.
     pub(crate) fn find_lights(&mut self, slot: u32, bounds: &Aabb) -> bool {
-        let blended = slot.checked_sub(self.first_blended_slot);
-        if let Some(there) = blended.and_then(|place| self.blended_bounds.get_mut(place as usize)) {
-            *there = *bounds;
-        }
         self.light_lists.has_lights() && self.light_lists.find(slot, bounds)
     }
 
-    /// Replaces a light by one of the same kind; the next frame shows it. Answers around where, in metres,
-    /// objects must find their lights again; what is blended has found them.
+    /// A blended object is somewhere else now.
+    ///
+    /// # Errors
+    /// There is no such object.
+    pub(crate) fn move_blended(
+        &mut self,
+        blended: BlendedId,
+        bounds: &Aabb,
+    ) -> Result<(), HierarchyError> {
+        self.blended.refit([(ObjectId(blended.0), *bounds)])?;
+        self.find_lights(self.first_blended_slot + blended.0, bounds);
+        Ok(())
+    }
+
+    /// Replaces a light by one of the same kind; the next frame shows it. Objects of `hierarchy` and blended
+    /// ones around its old and its new place must [find their lights](SurfaceResources::relight) again.
     pub(crate) fn replace_light(
         &mut self,
-        light: usize,
+        hierarchy: &Hierarchy,
+        light: LightId,
         to: PunctualLight,
-    ) -> Vec<(glam::Vec3, f32)> {
-        let place = self.table.places.get(light).copied().flatten();
-        if let Some(there) = self.table.lights.get_mut(light) {
+    ) {
+        let number = light.0 as usize;
+        let place = self.table.places.get(number).copied().flatten();
+        if let Some(there) = self.table.lights.get_mut(number) {
             *there = to;
-            self.stale_lights.push(light);
+            self.stale_lights.mark(light.0);
         }
-        let around = self.light_lists.replace(light, place, &to);
-        for (slot, bounds) in (self.first_blended_slot..).zip(&self.blended_bounds) {
-            let is_near = |(centre, radius_m): &(glam::Vec3, f32)| {
-                bounds.distance_squared(*centre) <= radius_m * radius_m
-            };
-            if around.iter().any(is_near) {
-                self.light_lists.find(slot, bounds);
+        for around in self.light_lists.replace(number, place, &to) {
+            self.light_lists.doubt(hierarchy, 0, around);
+            self.light_lists.doubt(&self.blended, self.first_blended_slot, around);
+        }
+    }
+
+    /// Blended objects find their lights again around which lights changed; answers the other objects
+    /// that must.
+    pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
+        let mut objects = self.light_lists.take_doubtful();
+        objects.retain(|slot| {
+            let Some(blended) = slot.checked_sub(self.first_blended_slot) else { return true };
+            if let Some(node) = self.blended.node_of(ObjectId(blended)) {
+                self.light_lists.find(*slot, &self.blended.bounds(node));
             }
-        }
-        around
+            false
+        });
+        objects.into_iter().map(ObjectId).collect()
     }
 
     /// Records what brings lights and lists that changed to the GPU, before anything of `frame` reads
@@ -210,10 +233,11 @@ impl SurfaceResources {
             scatter.record(frame.commands(), stale.len() as u32, &[(io, LIST_WORDS * 4)]);
         }
         let changed = || {
-            let place = |light: &usize| self.table.places.get(*light).copied().flatten();
-            self.stale_lights
-                .iter()
-                .filter_map(move |light| Some((place(light)?, self.table.lights.get(*light)?)))
+            self.stale_lights.list().iter().filter_map(|light| {
+                let light = *light as usize;
+                let place = self.table.places.get(light).copied().flatten()?;
+                Some((place, self.table.lights.get(light)?))
+            })
         };
         let count = changed().count();
         if count > 0 {
@@ -231,7 +255,7 @@ impl SurfaceResources {
     /// The frame that [`SurfaceResources::bring`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
         self.light_lists.submitted();
-        self.stale_lights.clear();
+        self.stale_lights.drain().for_each(drop);
     }
 
     /// What opaque and masked objects, or blended ones, make use of.
