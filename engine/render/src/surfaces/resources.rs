@@ -1,23 +1,23 @@
 //! A scene's surfaces in GPU memory.
 
 use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
-use gpu::{
-    Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, TextureArrayInfo, TextureUploads,
-    vk,
-};
+use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
 
+use crate::compromises::Compromises;
 use crate::deformers::mesh_order;
 use crate::error::Error;
+use crate::limits;
 use crate::passes::{ScatterIo, ScatterPass};
 use crate::scene::{
-    Alpha, BlendedId, Encoding, Filter, LightId, MeshId, Object, PunctualLight, Scene,
-    SurfaceVertex, Surfaces, Wrap,
+    Alpha, BlendedId, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
+    Surfaces,
 };
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists, MAX_LIGHTS};
 use crate::surfaces::lights::{LightEntry, LightTable};
 use crate::surfaces::marked::Marked;
-use crate::surfaces::materials::{Features, MaterialTable};
-use crate::surfaces::pages::{MAX_PAGES, Page, PagePlan};
+use crate::surfaces::materials::{Features, MaterialEntry, MaterialTable};
+use crate::surfaces::page_upload::{plan, upload_pages};
+use crate::surfaces::pages::{MAX_PAGES, PagePlan};
 
 /// How surfaces are brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,8 @@ pub struct SurfaceResources {
     /// Over the blended objects, so that lights find them.
     blended: Hierarchy,
     exposure: f32,
+    /// What is known of them once they are on the GPU.
+    compromises: Compromises,
 }
 
 impl SurfaceResources {
@@ -74,10 +76,9 @@ impl SurfaceResources {
         options: &SurfaceOptions,
     ) -> Result<Option<Self>, Error> {
         let Some(surfaces) = &scene.surfaces else { return Ok(None) };
+        check_counts(device, surfaces, hierarchy)?;
         check(scene, surfaces)?;
-        let limits = &device.adapter().limits;
-        let (max_side, max_layers) = (limits.max_image_dimension2_d, limits.max_image_array_layers);
-        let plan = PagePlan::new(surfaces, max_side, max_layers);
+        let plan = plan(device, surfaces)?;
         let pages = upload_pages(device, surfaces, &plan, options)?;
         let materials = MaterialTable::new(surfaces, &plan)?;
         let table = LightTable::new(surfaces);
@@ -118,6 +119,13 @@ impl SurfaceResources {
                 .map(|mesh| material_of(mesh.material.0))
                 .collect(),
             default_material,
+            compromises: Compromises {
+                dark_suns: table.dark_suns,
+                shrunk_images: plan.shrunk,
+                enlarged_images: plan.resampled - plan.shrunk,
+                borrowed_samplers: plan.resampled_by_others,
+                crowded_objects: 0,
+            },
             stale_lights: Marked::none_of(table.lights.len()),
             table,
             light_lists,
@@ -149,6 +157,11 @@ impl SurfaceResources {
     /// [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute shader may write them.
     pub fn vertices(&self) -> BufferSlice {
         self.vertices.whole()
+    }
+
+    /// What of them is shown otherwise than the scene says, as lights and objects are now.
+    pub(crate) fn compromises(&self) -> Compromises {
+        Compromises { crowded_objects: self.light_lists.crowded(), ..self.compromises }
     }
 
     /// What lights reach which object.
@@ -275,13 +288,25 @@ impl SurfaceResources {
     }
 }
 
+/// Refuses what there is too much of for the tables that shaders read.
+fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> Result<(), Error> {
+    let (lights, blended) = (surfaces.lights.len() as u64, surfaces.blended.len() as u64);
+    limits::check("lights", lights, MAX_LIGHTS as u64, "leave lights out, the weakest first")?;
+    let materials = (surfaces.materials.len() as u64 + 1, size_of::<MaterialEntry>() as u64);
+    limits::check_storage(device, "materials", materials, "let meshes share materials")?;
+    const SPLIT: &str = "split the scene, or join objects that stand still";
+    let instances = (blended, limits::INSTANCE_BYTES);
+    limits::check_storage(device, "blended objects", instances, SPLIT)?;
+    if surfaces.lights.iter().any(|light| light.kind != LightKind::Directional) {
+        let slots = hierarchy.leaf_objects().len() as u64 + blended;
+        let lists = (slots, LIST_WORDS as u64 * 4);
+        limits::check_storage(device, "objects in the light of lamps", lists, SPLIT)?;
+    }
+    Ok(())
+}
+
 /// Refuses surfaces that do not belong to the scene.
 fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
-    if surfaces.lights.len() > MAX_LIGHTS {
-        let (wanted, limit) = (surfaces.lights.len() as u64, MAX_LIGHTS as u64);
-        let what = "the number of lights".to_owned();
-        return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
-    }
     let broken = |mesh: usize| {
         let beside = surfaces.meshes.get(mesh).map(|mesh| mesh.vertices.len());
         beside != scene.meshes.get(mesh).map(|mesh| mesh.vertices.len())
@@ -327,100 +352,4 @@ fn features(
             ..Features::of(materials, plan)
         }
     })
-}
-
-/// Makes and fills the pages; one white texel where there are none.
-fn upload_pages(
-    device: &Device,
-    surfaces: &Surfaces,
-    plan: &PagePlan,
-    options: &SurfaceOptions,
-) -> Result<Vec<TextureArray>, Error> {
-    let (wanted, limit) = (plan.pages.len(), MAX_PAGES);
-    if wanted > limit {
-        let what = "the number of texture pages".to_owned();
-        return Err(
-            gpu::Error::TooLarge { what, wanted: wanted as u64, limit: limit as u64 }.into()
-        );
-    }
-    if plan.resampled + plan.resampled_by_others > 0 {
-        tracing::warn!(
-            "textures of more kinds than {MAX_PAGES}: {} images were resampled, {} textures have another sampler",
-            plan.resampled,
-            plan.resampled_by_others
-        );
-    }
-    let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
-    let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
-    let mut uploads = TextureUploads::new(device)?;
-    let mut pages = Vec::with_capacity(plan.pages.len().max(1));
-    for (number, page) in plan.pages.iter().enumerate() {
-        let name = format!("texture page {number}");
-        let mut array =
-            TextureArray::new(device, &array_info(&name, page, anisotropy, options.mip_making))?;
-        for (layer, image) in (0..).zip(&page.layers) {
-            let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
-            if image.size == page.size {
-                uploads.write(&mut array, layer, &image.rgba8)?;
-            } else {
-                let format = format_of(page.encoding);
-                uploads.write(
-                    &mut array,
-                    layer,
-                    &gpu::resampled(&image.rgba8, image.size, page.size, format),
-                )?;
-            }
-        }
-        pages.push(array);
-    }
-    if pages.is_empty() {
-        let sampler =
-            crate::scene::Sampler { between_levels: None, ..crate::scene::Sampler::default() };
-        let white = Page { size: [1, 1], encoding: Encoding::Linear, sampler, layers: Vec::new() };
-        let info = array_info("no texture", &white, 1.0, MipMaking::Blits);
-        let mut array = TextureArray::new(device, &TextureArrayInfo { layers: 1, ..info })?;
-        uploads.write(&mut array, 0, &[255; 4])?;
-        pages.push(array);
-    }
-    Ok(pages)
-}
-
-fn format_of(encoding: Encoding) -> vk::Format {
-    match encoding {
-        Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
-        Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
-    }
-}
-
-fn array_info<'a>(
-    name: &'a str,
-    page: &Page,
-    anisotropy: f32,
-    mip_making: MipMaking,
-) -> TextureArrayInfo<'a> {
-    let filter = |filter: Filter| match filter {
-        Filter::Nearest => vk::Filter::NEAREST,
-        Filter::Linear => vk::Filter::LINEAR,
-    };
-    let wrap = |wrap: Wrap| match wrap {
-        Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
-        Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
-        Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
-    };
-    let between = |filter: Filter| match filter {
-        Filter::Nearest => vk::SamplerMipmapMode::NEAREST,
-        Filter::Linear => vk::SamplerMipmapMode::LINEAR,
-    };
-    TextureArrayInfo {
-        name,
-        size: page.size,
-        layers: page.layers.len() as u32,
-        format: format_of(page.encoding),
-        wrap: page.sampler.wrap.map(wrap),
-        magnified: filter(page.sampler.magnified),
-        minified: filter(page.sampler.minified),
-        between_levels: page.sampler.between_levels.map(between),
-        anisotropy,
-        mip_making,
-    }
 }
