@@ -98,7 +98,11 @@ fn scene() -> Scene {
 fn pane(number: u32) -> Object {
     let (row, column) = (number / 4, number % 4);
     let low = vec3(column as f32 * 1.9 - 4.0, -1.0, -4.0 - 3.0 * row as f32);
-    object(GLASS, low, if number % 2 == 0 { vec3(2.0, 2.0, 0.1) } else { vec3(0.2, 2.5, 3.5) })
+    object(
+        GLASS,
+        low,
+        if number.is_multiple_of(2) { vec3(2.0, 2.0, 0.1) } else { vec3(0.2, 2.5, 3.5) },
+    )
 }
 
 fn camera(frame: u32) -> Camera {

@@ -76,6 +76,7 @@ pub(super) fn joined(groups: Vec<Group>, max_layers: u32, most_texels: u64) -> V
     if groups.len() > MOST_PAIRED && pages(&groups) > MAX_PAGES {
         groups = by_classes(groups, most_texels);
     }
+    debug_assert!(groups.len() <= MOST_PAIRED || pages(&groups) <= MAX_PAGES);
     let mut total = groups.iter().map(Group::texels).sum::<u64>();
     while pages(&groups) > MAX_PAGES {
         let pairs = (0..groups.len()).flat_map(|from| (0..groups.len()).map(move |to| (from, to)));
