@@ -80,6 +80,7 @@ impl From<render::Error> for RunError {
             render::Error::Gpu(error) => error.into(),
             render::Error::NoShaderCompiler(_)
             | render::Error::Scene(_)
+            | render::Error::SceneTooLarge { .. }
             | render::Error::Image { .. }
             | render::Error::FramesInFlight { .. }
             | render::Error::Cost(_)

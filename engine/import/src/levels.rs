@@ -31,14 +31,17 @@ const ATTRIBUTE_WEIGHTS: [f32; ATTRIBUTES] = [0.5, 0.5, 0.5, 0.2, 0.2];
 
 impl Imported {
     /// Makes coarser forms of all meshes but those that change their form or are blended. They take
-    /// index memory, about as much again as the meshes.
+    /// index memory, about as much again as the meshes. Meshes with corners in which triangles meet by the
+    /// thousands have one form, and a note says so: simplifying them takes the square of that.
     pub fn make_levels(&mut self, options: &LevelOptions) {
-        make_levels(&mut self.scene, options);
+        self.notes.extend(make_levels(&mut self.scene, options));
     }
 }
 
-fn make_levels(scene: &mut Scene, options: &LevelOptions) {
-    let Some(surfaces) = &mut scene.surfaces else { return };
+/// Answers a note if meshes are [crowded](is_crowded).
+fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<String> {
+    let mut crowded = Vec::new();
+    let surfaces = scene.surfaces.as_mut()?;
     let mut is_fixed = vec![false; scene.meshes.len()];
     for deformer in &surfaces.deformers {
         if let Some(is_fixed) = is_fixed.get_mut(deformer.mesh.0 as usize) {
@@ -54,11 +57,38 @@ fn make_levels(scene: &mut Scene, options: &LevelOptions) {
         .map(|((mesh, surface), is_fixed)| {
             if is_fixed || is_blended(surface) {
                 Vec::new()
+            } else if is_crowded(mesh) {
+                crowded.push(&mesh.name);
+                Vec::new()
             } else {
                 levels(mesh, surface, options)
             }
         })
         .collect();
+    let first = crowded.first()?;
+    Some(format!(
+        "{} meshes have no coarser forms, since too many of their triangles meet in a corner; the first is \"{first}\"",
+        crowded.len(),
+    ))
+}
+
+/// A corner of a mesh meets at most so many triangles, in the mean over all corners of triangles. A disc of
+/// 6,144 triangles around one vertex is at the limit: there simplifying takes about twice as long a
+/// triangle as in a grid, and from there on in proportion to their number.
+const MOST_MET: u64 = 2048;
+
+/// Whether so many triangles meet in its corners that simplifying the mesh would take more than a bounded time
+/// a triangle: the simplifier looks at all triangles of a vertex for each edge of it that it may collapse.
+fn is_crowded(mesh: &Mesh) -> bool {
+    let mut met = vec![0_u32; mesh.vertices.len()];
+    for index in &mesh.indices {
+        if let Some(met) = met.get_mut(*index as usize) {
+            *met = met.saturating_add(1);
+        }
+    }
+    let squares = met.iter().map(|met| u64::from(*met) * u64::from(*met));
+    let sum = squares.fold(0, u64::saturating_add);
+    sum > MOST_MET.saturating_mul(mesh.indices.len() as u64)
 }
 
 /// The coarser forms of one mesh.
@@ -115,7 +145,7 @@ fn attributes_of(vertex: &SurfaceVertex) -> [f32; ATTRIBUTES] {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use render::scene::{MaterialId, Vertex, bounds_of_vertices};
+    use render::scene::{MaterialId, Surfaces, Vertex, bounds_of_vertices};
 
     use super::*;
 
@@ -171,6 +201,42 @@ mod tests {
             }
             before = level;
         }
+    }
+
+    /// Triangles around a middle, as a fan has them.
+    fn disc(triangles: u32) -> (Mesh, SurfaceMesh) {
+        let (mut mesh, mut surface) = ball(5);
+        let around = |number: u32| std::f32::consts::TAU * number as f32 / triangles as f32;
+        let rim = (0..triangles).map(|number| {
+            let (sin, cos) = around(number).sin_cos();
+            Vertex { position: [cos, sin, 0.0], normal: 0, colour: 0 }
+        });
+        let middle = Vertex { position: [0.0; 3], normal: 0, colour: 0 };
+        mesh.vertices = std::iter::once(middle).chain(rim).collect();
+        mesh.indices =
+            (0..triangles).flat_map(|it| [0, it + 1, (it + 1) % triangles + 1]).collect();
+        mesh.bounds = bounds_of_vertices(&mesh.vertices);
+        surface.vertices = vec![surface.vertices[0]; mesh.vertices.len()];
+        (mesh, surface)
+    }
+
+    #[test]
+    fn meshes_whose_triangles_all_meet_have_one_form_and_a_note() {
+        let is_crowded_disc = |triangles| is_crowded(&disc(triangles).0);
+        assert!(!is_crowded_disc(6_000) && is_crowded_disc(6_200) && is_crowded_disc(400_000));
+        assert!(!is_crowded(&ball(200).0));
+
+        let ((fan, on_fan), (fine, on_fine)) = (disc(400_000), ball(48));
+        let mut scene = render::scene::city(1, 1).unwrap();
+        scene.meshes = vec![fan.clone(), fine, fan];
+        let meshes = vec![on_fan.clone(), on_fine, on_fan];
+        scene.surfaces = Some(Surfaces { meshes, ..Surfaces::default() });
+        let note = make_levels(&mut scene, &LevelOptions::default()).unwrap();
+        assert!(note.starts_with("2 meshes have no coarser forms"), "{note}");
+        let levels = scene.surfaces.as_ref().unwrap().levels.clone();
+        assert!(levels[0].is_empty() && levels[1].len() >= 3 && levels[2].is_empty());
+        scene.surfaces.as_mut().unwrap().meshes.clear();
+        assert_eq!(make_levels(&mut scene, &LevelOptions::default()), None);
     }
 
     #[test]

@@ -285,7 +285,7 @@ impl Renderer {
         object.object.transform = transform;
         (object.own_bounds, object.bounds) = (own_bounds, bounds);
         if let Some(surfaces) = &mut self.passes.geometry.surfaces {
-            surfaces.find_lights(surfaces.first_blended_slot() + blended.0, &bounds);
+            surfaces.move_blended(blended, &bounds)?;
         }
         Ok(())
     }

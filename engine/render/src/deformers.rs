@@ -7,9 +7,10 @@ use gpu::{Buffer, BufferSlice, Device, Frame, vk};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
+use crate::limits::check_storage;
 use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS, ScatterPass};
 use crate::renderer::Renderer;
-use crate::scene::{Deformer, DeformerId, Mesh, Scene, SurfaceVertex};
+use crate::scene::{Deformer, DeformerId, Mesh, MorphTarget, Scene, SurfaceVertex};
 use crate::shaders::ShaderSet;
 
 /// All deformers of a scene and their newest poses.
@@ -65,6 +66,11 @@ impl Deformers {
         let Some(surfaces) = scene.surfaces.as_ref().filter(|it| !it.deformers.is_empty()) else {
             return Ok(None);
         };
+        const FEWER: &str = "leave out joints or morph targets, or make those meshes simpler";
+        let [forms, poses] = words_of(scene);
+        let what = "words of joints, weights and morph targets";
+        check_storage(device, what, (forms, 4), FEWER)?;
+        check_storage(device, "words of poses", (poses, 4), FEWER)?;
         let (mut words, mut all) = (Vec::new(), Vec::with_capacity(surfaces.deformers.len()));
         for deformer in &surfaces.deformers {
             let mesh = deformer.mesh.0 as usize;
@@ -80,7 +86,7 @@ impl Deformers {
                 &mut words,
             ));
         }
-        check_size(device, "the meshes that change their form in bytes", words.len() as u64 * 4)?;
+        debug_assert_eq!(words.len() as u64, forms);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         Ok(Some(Self {
             pass: DeformPass::new(device, shaders)?,
@@ -244,13 +250,23 @@ impl State {
     }
 }
 
-/// Refuses what no storage buffer of the device holds.
-pub(crate) fn check_size(device: &Device, what: &str, wanted: u64) -> Result<(), Error> {
-    let limit = u64::from(device.adapter().limits.max_storage_buffer_range);
-    if wanted > limit {
-        return Err(gpu::Error::TooLarge { what: what.to_owned(), wanted, limit }.into());
+/// How many words the deformers of a scene take, and the poses of all.
+fn words_of(scene: &Scene) -> [u64; 2] {
+    let mut sums = [0, 0];
+    for deformer in scene.surfaces.iter().flat_map(|surfaces| &surfaces.deformers) {
+        let mesh = scene.meshes.get(deformer.mesh.0 as usize);
+        let skin = deformer.skin.as_ref();
+        let influences = skin.map_or(0, |skin| skin.joints.len() as u64);
+        let lists = |target: &MorphTarget| {
+            (target.positions.len() + target.normals.len() + target.tangents.len()) as u64
+        };
+        sums[0] += mesh.map_or(0, |mesh| mesh.vertices.len() as u64) * u64::from(REST_WORDS)
+            + influences * 6
+            + deformer.targets.iter().map(lists).sum::<u64>() * 3;
+        sums[1] += skin.map_or(0, |skin| u64::from(skin.joint_count)) * 12
+            + deformer.targets.len() as u64 * 4;
     }
-    Ok(())
+    sums
 }
 
 impl FramePasses {
@@ -264,6 +280,7 @@ impl FramePasses {
         hierarchy: &Hierarchy,
         scatter: &ScatterPass,
     ) -> Result<(), Error> {
+        self.geometry.relight(hierarchy);
         self.geometry.bring(frame, hierarchy, &self.predicates, scatter)?;
         if let (Some(deformers), Some(deformed)) = (&mut self.deformers, self.geometry.deformed()) {
             deformers.bring(frame, deformed)?;

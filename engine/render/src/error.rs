@@ -12,6 +12,19 @@ pub enum Error {
     /// The scene is not whole.
     #[error(transparent)]
     Scene(#[from] crate::scene::SceneError),
+    /// A scene with more of something than a renderer takes: beyond [`MAX_LIGHTS`](crate::MAX_LIGHTS) and its like,
+    /// or beyond what the device's storage buffers hold.
+    #[error("the scene has {wanted} {what}, and a renderer takes at most {limit} here: {instead}")]
+    SceneTooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are.
+        wanted: u64,
+        /// How many there may be, on this device.
+        limit: u64,
+        /// What to do.
+        instead: &'static str,
+    },
     /// The strategy `ideal` without the set of what is visible.
     #[error(
         "the strategy `ideal` draws what is known to be visible: find it with `Renderer::visible_set` first"

@@ -7,11 +7,12 @@ use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
 
-use crate::deformers::{DeformedVertices, are_deformed, check_size, deformed_vertices, mesh_order};
+use crate::deformers::{DeformedVertices, are_deformed, deformed_vertices, mesh_order};
 use crate::detail::{Forms, stretch};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
+use crate::limits::{INSTANCE_BYTES, check_storage};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
 use crate::scene::{
     BlendedId, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm,
@@ -70,13 +71,12 @@ impl Geometry {
         if leaf_count > cull::MAX_OBJECTS {
             return Err(cull::HierarchyError::TooMany { count: leaf_count }.into());
         }
-        let limit: u64 = device.adapter().limits.max_storage_buffer_range.into();
-        let (most, wanted) = (limit / size_of::<Instance>() as u64, leaf_count as u64);
-        if wanted > most {
-            let what = "the number of objects, with room for those that come,".to_owned();
-            return Err(gpu::Error::TooLarge { what, wanted, limit: most }.into());
-        }
-        Ok(())
+        check_storage(
+            device,
+            "objects, with room for those that come",
+            (leaf_count as u64, INSTANCE_BYTES),
+            "split the scene, or join objects that stand still",
+        )
     }
 
     pub(crate) fn upload(
@@ -88,8 +88,12 @@ impl Geometry {
         let forms = Forms::join(scene, &mut indices, &mut mesh_draws);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
-        let deformed_bytes = deformed_vertices(scene) * size_of::<SurfaceVertex>() as u64;
-        check_size(device, "the vertices of meshes that change their form", deformed_bytes)?;
+        check_storage(
+            device,
+            "vertices of meshes that change their form",
+            (deformed_vertices(scene), size_of::<SurfaceVertex>() as u64),
+            "make those meshes simpler, or fewer",
+        )?;
         let surfaces =
             SurfaceResources::upload(device, scene, hierarchy, &SurfaceOptions::default())?;
         let mut object_meshes = vec![NO_MESH; leaf_count];
@@ -268,13 +272,13 @@ impl Geometry {
         chosen.is_some_and(|chosen| std::mem::replace(form, chosen) != chosen)
     }
 
-    /// Finds the lights of an object where it is now; answers whether there are others than before.
-    /// Its leaf must then be marked.
+    /// Finds the lights of an object where it is now, of none if it is gone; answers whether there are others
+    /// than before. Its leaf must then be marked.
     pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
-        let (Some(surfaces), Some(node)) = (&mut self.surfaces, hierarchy.node_of(object)) else {
-            return false;
-        };
-        let is_other = surfaces.find_lights(object.0, &hierarchy.bounds(node));
+        let Some(surfaces) = &mut self.surfaces else { return false };
+        let node = hierarchy.node_of(object);
+        let bounds = node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));
+        let is_other = surfaces.find_lights(object.0, &bounds);
         if let Some(instance) = self.object_instances.get_mut(object.0 as usize)
             && is_other
         {

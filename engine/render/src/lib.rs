@@ -33,6 +33,7 @@ mod adjustments;
 mod birds_eye;
 mod blended;
 mod calibration;
+mod compromises;
 mod deformers;
 mod detail;
 mod dialogue_frame;
@@ -44,6 +45,7 @@ mod frame_passes;
 mod frame_times;
 mod geometry;
 mod leaf_counts;
+mod limits;
 mod moment;
 mod object_bounds;
 mod passes;
@@ -63,10 +65,15 @@ mod visible_set;
 mod window;
 
 pub use calibration::Costs;
+pub use compromises::Compromises;
 pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
 pub use explanation::Explanation;
 pub use flat_overlay::FlatOverlay;
+pub use limits::{
+    DEFORMED_VERTICES_ANYWHERE, IMAGES_ANYWHERE, LIT_OBJECTS_ANYWHERE, MATERIALS_ANYWHERE,
+    OBJECTS_ANYWHERE, STORAGE_BYTES_ANYWHERE,
+};
 pub use moment::Moment;
 pub use object_bounds::object_bounds;
 pub use passes::{
@@ -79,8 +86,9 @@ pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, Re
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use surfaces::{
-    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, Page, PagePlan,
-    SurfaceOptions, SurfaceResources, reach_m,
+    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES,
+    MAX_TEXTURE_TRANSFORMS, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources,
+    reach_m,
 };
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};

@@ -5,7 +5,9 @@ use cull::{Aabb, Hierarchy, NodeId, ObjectId};
 use glam::Vec3;
 
 use crate::scene::{LightKind, PunctualLight};
-use crate::surfaces::lights::{LightTable, is_bright, reach_m, strongest_part};
+use crate::surfaces::light_tree::{LightTree, Reach, Strongest};
+use crate::surfaces::lights::LightTable;
+use crate::surfaces::marked::Marked;
 
 /// The most points' and spots' lights that shine on an object; weaker ones are left out.
 pub const MAX_LIGHTS_PER_OBJECT: usize = 16;
@@ -13,37 +15,49 @@ pub const MAX_LIGHTS_PER_OBJECT: usize = 16;
 /// Two lights a word.
 pub(crate) const LIST_WORDS: usize = MAX_LIGHTS_PER_OBJECT / 2;
 
-/// A place in the light table has 16 bits.
-pub(crate) const MAX_LIGHTS: usize = 1 << 16;
+/// The most lights of a scene: a place in the light table has 16 bits.
+pub const MAX_LIGHTS: usize = 1 << 16;
 
-/// What decides whether a light reaches a box.
-#[derive(Clone, Copy, Debug)]
-struct Reach {
-    /// Its place in the light table.
-    entry: u32,
-    position: Vec3,
-    reach_m: f32,
-    candela: f32,
-}
+/// The most nodes of the tree of lights that one object's search may visit: all of them up to 8192 lights.
+/// More are only wanted where thousands of lights end just short of an object.
+pub(crate) const MOST_VISITS: usize = 1 << 14;
+
+/// The same once the searches of a frame, or of loading, have visited [`VISITS_A_FRAME`]. Lights spread over a
+/// scene want about a hundred.
+pub(crate) const LEAST_VISITS: usize = 1 << 9;
+
+/// A few tenths of a second.
+pub(crate) const VISITS_A_FRAME: usize = 1 << 25;
 
 /// A list as the shaders read it, and its length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct LightList {
     words: [u32; LIST_WORDS],
     count: u32,
+    /// Whether lights that reach the object are not in it.
+    leaves_out: bool,
 }
 
 /// The lists of all objects, by slots: first the objects by their ids, then what is blended.
+///
+/// Memory is that of the slots and of the lights, whatever reaches what. Work a frame is at most that of
+/// finding every list anew once, each by a bounded search.
 #[derive(Debug, Default)]
 pub struct LightLists {
     /// Whether there is anything but directional lights; a dark one may be lit later.
     has_lights: bool,
-    /// `None` of directional lights, and of those that give no light.
-    reaches: Vec<Option<Reach>>,
+    tree: LightTree,
     lists: Vec<LightList>,
+    /// How many lists leave lights out.
+    crowded: usize,
     /// Slots whose list the GPU does not have yet.
-    stale: Vec<u32>,
-    is_stale: Vec<bool>,
+    stale: Marked,
+    /// Slots around which lights changed, whose lists must be found again before the next frame.
+    doubtful: Marked,
+    /// Nodes that were visited to find these; once they are more than the slots are worth, all are doubtful.
+    doubt_visits: usize,
+    /// Nodes of the tree that the searches visited since the last frame.
+    visits: usize,
 }
 
 impl LightLists {
@@ -53,10 +67,13 @@ impl LightLists {
         let is_local = |light: &PunctualLight| light.kind != LightKind::Directional;
         Self {
             has_lights: table.lights.iter().any(is_local),
-            reaches: reaches.map(|(light, entry)| Reach::of(light, *entry)).collect(),
+            tree: LightTree::new(reaches.map(|(light, entry)| Reach::of(light, *entry)).collect()),
             lists: vec![LightList::default(); slots],
-            stale: Vec::new(),
-            is_stale: vec![false; slots],
+            crowded: 0,
+            stale: Marked::none_of(slots),
+            doubtful: Marked::none_of(slots),
+            doubt_visits: 0,
+            visits: 0,
         }
     }
 
@@ -79,61 +96,84 @@ impl LightLists {
         (0..list.count as usize).map(entry).collect()
     }
 
-    /// Finds the lists of all objects of a hierarchy, light by light.
-    pub(crate) fn fill(&mut self, hierarchy: &Hierarchy) {
-        let mut found: Vec<Vec<Reach>> = vec![Vec::new(); self.lists.len()];
-        for reach in self.reaches.iter().flatten() {
-            objects_within(hierarchy, reach.position, reach.reach_m, |object| {
-                if let Some(found) = found.get_mut(object.0 as usize) {
-                    found.push(*reach);
-                }
-            });
-        }
-        for ((slot, found), list) in (0..).zip(&mut found).zip(&mut self.lists) {
-            let Some(node) = hierarchy.node_of(ObjectId(slot)) else { continue };
-            *list = LightList::of(found, &hierarchy.bounds(node));
+    /// How many objects more lights reach than [`MAX_LIGHTS_PER_OBJECT`], so that the weakest are left out.
+    #[must_use]
+    pub fn crowded(&self) -> usize {
+        self.crowded
+    }
+
+    /// Finds the lists of all objects of a hierarchy, whose slots begin at `first_slot`.
+    pub(crate) fn fill(&mut self, hierarchy: &Hierarchy, first_slot: u32) {
+        for object in 0..hierarchy.leaf_objects().len() as u32 {
+            if let Some(node) = hierarchy.node_of(ObjectId(object)) {
+                self.find(first_slot + object, &hierarchy.bounds(node));
+            }
         }
     }
 
-    /// Finds the list of what is in a slot, in a box of the world; answers whether it is another than it was.
+    /// Finds the list of what is in a slot, in a box of the world, of nothing in an empty one; answers
+    /// whether it is another than it was.
     pub(crate) fn find(&mut self, slot: u32, bounds: &Aabb) -> bool {
-        let mut found: Vec<Reach> =
-            self.reaches.iter().flatten().filter(|reach| reach.meets(bounds)).copied().collect();
-        let now = LightList::of(&mut found, bounds);
-        let place = slot as usize;
-        let (Some(list), Some(is_stale)) =
-            (self.lists.get_mut(place), self.is_stale.get_mut(place))
-        else {
-            return false;
-        };
-        if std::mem::replace(list, now) == now {
-            return false;
+        let most_visits = if self.visits < VISITS_A_FRAME { MOST_VISITS } else { LEAST_VISITS };
+        let found = self.tree.strongest(bounds, most_visits);
+        self.visits += found.visits;
+        let now = LightList::of(&found);
+        let Some(list) = self.lists.get_mut(slot as usize) else { return false };
+        let before = std::mem::replace(list, now);
+        self.crowded += usize::from(now.leaves_out);
+        self.crowded -= usize::from(before.leaves_out);
+        let is_other = (before.words, before.count) != (now.words, now.count);
+        if is_other {
+            self.stale.mark(slot);
         }
-        if !std::mem::replace(is_stale, true) {
-            self.stale.push(slot);
-        }
-        true
+        is_other
     }
 
-    /// A light is another now, at the same place in the table. Answers where the objects are whose lists
-    /// must be found again: around its old and around its new place, centre and radius in metres.
+    /// A light is another now, at the same place in the table. Answers where it shone and shines, centre
+    /// and radius in metres: who is there is [doubtful](LightLists::doubt).
     pub(crate) fn replace(
         &mut self,
         light: usize,
         entry: Option<u32>,
         to: &PunctualLight,
-    ) -> Vec<(Vec3, f32)> {
+    ) -> impl Iterator<Item = (Vec3, f32)> + use<> {
         let now = Reach::of(to, entry);
-        let before = match self.reaches.get_mut(light) {
-            Some(reach) => std::mem::replace(reach, now),
-            None => None,
-        };
-        [before, now].into_iter().flatten().map(|reach| (reach.position, reach.reach_m)).collect()
+        let before = self.tree.replace(light, now);
+        [before, now].into_iter().flatten().map(|reach| (reach.position, reach.reach_m))
+    }
+
+    /// The lists of the objects of a hierarchy, whose slots begin at `first_slot`, that are within `radius_m` of
+    /// `centre` must be found again.
+    pub(crate) fn doubt(
+        &mut self,
+        hierarchy: &Hierarchy,
+        first_slot: u32,
+        (centre, radius_m): (Vec3, f32),
+    ) {
+        if self.doubts_all() {
+            return;
+        }
+        self.doubt_visits += objects_within(hierarchy, centre, radius_m, |object| {
+            self.doubtful.mark(first_slot + object.0);
+        });
+        if self.doubts_all() {
+            (0..self.lists.len() as u32).for_each(|slot| self.doubtful.mark(slot));
+        }
+    }
+
+    fn doubts_all(&self) -> bool {
+        self.doubt_visits > 4 * self.lists.len() + 1000
+    }
+
+    /// Slots whose lists must be found again before a frame; from now on none are.
+    pub(crate) fn take_doubtful(&mut self) -> Vec<u32> {
+        self.doubt_visits = 0;
+        self.doubtful.drain().collect()
     }
 
     /// Slots whose lists the GPU does not have.
     pub(crate) fn stale(&self) -> &[u32] {
-        &self.stale
+        self.stale.list()
     }
 
     /// The list in a slot as the shaders read it.
@@ -146,59 +186,48 @@ impl LightLists {
         self.lists.iter().map(|list| list.words).collect()
     }
 
+    /// Nodes of the tree of lights that were visited since the last frame.
+    #[cfg(test)]
+    pub(crate) fn visits(&self) -> usize {
+        self.visits
+    }
+
+    /// Nodes of hierarchies that were visited since the last frame to find who is around a light.
+    #[cfg(test)]
+    pub(crate) fn doubt_visits(&self) -> usize {
+        self.doubt_visits
+    }
+
     /// The GPU has all lists.
     pub(crate) fn submitted(&mut self) {
-        for slot in self.stale.drain(..) {
-            if let Some(is_stale) = self.is_stale.get_mut(slot as usize) {
-                *is_stale = false;
-            }
-        }
-    }
-}
-
-impl Reach {
-    fn of(light: &PunctualLight, entry: Option<u32>) -> Option<Self> {
-        let is_local = light.kind != LightKind::Directional && is_bright(light);
-        let entry = entry.filter(|_| is_local)?;
-        let (position, candela) = (light.position, strongest_part(light));
-        Some(Self { entry, position, reach_m: reach_m(light), candela })
-    }
-
-    fn meets(&self, bounds: &Aabb) -> bool {
-        bounds.distance_squared(self.position) <= self.reach_m * self.reach_m
-    }
-
-    /// What arrives where the box is nearest, in lux.
-    fn strength(&self, bounds: &Aabb) -> f32 {
-        self.candela / bounds.distance_squared(self.position).max(1.0e-4)
+        self.stale.drain().for_each(drop);
+        self.visits = 0;
     }
 }
 
 impl LightList {
-    /// The strongest of those found; of equal ones the first in the table.
-    fn of(found: &mut [Reach], bounds: &Aabb) -> Self {
-        found.sort_by(|a, b| {
-            let strength = b.strength(bounds).total_cmp(&a.strength(bounds));
-            strength.then(a.entry.cmp(&b.entry))
-        });
-        let count = found.len().min(MAX_LIGHTS_PER_OBJECT);
-        let mut list = Self { count: count as u32, ..Self::default() };
-        for (place, reach) in found.iter().take(count).enumerate() {
-            list.words[place / 2] |= reach.entry << (16 * (place % 2));
+    fn of(found: &Strongest) -> Self {
+        let mut list = Self { leaves_out: found.leaves_out, ..Self::default() };
+        for (place, entry) in found.entries().enumerate() {
+            list.words[place / 2] |= entry << (16 * (place % 2));
+            list.count += 1;
         }
         list
     }
 }
 
-/// Calls `found` with every object whose box is within `radius_m` of `centre`.
+/// Calls `found` with every object whose box is within `radius_m` of `centre`; answers how many nodes it
+/// looked at.
 pub(crate) fn objects_within(
     hierarchy: &Hierarchy,
     centre: Vec3,
     radius_m: f32,
     mut found: impl FnMut(ObjectId),
-) {
+) -> usize {
+    let mut visits = 0;
     let mut open: Vec<NodeId> = hierarchy.root().into_iter().collect();
     while let Some(node) = open.pop() {
+        visits += 1;
         let bounds = hierarchy.bounds(node);
         if bounds.is_empty() || bounds.distance_squared(centre) > radius_m * radius_m {
             continue;
@@ -213,4 +242,5 @@ pub(crate) fn objects_within(
             }
         }
     }
+    visits
 }

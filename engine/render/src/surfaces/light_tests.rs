@@ -1,9 +1,9 @@
 //! Which lights reach which object, as plain data.
 
-use cull::{Aabb, Hierarchy, ObjectId};
+use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
 
-use super::light_lists::{LightLists, MAX_LIGHTS_PER_OBJECT, objects_within};
+use super::light_lists::{LightLists, MAX_LIGHTS_PER_OBJECT};
 use super::lights::{LightTable, MAX_DIRECTIONAL_LIGHTS, reach_m};
 use crate::scene::{LightKind, PunctualLight, Surfaces};
 
@@ -62,7 +62,8 @@ fn lists_hold_the_strongest_lights_that_reach_a_box() {
     let (boxes, lights) = (boxes(), lights());
     let hierarchy = Hierarchy::build(&boxes).unwrap();
     let mut lists = LightLists::new(&table(lights.clone()), boxes.len());
-    lists.fill(&hierarchy);
+    lists.fill(&hierarchy, 0);
+    lists.submitted();
     let mut longest = 0;
     for (slot, bounds) in (0..).zip(&boxes) {
         let expected = plain(&lights, bounds);
@@ -79,16 +80,19 @@ fn no_list_is_longer_than_it_may_be() {
     let lights: Vec<_> = (0..40).map(|number| bulb(Vec3::ZERO, number as f32, Some(9.0))).collect();
     let boxes = [Aabb::new(Vec3::splat(1.0), Vec3::splat(2.0))];
     let mut lists = LightLists::new(&table(lights), 1);
-    lists.fill(&Hierarchy::build(&boxes).unwrap());
+    lists.fill(&Hierarchy::build(&boxes).unwrap(), 0);
+    lists.submitted();
     let strongest: Vec<u32> = (24..40).rev().collect();
     assert_eq!(lists.entries(0), strongest);
+    assert_eq!(lists.crowded(), 1);
 }
 
 #[test]
 fn what_moves_finds_its_lights_again() {
     let (mut boxes, lights) = (boxes(), lights());
     let mut lists = LightLists::new(&table(lights.clone()), boxes.len());
-    lists.fill(&Hierarchy::build(&boxes).unwrap());
+    lists.fill(&Hierarchy::build(&boxes).unwrap(), 0);
+    lists.submitted();
     for moved in [3_usize, 50, 51] {
         boxes[moved] = Aabb::new(vec3(11.0, 12.0, 0.0), vec3(14.0, 13.0, 1.0));
         assert!(lists.find(moved as u32, &boxes[moved]));
@@ -106,7 +110,8 @@ fn a_light_that_moves_is_found_around_both_its_places() {
     let (boxes, mut lights) = (boxes(), lights());
     let hierarchy = Hierarchy::build(&boxes).unwrap();
     let mut lists = LightLists::new(&table(lights.clone()), boxes.len());
-    lists.fill(&hierarchy);
+    lists.fill(&hierarchy, 0);
+    lists.submitted();
     for (moved, to) in [
         (5, bulb(vec3(20.0, 20.0, 0.0), 50.0, Some(6.0))),
         (6, bulb(vec3(2.0, 2.0, 0.0), 0.0, Some(6.0))),
@@ -114,14 +119,14 @@ fn a_light_that_moves_is_found_around_both_its_places() {
         (7, bulb(Vec3::NAN, 3.0, None)),
     ] {
         lights[moved] = to;
-        let mut found = 0;
-        for (centre, radius_m) in lists.replace(moved, Some(moved as u32), &to) {
-            objects_within(&hierarchy, centre, radius_m, |ObjectId(object)| {
-                lists.find(object, &boxes[object as usize]);
-                found += 1;
-            });
+        for around in lists.replace(moved, Some(moved as u32), &to) {
+            lists.doubt(&hierarchy, 0, around);
         }
-        assert!(found < 80, "not all objects are asked: {found}");
+        let doubtful = lists.take_doubtful();
+        assert!(doubtful.len() < 80, "not all objects are asked: {}", doubtful.len());
+        for object in doubtful {
+            lists.find(object, &boxes[object as usize]);
+        }
         for (slot, bounds) in (0..).zip(&boxes) {
             let shining: Vec<_> = lights
                 .iter()

@@ -58,7 +58,7 @@ pub(crate) fn is_bright(light: &PunctualLight) -> bool {
     };
     let reach = light.range_m.unwrap_or_default();
     let [red, green, blue] = light.colour;
-    let numbers = [angles, reach, red + green + blue, light.intensity];
+    let numbers = [angles, reach, red + green + blue, light.intensity, strongest_part(light)];
     let is_number = numbers.iter().all(|number| number.is_finite())
         && light.position.is_finite()
         && light.direction.is_finite();
@@ -87,6 +87,8 @@ pub(crate) struct LightTable {
     pub(crate) places: Vec<Option<u32>>,
     /// How many places directional lights take, the first ones.
     pub(crate) directional: u32,
+    /// How many more there are, which do not shine.
+    pub(crate) dark_suns: usize,
 }
 
 impl LightTable {
@@ -102,20 +104,15 @@ impl LightTable {
             lights.get(*place).filter(|light| is_bright(light)).map_or(0.0, strongest_part)
         };
         suns.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
-        if suns.len() > MAX_DIRECTIONAL_LIGHTS {
-            tracing::warn!(
-                "{} directional lights: only the strongest {MAX_DIRECTIONAL_LIGHTS} shine",
-                suns.len()
-            );
-            suns.truncate(MAX_DIRECTIONAL_LIGHTS);
-        }
+        let dark_suns = suns.len().saturating_sub(MAX_DIRECTIONAL_LIGHTS);
+        suns.truncate(MAX_DIRECTIONAL_LIGHTS);
         let mut places = vec![None; lights.len()];
         for (entry, place) in (0..).zip(suns.iter().chain(&others)) {
             if let Some(found) = places.get_mut(*place) {
                 *found = Some(entry);
             }
         }
-        Self { directional: suns.len() as u32, lights, places }
+        Self { directional: suns.len() as u32, lights, places, dark_suns }
     }
 
     /// What the GPU reads, at least one entry.

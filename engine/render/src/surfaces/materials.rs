@@ -6,6 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
 
 use crate::error::Error;
+use crate::limits;
 use crate::scene::{Alpha, Material, Surfaces, TextureUse};
 use crate::surfaces::pages::PagePlan;
 
@@ -42,8 +43,8 @@ const _: () = assert!(size_of::<TransformEntry>() == 32);
 /// A texture word without a page.
 const NO_TEXTURE: u32 = 15;
 const UNLIT_FLAG: u32 = 1 << 16;
-/// A texture's transform has 16 bits.
-const MAX_TRANSFORMS: usize = 1 << 16;
+/// The most texture transforms that differ, beside none at all: a transform's number has 16 bits.
+pub const MAX_TEXTURE_TRANSFORMS: usize = (1 << 16) - 1;
 
 /// All materials of a scene; the last one is for meshes that name none.
 pub(crate) struct MaterialTable {
@@ -74,14 +75,12 @@ impl MaterialTable {
         let fallback = Material::default();
         let all = surfaces.materials.iter().chain([&fallback]);
         let entries = all.map(|material| entry_of(material, plan, &mut transforms)).collect();
-        if transforms.entries.len() > MAX_TRANSFORMS {
-            return Err(gpu::Error::TooLarge {
-                what: "the number of different texture transforms".to_owned(),
-                wanted: transforms.entries.len() as u64,
-                limit: MAX_TRANSFORMS as u64,
-            }
-            .into());
-        }
+        limits::check(
+            "different texture transforms",
+            transforms.entries.len() as u64 - 1,
+            MAX_TEXTURE_TRANSFORMS as u64,
+            "let materials share transforms, or bake them into texture coordinates",
+        )?;
         Ok(Self { entries, transforms: transforms.entries })
     }
 }

@@ -1,18 +1,28 @@
 //! Surfaces on the GPU: textures in pages, materials, lights, and which lights reach which object.
 
 mod light_lists;
+mod light_tree;
 mod lights;
+mod marked;
 mod materials;
+mod page_groups;
+mod page_upload;
 mod pages;
 mod relight;
 mod resources;
 
-pub use light_lists::{LightLists, MAX_LIGHTS_PER_OBJECT};
+pub use light_lists::{LightLists, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT};
 pub use lights::{MAX_DIRECTIONAL_LIGHTS, reach_m};
+pub use materials::MAX_TEXTURE_TRANSFORMS;
+pub use page_groups::SMALL_PAGES_BYTES;
 pub use pages::{MAX_PAGES, Page, PagePlan};
 pub use resources::{SurfaceOptions, SurfaceResources};
 
 #[cfg(test)]
 mod light_tests;
+#[cfg(test)]
+mod many_images_tests;
+#[cfg(test)]
+mod many_lights_tests;
 #[cfg(test)]
 mod page_tests;

@@ -1,15 +1,17 @@
 //! Lights that move or change between frames.
 
-use cull::ObjectId;
+use cull::Hierarchy;
 
 use crate::error::Error;
+use crate::geometry::Geometry;
 use crate::renderer::Renderer;
 use crate::scene::{LightId, LightKind, PunctualLight};
-use crate::surfaces::light_lists::objects_within;
+use crate::surfaces::SurfaceResources;
 
 impl Renderer {
     /// Replaces a light of a scene with surfaces: it moved, or shines otherwise. The next frame shows it.
-    /// The cost is that of the objects around its old and its new place, not of the scene.
+    /// The cost is that of the objects around its old and its new place, not of the scene; they find their
+    /// lights once a frame, however many lights change.
     ///
     /// # Errors
     /// [`Error::Light`] for a light that the scene does not have, and for one that becomes another kind of
@@ -25,18 +27,22 @@ impl Renderer {
         if !is_same_kind(before.kind, to.kind) {
             return Err(refused("it cannot become another kind of light"));
         }
-        let mut objects: Vec<ObjectId> = Vec::new();
-        for (centre, radius_m) in surfaces.replace_light(place, to) {
-            objects_within(&self.hierarchy, centre, radius_m, |object| objects.push(object));
-        }
+        surfaces.replace_light(&self.hierarchy, light, to);
+        Ok(())
+    }
+}
+
+impl Geometry {
+    /// Finds the lights again of who is around a light that changed since the last frame.
+    pub(crate) fn relight(&mut self, hierarchy: &Hierarchy) {
+        let objects = self.surfaces.as_mut().map(SurfaceResources::relight).unwrap_or_default();
         for object in objects {
-            if geometry.find_lights(&self.hierarchy, object)
-                && let Some(leaf) = self.hierarchy.leaf_of(object)
+            if self.find_lights(hierarchy, object)
+                && let Some(leaf) = hierarchy.leaf_of(object)
             {
-                geometry.mark(leaf, object);
+                self.mark(leaf, object);
             }
         }
-        Ok(())
     }
 }
 

@@ -1,21 +1,23 @@
 //! A scene's surfaces in GPU memory.
 
-use cull::{Aabb, Hierarchy};
-use gpu::{
-    Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, TextureArrayInfo, TextureUploads,
-    vk,
-};
+use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
+use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
 
+use crate::compromises::Compromises;
 use crate::deformers::mesh_order;
 use crate::error::Error;
+use crate::limits;
 use crate::passes::{ScatterIo, ScatterPass};
 use crate::scene::{
-    Alpha, Encoding, Filter, MeshId, Object, PunctualLight, Scene, SurfaceVertex, Surfaces, Wrap,
+    Alpha, BlendedId, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
+    Surfaces,
 };
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists, MAX_LIGHTS};
 use crate::surfaces::lights::{LightEntry, LightTable};
-use crate::surfaces::materials::{Features, MaterialTable};
-use crate::surfaces::pages::{MAX_PAGES, Page, PagePlan};
+use crate::surfaces::marked::Marked;
+use crate::surfaces::materials::{Features, MaterialEntry, MaterialTable};
+use crate::surfaces::page_upload::{plan, upload_pages};
+use crate::surfaces::pages::{MAX_PAGES, PagePlan};
 
 /// How surfaces are brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,11 +53,13 @@ pub struct SurfaceResources {
     default_material: u32,
     pub(crate) table: LightTable,
     pub(crate) light_lists: LightLists,
-    stale_lights: Vec<usize>,
+    stale_lights: Marked,
     first_blended_slot: u32,
-    /// Boxes of blended objects, which no hierarchy holds.
-    blended_bounds: Vec<Aabb>,
+    /// Over the blended objects, so that lights find them.
+    blended: Hierarchy,
     exposure: f32,
+    /// What is known of them once they are on the GPU.
+    compromises: Compromises,
 }
 
 impl SurfaceResources {
@@ -72,21 +76,21 @@ impl SurfaceResources {
         options: &SurfaceOptions,
     ) -> Result<Option<Self>, Error> {
         let Some(surfaces) = &scene.surfaces else { return Ok(None) };
+        check_counts(device, surfaces, hierarchy)?;
         check(scene, surfaces)?;
-        let limits = &device.adapter().limits;
-        let (max_side, max_layers) = (limits.max_image_dimension2_d, limits.max_image_array_layers);
-        let plan = PagePlan::new(surfaces, max_side, max_layers);
+        let plan = plan(device, surfaces)?;
         let pages = upload_pages(device, surfaces, &plan, options)?;
         let materials = MaterialTable::new(surfaces, &plan)?;
         let table = LightTable::new(surfaces);
         let first_blended_slot = hierarchy.leaf_objects().len() as u32;
         let mut light_lists =
             LightLists::new(&table, first_blended_slot as usize + surfaces.blended.len());
-        light_lists.fill(hierarchy);
         let bounds = |object: &Object| scene.bounds_of(object).unwrap_or(Aabb::EMPTY);
-        let blended_bounds: Vec<Aabb> = surfaces.blended.iter().map(bounds).collect();
-        for (slot, bounds) in (first_blended_slot..).zip(&blended_bounds) {
-            light_lists.find(slot, bounds);
+        let blended: Vec<Aabb> = surfaces.blended.iter().map(bounds).collect();
+        let blended = Hierarchy::build(&blended)?;
+        if light_lists.has_lights() {
+            light_lists.fill(hierarchy, 0);
+            light_lists.fill(&blended, first_blended_slot);
         }
         light_lists.submitted();
         let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
@@ -115,11 +119,18 @@ impl SurfaceResources {
                 .map(|mesh| material_of(mesh.material.0))
                 .collect(),
             default_material,
+            compromises: Compromises {
+                dark_suns: table.dark_suns,
+                shrunk_images: plan.shrunk,
+                enlarged_images: plan.resampled - plan.shrunk,
+                borrowed_samplers: plan.resampled_by_others,
+                crowded_objects: 0,
+            },
+            stale_lights: Marked::none_of(table.lights.len()),
             table,
             light_lists,
-            stale_lights: Vec::new(),
             first_blended_slot,
-            blended_bounds,
+            blended,
             exposure: if surfaces.exposure.is_finite() { surfaces.exposure.max(0.0) } else { 1.0 },
         }))
     }
@@ -148,6 +159,11 @@ impl SurfaceResources {
         self.vertices.whole()
     }
 
+    /// What of them is shown otherwise than the scene says, as lights and objects are now.
+    pub(crate) fn compromises(&self) -> Compromises {
+        Compromises { crowded_objects: self.light_lists.crowded(), ..self.compromises }
+    }
+
     /// What lights reach which object.
     pub fn light_lists(&self) -> &LightLists {
         &self.light_lists
@@ -163,38 +179,58 @@ impl SurfaceResources {
         self.exposure = if exposure.is_finite() && exposure >= 0.0 { exposure } else { 1.0 };
     }
 
-    /// What lies in the box of a slot is lit by others now, or not. Answers whether its instance must be
-    /// brought to the GPU again.
+    /// What lies in the box of a slot is lit by others now, or not; in an empty box lies nothing. Answers
+    /// whether its instance must be brought to the GPU again.
     pub(crate) fn find_lights(&mut self, slot: u32, bounds: &Aabb) -> bool {
-        let blended = slot.checked_sub(self.first_blended_slot);
-        if let Some(there) = blended.and_then(|place| self.blended_bounds.get_mut(place as usize)) {
-            *there = *bounds;
-        }
         self.light_lists.has_lights() && self.light_lists.find(slot, bounds)
     }
 
-    /// Replaces a light by one of the same kind; the next frame shows it. Answers around where, in metres,
-    /// objects must find their lights again; what is blended has found them.
+    /// A blended object is somewhere else now.
+    ///
+    /// # Errors
+    /// There is no such object.
+    pub(crate) fn move_blended(
+        &mut self,
+        blended: BlendedId,
+        bounds: &Aabb,
+    ) -> Result<(), HierarchyError> {
+        self.blended.refit([(ObjectId(blended.0), *bounds)])?;
+        self.find_lights(self.first_blended_slot + blended.0, bounds);
+        Ok(())
+    }
+
+    /// Replaces a light by one of the same kind; the next frame shows it. Objects of `hierarchy` and blended
+    /// ones around its old and its new place must [find their lights](SurfaceResources::relight) again.
     pub(crate) fn replace_light(
         &mut self,
-        light: usize,
+        hierarchy: &Hierarchy,
+        light: LightId,
         to: PunctualLight,
-    ) -> Vec<(glam::Vec3, f32)> {
-        let place = self.table.places.get(light).copied().flatten();
-        if let Some(there) = self.table.lights.get_mut(light) {
+    ) {
+        let number = light.0 as usize;
+        let place = self.table.places.get(number).copied().flatten();
+        if let Some(there) = self.table.lights.get_mut(number) {
             *there = to;
-            self.stale_lights.push(light);
+            self.stale_lights.mark(light.0);
         }
-        let around = self.light_lists.replace(light, place, &to);
-        for (slot, bounds) in (self.first_blended_slot..).zip(&self.blended_bounds) {
-            let is_near = |(centre, radius_m): &(glam::Vec3, f32)| {
-                bounds.distance_squared(*centre) <= radius_m * radius_m
-            };
-            if around.iter().any(is_near) {
-                self.light_lists.find(slot, bounds);
+        for around in self.light_lists.replace(number, place, &to) {
+            self.light_lists.doubt(hierarchy, 0, around);
+            self.light_lists.doubt(&self.blended, self.first_blended_slot, around);
+        }
+    }
+
+    /// Blended objects find their lights again around which lights changed; answers the other objects
+    /// that must.
+    pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
+        let mut objects = self.light_lists.take_doubtful();
+        objects.retain(|slot| {
+            let Some(blended) = slot.checked_sub(self.first_blended_slot) else { return true };
+            if let Some(node) = self.blended.node_of(ObjectId(blended)) {
+                self.light_lists.find(*slot, &self.blended.bounds(node));
             }
-        }
-        around
+            false
+        });
+        objects.into_iter().map(ObjectId).collect()
     }
 
     /// Records what brings lights and lists that changed to the GPU, before anything of `frame` reads
@@ -210,10 +246,11 @@ impl SurfaceResources {
             scatter.record(frame.commands(), stale.len() as u32, &[(io, LIST_WORDS * 4)]);
         }
         let changed = || {
-            let place = |light: &usize| self.table.places.get(*light).copied().flatten();
-            self.stale_lights
-                .iter()
-                .filter_map(move |light| Some((place(light)?, self.table.lights.get(*light)?)))
+            self.stale_lights.list().iter().filter_map(|light| {
+                let light = *light as usize;
+                let place = self.table.places.get(light).copied().flatten()?;
+                Some((place, self.table.lights.get(light)?))
+            })
         };
         let count = changed().count();
         if count > 0 {
@@ -231,7 +268,7 @@ impl SurfaceResources {
     /// The frame that [`SurfaceResources::bring`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
         self.light_lists.submitted();
-        self.stale_lights.clear();
+        self.stale_lights.drain().for_each(drop);
     }
 
     /// What opaque and masked objects, or blended ones, make use of.
@@ -251,13 +288,25 @@ impl SurfaceResources {
     }
 }
 
+/// Refuses what there is too much of for the tables that shaders read.
+fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> Result<(), Error> {
+    let (lights, blended) = (surfaces.lights.len() as u64, surfaces.blended.len() as u64);
+    limits::check("lights", lights, MAX_LIGHTS as u64, "leave lights out, the weakest first")?;
+    let materials = (surfaces.materials.len() as u64 + 1, size_of::<MaterialEntry>() as u64);
+    limits::check_storage(device, "materials", materials, "let meshes share materials")?;
+    const SPLIT: &str = "split the scene, or join objects that stand still";
+    let instances = (blended, limits::INSTANCE_BYTES);
+    limits::check_storage(device, "blended objects", instances, SPLIT)?;
+    if surfaces.lights.iter().any(|light| light.kind != LightKind::Directional) {
+        let slots = hierarchy.leaf_objects().len() as u64 + blended;
+        let lists = (slots, LIST_WORDS as u64 * 4);
+        limits::check_storage(device, "objects in the light of lamps", lists, SPLIT)?;
+    }
+    Ok(())
+}
+
 /// Refuses surfaces that do not belong to the scene.
 fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
-    if surfaces.lights.len() > MAX_LIGHTS {
-        let (wanted, limit) = (surfaces.lights.len() as u64, MAX_LIGHTS as u64);
-        let what = "the number of lights".to_owned();
-        return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
-    }
     let broken = |mesh: usize| {
         let beside = surfaces.meshes.get(mesh).map(|mesh| mesh.vertices.len());
         beside != scene.meshes.get(mesh).map(|mesh| mesh.vertices.len())
@@ -303,100 +352,4 @@ fn features(
             ..Features::of(materials, plan)
         }
     })
-}
-
-/// Makes and fills the pages; one white texel where there are none.
-fn upload_pages(
-    device: &Device,
-    surfaces: &Surfaces,
-    plan: &PagePlan,
-    options: &SurfaceOptions,
-) -> Result<Vec<TextureArray>, Error> {
-    let (wanted, limit) = (plan.pages.len(), MAX_PAGES);
-    if wanted > limit {
-        let what = "the number of texture pages".to_owned();
-        return Err(
-            gpu::Error::TooLarge { what, wanted: wanted as u64, limit: limit as u64 }.into()
-        );
-    }
-    if plan.resampled + plan.resampled_by_others > 0 {
-        tracing::warn!(
-            "textures of more kinds than {MAX_PAGES}: {} images were resampled, {} textures have another sampler",
-            plan.resampled,
-            plan.resampled_by_others
-        );
-    }
-    let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
-    let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
-    let mut uploads = TextureUploads::new(device)?;
-    let mut pages = Vec::with_capacity(plan.pages.len().max(1));
-    for (number, page) in plan.pages.iter().enumerate() {
-        let name = format!("texture page {number}");
-        let mut array =
-            TextureArray::new(device, &array_info(&name, page, anisotropy, options.mip_making))?;
-        for (layer, image) in (0..).zip(&page.layers) {
-            let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
-            if image.size == page.size {
-                uploads.write(&mut array, layer, &image.rgba8)?;
-            } else {
-                let format = format_of(page.encoding);
-                uploads.write(
-                    &mut array,
-                    layer,
-                    &gpu::resampled(&image.rgba8, image.size, page.size, format),
-                )?;
-            }
-        }
-        pages.push(array);
-    }
-    if pages.is_empty() {
-        let sampler =
-            crate::scene::Sampler { between_levels: None, ..crate::scene::Sampler::default() };
-        let white = Page { size: [1, 1], encoding: Encoding::Linear, sampler, layers: Vec::new() };
-        let info = array_info("no texture", &white, 1.0, MipMaking::Blits);
-        let mut array = TextureArray::new(device, &TextureArrayInfo { layers: 1, ..info })?;
-        uploads.write(&mut array, 0, &[255; 4])?;
-        pages.push(array);
-    }
-    Ok(pages)
-}
-
-fn format_of(encoding: Encoding) -> vk::Format {
-    match encoding {
-        Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
-        Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
-    }
-}
-
-fn array_info<'a>(
-    name: &'a str,
-    page: &Page,
-    anisotropy: f32,
-    mip_making: MipMaking,
-) -> TextureArrayInfo<'a> {
-    let filter = |filter: Filter| match filter {
-        Filter::Nearest => vk::Filter::NEAREST,
-        Filter::Linear => vk::Filter::LINEAR,
-    };
-    let wrap = |wrap: Wrap| match wrap {
-        Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
-        Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
-        Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
-    };
-    let between = |filter: Filter| match filter {
-        Filter::Nearest => vk::SamplerMipmapMode::NEAREST,
-        Filter::Linear => vk::SamplerMipmapMode::LINEAR,
-    };
-    TextureArrayInfo {
-        name,
-        size: page.size,
-        layers: page.layers.len() as u32,
-        format: format_of(page.encoding),
-        wrap: page.sampler.wrap.map(wrap),
-        magnified: filter(page.sampler.magnified),
-        minified: filter(page.sampler.minified),
-        between_levels: page.sampler.between_levels.map(between),
-        anisotropy,
-        mip_making,
-    }
 }

@@ -1,0 +1,84 @@
+//! What of a scene is shown otherwise than the scene says, and why.
+
+use crate::renderer::Renderer;
+use crate::surfaces::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
+
+/// What of a scene is more than a renderer shows: it is shown all the same, and not quite as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Compromises {
+    /// Objects that more points' and spots' lights reach than [`MAX_LIGHTS_PER_OBJECT`]: the weakest do not
+    /// shine on them. As things are now; it changes where lights and objects move.
+    pub crowded_objects: usize,
+    /// Directional lights beyond [`MAX_DIRECTIONAL_LIGHTS`], the weakest: they do not shine.
+    pub dark_suns: usize,
+    /// Images that lose sharpness, since the device or the memory for textures holds no larger ones.
+    pub shrunk_images: usize,
+    /// Images of another size than their page, which are made larger and lose nothing.
+    pub enlarged_images: usize,
+    /// Textures that are looked at by another sampler than their own.
+    pub borrowed_samplers: usize,
+}
+
+impl Compromises {
+    /// A sentence for each, for people.
+    #[must_use]
+    pub fn texts(&self) -> Vec<String> {
+        let Self { crowded_objects, dark_suns, shrunk_images, borrowed_samplers, .. } = *self;
+        [
+            (crowded_objects > 0).then(|| {
+                format!(
+                    "{crowded_objects} objects are reached by more than {MAX_LIGHTS_PER_OBJECT} lights: the weakest of them are left out"
+                )
+            }),
+            (dark_suns > 0).then(|| {
+                format!(
+                    "{dark_suns} directional lights do not shine: only the strongest {MAX_DIRECTIONAL_LIGHTS} do"
+                )
+            }),
+            (shrunk_images > 0).then(|| {
+                format!(
+                    "{shrunk_images} images are less sharp than they are in the scene: they are of more sizes than {MAX_PAGES} texture pages hold, or larger than the device takes"
+                )
+            }),
+            (borrowed_samplers > 0).then(|| {
+                format!(
+                    "{borrowed_samplers} textures are filtered or wrapped like others: there are more samplers than {MAX_PAGES} texture pages have"
+                )
+            }),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}
+
+impl Renderer {
+    /// What of the scene is shown otherwise than the scene says; of what stands still it is known from the
+    /// beginning.
+    pub fn compromises(&self) -> Compromises {
+        let surfaces = self.passes.geometry.surfaces.as_ref();
+        surfaces.map(|surfaces| surfaces.compromises()).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_lost_is_said_and_nothing_else() {
+        assert!(Compromises::default().texts().is_empty());
+        assert!(Compromises { enlarged_images: 3, ..Compromises::default() }.texts().is_empty());
+        let all = Compromises {
+            crowded_objects: 5,
+            dark_suns: 6,
+            shrunk_images: 7,
+            enlarged_images: 8,
+            borrowed_samplers: 9,
+        };
+        for (text, number) in all.texts().iter().zip([5, 6, 7, 9]) {
+            assert!(text.starts_with(&number.to_string()), "{text}");
+        }
+        assert_eq!(all.texts().len(), 4);
+    }
+}

@@ -1,0 +1,269 @@
+//! A hierarchy over points' and spots' lights: the strongest of those that reach a box are found without
+//! asking them all.
+
+use std::ops::Range;
+
+use cull::Aabb;
+use glam::Vec3;
+
+use crate::scene::{LightKind, PunctualLight};
+use crate::surfaces::light_lists::MAX_LIGHTS_PER_OBJECT;
+use crate::surfaces::lights::{is_bright, reach_m, strongest_part};
+
+/// What decides whether a light reaches a box.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// Its place in the light table.
+    pub(crate) entry: u32,
+    pub(crate) position: Vec3,
+    pub(crate) reach_m: f32,
+    candela: f32,
+}
+
+/// What the lights below a node can do at the most.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// Around their positions.
+    bounds: Aabb,
+    /// Negative where all are dark.
+    reach_squared: f32,
+    candela: f32,
+    first_entry: u32,
+}
+
+/// Lights in a binary tree that is split at medians. Nodes lie depth first, so that a subtree of `n` lights
+/// is `2 n - 1` nodes, and no node needs to know its children.
+#[derive(Debug, Default)]
+pub(crate) struct LightTree {
+    /// By light: `None` of directional ones, and of those that give no light.
+    reaches: Vec<Option<Reach>>,
+    /// The lights in the order of the leaves.
+    order: Vec<u32>,
+    /// By light: its leaf.
+    leaves: Vec<u32>,
+    nodes: Vec<Node>,
+    /// Lights that were replaced since the tree was split.
+    replaced: usize,
+}
+
+/// The strongest lights that reach a box.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Strongest {
+    /// Strengths and places in the table; the strongest first, of equal ones the first in the table.
+    lights: [(f32, u32); MAX_LIGHTS_PER_OBJECT],
+    /// How many of these there are.
+    count: usize,
+    /// Whether there may be lights that reach the box and are not among them.
+    pub(crate) leaves_out: bool,
+    /// Nodes that were looked at.
+    pub(crate) visits: usize,
+}
+
+/// A node that is to be visited: it, its leaves, and the most that one of its lights can be.
+type Open = (usize, Range<usize>, (f32, u32));
+
+impl LightTree {
+    /// Splits the lights, each at its place in the scene.
+    pub(crate) fn new(reaches: Vec<Option<Reach>>) -> Self {
+        let count = reaches.len();
+        let nodes = vec![Node::DARK; (2 * count).saturating_sub(1)];
+        let order = (0..count as u32).collect();
+        let mut tree = Self { reaches, order, leaves: vec![0; count], nodes, replaced: 0 };
+        tree.rebuild();
+        tree
+    }
+
+    fn rebuild(&mut self) {
+        let position = |light: u32| {
+            let reach = self.reaches.get(light as usize).copied().flatten();
+            reach.map_or(Vec3::ZERO, |reach| reach.position)
+        };
+        split(&mut self.order, &position);
+        for (leaf, light) in (0..).zip(&self.order) {
+            if let Some(place) = self.leaves.get_mut(*light as usize) {
+                *place = leaf;
+            }
+        }
+        self.replaced = 0;
+        self.refit(0, 0..self.order.len(), &(0..self.order.len()));
+    }
+
+    /// Computes the nodes anew that are above `changed` leaves, from `node` with its `leaves` on. No deeper
+    /// than the logarithm of the number of lights.
+    fn refit(&mut self, node: usize, leaves: Range<usize>, changed: &Range<usize>) {
+        if leaves.is_empty() || leaves.start >= changed.end || changed.start >= leaves.end {
+            return;
+        }
+        let now = if leaves.len() == 1 {
+            let light = self.order.get(leaves.start).copied().unwrap_or_default();
+            Node::of(self.reaches.get(light as usize).copied().flatten())
+        } else {
+            let children = children(node, leaves);
+            for (child, leaves) in children.clone() {
+                self.refit(child, leaves, changed);
+            }
+            let [left, right] = children.map(|(child, _)| self.node(child));
+            left.and(right)
+        };
+        if let Some(node) = self.nodes.get_mut(node) {
+            *node = now;
+        }
+    }
+
+    fn node(&self, node: usize) -> Node {
+        self.nodes.get(node).copied().unwrap_or(Node::DARK)
+    }
+
+    /// Replaces a light; answers what it was. The tree is split anew once as many were replaced as there
+    /// are.
+    pub(crate) fn replace(&mut self, light: usize, now: Option<Reach>) -> Option<Reach> {
+        let (Some(reach), Some(leaf)) = (self.reaches.get_mut(light), self.leaves.get(light))
+        else {
+            return None;
+        };
+        let (before, leaf) = (std::mem::replace(reach, now), *leaf as usize);
+        self.replaced += 1;
+        if self.replaced > self.order.len() {
+            self.rebuild();
+        } else {
+            self.refit(0, 0..self.order.len(), &(leaf..leaf + 1));
+        }
+        before
+    }
+
+    /// Finds the strongest lights that reach a box. After `most_visits` nodes it is content with what it
+    /// has found, among which the strongest are likely: it goes where they can be first.
+    pub(crate) fn strongest(&self, bounds: &Aabb, most_visits: usize) -> Strongest {
+        let mut found = Strongest::default();
+        if bounds.is_empty() || self.order.is_empty() {
+            return found;
+        }
+        let mut open: Vec<Open> = Vec::with_capacity(32);
+        open.extend(self.open(0, 0..self.order.len(), bounds));
+        while let Some((node, leaves, at_most)) = open.pop() {
+            if found.is_hopeless(at_most) {
+                continue;
+            }
+            if found.visits >= most_visits {
+                found.leaves_out = true;
+                break;
+            }
+            found.visits += 1;
+            if leaves.len() == 1 {
+                found.take(at_most);
+                continue;
+            }
+            let [left, right] =
+                children(node, leaves).map(|(child, leaves)| self.open(child, leaves, bounds));
+            match (left, right) {
+                (Some(left), Some(right)) if is_stronger(left.2, right.2) => {
+                    open.extend([right, left]);
+                }
+                (left, right) => open.extend(left.into_iter().chain(right)),
+            }
+        }
+        found
+    }
+
+    /// What to do about a node; nothing where none of its lights reaches the box. At a leaf, whose node is
+    /// a point, nothing is rounded otherwise than for the light itself, and above nothing is
+    /// weaker: differences, squares, sums and quotients keep their order when they are rounded.
+    fn open(&self, node: usize, leaves: Range<usize>, bounds: &Aabb) -> Option<Open> {
+        let it = self.node(node);
+        let gap = (bounds.min - it.bounds.max).max(it.bounds.min - bounds.max).max(Vec3::ZERO);
+        let distance_squared = gap.length_squared();
+        // What arrives where the box is nearest, in lux.
+        let lux = it.candela / distance_squared.max(1.0e-4);
+        (distance_squared <= it.reach_squared).then_some((node, leaves, (lux, it.first_entry)))
+    }
+}
+
+/// The children of an inner node with their leaves.
+fn children(node: usize, leaves: Range<usize>) -> [(usize, Range<usize>); 2] {
+    let middle = leaves.start + leaves.len() / 2;
+    let right = node + 2 * (leaves.len() / 2);
+    [(node + 1, leaves.start..middle), (right, middle..leaves.end)]
+}
+
+/// Orders lights so that each half, and each half of those, lies apart from the other where it can.
+fn split(lights: &mut [u32], position: &impl Fn(u32) -> Vec3) {
+    if lights.len() < 2 {
+        return;
+    }
+    let bounds = lights.iter().fold(Aabb::EMPTY, |bounds, light| {
+        let position = position(*light);
+        bounds.union(&Aabb::new(position, position))
+    });
+    let axis = (bounds.max - bounds.min).max_position();
+    let middle = lights.len() / 2;
+    lights.select_nth_unstable_by(middle, |a, b| {
+        let order = position(*a)[axis].total_cmp(&position(*b)[axis]);
+        order.then(a.cmp(b))
+    });
+    let (left, right) = lights.split_at_mut(middle);
+    split(left, position);
+    split(right, position);
+}
+
+/// Whether a strength and place in the table comes before another.
+fn is_stronger(a: (f32, u32), b: (f32, u32)) -> bool {
+    b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).is_lt()
+}
+
+impl Reach {
+    /// What a light reaches; `None` for one that is not local, or dark, or not in the table.
+    pub(crate) fn of(light: &PunctualLight, entry: Option<u32>) -> Option<Self> {
+        let is_local = light.kind != LightKind::Directional && is_bright(light);
+        let entry = entry.filter(|_| is_local)?;
+        let (position, candela) = (light.position, strongest_part(light));
+        Some(Self { entry, position, reach_m: reach_m(light), candela })
+    }
+}
+
+impl Node {
+    const DARK: Self =
+        Self { bounds: Aabb::EMPTY, reach_squared: -1.0, candela: 0.0, first_entry: u32::MAX };
+
+    fn of(reach: Option<Reach>) -> Self {
+        reach.map_or(Self::DARK, |reach| Self {
+            bounds: Aabb::new(reach.position, reach.position),
+            reach_squared: reach.reach_m * reach.reach_m,
+            candela: reach.candela,
+            first_entry: reach.entry,
+        })
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            bounds: self.bounds.union(&other.bounds),
+            reach_squared: self.reach_squared.max(other.reach_squared),
+            candela: self.candela.max(other.candela),
+            first_entry: self.first_entry.min(other.first_entry),
+        }
+    }
+}
+
+impl Strongest {
+    /// Their places in the table.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = u32> + '_ {
+        self.lights.iter().take(self.count).map(|(_, entry)| *entry)
+    }
+
+    /// Whether what is no stronger than that would be left out. That something is left out must be known
+    /// first.
+    fn is_hopeless(&self, at_most: (f32, u32)) -> bool {
+        let weakest = self.lights.last().filter(|_| self.leaves_out);
+        weakest.is_some_and(|weakest| is_stronger(*weakest, at_most))
+    }
+
+    fn take(&mut self, light: (f32, u32)) {
+        self.leaves_out |= self.count == self.lights.len();
+        let stronger = |other: &&(f32, u32)| is_stronger(**other, light);
+        let place = self.lights.iter().take(self.count).take_while(stronger).count();
+        self.count = (self.count + 1).min(self.lights.len());
+        if let Some(behind @ [_, ..]) = self.lights.get_mut(place..self.count) {
+            behind.rotate_right(1);
+            behind[0] = light;
+        }
+    }
+}

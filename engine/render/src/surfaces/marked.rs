@@ -1,0 +1,56 @@
+//! Numbers that were marked, each once: what waits for a frame that may never be drawn cannot grow.
+
+/// Numbers below a bound.
+#[derive(Debug, Default)]
+pub(crate) struct Marked {
+    list: Vec<u32>,
+    is_marked: Vec<bool>,
+}
+
+impl Marked {
+    /// None of the numbers below `bound`.
+    pub(crate) fn none_of(bound: usize) -> Self {
+        Self { list: Vec::new(), is_marked: vec![false; bound] }
+    }
+
+    /// Marks a number; one beyond the bound is none.
+    pub(crate) fn mark(&mut self, number: u32) {
+        if let Some(is_marked) = self.is_marked.get_mut(number as usize)
+            && !std::mem::replace(is_marked, true)
+        {
+            self.list.push(number);
+        }
+    }
+
+    /// Those that are marked, in the order in which they were.
+    pub(crate) fn list(&self) -> &[u32] {
+        &self.list
+    }
+
+    /// Unmarks all, and gives them in their order.
+    pub(crate) fn drain(&mut self) -> impl Iterator<Item = u32> + '_ {
+        let Self { list, is_marked } = self;
+        list.drain(..).inspect(|number| {
+            if let Some(is_marked) = is_marked.get_mut(*number as usize) {
+                *is_marked = false;
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_marked_once() {
+        let mut marked = Marked::none_of(4);
+        for number in [2, 0, 2, 2, 9, 0] {
+            marked.mark(number);
+        }
+        assert_eq!(marked.list(), [2, 0]);
+        assert!(marked.drain().eq([2, 0]));
+        marked.mark(2);
+        assert_eq!(marked.list(), [2], "it can be marked again");
+    }
+}

@@ -1,0 +1,107 @@
+//! Texture pages on the GPU.
+
+use gpu::{Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
+
+use crate::error::Error;
+use crate::scene::{Encoding, Filter, Sampler, Surfaces, Wrap};
+use crate::surfaces::pages::{MAX_LAYERS, MAX_PAGES, Page, PagePlan};
+use crate::surfaces::resources::SurfaceOptions;
+
+/// Which image goes where.
+pub(super) fn plan(device: &Device, surfaces: &Surfaces) -> Result<PagePlan, Error> {
+    let limits = &device.adapter().limits;
+    let (max_side, max_layers) = (limits.max_image_dimension2_d, limits.max_image_array_layers);
+    let plan = PagePlan::new(surfaces, max_side, max_layers);
+    if plan.pages.len() > MAX_PAGES {
+        let most = MAX_PAGES as u64 * u64::from(max_layers.min(MAX_LAYERS));
+        let wanted = plan.pages.iter().map(|page| page.layers.len() as u64).sum();
+        return Err(Error::SceneTooLarge {
+            what: "images, colours and numbers apart",
+            wanted,
+            limit: most,
+            instead: "join small images to larger ones",
+        });
+    }
+    Ok(plan)
+}
+
+/// Makes and fills the pages; one white texel where there are none.
+pub(super) fn upload_pages(
+    device: &Device,
+    surfaces: &Surfaces,
+    plan: &PagePlan,
+    options: &SurfaceOptions,
+) -> Result<Vec<TextureArray>, Error> {
+    let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
+    let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
+    let mut uploads = TextureUploads::new(device)?;
+    let mut pages = Vec::with_capacity(plan.pages.len().max(1));
+    for (number, page) in plan.pages.iter().enumerate() {
+        let name = format!("texture page {number}");
+        let mut array =
+            TextureArray::new(device, &array_info(&name, page, anisotropy, options.mip_making))?;
+        for (layer, image) in (0..).zip(&page.layers) {
+            let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
+            if image.size == page.size {
+                uploads.write(&mut array, layer, &image.rgba8)?;
+            } else {
+                let format = format_of(page.encoding);
+                uploads.write(
+                    &mut array,
+                    layer,
+                    &gpu::resampled(&image.rgba8, image.size, page.size, format),
+                )?;
+            }
+        }
+        pages.push(array);
+    }
+    if pages.is_empty() {
+        let sampler = Sampler { between_levels: None, ..Sampler::default() };
+        let white = Page { size: [1, 1], encoding: Encoding::Linear, sampler, layers: Vec::new() };
+        let info = array_info("no texture", &white, 1.0, MipMaking::Blits);
+        let mut array = TextureArray::new(device, &TextureArrayInfo { layers: 1, ..info })?;
+        uploads.write(&mut array, 0, &[255; 4])?;
+        pages.push(array);
+    }
+    Ok(pages)
+}
+
+fn format_of(encoding: Encoding) -> vk::Format {
+    match encoding {
+        Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
+        Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
+    }
+}
+
+fn array_info<'a>(
+    name: &'a str,
+    page: &Page,
+    anisotropy: f32,
+    mip_making: MipMaking,
+) -> TextureArrayInfo<'a> {
+    let filter = |filter: Filter| match filter {
+        Filter::Nearest => vk::Filter::NEAREST,
+        Filter::Linear => vk::Filter::LINEAR,
+    };
+    let wrap = |wrap: Wrap| match wrap {
+        Wrap::Repeat => vk::SamplerAddressMode::REPEAT,
+        Wrap::Mirror => vk::SamplerAddressMode::MIRRORED_REPEAT,
+        Wrap::Clamp => vk::SamplerAddressMode::CLAMP_TO_EDGE,
+    };
+    let between = |filter: Filter| match filter {
+        Filter::Nearest => vk::SamplerMipmapMode::NEAREST,
+        Filter::Linear => vk::SamplerMipmapMode::LINEAR,
+    };
+    TextureArrayInfo {
+        name,
+        size: page.size,
+        layers: page.layers.len() as u32,
+        format: format_of(page.encoding),
+        wrap: page.sampler.wrap.map(wrap),
+        magnified: filter(page.sampler.magnified),
+        minified: filter(page.sampler.minified),
+        between_levels: page.sampler.between_levels.map(between),
+        anisotropy,
+        mip_making,
+    }
+}
