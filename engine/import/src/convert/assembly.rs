@@ -6,7 +6,7 @@ use glam::Affine3A;
 use render::scene::{BlendedId, Mesh, MeshId, Object, Scene, SurfaceMesh, Surfaces};
 
 use super::budget::Budget;
-use super::deformed::Forms;
+use super::forms::Forms;
 use super::geometry::Geometry;
 use super::instancing;
 use super::materials::{MaterialUse, Materials};
@@ -38,9 +38,34 @@ pub(super) struct Assembly<'a> {
     pub(super) budget: Budget,
     /// As [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
     pub(super) cut_above: Option<usize>,
+    /// How much of the nodes is done, 0 to 1.
+    pub(super) done: f32,
+    /// Who wants to know that, and may break off.
+    pub(super) listener: &'a mut Telling<'a>,
+    /// What was placed since that was told.
+    pub(super) untold: usize,
 }
 
+/// Tells how much is done.
+pub(super) type Telling<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
+
+/// After how many things that were placed progress is told.
+pub(super) const TOLD_PARTS: usize = 256;
+
 impl<'a> Assembly<'a> {
+    /// Tells how far it has come, every now and then; to be called for each thing that is placed.
+    ///
+    /// # Errors
+    /// Nobody wants it any more.
+    pub(super) fn tell(&mut self) -> Result<(), ImportError> {
+        self.untold += 1;
+        if self.untold < TOLD_PARTS {
+            return Ok(());
+        }
+        self.untold = 0;
+        (self.listener)(self.done)
+    }
+
     /// A primitive of the file.
     pub(super) fn primitive(&self, mesh: usize, number: usize) -> Option<Primitive<'a>> {
         let given = self.source.document.as_json().meshes.get(mesh)?;
@@ -167,7 +192,7 @@ pub(super) fn rigid(node: NodeId, placed: Placed, local: Affine3A) -> Placement 
         local,
         deformer: None,
         rest_bounds: Aabb::EMPTY,
-        clip_bounds: Vec::new(),
+        clip_bounds: [].into(),
         blend_bounds: Aabb::EMPTY,
     }
 }

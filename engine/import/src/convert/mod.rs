@@ -5,6 +5,7 @@ mod budget;
 mod cameras;
 mod clips;
 mod deformed;
+mod forms;
 mod framing;
 mod geometry;
 mod instancing;
@@ -43,9 +44,6 @@ use crate::{ImportError, Source};
 pub(crate) use self::framing::overview;
 pub(crate) use self::skins::used_joints;
 
-/// After how many nodes progress is told.
-const TOLD_NODES: usize = 256;
-
 /// A scene made of a file.
 pub(crate) fn convert(
     mut source: Source,
@@ -68,9 +66,12 @@ pub(crate) fn convert(
         materials: Materials::default(),
         skins: Skins::default(),
         placements: Vec::new(),
-        forms: deformed::Forms::default(),
+        forms: forms::Forms::new(&tree.rig, &clips, &options.limits),
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
+        done: 0.0,
+        listener: &mut |done| teller.tell(Stage::Meshes, done),
+        untold: assembly::TOLD_PARTS,
     };
     for (light, node) in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);
@@ -82,9 +83,8 @@ pub(crate) fn convert(
     let mut plan = assembly.plan();
     let count = tree.in_file.len();
     for (place, node) in (0..count).zip((0..).map(NodeId)) {
-        if place % TOLD_NODES == 0 {
-            teller.tell(Stage::Meshes, place as f32 / count as f32)?;
-        }
+        assembly.done = place as f32 / count as f32;
+        assembly.tell()?;
         assembly.place(&mut plan, node)?;
     }
     let Assembly { mut notes, mut scene, mut surfaces, materials, skins, placements, .. } =

@@ -134,6 +134,7 @@ impl Assembly<'_> {
         locals: &[Affine3A],
     ) -> Result<(), ImportError> {
         for local in locals {
+            self.tell()?;
             let transform = self.tree.world(node) * *local;
             if !self.can_be_seen(node, &transform) {
                 continue;
