@@ -79,8 +79,8 @@ pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, Re
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use surfaces::{
-    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, Page, PagePlan,
-    SurfaceOptions, SurfaceResources, reach_m,
+    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LAYERS, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES,
+    MAX_TRANSFORMS, Page, PagePlan, SurfaceOptions, SurfaceResources, reach_m,
 };
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};

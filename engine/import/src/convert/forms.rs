@@ -25,6 +25,8 @@ const MOST_STEPS: u64 = 100_000_000;
 
 /// Keys that are looked through for one exact box.
 const MOST_KEYS: usize = 1 << 20;
+/// Clips times bones of one exact box: all are laid out at once.
+const MOST_TRACKS: usize = 1 << 18;
 
 /// What keeping a box costs, in steps: this is what bounds the memory of all of them, to 40 MB.
 const KEPT_STEPS: u64 = 100;
@@ -175,7 +177,10 @@ impl Forms {
             let excerpts = self.index.excerpts(clips, bones, node);
             let channels = excerpts.iter().map(|(_, excerpt)| excerpt.channels.len() as u64);
             self.spent_steps += channels.sum::<u64>() + positions.len() as u64;
-            if excerpts.iter().map(|(_, excerpt)| excerpt.keys()).sum::<usize>() <= MOST_KEYS {
+            let keys: usize = excerpts.iter().map(|(_, excerpt)| excerpt.keys()).sum();
+            let bones = skeleton.map_or(1, |skeleton| skeleton.bones().count());
+            let tracks = bones.saturating_mul(excerpts.len());
+            if keys <= MOST_KEYS && tracks <= MOST_TRACKS {
                 return exact(rig, mesh, excerpts, &mut self.spent_steps)
                     .map(|form| Form { space, ..form });
             }

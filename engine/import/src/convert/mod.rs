@@ -5,6 +5,7 @@ mod budget;
 mod cameras;
 mod clips;
 mod deformed;
+mod distances;
 mod forms;
 mod framing;
 mod geometry;
@@ -18,6 +19,7 @@ mod numbers;
 mod pack;
 mod pieces;
 mod primitives;
+mod renderable;
 mod shared;
 mod sidedness;
 mod skins;
@@ -53,9 +55,10 @@ pub(crate) fn convert(
 ) -> Result<Imported, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&source, &mut notes)?;
-    let clips = clips::clips(&source, &tree, &mut notes)?;
+    let mut clips = clips::clips(&source, &tree, &mut notes)?;
     let cameras = cameras::cameras(&source, &tree, &mut notes);
     let lights = lights::lights(&source, &tree, &mut notes);
+    renderable::check_lights(&source, &tree, &lights, &options.limits)?;
     let mut assembly = Assembly {
         source: &source,
         tree: &tree,
@@ -87,9 +90,12 @@ pub(crate) fn convert(
         assembly.tell()?;
         assembly.place(&mut plan, node)?;
     }
-    let Assembly { mut notes, mut scene, mut surfaces, materials, skins, placements, .. } =
+    let Assembly { mut notes, mut scene, mut surfaces, materials, skins, mut placements, .. } =
         assembly;
     (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
+    renderable::check_textures(&source, &surfaces)?;
+    let made = (&scene, &surfaces, skins.list.as_slice());
+    distances::refuse_far(&tree, &mut clips, &mut placements, made, &cameras, &mut notes);
     if scene.objects.is_empty() && surfaces.blended.is_empty() {
         notes.say("there is nothing to see in the scene");
     }

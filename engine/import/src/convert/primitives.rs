@@ -266,13 +266,15 @@ impl Primitive<'_> {
             let colours = self.source.floats::<3>(accessor).unwrap_or_default();
             colours.into_iter().map(opaque).collect()
         });
-        let mut broken = 0;
+        let (mut broken, mut cut) = (0, 0);
         for colour in &mut colours {
             if colour.iter().any(|part| !part.is_finite()) {
                 *colour = [1.0; 4];
                 broken += 1;
             }
+            cut += usize::from(colour.iter().any(|part| !(0.0..=1.0).contains(part)));
         }
+        notes.count("colours of vertices below 0 or above 1, cut off there", cut, || self.place());
         notes.count("colours of vertices that are no numbers, white instead", broken, || {
             self.place()
         });

@@ -13,8 +13,8 @@ pub const MAX_LIGHTS_PER_OBJECT: usize = 16;
 /// Two lights a word.
 pub(crate) const LIST_WORDS: usize = MAX_LIGHTS_PER_OBJECT / 2;
 
-/// A place in the light table has 16 bits.
-pub(crate) const MAX_LIGHTS: usize = 1 << 16;
+/// The most lights of a scene: a place in the light table has 16 bits.
+pub const MAX_LIGHTS: usize = 1 << 16;
 
 /// What decides whether a light reaches a box.
 #[derive(Clone, Copy, Debug)]

@@ -42,8 +42,8 @@ const _: () = assert!(size_of::<TransformEntry>() == 32);
 /// A texture word without a page.
 const NO_TEXTURE: u32 = 15;
 const UNLIT_FLAG: u32 = 1 << 16;
-/// A texture's transform has 16 bits.
-const MAX_TRANSFORMS: usize = 1 << 16;
+/// The most different texture transforms of a scene, the identity among them: each is named by 16 bits.
+pub const MAX_TRANSFORMS: usize = 1 << 16;
 
 /// All materials of a scene; the last one is for meshes that name none.
 pub(crate) struct MaterialTable {

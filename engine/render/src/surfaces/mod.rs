@@ -7,9 +7,10 @@ mod pages;
 mod relight;
 mod resources;
 
-pub use light_lists::{LightLists, MAX_LIGHTS_PER_OBJECT};
+pub use light_lists::{LightLists, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT};
 pub use lights::{MAX_DIRECTIONAL_LIGHTS, reach_m};
-pub use pages::{MAX_PAGES, Page, PagePlan};
+pub use materials::MAX_TRANSFORMS;
+pub use pages::{MAX_LAYERS, MAX_PAGES, Page, PagePlan};
 pub use resources::{SurfaceOptions, SurfaceResources};
 
 #[cfg(test)]
