@@ -1,5 +1,7 @@
 //! The scene in the making: what all that put something into it share.
 
+use std::collections::HashMap;
+
 use animation::{Clip, NodeId};
 use cull::{Aabb, ObjectId};
 use glam::Affine3A;
@@ -35,6 +37,10 @@ pub(super) struct Assembly<'a> {
     pub(super) skins: Skins,
     pub(super) placements: Vec<Placement>,
     pub(super) forms: Forms,
+    /// Of each node whether it mirrors at one time what it does not at another.
+    pub(super) turns: Vec<bool>,
+    /// Of skins whether one of their joints does.
+    pub(super) turning_skins: HashMap<usize, bool>,
     pub(super) budget: Budget,
     /// As [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
     pub(super) cut_above: Option<usize>,
@@ -64,6 +70,20 @@ impl<'a> Assembly<'a> {
         }
         self.untold = 0;
         (self.listener)(self.done)
+    }
+
+    /// Whether clips turn inside out what a node has. That is told.
+    pub(super) fn may_turn(&mut self, node: NodeId) -> bool {
+        let may_turn = self.turns.get(node.0 as usize) == Some(&true);
+        if may_turn {
+            self.note_turning(node);
+        }
+        may_turn
+    }
+
+    pub(super) fn note_turning(&mut self, node: NodeId) {
+        let what = "objects that clips mirror at one time and not at another, seen from both sides";
+        self.notes.count(what, 1, || self.tree.name(node));
     }
 
     /// A primitive of the file.

@@ -8,8 +8,7 @@ use super::assembly::{Assembly, NO_TINT};
 use super::forms::{Form, Formed};
 use super::geometry::Geometry;
 use super::materials::MaterialUse;
-use super::numbers::mirrors;
-use super::primitives::{Primitive, Variant};
+use super::primitives::{Facing, Primitive, Variant};
 use super::skins::Used;
 use crate::ImportError;
 use crate::imported::Placement;
@@ -41,9 +40,12 @@ impl Assembly<'_> {
         for local in locals {
             self.tell()?;
             let place = self.tree.world(node) * *local;
-            let is_mirrored = skin.map_or_else(|| mirrors(&place), |skin| skin.is_mirrored);
+            let facing = match skin {
+                Some(skin) => self.facing_of(skin, node),
+                None => Facing::of(&place, self.may_turn(node)),
+            };
             let joints = skin.map(|skin| skin.joints);
-            let variant = Variant { is_mirrored, joints, is_morphed: true };
+            let variant = Variant { facing, joints, is_morphed: true };
             let built = primitive.build(variant, &material, &mut self.budget, &mut self.notes)?;
             let Some(geometry) = built else {
                 return Ok(());
@@ -79,6 +81,17 @@ impl Assembly<'_> {
             )?;
         }
         Ok(())
+    }
+
+    /// Which way what hangs on a skin is to be seen.
+    fn facing_of(&mut self, skin: Used, node: NodeId) -> Facing {
+        let joints = self.skins.list.get(skin.skin).map_or(&[][..], |skin| &skin.joints);
+        let turns = |joint: &NodeId| self.turns.get(joint.0 as usize) == Some(&true);
+        if *self.turning_skins.entry(skin.skin).or_insert_with(|| joints.iter().any(turns)) {
+            self.note_turning(node);
+            return Facing::Both;
+        }
+        if skin.is_mirrored { Facing::Mirrored } else { Facing::Plain }
     }
 
     fn add_deformed(

@@ -90,6 +90,19 @@ impl Forms {
         }
     }
 
+    /// Of each node whether it or one above it mirrors at one time and not at another.
+    pub(super) fn turning(&self, rig: &Rig) -> Vec<bool> {
+        let mut turns = vec![false; rig.nodes().len()];
+        for node in rig.order() {
+            let parent = rig.nodes().get(node.0 as usize).and_then(|node| node.parent);
+            let above = parent.and_then(|parent| turns.get(parent.0 as usize)).copied();
+            if let Some(turns) = turns.get_mut(node.0 as usize) {
+                *turns = above == Some(true) || self.extents.may_turn_inside_out(*node);
+            }
+        }
+        turns
+    }
+
     /// Where a mesh is and how far it reaches; `None` if that is beyond all numbers.
     ///
     /// # Errors

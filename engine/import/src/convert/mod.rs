@@ -28,6 +28,8 @@ mod tangents;
 mod textures;
 mod topology;
 
+use std::collections::HashMap;
+
 use animation::NodeId;
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
@@ -59,6 +61,7 @@ pub(crate) fn convert(
     let cameras = cameras::cameras(&source, &tree, &mut notes);
     let lights = lights::lights(&source, &tree, &mut notes);
     renderable::check_lights(&source, &tree, &lights, &options.limits)?;
+    let forms = forms::Forms::new(&tree.rig, &clips, &options.limits);
     let mut assembly = Assembly {
         source: &source,
         tree: &tree,
@@ -69,7 +72,9 @@ pub(crate) fn convert(
         materials: Materials::default(),
         skins: Skins::default(),
         placements: Vec::new(),
-        forms: forms::Forms::new(&tree.rig, &clips, &options.limits),
+        turns: forms.turning(&tree.rig),
+        turning_skins: HashMap::new(),
+        forms,
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
         done: 0.0,

@@ -257,3 +257,34 @@ fn what_plays_is_asked_for_by_its_file() {
     let (_, mut performance, _, _) = Performance::of(load(&arm()));
     assert!(performance.changes(1.0).is_empty());
 }
+
+#[test]
+fn what_clips_mirror_at_times_is_there_from_both_sides() {
+    let turns = [1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
+    let shrinks = [1.0, 1.0, 1.0, 0.0, 1.0, 1.0];
+    for (path, values, is_turning) in
+        [("scale", turns, true), ("scale", shrinks, false), ("translation", turns, false)]
+    {
+        let mut scene = arm();
+        let channels = [(0, path, values)];
+        let clip = clip(&mut scene, "turn", &channels);
+        scene.set("/animations", json!([clip]));
+        let imported = load(&scene);
+        let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
+        let of = |object: usize| imported.scene.objects[object].mesh.0 as usize;
+        let triangles = |object| &imported.scene.meshes[of(object)].indices;
+        let sides = |object| surfaces.meshes[of(object)].vertices[0].normal[3];
+        assert_eq!((triangles(1).len(), sides(1)), (3, 0), "it hangs on nothing that moves");
+        let expected = if is_turning { (6, i16::MAX) } else { (3, 0) };
+        assert_eq!((triangles(0).len(), sides(0)), expected, "{path} {values:?}");
+        if is_turning {
+            assert_eq!(triangles(0), &[0, 1, 2, 3, 5, 4]);
+            let normals: Vec<[i16; 4]> =
+                surfaces.meshes[of(0)].vertices.iter().map(|vertex| vertex.normal).collect();
+            assert_eq!(normals[0][2], -normals[3][2], "{normals:?}");
+        }
+        let told = imported.notes.iter().any(|note| note.contains("seen from both sides: 1"));
+        assert_eq!(told, is_turning, "{:?}", imported.notes);
+        perform(imported);
+    }
+}
