@@ -105,13 +105,13 @@ impl Extents {
     }
 
     /// How far from the origin of the world anything gets, for each node the farthest of what is within
-    /// `distances` of its origin; negative where there is nothing. Answers the node on which the farthest
+    /// `distances` of its origin, which may be infinite; negative where there is nothing. Answers the node on which the farthest
     /// hangs, and how far that is. Takes as long as the rig is large.
     pub fn farthest(&self, rig: &Rig, distances: &[f32]) -> Option<(NodeId, f32)> {
         // Of what hangs on a node, in its own space: the farthest, and whose it is.
         let mut hanging: Vec<Option<(f32, NodeId)>> = (0..rig.nodes().len() as u32)
             .map(|id| {
-                let distance = distances.get(id as usize).filter(|distance| !(**distance < 0.0))?;
+                let distance = distances.get(id as usize).filter(|distance| **distance >= 0.0)?;
                 Some((*distance, NodeId(id)))
             })
             .collect();

@@ -18,6 +18,9 @@ use super::skins::used_joints;
 use crate::error::quoted;
 use crate::imported::{Camera, Placed, Placement};
 
+/// Of clips, by their numbers.
+type Boxes = Arc<[(usize, Aabb)]>;
+
 /// Nodes that are looked at to find which clips go too far; what was not tried then is not played.
 const MOST_STEPS: usize = 1 << 26;
 /// How many clips are tried however many nodes there are.
@@ -36,7 +39,7 @@ pub(super) fn refuse_far(
     let distances = distances(rig, placements, (scene, surfaces, skins), cameras);
     let is_too_far = |extents: &Extents| {
         let farthest = extents.farthest(rig, &distances);
-        farthest.filter(|(_, distance)| !(*distance <= MAX_COORDINATE)).map(|(node, _)| node)
+        farthest.filter(|(_, distance)| *distance > MAX_COORDINATE).map(|(node, _)| node)
     };
     if clips.is_empty() || is_too_far(&Extents::new(rig, clips.iter())).is_none() {
         return;
@@ -131,13 +134,13 @@ fn renumber(is_taken: &[bool], placements: &mut [Placement]) {
         })
         .collect();
     let number = |clip: usize| numbers.get(clip).copied().flatten();
-    let mut known: HashMap<*const (usize, Aabb), (Arc<_>, Arc<[(usize, Aabb)]>)> = HashMap::new();
+    let mut known: HashMap<*const (usize, Aabb), [Boxes; 2]> = HashMap::new();
     for placement in placements.iter_mut().filter(|it| !it.clip_bounds.is_empty()) {
         let list = &placement.clip_bounds;
-        let (_, renumbered) = known.entry(list.as_ptr()).or_insert_with(|| {
+        let [_, renumbered] = known.entry(list.as_ptr()).or_insert_with(|| {
             let kept = list.iter().filter_map(|(clip, bounds)| Some((number(*clip)?, *bounds)));
             // The old list is held, so that no other comes to lie where it was.
-            (list.clone(), kept.collect())
+            [list.clone(), kept.collect()]
         });
         placement.clip_bounds = renumbered.clone();
     }
