@@ -44,7 +44,19 @@ vec3 added(uint list, uint vertex) {
     return list == NOTHING ? vec3(0.0) : form_vector(list + 3 * vertex);
 }
 
+float largest_of(vec3 v) {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
+// By a power of two, so that nothing is rounded: squares of tiny numbers would be zero.
+vec3 near_one(vec3 v, float largest) {
+    int exponent;
+    frexp(largest, exponent);
+    return ldexp(v, ivec3(-clamp(exponent, -126, 126)));
+}
+
 vec3 unit(vec3 direction, vec3 otherwise) {
+    direction = near_one(direction, largest_of(direction));
     float squared = dot(direction, direction);
     return squared > 0.0 && !isinf(squared) ? direction * inversesqrt(squared) : otherwise;
 }
@@ -54,7 +66,8 @@ void main() {
     for (uint vertex = gl_GlobalInvocationID.x; vertex < vertex_count; vertex += stride) {
         uint at = rest + REST_WORDS * vertex;
         vec3 position = form_vector(at);
-        vec3 rest_normal = vec3(unpackSnorm2x16(forms[at + 3]), unpackSnorm2x16(forms[at + 4]).x);
+        vec2 normal_z_sides = unpackSnorm2x16(forms[at + 4]);
+        vec3 rest_normal = vec3(unpackSnorm2x16(forms[at + 3]), normal_z_sides.x);
         vec2 tangent_z_sign = unpackSnorm2x16(forms[at + 6]);
         vec3 rest_tangent = vec3(unpackSnorm2x16(forms[at + 5]), tangent_z_sign.x);
         vec3 normal = rest_normal;
@@ -83,9 +96,15 @@ void main() {
             vec4 point = vec4(position, 1.0);
             position = vec3(dot(rows[0], point), dot(rows[1], point), dot(rows[2], point));
             // Normals go by the inverse of the transpose, which is the cofactors but for a factor.
+            float largest = max(largest_of(rows[0].xyz), max(largest_of(rows[1].xyz), largest_of(rows[2].xyz)));
+            for (uint row = 0; row < 3; ++row) rows[row].xyz = near_one(rows[row].xyz, largest);
             vec3 cofactors[3] = vec3[](cross(rows[1].xyz, rows[2].xyz), cross(rows[2].xyz, rows[0].xyz),
                                        cross(rows[0].xyz, rows[1].xyz));
             float turned = dot(rows[0].xyz, cofactors[0]) < 0.0 ? -1.0 : 1.0;
+            // With both sides of each triangle, a mirror shows the other one: as in surface.vert.
+            bool has_both_sides = normal_z_sides.y > 0.5;
+            tangent *= has_both_sides ? turned : 1.0;
+            turned = has_both_sides ? 1.0 : turned;
             normal = turned * vec3(dot(cofactors[0], normal), dot(cofactors[1], normal),
                                    dot(cofactors[2], normal));
             tangent = vec3(dot(rows[0].xyz, tangent), dot(rows[1].xyz, tangent),
@@ -101,7 +120,7 @@ void main() {
         vertices[place + 3] = packSnorm4x8(vec4(normal, 0.0));
         place = 10 * (first_vertex + vertex);
         surfaces[place] = packSnorm2x16(normal.xy);
-        surfaces[place + 1] = packSnorm2x16(vec2(normal.z, 0.0));
+        surfaces[place + 1] = packSnorm2x16(vec2(normal.z, normal_z_sides.y));
         surfaces[place + 2] = packSnorm2x16(tangent.xy);
         surfaces[place + 3] = packSnorm2x16(vec2(tangent.z, tangent_z_sign.y));
     }

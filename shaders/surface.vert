@@ -8,7 +8,7 @@
 #include "surface_constants.glsl"
 
 layout(location = 0) in vec3 position;
-layout(location = 1) in vec4 normal;  // w unused
+layout(location = 1) in vec4 normal;  // w: whether the mesh has both sides of each triangle
 layout(location = 2) in vec4 tangent; // w: sign of the bitangent
 layout(location = 3) in vec2 uv_first;
 layout(location = 4) in vec2 uv_second;
@@ -31,7 +31,19 @@ layout(location = 9) flat out uvec2 lights_of_object; // slot of the list, how m
 // Depth drawn by the opaque pass is found again, to the bit.
 invariant gl_Position;
 
+// By a power of two, so that nothing is rounded: squares of tiny numbers would be zero.
+vec3 near_one(vec3 v, float largest) {
+    int exponent;
+    frexp(largest, exponent);
+    return ldexp(v, ivec3(-exponent));
+}
+
+float largest_of(vec3 v) {
+    return max(abs(v.x), max(abs(v.y), abs(v.z)));
+}
+
 vec3 unit_or_zero(vec3 v) {
+    v = near_one(v, largest_of(v));
     float squared = dot(v, v);
     return squared > 0.0 ? v * inversesqrt(squared) : vec3(0.0);
 }
@@ -47,11 +59,21 @@ void main() {
     vec3 x = instance.rows[0].xyz;
     vec3 y = instance.rows[1].xyz;
     vec3 z = instance.rows[2].xyz;
+    float largest = max(largest_of(x), max(largest_of(y), largest_of(z)));
+    x = near_one(x, largest);
+    y = near_one(y, largest);
+    z = near_one(z, largest);
     float turn = dot(x, cross(y, z)) < 0.0 ? -1.0 : 1.0;
+    // Of a triangle with both sides a mirror shows the other one, which has all of this turned: the normal
+    // stays what it is then, and the tangent turns instead.
+    bool has_both_sides = normal.w > 0.5;
+    float tangent_turn = has_both_sides ? turn : 1.0;
+    turn = has_both_sides ? 1.0 : turn;
     vec3 cofactors = vec3(dot(cross(y, z), normal.xyz), dot(cross(z, x), normal.xyz), dot(cross(x, y), normal.xyz));
     world_position = world;
     world_normal = turn * unit_or_zero(cofactors);
-    world_tangent = vec4(unit_or_zero(direction_to_world(instance, tangent.xyz)), turn * tangent.w);
+    vec3 world_along = unit_or_zero(direction_to_world(instance, tangent.xyz));
+    world_tangent = vec4(tangent_turn * world_along, turn * tangent.w);
     uvs = vec4(uv_first, uv_second);
     vertex_colour = colour;
 

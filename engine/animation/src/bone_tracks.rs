@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Quat, Vec3, Vec4};
 
-use crate::clip::{Clip, Track, Values};
+use crate::clip::{Excerpt, Track, Values};
 use crate::hull::{Span, cones, hull};
 use crate::rig::{NodeId, Rest, Rig, Trs};
 use crate::skeleton::Skeleton;
@@ -16,9 +16,9 @@ pub(crate) struct NodeTracks<'a> {
 }
 
 /// The tracks of each bone in a clip.
-pub(crate) fn bone_tracks<'a>(skeleton: &Skeleton, clip: &'a Clip) -> Vec<NodeTracks<'a>> {
+pub(crate) fn bone_tracks<'a>(skeleton: &Skeleton, clip: &Excerpt<'a>) -> Vec<NodeTracks<'a>> {
     let mut tracks = vec![NodeTracks::default(); skeleton.bones.len()];
-    for channel in &clip.channels {
+    for channel in clip.channels.iter().copied() {
         let bone = skeleton.bone_of(channel.node);
         let Some(tracks) = bone.and_then(|bone| tracks.get_mut(bone)) else { continue };
         let track = &channel.track;

@@ -3,7 +3,7 @@
 use cull::Aabb;
 use glam::{Vec3, Vec3A};
 
-use crate::clip::{Clip, Values};
+use crate::clip::{Excerpt, Values};
 use crate::form::DeformedMesh;
 use crate::hull::{Span, hull};
 use crate::rig::Rig;
@@ -26,7 +26,12 @@ impl Range {
 
 /// The weights of all targets of a mesh within a span, whichever of the clips play, mixed or not. Where a
 /// clip leaves them alone they are at rest.
-pub(crate) fn ranges(rig: &Rig, mesh: &DeformedMesh, clips: &[&Clip], span: Span) -> Vec<Range> {
+pub(crate) fn ranges(
+    rig: &Rig,
+    mesh: &DeformedMesh,
+    clips: &[Excerpt<'_>],
+    span: Span,
+) -> Vec<Range> {
     let mut ranges = vec![Range::NONE; mesh.targets.len()];
     if ranges.is_empty() {
         return ranges;

@@ -4,13 +4,15 @@
 //! several mixed does, and why the union of the first is not enough. Both take a vertex to be anywhere in the
 //! hull of what hangs on its joints, and morph targets' weights anywhere in their ranges.
 
+use std::cell::Cell;
+
 use cull::Aabb;
 use glam::Vec3;
 
 use crate::alone::Alone;
 use crate::attached::{Attached, attached, joints_of};
 use crate::bone_tracks::{bone_tracks, norm};
-use crate::clip::{Clip, Interpolation};
+use crate::clip::{Clip, Excerpt, Interpolation};
 use crate::form::{Binding, DeformedMesh};
 use crate::morph::{morph_box, ranges};
 use crate::refine::{Estimate, refine};
@@ -71,6 +73,11 @@ pub enum ReachError {
 const MOST_BONES: usize = 300_000;
 /// Vertices that are looked at for one clip of a mesh that is morphed only.
 const MOST_VERTICES: usize = 10_000_000;
+/// How long things take, in steps of about 100 ns: vertices that are morphed, what hangs on a joint, a bone
+/// that is lifted to its parent.
+const VERTICES_A_STEP: usize = 20;
+const ATTACHED_STEPS: usize = 4;
+const TOGETHER_STEPS: usize = 100;
 /// What boxes are enlarged by, relative to their largest coordinate: single precision, here and on a GPU.
 const ROUNDING: f32 = 1e-4;
 /// The same relative to the largest numbers that are added on the way.
@@ -89,6 +96,7 @@ pub struct Reach<'a> {
     attached: Option<Vec<Attached>>,
     /// The largest size of a number that is added on the way to a vertex.
     detail: f32,
+    spent_steps: Cell<u64>,
 }
 
 impl<'a> Reach<'a> {
@@ -107,8 +115,10 @@ impl<'a> Reach<'a> {
             joints.map(|bind| norm(&bind) * largest + bind.translation.length()).fold(0.0, f32::max)
         };
         let detail = mesh.binding.as_ref().map_or(largest, bound);
-        let mut reach = Self { rig, mesh, directions, attached: None, detail };
+        let spent_steps = Cell::new(0);
+        let mut reach = Self { rig, mesh, directions, attached: None, detail, spent_steps };
         if let Some(binding) = mesh.binding.as_ref().filter(|_| mesh.targets.is_empty()) {
+            reach.spend(binding.joints.len().saturating_mul(4 * ATTACHED_STEPS));
             reach.attached = Some(attached(&mesh, binding, &reach.directions, &[]));
         }
         Ok(reach)
@@ -119,7 +129,7 @@ impl<'a> Reach<'a> {
     /// # Errors
     /// [`ReachError::Unbounded`].
     pub fn rest_bounds(&self) -> Result<Aabb, ReachError> {
-        self.clip_bounds(&Clip { name: String::new(), channels: Vec::new() })
+        self.excerpt_bounds(&Excerpt::default())
     }
 
     /// A box that no vertex leaves while a clip plays alone, and all else is at rest.
@@ -127,22 +137,36 @@ impl<'a> Reach<'a> {
     /// # Errors
     /// [`ReachError::Unbounded`].
     pub fn clip_bounds(&self, clip: &Clip) -> Result<Aabb, ReachError> {
+        self.excerpt_bounds(&clip.into())
+    }
+
+    /// The same of a clip of which all that concerns the mesh is here.
+    ///
+    /// # Errors
+    /// [`ReachError::Unbounded`].
+    pub fn excerpt_bounds(&self, clip: &Excerpt<'_>) -> Result<Aabb, ReachError> {
         let steps_s = step_times_s(clip);
         let duration_s = clip.duration_s();
         let Some(binding) = &self.mesh.binding else {
             let work = self.mesh.positions.len().saturating_mul(1 + self.mesh.targets.len());
+            let clip = std::slice::from_ref(clip);
             return self.usable(refine(duration_s, &steps_s, MOST_VERTICES / work, |span| {
-                let ranges = ranges(self.rig, &self.mesh, &[clip], span);
+                self.spend(work / VERTICES_A_STEP + 1);
+                let ranges = ranges(self.rig, &self.mesh, clip, span);
                 let [inner, outer] = morph_box(&self.mesh, &ranges);
                 Estimate { inner, outer }
             }));
         };
         let bones = &binding.skeleton.bones;
-        let attached = self.attached(binding, &[clip]);
+        let attached = self.attached(binding, std::slice::from_ref(clip));
         let tracks = bone_tracks(binding.skeleton, clip);
         let mut alone = Alone::new(self.rig, bones, tracks, &attached, &self.directions);
         let most_parts = MOST_BONES / alone.work();
-        self.usable(refine(duration_s, &steps_s, most_parts, |span| alone.estimate(span)))
+        let work = alone.work();
+        self.usable(refine(duration_s, &steps_s, most_parts, |span| {
+            self.spend(work);
+            alone.estimate(span)
+        }))
     }
 
     /// A box that no vertex leaves while **any** of these clips play, at any times, in any layers, mixed with
@@ -151,6 +175,16 @@ impl<'a> Reach<'a> {
     /// # Errors
     /// [`ReachError::Unbounded`].
     pub fn blend_bounds(&self, clips: &[&Clip]) -> Result<Aabb, ReachError> {
+        let excerpts: Vec<Excerpt> = clips.iter().map(|clip| Excerpt::from(*clip)).collect();
+        self.blend_bounds_of(&excerpts)
+    }
+
+    /// The same of clips of which all that concerns the mesh is here.
+    ///
+    /// # Errors
+    /// [`ReachError::Unbounded`].
+    pub fn blend_bounds_of(&self, clips: &[Excerpt<'_>]) -> Result<Aabb, ReachError> {
+        self.spend(clips.iter().map(Excerpt::keys).fold(0, usize::saturating_add));
         let Some(binding) = &self.mesh.binding else {
             let [_, outer] = morph_box(&self.mesh, &ranges(self.rig, &self.mesh, clips, ALWAYS));
             return self.usable(outer);
@@ -158,6 +192,7 @@ impl<'a> Reach<'a> {
         let bones = &binding.skeleton.bones;
         let tracks: Vec<_> = clips.iter().map(|clip| bone_tracks(binding.skeleton, clip)).collect();
         let attached = self.attached(binding, clips);
+        self.spend(bones.len().saturating_mul(TOGETHER_STEPS));
         let all = together(self.rig, bones, &tracks, &attached, &self.directions);
         let Some(support) = all else { return Err(ReachError::Unbounded) };
         let along = |axis: Vec3| self.directions.along(&support, axis);
@@ -167,10 +202,25 @@ impl<'a> Reach<'a> {
         ))
     }
 
-    fn attached(&self, binding: &Binding, clips: &[&Clip]) -> std::borrow::Cow<'_, [Attached]> {
+    /// What was done to find boxes since it was made, in steps of about 100 ns.
+    pub fn spent_steps(&self) -> u64 {
+        self.spent_steps.get()
+    }
+
+    fn spend(&self, steps: usize) {
+        self.spent_steps.set(self.spent_steps.get().saturating_add(steps as u64));
+    }
+
+    fn attached(
+        &self,
+        binding: &Binding,
+        clips: &[Excerpt<'_>],
+    ) -> std::borrow::Cow<'_, [Attached]> {
         match &self.attached {
             Some(attached) => attached.into(),
             None => {
+                let corners = binding.joints.len().saturating_mul(4);
+                self.spend(corners.saturating_mul(ATTACHED_STEPS + self.mesh.targets.len()));
                 let ranges = ranges(self.rig, &self.mesh, clips, ALWAYS);
                 attached(&self.mesh, binding, &self.directions, &ranges).into()
             }
@@ -187,7 +237,7 @@ impl<'a> Reach<'a> {
 }
 
 /// When something jumps, ascending.
-fn step_times_s(clip: &Clip) -> Vec<f32> {
+fn step_times_s(clip: &Excerpt<'_>) -> Vec<f32> {
     let tracks = clip.channels.iter().map(|channel| &channel.track);
     let steps = tracks.filter(|track| track.interpolation == Interpolation::Step);
     let mut times_s: Vec<f32> = steps.flat_map(|track| track.times_s.iter().copied()).collect();
@@ -196,7 +246,7 @@ fn step_times_s(clip: &Clip) -> Vec<f32> {
     times_s
 }
 
-fn check(mesh: &DeformedMesh) -> Result<(), ReachError> {
+pub(crate) fn check(mesh: &DeformedMesh) -> Result<(), ReachError> {
     let vertices = mesh.positions.len();
     if vertices == 0 {
         return Err(ReachError::Empty);

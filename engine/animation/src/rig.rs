@@ -63,6 +63,8 @@ pub enum RigError {
 pub struct Rig {
     nodes: Vec<Node>,
     order: Vec<NodeId>,
+    /// Where each node is in the order.
+    places: Vec<u32>,
 }
 
 impl Rig {
@@ -96,7 +98,15 @@ impl Rig {
         }
         match first.iter().flatten().next() {
             Some(node) => Err(RigError::Cycle { node: node.0 }),
-            None => Ok(Self { nodes, order }),
+            None => {
+                let mut places = vec![0; nodes.len()];
+                for (place, node) in (0..).zip(&order) {
+                    if let Some(entry) = places.get_mut(node.0 as usize) {
+                        *entry = place;
+                    }
+                }
+                Ok(Self { nodes, order, places })
+            }
         }
     }
 
@@ -108,5 +118,10 @@ impl Rig {
     /// All nodes, parents before their children.
     pub fn order(&self) -> &[NodeId] {
         &self.order
+    }
+
+    /// Where a node is in the order; after all others if it is not there.
+    pub(crate) fn place_of(&self, node: NodeId) -> u32 {
+        self.places.get(node.0 as usize).copied().unwrap_or(u32::MAX)
     }
 }

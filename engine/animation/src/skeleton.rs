@@ -1,5 +1,7 @@
 //! Skeletons: how the joints of a skin hang together, and the matrices that its vertices follow.
 
+use std::collections::BinaryHeap;
+
 use glam::Affine3A;
 
 use crate::clip::Clip;
@@ -76,7 +78,7 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
-    /// The skeleton of a skin. `is_used` says of each joint whether a vertex follows it: joints that move
+    /// The skeleton of a skin, in time that goes with its bones and not with the rig. `is_used` says of each joint whether a vertex follows it: joints that move
     /// nothing then neither pull [`Skeleton::space`] upwards nor cost time. Empty: all are used.
     ///
     /// # Errors
@@ -84,46 +86,21 @@ impl Skeleton {
     pub fn new(rig: &Rig, skin: &Skin, is_used: &[bool]) -> Result<Self, SkinError> {
         check(rig, skin)?;
         let uses = |joint: usize| is_used.get(joint).copied().unwrap_or(is_used.is_empty());
-        let mut below = vec![0_usize; rig.nodes().len()];
-        let mut total = 0;
-        for (_, node) in skin.joints.iter().enumerate().filter(|(joint, _)| uses(*joint)) {
-            if let Some(below) = below.get_mut(node.0 as usize) {
-                *below += 1;
-                total += 1;
-            }
-        }
-        let parent_of =
-            |node: NodeId| rig.nodes().get(node.0 as usize).and_then(|node| node.parent);
-        for node in rig.order().iter().rev() {
-            let joints = below.get(node.0 as usize).copied().unwrap_or_default();
-            let parent = parent_of(*node).and_then(|parent| below.get_mut(parent.0 as usize));
-            if let Some(parent) = parent {
-                *parent += joints;
-            }
-        }
-        let joints_below = |node: &NodeId| below.get(node.0 as usize).copied().unwrap_or_default();
-        // Nodes above all joints are ancestors of each other: the last in the order is the deepest.
-        let all = |node: &&NodeId| total > 0 && joints_below(node) == total;
-        let space = rig.order().iter().rfind(all).copied();
-        let mut bones = Vec::new();
-        let mut bone_of: Vec<Option<usize>> = vec![None; rig.nodes().len()];
-        let is_above = |node: &NodeId| space.is_some() && joints_below(node) == total;
-        for node in rig.order().iter().filter(|node| joints_below(node) > 0 && !is_above(node)) {
-            let parent = parent_of(*node).and_then(|parent| *bone_of.get(parent.0 as usize)?);
-            if let Some(bone) = bone_of.get_mut(node.0 as usize) {
-                *bone = Some(bones.len());
-                bones.push(Bone { node: *node, parent });
-            }
-        }
+        let used = skin.joints.iter().enumerate().filter(|(joint, _)| uses(*joint));
+        let (space, nodes) = between(rig, used.map(|(_, node)| *node));
+        let mut bone_of: Vec<_> = (0..).zip(&nodes).map(|(bone, node)| (*node, bone)).collect();
+        bone_of.sort_unstable();
+        let find = |node: NodeId| find(&bone_of, node);
+        let bone = |node: &NodeId| {
+            let parent = rig.nodes().get(node.0 as usize).and_then(|node| node.parent);
+            Bone { node: *node, parent: parent.and_then(find) }
+        };
+        let bones = nodes.iter().map(bone).collect();
         let joints = skin.joints.iter().zip(&skin.inverse_bind).enumerate();
         let joints = joints.map(|(joint, (node, inverse_bind))| {
-            let bone = bone_of.get(node.0 as usize).copied().flatten();
-            uses(joint).then_some(Joint { bone, inverse_bind: *inverse_bind })
+            uses(joint).then_some(Joint { bone: find(*node), inverse_bind: *inverse_bind })
         });
         let joints = joints.collect();
-        let mut bone_of: Vec<_> =
-            (0..).zip(&bones).map(|(index, bone)| (bone.node, index)).collect();
-        bone_of.sort_unstable();
         Ok(Self { space, bones, bone_of, joints })
     }
 
@@ -135,8 +112,13 @@ impl Skeleton {
 
     /// The bone that a node is.
     pub(crate) fn bone_of(&self, node: NodeId) -> Option<usize> {
-        let place = self.bone_of.binary_search_by_key(&node, |(node, _)| *node).ok()?;
-        self.bone_of.get(place).map(|(_, bone)| *bone)
+        find(&self.bone_of, node)
+    }
+
+    /// The nodes between its space and its joints, these among them, parents before children: what changes
+    /// the form of what hangs on it.
+    pub fn bones(&self) -> impl Iterator<Item = NodeId> {
+        self.bones.iter().map(|bone| bone.node)
     }
 
     /// How many matrices [`Skeleton::joint_matrices`] gives.
@@ -174,6 +156,40 @@ impl Skeleton {
             transforms.push(finite(parent.map_or(local, |parent| *parent * local)));
         }
     }
+}
+
+/// The bone of a node in a sorted list.
+fn find(bone_of: &[(NodeId, usize)], node: NodeId) -> Option<usize> {
+    let place = bone_of.binary_search_by_key(&node, |(node, _)| *node).ok()?;
+    bone_of.get(place).map(|(_, bone)| *bone)
+}
+
+/// The deepest node that moves all joints, and the nodes from there down to them, parents before children.
+///
+/// Whichever is last in the order of the rig has all below it behind it: the first one, from the last joint
+/// upwards, below which all of them are is the deepest.
+fn between(rig: &Rig, joints: impl Iterator<Item = NodeId>) -> (Option<NodeId>, Vec<NodeId>) {
+    let entry = |node: NodeId, joints: usize| (rig.place_of(node), node, joints);
+    let mut open: BinaryHeap<_> = joints.map(|node| entry(node, 1)).collect();
+    let total = open.len();
+    let mut bones = Vec::new();
+    while let Some((place, node, mut below)) = open.pop() {
+        while let Some(&(other, _, more)) = open.peek()
+            && other == place
+        {
+            below += more;
+            open.pop();
+        }
+        if below == total {
+            bones.reverse();
+            return (Some(node), bones);
+        }
+        bones.push(node);
+        let parent = rig.nodes().get(node.0 as usize).and_then(|node| node.parent);
+        open.extend(parent.map(|parent| entry(parent, below)));
+    }
+    bones.reverse();
+    (None, bones)
 }
 
 fn check(rig: &Rig, skin: &Skin) -> Result<(), SkinError> {

@@ -83,8 +83,9 @@ fn tell(imported: &import::Imported) {
     }
     for placement in imported.placements.iter().filter(|placement| placement.deformer.is_some()) {
         println!("deformed: rest {:?}", placement.rest_bounds);
-        for (clip, bounds) in imported.clips.iter().zip(&placement.clip_bounds) {
-            println!("  {}: {bounds:?}", clip.name);
+        for (clip, bounds) in placement.clip_bounds.iter() {
+            let name = imported.clips.get(*clip).map_or("", |clip| clip.name.as_str());
+            println!("  {name}: {bounds:?}");
         }
         println!("  all: {:?}", placement.blend_bounds);
     }

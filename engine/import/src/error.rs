@@ -19,6 +19,8 @@ pub struct ImportError {
 pub enum Cause {
     /// It could not be read from the disk.
     Unreadable,
+    /// It is something else than a scene.
+    NotScene,
     /// It breaks a rule of glTF 2.0 or of an extension.
     Malformed,
     /// It needs something that is not implemented here.
@@ -36,11 +38,15 @@ impl Cause {
     pub fn advice(self) -> &'static str {
         match self {
             Self::Unreadable => "check that the file is there, whole, and may be read",
+            Self::NotScene => "choose a .gltf or .glb file, or copy this one again if it is one",
             Self::Malformed => {
                 "the file is damaged or its exporter is wrong: export it again, or see what the \
                  glTF validator says"
             }
-            Self::Unsupported => "export it again without this",
+            Self::Unsupported => {
+                "export it again as glTF 2.0, without extensions that are named here, and with \
+                 images in PNG, JPEG or WebP"
+            }
             Self::Forbidden => {
                 "put what the scene needs into its folder, and name it by a relative path"
             }
@@ -60,6 +66,10 @@ pub(crate) struct Reason {
 impl Reason {
     pub(crate) fn malformed(text: impl Into<String>) -> Self {
         Self { cause: Cause::Malformed, text: text.into() }
+    }
+
+    pub(crate) fn not_scene(text: impl Into<String>) -> Self {
+        Self { cause: Cause::NotScene, text: text.into() }
     }
 
     pub(crate) fn unsupported(text: impl Into<String>) -> Self {

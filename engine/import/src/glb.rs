@@ -17,9 +17,9 @@ pub(crate) struct Parts {
     pub(crate) binary: Option<Range<usize>>,
 }
 
-/// Whether these are the bytes of a GLB rather than of plain JSON.
+/// Whether these are the bytes of a GLB rather than of plain JSON, however few of them are there.
 pub(crate) fn is_glb(bytes: &[u8]) -> bool {
-    bytes.starts_with(MAGIC)
+    bytes.starts_with(MAGIC) || (!bytes.is_empty() && MAGIC.starts_with(bytes))
 }
 
 /// Finds the chunks of a GLB. Those of unknown types are skipped, as are bytes after its end.

@@ -94,6 +94,8 @@ struct Job<'a> {
     size: [u32; 2],
     /// What decoding takes beside the result.
     scratch_bytes: u64,
+    /// It is a JPEG without its last marker.
+    lacks_end: bool,
 }
 
 impl<'a> Job<'a> {
@@ -113,18 +115,23 @@ impl<'a> Job<'a> {
             let text = format!("pixels along a side of {width} x {height}");
             return Err(Reason::too_large(&text, u64::from(longest), u64::from(limits.image_side)));
         }
-        let copies = match format {
+        let jpeg = (format == ImageFormat::Jpeg).then(|| jpeg::inspect(&encoded));
+        let copies = match (format, jpeg) {
             // Coefficients of 16 bits for all of the image.
-            ImageFormat::Jpeg if jpeg::inspect(&encoded).is_progressive => 4,
-            ImageFormat::Png => 1,
+            (_, Some(jpeg)) if jpeg.is_progressive => 4,
+            (ImageFormat::Png, _) => 1,
             _ => 2,
         };
+        let lacks_end = jpeg.is_some_and(|jpeg| !jpeg.has_end);
+        let pixel_bytes = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(4);
+        let more_bytes = if lacks_end { pixel_bytes + encoded.len() as u64 } else { 0 };
         let scratch_bytes = raw_bytes.saturating_mul(copies).saturating_add(encoded.len() as u64);
+        let scratch_bytes = scratch_bytes.saturating_add(more_bytes);
         if scratch_bytes > limits.image_scratch_bytes {
             let text = format!("bytes for decoding {width} x {height} pixels");
             return Err(Reason::too_large(&text, scratch_bytes, limits.image_scratch_bytes));
         }
-        Ok(Self { index, format, size: [width, height], scratch_bytes, encoded })
+        Ok(Self { index, format, size: [width, height], scratch_bytes, lacks_end, encoded })
     }
 
     fn pixel_bytes(&self) -> u64 {
@@ -132,12 +139,24 @@ impl<'a> Job<'a> {
     }
 
     fn run(&self, limits: &Limits) -> Result<Vec<u8>, Reason> {
-        if self.format == ImageFormat::Jpeg && !jpeg::inspect(&self.encoded).is_whole {
-            return Err(Reason::malformed("it is a JPEG that is cut off"));
+        if !self.lacks_end {
+            return self.pixels(&self.encoded, limits);
         }
+        // The decoder fills up what is not there, and does not say so. Where all is there, what comes
+        // after it changes nothing.
+        let [one, other] = jpeg::endings(&self.encoded);
+        let pixels = self.pixels(&one, limits)?;
+        drop(one);
+        if self.pixels(&other, limits).as_ref() == Ok(&pixels) {
+            return Ok(pixels);
+        }
+        Err(Reason::malformed("it is a JPEG that is cut off"))
+    }
+
+    fn pixels(&self, encoded: &[u8], limits: &Limits) -> Result<Vec<u8>, Reason> {
         // The decoders are others' code: should one panic, then this image alone is lost.
         let decoded = catch_unwind(AssertUnwindSafe(|| {
-            let decoder = decoder(&self.encoded, self.format, limits)?;
+            let decoder = decoder(encoded, self.format, limits)?;
             DynamicImage::from_decoder(decoder)
                 .map(DynamicImage::into_rgba8)
                 .map_err(|error| undecodable(&error))
@@ -174,7 +193,8 @@ fn decoder<'a>(
 }
 
 fn undecodable(error: &image::ImageError) -> Reason {
-    let text = format!("it cannot be decoded: {error}");
+    let said = error.to_string();
+    let text = format!("it cannot be decoded: {}", said.trim());
     match error {
         image::ImageError::Limits(_) => Reason::beyond_limits(text),
         _ => Reason::malformed(text),

@@ -1,5 +1,7 @@
 //! What a file becomes: a scene, the rig it hangs on, and what plays on that.
 
+use std::sync::Arc;
+
 use animation::{Clip, NodeId, Pose, Rig, Skin};
 use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Vec3};
@@ -45,9 +47,11 @@ pub struct Placement {
     /// The box, in its own space, that it is in while nothing plays; empty where it does not change its
     /// form. Its mesh's own bounds are those of its vertices before joints and targets move them.
     pub rest_bounds: Aabb,
-    /// For each clip a box, in its own space, that it stays in while that clip plays; empty where it does
-    /// not change its form.
-    pub clip_bounds: Vec<Aabb>,
+    /// For clips that change its form, by their numbers, a box in its own space that it stays in while that
+    /// clip plays alone. Where there are too many to find all, some are not here:
+    /// [`Placement::blend_bounds`] holds for them too. Clips that are not here and do not change its form
+    /// leave it in [`Placement::rest_bounds`].
+    pub clip_bounds: Arc<[(usize, Aabb)]>,
     /// A box, in its own space, that it stays in whatever clips play, together or one after the other;
     /// empty where it does not change its form.
     pub blend_bounds: Aabb,
@@ -71,6 +75,15 @@ pub struct Imported {
     pub cameras: Vec<Camera>,
     /// What was in the file that is not shown, for people.
     pub notes: Vec<String>,
+}
+
+impl Placement {
+    /// The box of a clip that changes its form and plays alone.
+    pub fn bounds_of(&self, clip: usize) -> Aabb {
+        let place = self.clip_bounds.binary_search_by_key(&clip, |(clip, _)| *clip);
+        let found = place.ok().and_then(|place| self.clip_bounds.get(place));
+        found.map_or(self.blend_bounds, |(_, bounds)| *bounds)
+    }
 }
 
 impl Imported {

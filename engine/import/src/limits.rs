@@ -37,8 +37,13 @@ pub struct Limits {
     pub nodes: u64,
     /// Primitives on nodes, each as often as its node is instanced. Default: 2^22.
     pub objects: u64,
-    /// Joints of skins, each as often as its skin is used. Default: 2^20.
+    /// Joints of skins, each as often as a primitive hangs on its skin. Default: 2^21.
     pub joints: u64,
+    /// Nodes between the joints of a skin and what all of them hang on, and the animation channels that move
+    /// these nodes: for each skin and each choice of its joints that some mesh hangs on. Default: 2^24.
+    pub bones: u64,
+    /// Lights on the nodes of the scene. Default, and most whatever this says: 2^16.
+    pub lights: u64,
     /// Numbers in the outputs and inputs of all animation channels. Default: 2^26.
     pub key_values: u64,
     /// Numbers in the morph targets, joints and weights of all meshes, each as often as its mesh is on a node
@@ -62,7 +67,9 @@ impl Default for Limits {
             corners: 1 << 27,
             nodes: 1 << 20,
             objects: 1 << 22,
-            joints: 1 << 20,
+            joints: 1 << 21,
+            bones: 1 << 24,
+            lights: 1 << 16,
             key_values: 1 << 26,
             morph_values: 1 << 27,
         }
@@ -74,7 +81,7 @@ impl Limits {
     /// files reach that use up all of the limits.
     ///
     /// The file, its JSON (in several forms while it is read), buffers (decompressed and where they go), images, and what decoding them takes;
-    /// 16 MiB are for tables and stacks.
+    /// 48 MiB are for tables and stacks.
     pub fn memory_bound(&self) -> u64 {
         [
             self.file_bytes,
@@ -82,7 +89,7 @@ impl Limits {
             self.buffer_bytes.saturating_mul(2),
             self.image_bytes,
             self.image_scratch_bytes,
-            16 * MIB,
+            48 * MIB,
         ]
         .into_iter()
         .fold(0, u64::saturating_add)

@@ -67,8 +67,9 @@ impl Teller<'_> {
 /// without its ending.
 ///
 /// Whatever is in the file, this does not panic and does not read outside of its folder. Reading takes no more
-/// memory than [`Limits`] say; boxes of what changes its form (one for each clip and object) and joints of
-/// deep rigs come on top of that. What can be shown is shown, and what is shown otherwise than the file says is
+/// memory than [`Limits`] say; boxes of what changes its form (at most 40 MB) and bones ([`Limits::bones`], some
+/// 40 bytes each) come on top of that. Clips that could take something farther than a renderer can draw are left
+/// out. What can be shown is shown, and what is shown otherwise than the file says is
 /// in [`Imported::notes`]. The scene passes [`Scene::validate`](render::scene::Scene::validate), every
 /// object has a usable box, and all numbers are finite.
 ///

@@ -1,22 +1,24 @@
 //! A scene out of a file as it lives: time in, changes of the renderer out.
 //!
 //! The work of a moment goes with what moves then, not with the scene: nodes that no playing clip moves are
-//! not looked at, and what is where it was is not changed. For each part that changes its form the channels of the
-//! playing clips are looked through.
+//! not looked at, and what is where it was is not changed. Which clips form what is found when it is loaded, and
+//! which boxes hold, when other clips begin to play.
 
 mod changes;
+mod parts;
 mod playing;
 mod show;
 #[cfg(test)]
 mod tests;
 
-use animation::{Clip, NodeId, Pose, Rig, Skeleton};
-use cull::Aabb;
+use std::collections::HashSet;
+
+use animation::{Clip, NodeId, Pose, Rig};
 use glam::{Affine3A, Vec3};
 use render::scene::{PunctualLight, Scene};
 
-use crate::convert::used_joints;
-use crate::imported::{Camera, Imported, Placed, Placement};
+use crate::imported::{Camera, Imported, Placed};
+use parts::Parts;
 use playing::Playing;
 
 pub use changes::{BlendedMove, Changes, Deformation, LightMove, ObjectMove};
@@ -28,15 +30,19 @@ pub use changes::{BlendedMove, Changes, Deformation, LightMove, ObjectMove};
 pub struct Performance {
     rig: Rig,
     clips: Vec<Clip>,
-    parts: Vec<Part>,
+    parts: Parts,
     playing: Playing,
     pose: Pose,
     /// The pose that one fades to.
     other: Pose,
+    /// The pose in which a fade was broken off by another.
+    mix: Pose,
     /// From each node's space to the world's.
     world: Vec<Affine3A>,
     /// The nodes that the playing clips move, parents first.
     moving: Vec<NodeId>,
+    /// Of each node whether it is one of them.
+    is_moving: Vec<bool>,
     /// The places of the parts that change with them.
     movers: Vec<usize>,
     /// Whether nothing was shown yet.
@@ -47,44 +53,6 @@ pub struct Performance {
     show: show::Scratch,
 }
 
-/// Something that hangs on a node, and how it was shown last.
-struct Part {
-    placement: Placement,
-    /// What it hangs on, if it has a skin.
-    skeleton: Option<Skeleton>,
-    shown: Affine3A,
-    /// Empty before it was shown.
-    shown_bounds: Aabb,
-    /// Its joints and weights, as they were shown last; none before.
-    shown_form: changes::Form,
-}
-
-impl Part {
-    /// The node in whose space it is; `None` in the world's.
-    fn node(&self) -> Option<NodeId> {
-        match &self.skeleton {
-            Some(skeleton) => skeleton.space(),
-            None => Some(self.placement.node),
-        }
-    }
-
-    /// Where it is.
-    fn place(&self, world: &[Affine3A]) -> Affine3A {
-        let node = self.node().and_then(|node| world.get(node.0 as usize));
-        node.map_or(self.placement.local, |node| *node * self.placement.local)
-    }
-
-    /// Whether a clip changes its form.
-    fn is_formed_by(&self, clip: &Clip) -> bool {
-        let weighs = |channel: &animation::Channel| {
-            !channel.is_transform() && channel.node == self.placement.node
-        };
-        self.placement.deformer.is_some()
-            && (clip.channels.iter().any(weighs)
-                || self.skeleton.as_ref().is_some_and(|skeleton| skeleton.is_moved_by(clip)))
-    }
-}
-
 impl Performance {
     /// Takes what lives from a file that was loaded; its scene, its cameras and what there is to tell of it
     /// are for others. Nothing plays at first.
@@ -93,29 +61,15 @@ impl Performance {
         let pose = Pose::new(&rig);
         let mut world = Vec::new();
         rig.world(&pose, &mut world);
-        let deformers = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.deformers);
-        let part = |placement: Placement| {
-            let deformer = placement.deformer.map(|(deformer, skin)| (deformer.0 as usize, skin));
-            let deformer = deformer.and_then(|(id, skin)| Some((deformers.get(id)?, skin)));
-            let skeleton = deformer.and_then(|(deformer, skin)| {
-                let (weights, skin) = (deformer.skin.as_ref()?, skins.get(skin?)?);
-                Skeleton::new(&rig, skin, &used_joints(weights)).ok()
-            });
-            let mut part = Part {
-                placement,
-                skeleton,
-                shown: Affine3A::IDENTITY,
-                shown_bounds: Aabb::EMPTY,
-                shown_form: changes::Form::default(),
-            };
-            part.shown = part.place(&world);
-            part
-        };
+        let surfaces = scene.surfaces.as_ref();
+        let deformers = surfaces.map_or(&[][..], |surfaces| &surfaces.deformers);
         let mut performance = Self {
-            parts: placements.into_iter().map(part).collect(),
+            parts: Parts::new(&rig, &clips, &skins, deformers, placements, &world),
             playing: Playing::default(),
             other: pose.clone(),
+            mix: pose.clone(),
             moving: Vec::new(),
+            is_moving: Vec::new(),
             movers: Vec::new(),
             lights: scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights).copied().collect(),
             is_new: true,
@@ -143,9 +97,11 @@ impl Performance {
 
     /// The clip that moves a camera: of several the one that is called like it, else the first.
     pub fn clip_of(&self, camera: &Camera) -> Option<usize> {
+        let parent = |id: &NodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
+        let above: HashSet<NodeId> = std::iter::successors(Some(camera.node), parent).collect();
         let moves = |clip: &Clip| {
             let mut moved = clip.channels.iter().filter(|channel| channel.is_transform());
-            moved.any(|channel| self.is_above(channel.node, camera.node))
+            moved.any(|channel| above.contains(&channel.node))
         };
         let mut moving = self.clips.iter().enumerate().filter(|(_, clip)| moves(clip));
         let (first, clip) = moving.next()?;
@@ -154,21 +110,15 @@ impl Performance {
         Some(other.map_or(first, |(place, _)| place))
     }
 
-    /// Whether `node` is `below` or one of its ancestors.
-    fn is_above(&self, node: NodeId, below: NodeId) -> bool {
-        let parent = |id: &NodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
-        std::iter::successors(Some(below), parent).any(|ancestor| ancestor == node)
-    }
-
     /// Whether `node` is moved by the clips that play.
     pub fn moves(&self, node: NodeId) -> bool {
-        self.moving.contains(&node)
+        self.is_moving.get(node.0 as usize) == Some(&true)
     }
 
     /// How many objects the playing clips move or change.
     pub fn moving_objects(&self) -> usize {
-        let parts = self.movers.iter().filter_map(|mover| self.parts.get(*mover));
-        parts.filter(|part| matches!(part.placement.placed, Placed::Object(_))).count()
+        let placed = self.movers.iter().filter_map(|mover| self.parts.placed(*mover));
+        placed.filter(|placed| matches!(placed, Placed::Object(_))).count()
     }
 
     /// As many of the clips as can play at once, in their order: no two move the same property of the same
@@ -194,8 +144,12 @@ impl Performance {
 
     /// Plays these clips from now on, each in a loop from the time 0 on; they take `fade_s` seconds from
     /// `seconds` on to take the place of those that played. Of two that move the same, the later one does.
-    /// Takes as long as the scene is large.
+    /// A fade that is not over goes on from where it is. Takes as long as the scene is large.
     pub fn play(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
+        if self.playing.weight(seconds) < 1.0 {
+            self.pose(seconds);
+            self.mix.clone_from(&self.pose);
+        }
         self.playing.change(clips, seconds, fade_s);
         self.find_movers();
     }
@@ -205,7 +159,12 @@ impl Performance {
         self.pose.reset(&self.rig);
         let weight = self.playing.weight(seconds);
         if weight < 1.0 {
-            playing::sample(&mut self.pose, &self.clips, self.playing.from(), seconds);
+            // A mix of mixes is in the boxes of all mixes.
+            if self.playing.is_from_mix() {
+                self.pose.blend(&self.mix, 1.0);
+            } else {
+                playing::sample(&mut self.pose, &self.clips, self.playing.from(), seconds);
+            }
             self.other.reset(&self.rig);
             playing::sample(&mut self.other, &self.clips, self.playing.to(), seconds);
             self.pose.blend(&self.other, weight);
@@ -219,11 +178,12 @@ impl Performance {
     pub fn changes(&mut self, seconds: f64) -> &Changes {
         self.pose(seconds);
         self.changes.clear();
+        let is_fading = self.playing.weight(seconds) < 1.0;
+        self.parts.begin();
         for mover in &self.movers {
-            let Some(part) = self.parts.get_mut(*mover) else { continue };
-            part.change(&self.rig, &self.pose, &mut self.changes);
-            let bounds = part.bounds(self.playing.mixed(seconds), &self.clips);
-            part.change_place(&self.world, bounds, &mut self.lights, &mut self.changes);
+            self.parts.change(*mover, (&self.rig, &self.pose), &mut self.changes);
+            let lights = &mut self.lights;
+            self.parts.change_place(*mover, &self.world, is_fading, lights, &mut self.changes);
         }
         if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {
             // Those that played before are at rest again, and are not looked at any more.
@@ -233,21 +193,25 @@ impl Performance {
     }
 
     fn find_movers(&mut self) {
-        let clips = || self.playing.concerned().filter_map(|clip| self.clips.get(clip));
-        self.moving = self.rig.moved_by(clips());
-        let mut is_moving = vec![false; self.rig.nodes().len()];
+        let clips = self.playing.concerned().filter_map(|clip| self.clips.get(clip));
+        self.moving = self.rig.moved_by(clips);
+        self.is_moving.clear();
+        self.is_moving.resize(self.rig.nodes().len(), false);
         for node in &self.moving {
-            if let Some(is_moving) = is_moving.get_mut(node.0 as usize) {
+            if let Some(is_moving) = self.is_moving.get_mut(node.0 as usize) {
                 *is_moving = true;
             }
         }
-        let moves = |node: NodeId| is_moving.get(node.0 as usize).is_some_and(|moves| *moves);
-        let changes = |part: &Part| {
-            (self.is_new && part.placement.deformer.is_some())
-                || part.node().is_some_and(moves)
-                || clips().any(|clip| part.is_formed_by(clip))
-        };
-        let movers = self.parts.iter().enumerate().filter(|(_, part)| changes(part));
-        self.movers = movers.map(|(place, _)| place).collect();
+        let lists = [self.playing.concerned().collect(), self.playing.to().to_vec()];
+        let playing = lists.map(|list: Vec<usize>| {
+            let mut plays = vec![false; self.clips.len()];
+            for clip in list {
+                if let Some(plays) = plays.get_mut(clip) {
+                    *plays = true;
+                }
+            }
+            plays
+        });
+        self.movers = self.parts.movers(&playing, &self.is_moving, self.is_new);
     }
 }

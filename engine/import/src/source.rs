@@ -140,7 +140,7 @@ impl Source {
 /// If anything of it cannot be read, is not what glTF 2.0 says, or is beyond the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
     let file = path.display().to_string();
-    let bytes = uri::read_file(path, Wanted::All, limits.file_bytes)
+    let bytes = uri::read_file(path, "it", Wanted::All, limits.file_bytes)
         .map_err(|reason| reason.of("file").in_file(&file))?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits)
@@ -184,6 +184,18 @@ struct Parts {
     store: Store,
 }
 
+/// That it may be a scene at all, by its first bytes.
+fn check_kind(bytes: &[u8]) -> Result<(), Reason> {
+    if bytes.is_empty() {
+        return Err(Reason::not_scene("it is empty"));
+    }
+    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+    if glb::is_glb(bytes) || text.starts_with(b"{") {
+        return Ok(());
+    }
+    Err(Reason::not_scene("it is neither a GLB nor JSON, which a scene begins as"))
+}
+
 fn check_and_decode(
     bytes: Vec<u8>,
     folder: Option<&Path>,
@@ -194,6 +206,7 @@ fn check_and_decode(
     if length > limits.file_bytes {
         return Err(Reason::too_large("bytes", length, limits.file_bytes).of("file"));
     }
+    check_kind(&bytes).map_err(|reason| reason.of("file"))?;
     let (root, binary) = if glb::is_glb(&bytes) {
         let parts = glb::split(&bytes)?;
         (json::parse(bytes.get(parts.json).unwrap_or_default(), limits, notes)?, parts.binary)

@@ -151,17 +151,22 @@ fn below(
             "{shown} is a link that leads out of the scene's folder"
         )));
     }
-    read_file(&path, wanted, limit)
+    read_file(&path, &shown, wanted, limit)
 }
 
-/// Reads a regular file; a pipe or a device would never end.
-pub(crate) fn read_file(path: &Path, wanted: Wanted, limit: u64) -> Result<Vec<u8>, Reason> {
-    let shown = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+/// Reads a regular file, which errors call `shown`; a pipe or a device would never end.
+pub(crate) fn read_file(
+    path: &Path,
+    shown: &str,
+    wanted: Wanted,
+    limit: u64,
+) -> Result<Vec<u8>, Reason> {
     let unreadable =
         |error: std::io::Error| Reason::unreadable(format!("{shown} cannot be read: {error}"));
     let about = path.metadata().map_err(unreadable)?;
     if !about.is_file() {
-        return Err(Reason::forbidden(format!("{shown} is not a file")));
+        let what = if about.is_dir() { "a folder" } else { "a device or a pipe" };
+        return Err(Reason::unreadable(format!("{shown} is not a file, but {what}")));
     }
     let count = match wanted {
         Wanted::First(count) if about.len() < count => return Err(shorter(about.len(), count)),

@@ -8,6 +8,8 @@ mod accepted;
 mod assets;
 #[path = "hostile/bombs.rs"]
 mod bombs;
+#[path = "hostile/chains.rs"]
+mod chain;
 #[path = "hostile/compressed.rs"]
 mod compressed;
 #[path = "hostile/containers.rs"]
@@ -16,6 +18,8 @@ mod containers;
 mod disk;
 #[path = "hostile/files.rs"]
 mod files;
+#[path = "hostile/motion.rs"]
+mod motion;
 #[path = "hostile/mutations.rs"]
 mod mutations;
 #[path = "hostile/refused.rs"]

@@ -187,9 +187,9 @@ impl State {
         };
         for (vertex, surface) in mesh.vertices.iter().zip(surface) {
             words.extend(vertex.position.map(f32::to_bits));
-            let [x, y, z, _] = surface.normal;
+            let [x, y, z, sides] = surface.normal;
             let [tangent_x, tangent_y, tangent_z, sign] = surface.tangent;
-            let pairs = [[x, y], [z, 0], [tangent_x, tangent_y], [tangent_z, sign]];
+            let pairs = [[x, y], [z, sides], [tangent_x, tangent_y], [tangent_z, sign]];
             words.extend(
                 pairs.map(|[low, high]| u32::from(low as u16) | u32::from(high as u16) << 16),
             );

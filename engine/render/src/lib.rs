@@ -86,7 +86,7 @@ pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, Re
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};
 pub use surfaces::{
-    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES,
+    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LAYERS, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES,
     MAX_TEXTURE_TRANSFORMS, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources,
     reach_m,
 };

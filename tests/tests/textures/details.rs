@@ -64,7 +64,7 @@ fn bumpy(
     texel: [u8; 4],
     scale: f32,
     sign: i16,
-    transform: Affine3A,
+    (transform, has_both_sides): (Affine3A, bool),
 ) -> Vec<[u8; 4]> {
     let material = Material { normal_texture: using(0), normal_scale: scale, ..matt() };
     let mut surfaces =
@@ -77,10 +77,14 @@ fn bumpy(
         vertex.position = back.transform_point3(Vec3::from_array(vertex.position)).to_array();
     }
     mesh.bounds = render::scene::bounds_of_vertices(&mesh.vertices);
+    // In a mirror the back of a triangle is seen, all of whose directions are turned.
+    let is_back = has_both_sides && transform.matrix3.determinant() < 0.0;
+    let side = if is_back { -1 } else { 1 };
     for vertex in &mut surface.vertices {
-        let inward = transform.matrix3.transpose() * Vec3::Z;
-        vertex.normal = snorm16(inward.normalize(), 0);
-        vertex.tangent = snorm16(back.transform_vector3(Vec3::X).normalize(), sign);
+        let inward = (transform.matrix3.transpose() * Vec3::Z).normalize() * side as f32;
+        let along = back.transform_vector3(Vec3::X).normalize() * side as f32;
+        vertex.normal = snorm16(inward, i16::from(has_both_sides));
+        vertex.tangent = snorm16(along, sign * side);
     }
     let mut scene = scene_of(vec![(mesh, surface)], surfaces);
     scene.objects[0].transform = transform;
@@ -97,7 +101,9 @@ fn normals_lean_along_tangent_and_bitangent() {
             for scale in [1.0, 0.5, -1.0] {
                 for mirrored in [1.0, -1.0] {
                     let transform = Affine3A::from_scale(Vec3::new(mirrored, 1.0, 1.0));
-                    let found = bumpy(device, texel, scale, sign, transform);
+                    let found = bumpy(device, texel, scale, sign, (transform, false));
+                    let both = bumpy(device, texel, scale, sign, (transform, true));
+                    assert_eq!(found, both, "with both sides, mirrored {mirrored}");
                     let [x, y, z] = stored;
                     let lean = f64::from(scale);
                     // The bitangent is the object's own, so mirroring the object mirrors it.

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
-    Clip, ClipId, DeformedMesh, NodeId, Playback, Player, Pose, Reach, ReachError, Rig, Skeleton,
-    Workspace,
+    Clip, ClipId, DeformedMesh, Excerpt, Extents, NodeId, Playback, Player, Pose, Reach,
+    ReachError, Rig, Skeleton, Workspace, weight_ranges,
 };
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
@@ -42,6 +42,15 @@ fn times_s(clip: &Clip, steps: usize) -> impl Iterator<Item = f32> + use<> {
     (0..=steps).map(move |step| duration_s * (step as f32 / steps as f32))
 }
 
+/// The box that is found without looking at how bones turn.
+fn coarse_bounds(scene: &Scene, skeleton: Option<&Skeleton>, clips: &[&Clip]) -> Aabb {
+    let targets = scene.targets();
+    let mesh = scene.mesh(skeleton, &targets);
+    let excerpts: Vec<Excerpt> = clips.iter().map(|clip| Excerpt::from(*clip)).collect();
+    let weights = weight_ranges(&scene.rig, mesh.node, &excerpts.iter().collect::<Vec<_>>());
+    Extents::new(&scene.rig, clips.iter().copied()).bounds(&mesh, &weights).unwrap()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
@@ -73,6 +82,7 @@ proptest! {
         let rest = Clip { name: String::new(), channels: Vec::new() };
         let (a, b) = (&scene.clips[0], scene.clips.get(1).unwrap_or(&rest));
         let bounds = reach.blend_bounds(&[a, b]).unwrap();
+        let coarse = coarse_bounds(&scene, skeleton.as_ref(), &[a, b]);
         let (mut pose, mut other) = (Pose::new(&scene.rig), Pose::new(&scene.rig));
         for a_s in times_s(a, 12) {
             for b_s in times_s(b, 12) {
@@ -83,6 +93,7 @@ proptest! {
                     other.sample(b, b_s);
                     pose.blend(&other, weight as f32 / 8.0);
                     prop_assert_eq!(mover.outside(&pose, &bounds), None, "{:?}", bounds);
+                    prop_assert_eq!(mover.outside(&pose, &coarse), None, "{:?}", coarse);
                 }
             }
         }

@@ -58,7 +58,7 @@ fn check_accessor(root: &Root, accessor: &Accessor) -> Result<(), Reason> {
     let layout = Layout::of(accessor)?;
     let count = accessor.count.0;
     if count == 0 {
-        return Err(Reason::malformed("it has no elements"));
+        return Err(Reason::malformed("it has no elements: its count is 0, and 1 is the least"));
     }
     if let Some(view) = accessor.buffer_view {
         let view = view.value();

@@ -69,9 +69,9 @@ pub(super) fn check(
         let cost = costs.get(mesh.value()).copied().unwrap_or_default();
         let instances = instancing.get(&index).map_or(1, |instancing| instancing.count);
         total.add(of_node(root, node, cost, instances as u64));
-        joints = joints.saturating_add(
-            node.skin.and_then(|skin| root.get(skin)).map_or(0, |skin| skin.joints.len() as u64),
-        );
+        let skin = node.skin.and_then(|skin| root.get(skin));
+        let of_skin = skin.map_or(0, |skin| skin.joints.len() as u64);
+        joints = joints.saturating_add(of_skin.saturating_mul(cost.primitives));
         within(&total, limits)
             .and_then(|()| below("joints up to it", joints, limits.joints))
             .map_err(|reason| reason.of(format!("node {index}")))?;

@@ -19,7 +19,8 @@ pub(crate) fn indices_and_joints(root: &Root, store: &Store) -> Result<(), Fault
                 .at(|| format!("accessor {index}, sparse indices"))?;
         }
     }
-    let mut greatest = Greatest { root, store, known: HashMap::new() };
+    let (known, followed) = (HashMap::new(), HashMap::new());
+    let mut greatest = Greatest { root, store, known, followed };
     let mut joints_of_meshes = Vec::with_capacity(root.meshes.len());
     for (mesh_index, mesh) in root.meshes.iter().enumerate() {
         let mut joints = None;
@@ -31,7 +32,7 @@ pub(crate) fn indices_and_joints(root: &Root, store: &Store) -> Result<(), Fault
         }
         joints_of_meshes.push(joints);
     }
-    check_skinned(root, &joints_of_meshes)
+    check_skinned(&mut greatest, &joints_of_meshes)
 }
 
 fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Result<(), Reason> {
@@ -49,14 +50,26 @@ fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Resu
     Ok(())
 }
 
-fn check_skinned(root: &Root, joints_of_meshes: &[Option<u32>]) -> Result<(), Fault> {
+/// Vertices follow joints that are there. What has no weight may name any (3.7.3.3 asks for 0).
+fn check_skinned(
+    greatest: &mut Greatest<'_>,
+    joints_of_meshes: &[Option<u32>],
+) -> Result<(), Fault> {
+    let root = greatest.root;
+    let mut weighed: HashMap<usize, Option<u32>> = HashMap::new();
     for (index, node) in root.nodes.iter().enumerate() {
         let (Some(mesh), Some(skin)) = (node.mesh, node.skin) else { continue };
-        let greatest = joints_of_meshes.get(mesh.value()).copied().flatten();
         let joints = root.get(skin).map_or(0, |skin| skin.joints.len());
-        if let Some(joint) = greatest
-            && joint as usize >= joints
-        {
+        let is_beyond = |joint: &u32| *joint as usize >= joints;
+        let named = joints_of_meshes.get(mesh.value()).copied().flatten();
+        if named.filter(is_beyond).is_none() {
+            continue;
+        }
+        let followed = *weighed.entry(mesh.value()).or_insert_with(|| {
+            let primitives = root.get(mesh).map_or(&[][..], |mesh| mesh.primitives.as_slice());
+            primitives.iter().filter_map(|primitive| greatest.followed_joint(primitive)).max()
+        });
+        if let Some(joint) = followed.filter(is_beyond) {
             let (mesh, skin) = (mesh.value(), skin.value());
             let text =
                 format!("mesh {mesh} hangs on joint {joint}, but skin {skin} has {joints} joints");
@@ -71,6 +84,8 @@ struct Greatest<'a> {
     root: &'a Root,
     store: &'a Store,
     known: HashMap<usize, u32>,
+    /// Of joints that are followed: by the accessors of joints and weights.
+    followed: HashMap<[usize; 2], Option<u32>>,
 }
 
 impl Greatest<'_> {
@@ -102,5 +117,30 @@ impl Greatest<'_> {
             matches!(semantic, Checked::Valid(Semantic::Joints(_))).then_some(accessor)
         });
         joints.map(|accessor| self.of::<4>(accessor)).max()
+    }
+
+    /// The greatest joint that a vertex follows by some weight.
+    fn followed_joint(&mut self, primitive: &Primitive) -> Option<u32> {
+        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
+        let set =
+            |set| Some([attribute(Semantic::Joints(set))?, attribute(Semantic::Weights(set))?]);
+        let sets = (0..).map_while(set).map(|set| set.map(|accessor| accessor.value()));
+        let (root, store) = (self.root, self.store);
+        let greatest = |[joints, weights]: [usize; 2]| {
+            let mut has_weight: Vec<u8> = Vec::new();
+            elements::for_each_floats::<4>(root, store, weights, |weights| {
+                let bits = (0..4).zip(weights).filter(|(_, weight)| *weight > 0.0);
+                has_weight.push(bits.map(|(place, _)| 1 << place).sum());
+            })?;
+            let (mut vertices, mut greatest) = (has_weight.iter(), None);
+            elements::for_each_integers::<4>(root, store, joints, |joints| {
+                let bits = vertices.next().copied().unwrap_or_default();
+                let followed = (0..4).zip(joints).filter(|(place, _)| bits & 1 << place != 0);
+                greatest = greatest.max(followed.map(|(_, joint)| joint).max());
+            })?;
+            greatest
+        };
+        let of_set = |set| *self.followed.entry(set).or_insert_with(|| greatest(set));
+        sets.map(of_set).max().flatten()
     }
 }

@@ -1,12 +1,14 @@
 //! The scene in the making: what all that put something into it share.
 
+use std::collections::HashMap;
+
 use animation::{Clip, NodeId};
 use cull::{Aabb, ObjectId};
 use glam::Affine3A;
 use render::scene::{BlendedId, Mesh, MeshId, Object, Scene, SurfaceMesh, Surfaces};
 
 use super::budget::Budget;
-use super::deformed::Forms;
+use super::forms::Forms;
 use super::geometry::Geometry;
 use super::instancing;
 use super::materials::{MaterialUse, Materials};
@@ -35,12 +37,55 @@ pub(super) struct Assembly<'a> {
     pub(super) skins: Skins,
     pub(super) placements: Vec<Placement>,
     pub(super) forms: Forms,
+    /// Of each node whether it mirrors at one time what it does not at another.
+    pub(super) turns: Vec<bool>,
+    /// Of skins whether one of their joints does.
+    pub(super) turning_skins: HashMap<usize, bool>,
     pub(super) budget: Budget,
     /// As [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
     pub(super) cut_above: Option<usize>,
+    /// How much of the nodes is done, 0 to 1.
+    pub(super) done: f32,
+    /// Who wants to know that, and may break off.
+    pub(super) listener: &'a mut Telling<'a>,
+    /// What was placed since that was told.
+    pub(super) untold: usize,
 }
 
+/// Tells how much is done.
+pub(super) type Telling<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
+
+/// After how many things that were placed progress is told.
+pub(super) const TOLD_PARTS: usize = 256;
+
 impl<'a> Assembly<'a> {
+    /// Tells how far it has come, every now and then; to be called for each thing that is placed.
+    ///
+    /// # Errors
+    /// Nobody wants it any more.
+    pub(super) fn tell(&mut self) -> Result<(), ImportError> {
+        self.untold += 1;
+        if self.untold < TOLD_PARTS {
+            return Ok(());
+        }
+        self.untold = 0;
+        (self.listener)(self.done)
+    }
+
+    /// Whether clips turn inside out what a node has. That is told.
+    pub(super) fn may_turn(&mut self, node: NodeId) -> bool {
+        let may_turn = self.turns.get(node.0 as usize) == Some(&true);
+        if may_turn {
+            self.note_turning(node);
+        }
+        may_turn
+    }
+
+    pub(super) fn note_turning(&mut self, node: NodeId) {
+        let what = "objects that clips mirror at one time and not at another, seen from both sides";
+        self.notes.count(what, 1, || self.tree.name(node));
+    }
+
     /// A primitive of the file.
     pub(super) fn primitive(&self, mesh: usize, number: usize) -> Option<Primitive<'a>> {
         let given = self.source.document.as_json().meshes.get(mesh)?;
@@ -167,7 +212,7 @@ pub(super) fn rigid(node: NodeId, placed: Placed, local: Affine3A) -> Placement 
         local,
         deformer: None,
         rest_bounds: Aabb::EMPTY,
-        clip_bounds: Vec::new(),
+        clip_bounds: [].into(),
         blend_bounds: Aabb::EMPTY,
     }
 }

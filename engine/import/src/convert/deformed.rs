@@ -1,46 +1,17 @@
 //! Meshes that change their form: each node that has one gets its own, with the boxes that it stays in.
 
-use animation::{Binding, Clip, DeformedMesh, NodeId, Reach, ReachError, Rig, Skeleton};
-use cull::Aabb;
+use animation::NodeId;
 use glam::Affine3A;
 use render::scene::{Deformer, DeformerId, Object};
 
 use super::assembly::{Assembly, NO_TINT};
+use super::forms::{Form, Formed};
 use super::geometry::Geometry;
 use super::materials::MaterialUse;
-use super::numbers::mirrors;
-use super::primitives::{Primitive, Variant};
-use super::skins::{Used, used_joints};
+use super::primitives::{Facing, Primitive, Variant};
+use super::skins::Used;
+use crate::ImportError;
 use crate::imported::Placement;
-use crate::{Cause, ImportError};
-
-/// How many boxes of clips are found one by one. A file with more gets one for all clips together.
-const MOST_BOXES: usize = 2000;
-
-/// The most nodes that are gone through to find skeletons: each is looked for in the whole rig.
-const MOST_STEPS: u64 = 1 << 33;
-
-/// Where a mesh is that changes its form, and how far it reaches.
-struct Form {
-    /// The node in whose space it is; `None` for the world's.
-    space: Option<NodeId>,
-    rest_bounds: Aabb,
-    clip_bounds: Vec<Aabb>,
-    blend_bounds: Aabb,
-}
-
-impl Form {
-    fn boxes(&self) -> impl Iterator<Item = &Aabb> {
-        self.clip_bounds.iter().chain([&self.rest_bounds, &self.blend_bounds])
-    }
-}
-
-/// What was done to find forms.
-#[derive(Debug, Default)]
-pub(super) struct Forms {
-    boxes: usize,
-    steps: u64,
-}
 
 impl Assembly<'_> {
     /// Puts a primitive that is skinned or morphed where its node or its joints are.
@@ -64,17 +35,27 @@ impl Assembly<'_> {
         // A skinned mesh is where its joints are, and instances are where nodes are.
         let once = [Affine3A::IDENTITY];
         let locals = if skin.is_some() { &once } else { locals };
+        // Instances of a mesh have one form.
+        let mut known: Option<Option<Form>> = None;
         for local in locals {
+            self.tell()?;
             let place = self.tree.world(node) * *local;
-            let is_mirrored = skin.map_or_else(|| mirrors(&place), |skin| skin.is_mirrored);
+            let facing = match skin {
+                Some(skin) => self.facing_of(skin, node),
+                None => Facing::of(&place, self.may_turn(node)),
+            };
             let joints = skin.map(|skin| skin.joints);
-            let variant = Variant { is_mirrored, joints, is_morphed: true };
+            let variant = Variant { facing, joints, is_morphed: true };
             let built = primitive.build(variant, &material, &mut self.budget, &mut self.notes)?;
             let Some(geometry) = built else {
                 return Ok(());
             };
-            let form = match self.form(primitive, &geometry, node, skin)? {
+            let form = match known.take() {
                 Some(form) => form,
+                None => self.form(primitive, &geometry, node, skin)?,
+            };
+            let form = match known.insert(form) {
+                Some(form) => form.clone(),
                 None => {
                     self.leave_out_huge(node);
                     continue;
@@ -88,7 +69,7 @@ impl Assembly<'_> {
             if !self.can_be_seen(form.space.unwrap_or(node), &transform) {
                 continue;
             }
-            if !form.boxes().all(|bounds| is_usable(bounds, &transform)) {
+            if !form.is_usable(&transform) {
                 self.leave_out_huge(node);
                 continue;
             }
@@ -100,6 +81,17 @@ impl Assembly<'_> {
             )?;
         }
         Ok(())
+    }
+
+    /// Which way what hangs on a skin is to be seen.
+    fn facing_of(&mut self, skin: Used, node: NodeId) -> Facing {
+        let joints = self.skins.list.get(skin.skin).map_or(&[][..], |skin| &skin.joints);
+        let turns = |joint: &NodeId| self.turns.get(joint.0 as usize) == Some(&true);
+        if *self.turning_skins.entry(skin.skin).or_insert_with(|| joints.iter().any(turns)) {
+            self.note_turning(node);
+            return Facing::Both;
+        }
+        if skin.is_mirrored { Facing::Mirrored } else { Facing::Plain }
     }
 
     fn add_deformed(
@@ -137,83 +129,8 @@ impl Assembly<'_> {
         node: NodeId,
         skin: Option<Used>,
     ) -> Result<Option<Form>, ImportError> {
-        let rig = &self.tree.rig;
-        let skin = skin.and_then(|used| self.skins.list.get(used.skin)).zip(geometry.skin.as_ref());
-        let mut bound = None;
-        if let Some((skin, weights)) = skin {
-            self.forms.steps += rig.nodes().len() as u64;
-            if self.forms.steps > MOST_STEPS {
-                let reason = "there are too many skinned meshes for so many nodes".to_owned();
-                return Err(self.source.error(Cause::TooLarge, primitive.place(), reason));
-            }
-            let Ok(skeleton) = Skeleton::new(rig, skin, &used_joints(weights)) else {
-                return Ok(None);
-            };
-            bound = Some((skeleton, weights));
-        }
-        let positions: Vec<[f32; 3]> = geometry.positions.iter().map(|at| at.to_array()).collect();
-        let targets: Vec<&[[f32; 3]]> =
-            geometry.targets.iter().map(|target| target.positions.as_slice()).collect();
-        let mesh = DeformedMesh {
-            positions: &positions,
-            targets: &targets,
-            node,
-            binding: bound.as_ref().map(|(skeleton, weights)| Binding {
-                skeleton,
-                joints: &weights.joints,
-                weights: &weights.weights,
-                sets: weights.sets,
-            }),
-        };
-        let skeleton = bound.as_ref().map(|(skeleton, _)| skeleton);
-        let forming: Vec<bool> =
-            self.clips.iter().map(|clip| forms(clip, node, skeleton)).collect();
-        let boxes = boxes(rig, self.clips, mesh, &forming, &mut self.forms.boxes);
-        Ok(boxes.ok().map(|(rest_bounds, clip_bounds, blend_bounds)| {
-            let space = skeleton.map_or(Some(node), Skeleton::space);
-            Form { space, rest_bounds, clip_bounds, blend_bounds }
-        }))
+        let skin = skin.and_then(|used| Some((used.skin, self.skins.list.get(used.skin)?)));
+        let formed = Formed { primitive, geometry, node, skin };
+        self.forms.form(&self.tree.rig, self.clips, &formed)
     }
-}
-
-/// Whether a clip changes the form of a mesh, rather than only its place.
-fn forms(clip: &Clip, node: NodeId, skeleton: Option<&Skeleton>) -> bool {
-    let weighs = |channel: &animation::Channel| !channel.is_transform() && channel.node == node;
-    skeleton.is_some_and(|skeleton| skeleton.is_moved_by(clip)) || clip.channels.iter().any(weighs)
-}
-
-/// The boxes at rest, of each clip, and of all together. `found` counts those that took work.
-fn boxes(
-    rig: &Rig,
-    clips: &[Clip],
-    mesh: DeformedMesh<'_>,
-    forming: &[bool],
-    found: &mut usize,
-) -> Result<(Aabb, Vec<Aabb>, Aabb), ReachError> {
-    let reach = Reach::new(rig, mesh)?;
-    let rest_bounds = reach.rest_bounds()?;
-    let rest = Clip { name: String::new(), channels: Vec::new() };
-    let mut all: Vec<&Clip> =
-        clips.iter().zip(forming).filter(|(_, forms)| **forms).map(|(clip, _)| clip).collect();
-    if all.is_empty() {
-        return Ok((rest_bounds, vec![rest_bounds; clips.len()], rest_bounds));
-    }
-    *found += all.len();
-    all.push(&rest);
-    let blend_bounds = reach.blend_bounds(&all)?;
-    let of_clip = |(clip, forms): (&Clip, &bool)| match (*forms, *found <= MOST_BOXES) {
-        (false, _) => Ok(rest_bounds),
-        (true, true) => reach.clip_bounds(clip),
-        (true, false) => Ok(blend_bounds),
-    };
-    let clip_bounds = clips.iter().zip(forming).map(of_clip).collect::<Result<_, _>>()?;
-    Ok((rest_bounds, clip_bounds, blend_bounds))
-}
-
-/// Whether a box somewhere in the world is one that an object can have.
-fn is_usable(bounds: &Aabb, transform: &Affine3A) -> bool {
-    let corners = bounds.corners().map(|corner| transform.transform_point3(corner));
-    let around =
-        corners.iter().fold(Aabb::EMPTY, |all, corner| all.union(&Aabb::new(*corner, *corner)));
-    corners.iter().all(|corner| corner.is_finite()) && around.is_usable()
 }

@@ -19,6 +19,8 @@ pub(super) struct Geometry {
     pub(super) skin: Option<SkinWeights>,
     pub(super) targets: Vec<MorphTarget>,
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Whether each triangle is there from both sides, so that it may be mirrored at any time.
+    pub(super) has_both_sides: bool,
 }
 
 impl Geometry {
@@ -49,6 +51,7 @@ impl Geometry {
                 })
                 .collect(),
             triangles: Vec::new(),
+            has_both_sides: self.has_both_sides,
         }
     }
 

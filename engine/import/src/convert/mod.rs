@@ -5,6 +5,8 @@ mod budget;
 mod cameras;
 mod clips;
 mod deformed;
+mod distances;
+mod forms;
 mod framing;
 mod geometry;
 mod instancing;
@@ -17,6 +19,7 @@ mod numbers;
 mod pack;
 mod pieces;
 mod primitives;
+mod renderable;
 mod shared;
 mod sidedness;
 mod skins;
@@ -24,6 +27,8 @@ mod solids;
 mod tangents;
 mod textures;
 mod topology;
+
+use std::collections::HashMap;
 
 use animation::NodeId;
 use cull::Aabb;
@@ -43,9 +48,6 @@ use crate::{ImportError, Source};
 pub(crate) use self::framing::overview;
 pub(crate) use self::skins::used_joints;
 
-/// After how many nodes progress is told.
-const TOLD_NODES: usize = 256;
-
 /// A scene made of a file.
 pub(crate) fn convert(
     mut source: Source,
@@ -55,9 +57,11 @@ pub(crate) fn convert(
 ) -> Result<Imported, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&source, &mut notes)?;
-    let clips = clips::clips(&source, &tree, &mut notes)?;
+    let mut clips = clips::clips(&source, &tree, &mut notes)?;
     let cameras = cameras::cameras(&source, &tree, &mut notes);
     let lights = lights::lights(&source, &tree, &mut notes);
+    renderable::check_lights(&source, &tree, &lights, &options.limits)?;
+    let forms = forms::Forms::new(&tree.rig, &clips, &options.limits);
     let mut assembly = Assembly {
         source: &source,
         tree: &tree,
@@ -68,9 +72,14 @@ pub(crate) fn convert(
         materials: Materials::default(),
         skins: Skins::default(),
         placements: Vec::new(),
-        forms: deformed::Forms::default(),
+        turns: forms.turning(&tree.rig),
+        turning_skins: HashMap::new(),
+        forms,
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
+        done: 0.0,
+        listener: &mut |done| teller.tell(Stage::Meshes, done),
+        untold: assembly::TOLD_PARTS,
     };
     for (light, node) in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);
@@ -83,14 +92,16 @@ pub(crate) fn convert(
     assembly.scene.objects.reserve_exact(plan.objects());
     let count = tree.in_file.len();
     for (place, node) in (0..count).zip((0..).map(NodeId)) {
-        if place % TOLD_NODES == 0 {
-            teller.tell(Stage::Meshes, place as f32 / count as f32)?;
-        }
+        assembly.done = place as f32 / count as f32;
+        assembly.tell()?;
         assembly.place(&mut plan, node)?;
     }
-    let Assembly { mut notes, mut scene, mut surfaces, materials, skins, placements, .. } =
+    let Assembly { mut notes, mut scene, mut surfaces, materials, skins, mut placements, .. } =
         assembly;
     (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
+    renderable::check_textures(&source, &surfaces)?;
+    let made = (&scene, &surfaces, skins.list.as_slice());
+    distances::refuse_far(&tree, &mut clips, &mut placements, made, &cameras, &mut notes);
     if scene.objects.is_empty() && surfaces.blended.is_empty() {
         notes.say("there is nothing to see in the scene");
     }

@@ -41,7 +41,7 @@ pub(super) fn pack(
             colour: pack_unorm([red, green, blue, 0.0]),
         });
         surface.push(SurfaceVertex {
-            normal: [x, y, z, 0],
+            normal: [x, y, z, if geometry.has_both_sides { i16::MAX } else { 0 }],
             tangent: tangent.map(snorm16),
             uv,
             colour: colour.map(unorm16),

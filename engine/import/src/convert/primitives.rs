@@ -1,6 +1,6 @@
 //! Primitives: from a file's attributes to geometry that can be packed.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 use gltf::json;
 use gltf::json::validation::Checked;
 use gltf::mesh::{Mode, Semantic};
@@ -10,6 +10,7 @@ use super::budget::Budget;
 use super::geometry::Geometry;
 use super::materials::MaterialUse;
 use super::notes::Notes;
+use super::numbers::mirrors;
 use super::sidedness::{Backs, mirror, with_backs};
 use super::topology::Elements;
 use super::{normals, solids, tangents};
@@ -22,17 +23,40 @@ const LARGEST_UV: f32 = 1e6;
 /// What is made of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Variant {
-    /// Whether it is for places that mirror.
-    pub(super) is_mirrored: bool,
+    /// How it is for the places that it is at.
+    pub(super) facing: Facing,
     /// The number of joints of its skin, if it hangs on one.
     pub(super) joints: Option<u32>,
     /// Whether its morph targets count.
     pub(super) is_morphed: bool,
 }
 
+/// Which way the triangles of a primitive are to be seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Facing {
+    /// As they are.
+    Plain,
+    /// The other way round: its places mirror.
+    Mirrored,
+    /// Either way: its places mirror at one time and not at another.
+    Both,
+}
+
+impl Facing {
+    pub(super) fn of(transform: &Affine3A, may_turn: bool) -> Self {
+        match (may_turn, mirrors(transform)) {
+            (true, _) => Self::Both,
+            (false, true) => Self::Mirrored,
+            (false, false) => Self::Plain,
+        }
+    }
+}
+
 impl Variant {
-    /// Neither mirrored nor deformed.
-    pub(super) const PLAIN: Self = Self { is_mirrored: false, joints: None, is_morphed: false };
+    /// Not deformed.
+    pub(super) fn rigid(facing: Facing) -> Self {
+        Self { facing, joints: None, is_morphed: false }
+    }
 }
 
 /// A primitive of a file.
@@ -101,20 +125,26 @@ impl Primitive<'_> {
         let Some((geometry, elements)) = self.read(variant, material, notes)? else {
             return Ok(None);
         };
+        let own_backs = match (material.backs, variant.facing, material.is_blended) {
+            (Backs::None, Facing::Both, false) => Backs::Last,
+            (Backs::None, Facing::Both, true) => Backs::First,
+            (backs, ..) => backs,
+        };
+        let solid_backs = if variant.facing == Facing::Both { own_backs } else { Backs::None };
         let (vertices, triangles, backs) = match &elements {
             Elements::Triangles(list) => {
                 let triangles = list.len() as u64;
                 let is_flat = geometry.normals.is_empty();
                 let shared = geometry.positions.len() as u64;
-                (if is_flat { triangles * 3 } else { shared }, triangles, material.backs)
+                (if is_flat { triangles * 3 } else { shared }, triangles, own_backs)
             }
             Elements::Lines(lines) => {
                 let lines = lines.len() as u64;
-                (lines * solids::LINE_VERTICES, lines * solids::LINE_TRIANGLES, Backs::None)
+                (lines * solids::LINE_VERTICES, lines * solids::LINE_TRIANGLES, solid_backs)
             }
             Elements::Points(points) => {
                 let points = points.len() as u64;
-                (points * solids::POINT_VERTICES, points * solids::POINT_TRIANGLES, Backs::None)
+                (points * solids::POINT_VERTICES, points * solids::POINT_TRIANGLES, solid_backs)
             }
         };
         let sides = if backs == Backs::None { 1 } else { 2 };
@@ -141,7 +171,8 @@ impl Primitive<'_> {
             .take(geometry.positions.len() as u64 * sides, triangles * 3 * sides)
             .map_err(|over| self.over(&over))?;
         with_backs(&mut geometry, backs);
-        if variant.is_mirrored {
+        geometry.has_both_sides = variant.facing == Facing::Both;
+        if variant.facing == Facing::Mirrored {
             mirror(&mut geometry);
         }
         Ok((!geometry.triangles.is_empty()).then_some(geometry))
@@ -266,13 +297,15 @@ impl Primitive<'_> {
             let colours = self.source.floats::<3>(accessor).unwrap_or_default();
             colours.into_iter().map(opaque).collect()
         });
-        let mut broken = 0;
+        let (mut broken, mut cut) = (0, 0);
         for colour in &mut colours {
             if colour.iter().any(|part| !part.is_finite()) {
                 *colour = [1.0; 4];
                 broken += 1;
             }
+            cut += usize::from(colour.iter().any(|part| !(0.0..=1.0).contains(part)));
         }
+        notes.count("colours of vertices below 0 or above 1, cut off there", cut, || self.place());
         notes.count("colours of vertices that are no numbers, white instead", broken, || {
             self.place()
         });

@@ -12,9 +12,8 @@ use render::scene::{MeshId, Object};
 use super::assembly::{Assembly, NO_TINT, rigid};
 use super::geometry::Geometry;
 use super::materials::{MaterialUse, Shading};
-use super::numbers::mirrors;
 use super::pieces;
-use super::primitives::{Primitive, Variant};
+use super::primitives::{Facing, Primitive, Variant};
 use crate::ImportError;
 
 /// What makes primitives one and the same: their accessors, what these mean, and the material.
@@ -55,8 +54,8 @@ pub(super) struct Kind {
     pub(super) material: MaterialUse,
     /// How often it is seen.
     pub(super) uses: u64,
-    /// What was made of it, once that was tried: for places that do not mirror, and for those that do.
-    made: [Option<Vec<MeshId>>; 2],
+    /// What was made of it, once that was tried: for each way that it may face.
+    made: [Option<Vec<MeshId>>; 3],
 }
 
 /// For each mesh of the file, what its primitives are.
@@ -110,7 +109,7 @@ impl Assembly<'_> {
                 if kind == kinds.len() {
                     let primitive = Primitive { source, json, mesh, number };
                     let material = self.material_of(&primitive);
-                    kinds.push(Kind { mesh, number, material, uses: 0, made: [None, None] });
+                    kinds.push(Kind { mesh, number, material, uses: 0, made: [None, None, None] });
                 }
                 if let Some(kind) = kinds.get_mut(kind) {
                     kind.uses += uses;
@@ -140,13 +139,15 @@ impl Assembly<'_> {
         locals: &[Affine3A],
     ) -> Result<(), ImportError> {
         for local in locals {
+            self.tell()?;
             let transform = self.tree.world(node) * *local;
             if !self.can_be_seen(node, &transform) {
                 continue;
             }
-            let variant = Variant { is_mirrored: mirrors(&transform), ..Variant::PLAIN };
+            let may_turn = self.may_turn(node);
+            let variant = Variant::rigid(Facing::of(&transform, may_turn));
             self.make(kind, primitive, variant)?;
-            let made = kind.made[usize::from(variant.is_mirrored)].as_deref();
+            let made = kind.made[variant.facing as usize].as_deref();
             for mesh in made.unwrap_or_default().iter().copied() {
                 let object = Object { mesh, transform, tint: NO_TINT };
                 if !self.scene.bounds_of(&object).is_some_and(|bounds| bounds.is_usable()) {
@@ -169,15 +170,18 @@ impl Assembly<'_> {
         primitive: &Primitive<'_>,
         variant: Variant,
     ) -> Result<(), ImportError> {
-        if kind.made[usize::from(variant.is_mirrored)].is_some() {
+        let place = variant.facing as usize;
+        if kind.made[place].is_some() {
             return Ok(());
         }
         let geometry =
             primitive.build(variant, &kind.material, &mut self.budget, &mut self.notes)?;
         let mut name = self.name_of(kind.mesh, kind.number);
-        if variant.is_mirrored {
-            name.push_str(" (mirrored)");
-        }
+        name.push_str(match variant.facing {
+            Facing::Plain => "",
+            Facing::Mirrored => " (mirrored)",
+            Facing::Both => " (both sides)",
+        });
         let mut made = Vec::new();
         if let Some(geometry) = geometry {
             let pieces = self.pieces(geometry, kind.uses);
@@ -190,7 +194,7 @@ impl Assembly<'_> {
                 made.push(self.add_mesh(piece, &kind.material, name));
             }
         }
-        kind.made[usize::from(variant.is_mirrored)] = Some(made);
+        kind.made[place] = Some(made);
         Ok(())
     }
 

@@ -7,7 +7,7 @@ pub(super) struct Jpeg {
     /// Its coefficients come in several scans, and are all held until the last.
     pub(super) is_progressive: bool,
     /// Its last marker is there.
-    pub(super) is_whole: bool,
+    pub(super) has_end: bool,
 }
 
 /// Walks the markers up to the first scan.
@@ -22,7 +22,7 @@ pub(super) fn inspect(bytes: &[u8]) -> Jpeg {
             0x01 | 0xD0..=0xD8 => at += 2,
             // The start of a scan: what follows has no marker of this kind in it but the last.
             0xDA => {
-                jpeg.is_whole = bytes.get(at..).is_some_and(has_end);
+                jpeg.has_end = bytes.get(at..).is_some_and(has_end);
                 break;
             }
             _ => {
@@ -38,4 +38,13 @@ pub(super) fn inspect(bytes: &[u8]) -> Jpeg {
 
 fn has_end(scans: &[u8]) -> bool {
     scans.windows(2).rev().any(|pair| pair == [0xFF, 0xD9])
+}
+
+/// A file without its last marker, with that, and with other coefficients before it: the pictures differ
+/// if any of its own are missing.
+pub(super) fn endings(bytes: &[u8]) -> [Vec<u8>; 2] {
+    const END: [u8; 2] = [0xFF, 0xD9];
+    // Half of a marker is none, but for a byte that was stuffed.
+    let bytes = bytes.strip_suffix(&[0xFF]).unwrap_or(bytes);
+    [[bytes, &END].concat(), [bytes, &[0x5A; 64], &END].concat()]
 }

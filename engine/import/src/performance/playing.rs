@@ -10,6 +10,8 @@ use animation::{Clip, Pose};
 pub(super) struct Playing {
     from: Vec<usize>,
     to: Vec<usize>,
+    /// Whether it is a mixed pose that is faded from, and no clips.
+    is_from_mix: bool,
     /// Those whose nodes are not at rest again yet.
     lingering: Vec<usize>,
     began_s: f64,
@@ -17,11 +19,17 @@ pub(super) struct Playing {
 }
 
 impl Playing {
-    /// Goes on with other clips.
+    /// Goes on with other clips. Who is amid of a fade then goes on from the pose at that time.
     pub(super) fn change(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
+        self.is_from_mix = self.weight(seconds) < 1.0;
         self.from = std::mem::replace(&mut self.to, clips.to_vec());
         self.lingering.extend_from_slice(&self.from);
         (self.began_s, self.fade_s) = (seconds, fade_s);
+    }
+
+    /// Whether what is faded from is the pose in which the last fade was broken off.
+    pub(super) fn is_from_mix(&self) -> bool {
+        self.is_from_mix
     }
 
     pub(super) fn from(&self) -> &[usize] {
@@ -37,13 +45,6 @@ impl Playing {
         let is_over = self.lingering.is_empty() || self.fade_s <= 0.0;
         let done = if is_over { 1.0 } else { (seconds - self.began_s) / self.fade_s };
         if done.is_nan() { 1.0 } else { done.clamp(0.0, 1.0) as f32 }
-    }
-
-    /// The groups of clips whose poses are mixed at a time: those that were replaced, while they fade, and
-    /// those that play.
-    pub(super) fn mixed(&self, seconds: f64) -> impl Iterator<Item = &[usize]> + Clone {
-        let from = (self.weight(seconds) < 1.0).then_some(self.from.as_slice());
-        from.into_iter().chain([self.to.as_slice()])
     }
 
     /// All whose nodes are to be looked at.
@@ -123,8 +124,6 @@ mod tests {
         assert_eq!((playing.weight(0.0), playing.settles(0.0)), (1.0, false));
         playing.change(&[1], 10.0, 0.5);
         assert_eq!([9.0, 10.0, 10.25, 10.5].map(|s| playing.weight(s)), [0.0, 0.0, 0.5, 1.0]);
-        assert_eq!(playing.mixed(10.25).collect::<Vec<_>>(), [[0], [1]]);
-        assert_eq!(playing.mixed(10.5).collect::<Vec<_>>(), [[1]]);
         assert!(!playing.settles(10.25) && playing.settles(10.5) && !playing.settles(11.0));
         assert_eq!(playing.weight(9.0), 1.0, "what is over does not come back");
         assert_eq!(playing.concerned().collect::<Vec<_>>(), [1]);

@@ -9,6 +9,7 @@ use render::scene::{
 };
 
 use super::*;
+use crate::imported::Placement;
 
 const REST: Trs = Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
 
@@ -46,7 +47,7 @@ fn rigid(node: u32, placed: Placed) -> Placement {
         local: Affine3A::from_translation(Vec3::Y),
         deformer: None,
         rest_bounds: Aabb::EMPTY,
-        clip_bounds: Vec::new(),
+        clip_bounds: [].into(),
         blend_bounds: Aabb::EMPTY,
     }
 }
@@ -95,8 +96,7 @@ fn imported() -> Imported {
         ..Surfaces::default()
     });
     let formed = |node, object, deformer, skin, moving: usize| {
-        let mut clip_bounds = vec![unit_box(1.0); 5];
-        clip_bounds[moving] = unit_box(2.0);
+        let clip_bounds = [(moving, unit_box(2.0)), (4, unit_box(1.0))].into();
         Placement {
             local: Affine3A::IDENTITY,
             deformer: Some((DeformerId(deformer), skin)),
@@ -190,10 +190,7 @@ fn any_moment_can_follow_any_other() {
     let mut there = performance();
     there.play(&[0, 1, 2, 3], 0.0, 0.0);
     let state = |performance: &Performance| {
-        let parts = performance.parts.iter();
-        parts
-            .map(|part| (part.shown, part.shown_bounds, part.shown_form.clone()))
-            .collect::<Vec<_>>()
+        (0..6).map(|part| performance.parts.shown(part)).collect::<Vec<_>>()
     };
     for seconds in [0.0, 0.25, 0.9, 0.1, 7.3, 0.25] {
         there.changes(seconds);
@@ -211,8 +208,7 @@ fn boxes_are_those_of_the_clips_that_change_the_form() {
     for (playing, expected) in [(&[1][..], 2.0), (&[0, 2], 1.0), (&[1, 4], 3.0), (&[], 1.0)] {
         performance.play(playing, 0.0, 0.0);
         performance.changes(0.3);
-        let skinned = &performance.parts[1];
-        assert_eq!(skinned.shown_bounds, unit_box(expected), "{playing:?}");
+        assert_eq!(performance.parts.shown(1).1, unit_box(expected), "{playing:?}");
     }
     // A joint's own way is in the transform, and the form is what happens below it.
     performance.play(&[1], 0.0, 0.0);
@@ -230,12 +226,12 @@ fn clips_fade_into_each_other_and_the_old_one_comes_to_rest() {
     performance.changes(0.5);
     performance.play(&[4], 0.5, 0.4);
     performance.changes(0.7);
-    assert_eq!(performance.parts[1].shown_bounds, unit_box(3.0), "both form it");
-    let half = performance.parts[1].shown.translation.z;
+    assert_eq!(performance.parts.shown(1).1, unit_box(3.0), "both form it");
+    let half = performance.parts.shown(1).0.translation.z;
     assert!((half - 0.5 * 4.0 * 0.7).abs() < 1e-4, "{half}");
     assert_eq!(moved(&mut performance, 0.95), [1]);
-    assert_eq!(performance.parts[1].shown.translation.z, 0.0);
-    assert_eq!(performance.parts[1].shown_bounds, unit_box(1.0));
+    assert_eq!(performance.parts.shown(1).0.translation.z, 0.0);
+    assert_eq!(performance.parts.shown(1).1, unit_box(1.0));
     assert_eq!(performance.moving, [NodeId(4)], "who is at rest is not looked at");
 }
 
@@ -245,11 +241,62 @@ fn what_fades_to_its_rest_is_in_neither_box_alone() {
     performance.play(&[4], 0.0, 0.0);
     performance.changes(0.0);
     performance.changes(0.5);
-    let alone = performance.parts[1].shown_bounds;
+    let alone = performance.parts.shown(1).1;
     performance.play(&[], 0.5, 0.4);
     performance.changes(0.7);
-    let fading = performance.parts[1].shown_bounds;
+    let fading = performance.parts.shown(1).1;
     assert_eq!(fading, unit_box(3.0), "the box of all mixes, not {alone:?}");
+}
+
+#[test]
+fn a_fade_into_a_fade_goes_on_where_that_was() {
+    let mut performance = performance();
+    performance.play(&[1], 0.0, 0.0);
+    performance.changes(0.5);
+    performance.play(&[4], 0.5, 0.4);
+    let place = |performance: &mut Performance, seconds| {
+        performance.changes(seconds);
+        let (transform, bounds, joints, _) = performance.parts.shown(1);
+        (transform.translation, joints[1].translation, bounds)
+    };
+    let before = place(&mut performance, 0.7);
+    assert!(before.0.z > 0.5 && before.1.x > 0.1, "amid of both: {before:?}");
+    performance.play(&[0], 0.7, 0.2);
+    let after = place(&mut performance, 0.7);
+    assert!((before.0 - after.0).length() < 1e-5 && (before.1 - after.1).length() < 1e-5);
+    assert_eq!(after.2, unit_box(3.0), "what is mixed stays in the box of all mixes");
+    let half = place(&mut performance, 0.8);
+    assert!((half.0 - before.0 * 0.5).length() < 1e-5, "{half:?} of {before:?}");
+    // Once more, and to nothing at all.
+    performance.play(&[], 0.8, 0.2);
+    assert!((place(&mut performance, 0.8).0 - half.0).length() < 1e-5);
+    let (translation, _, bounds) = place(&mut performance, 1.1);
+    assert_eq!((translation.length(), bounds), (0.0, unit_box(1.0)));
+    assert!(performance.moving.is_empty());
+}
+
+#[test]
+fn what_hangs_on_the_same_joints_is_looked_at_once() {
+    let mut imported = imported();
+    let skinned = imported.placements[1].clone();
+    let surfaces = imported.scene.surfaces.as_mut().unwrap();
+    for object in 4..104 {
+        let deformer = DeformerId(surfaces.deformers.len() as u32);
+        surfaces.deformers.push(surfaces.deformers[0].clone());
+        imported.placements.push(Placement {
+            placed: Placed::Object(ObjectId(object)),
+            deformer: Some((deformer, Some(0))),
+            ..skinned.clone()
+        });
+    }
+    let (_, mut performance, _, _) = Performance::of(imported);
+    assert_eq!(performance.parts.skeletons(), 1);
+    performance.play(&[1], 0.0, 0.0);
+    let changes = performance.changes(0.5);
+    assert_eq!((changes.deformations.len(), changes.joints.len()), (102, 2), "{changes:?}");
+    let shared = changes.deformations.iter().filter(|it| it.joints == (0..2));
+    assert_eq!(shared.count(), 101, "all but the face");
+    assert!(performance.changes(0.5).is_empty());
 }
 
 #[test]

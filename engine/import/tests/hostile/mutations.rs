@@ -9,7 +9,7 @@ use super::files::{Scene, everything, glb_of};
 use super::target::try_bytes;
 
 /// Tries in a test; `cargo fuzz` goes on where this ends.
-const TRIES: u64 = 40_000;
+const TRIES: u64 = 200_000;
 
 /// SplitMix64.
 struct Random(u64);

@@ -287,7 +287,7 @@ fn clips_of_weights_reach_as_far_as_they_say() {
     scene.set("/animations", json!([{ "samplers": [sampler], "channels": [channel] }]));
     let imported = load(&scene);
     let placement = &imported.placements[0];
-    assert!((placement.clip_bounds[0].max.y - 7.0).abs() < 0.01, "{:?}", placement.clip_bounds);
+    assert!((placement.bounds_of(0).max.y - 7.0).abs() < 0.01, "{:?}", placement.clip_bounds);
     assert!((placement.rest_bounds.max.y - 1.0).abs() < 0.01);
     assert!(placement.blend_bounds.contains(&placement.rest_bounds));
     // The values of a mesh are those of its node, where the node has none.

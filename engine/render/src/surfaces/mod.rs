@@ -15,7 +15,7 @@ pub use light_lists::{LightLists, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT};
 pub use lights::{MAX_DIRECTIONAL_LIGHTS, reach_m};
 pub use materials::MAX_TEXTURE_TRANSFORMS;
 pub use page_groups::SMALL_PAGES_BYTES;
-pub use pages::{MAX_PAGES, Page, PagePlan};
+pub use pages::{MAX_LAYERS, MAX_PAGES, Page, PagePlan};
 pub use resources::{SurfaceOptions, SurfaceResources};
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::surfaces::page_groups::{Group, joined, most_texels};
 pub const MAX_PAGES: usize = 12;
 
 /// The most layers of a page, whatever the device can: a texture's place must fit a word.
-pub(crate) const MAX_LAYERS: u32 = 2048;
+pub const MAX_LAYERS: u32 = 2048;
 
 /// Images of one size, encoding and sampler.
 #[derive(Clone, Debug, PartialEq, Eq)]

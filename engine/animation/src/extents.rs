@@ -1,0 +1,206 @@
+//! How far nodes go from their parents in any clip, and any mix of clips: for the whole rig in one walk over
+//! all keys. What is found from it is coarser than [`Reach`](crate::Reach) finds and costs next to nothing.
+
+use cull::Aabb;
+use glam::{Affine3A, DVec3, Vec3};
+
+use crate::attached::joints_of;
+use crate::clip::{Clip, Values};
+use crate::form::DeformedMesh;
+use crate::hull::hull;
+use crate::morph::Range;
+use crate::reach::{ReachError, check};
+use crate::rig::{NodeId, Rest, Rig};
+use crate::together::ALWAYS;
+
+/// Mixes lie between what is mixed, so the ranges of all clips and of the rest hold them all.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    /// The farthest that its origin is from its parent's.
+    farthest: f32,
+    /// The most that it lengthens anything.
+    lengthens: f32,
+    /// The range of its scales.
+    scale: [Vec3; 2],
+}
+
+/// How far nodes go, whatever plays.
+#[derive(Clone, Debug)]
+pub struct Extents {
+    nodes: Vec<Extent>,
+}
+
+/// What single precision may add on the way.
+const ROUNDING: f32 = 1.001;
+
+/// The most that a matrix lengthens a vector, exactly so for turned and scaled axes: the square root of the
+/// largest sum of a row of its product with its transpose.
+fn lengthens(matrix: &Affine3A) -> f32 {
+    let axes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
+    // Its entries may be as large as numbers get.
+    let axes = axes.map(|axis| Vec3::from(axis).as_dvec3());
+    let row = |axis: DVec3| axes.iter().map(|other| axis.dot(*other).abs()).sum::<f64>();
+    axes.iter().map(|axis| row(*axis)).fold(0.0, f64::max).sqrt() as f32
+}
+
+impl Extents {
+    /// Those of a rig in these clips and at rest. Takes as long as there are nodes and keys.
+    pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
+        let at_rest = |rest: &Rest| match rest {
+            Rest::Matrix(matrix) => Extent {
+                farthest: matrix.translation.length(),
+                lengthens: lengthens(matrix),
+                scale: [Vec3::ONE; 2],
+            },
+            Rest::Parts(parts) => Extent {
+                farthest: parts.translation.length(),
+                lengthens: parts.scale.abs().max_element(),
+                scale: [parts.scale; 2],
+            },
+        };
+        let mut extents =
+            Self { nodes: rig.nodes().iter().map(|node| at_rest(&node.rest)).collect() };
+        for clip in clips {
+            extents.add(clip);
+        }
+        extents
+    }
+
+    /// Adds what a clip does.
+    pub fn add(&mut self, clip: &Clip) {
+        for channel in &clip.channels {
+            let Some(extent) = self.nodes.get_mut(channel.node.0 as usize) else { continue };
+            match &channel.track.values {
+                Values::Translation(values) => {
+                    hull(&channel.track, values, (1, 0), ALWAYS, &mut |at: Vec3| {
+                        extent.farthest = extent.farthest.max(at.length());
+                    });
+                }
+                Values::Scale(values) => {
+                    hull(&channel.track, values, (1, 0), ALWAYS, &mut |scale: Vec3| {
+                        extent.lengthens = extent.lengthens.max(scale.abs().max_element());
+                        let [least, largest] = &mut extent.scale;
+                        (*least, *largest) = (least.min(scale), largest.max(scale));
+                    });
+                }
+                Values::Rotation(_) | Values::Weights(_) => {}
+            }
+        }
+    }
+
+    /// Whether a node may mirror at one time what it does not at another.
+    pub fn may_turn_inside_out(&self, node: NodeId) -> bool {
+        let extent = self.nodes.get(node.0 as usize);
+        extent.is_some_and(|Extent { scale: [least, largest], .. }| {
+            (least.cmplt(Vec3::ZERO) & largest.cmpgt(Vec3::ZERO)).any()
+        })
+    }
+
+    /// How far a point that is at most `distance` from a node's origin is from its parent's.
+    fn lifted(&self, node: NodeId, distance: f32) -> f32 {
+        let extent = self.nodes.get(node.0 as usize);
+        let lifted = extent.map_or(distance, |it| it.farthest + it.lengthens * distance);
+        // What is no number would be lost in a maximum.
+        if lifted.is_nan() { f32::INFINITY } else { lifted }
+    }
+
+    /// How far from the origin of the world anything gets, for each node the farthest of what is within
+    /// `distances` of its origin, which may be infinite; negative where there is nothing. Answers the node on which the farthest
+    /// hangs, and how far that is. Takes as long as the rig is large.
+    pub fn farthest(&self, rig: &Rig, distances: &[f32]) -> Option<(NodeId, f32)> {
+        // Of what hangs on a node, in its own space: the farthest, and whose it is.
+        let mut hanging: Vec<Option<(f32, NodeId)>> = (0..rig.nodes().len() as u32)
+            .map(|id| {
+                let distance = distances.get(id as usize).filter(|distance| **distance >= 0.0)?;
+                Some((*distance, NodeId(id)))
+            })
+            .collect();
+        let mut farthest: Option<(f32, NodeId)> = None;
+        for node in rig.order().iter().rev() {
+            let Some((distance, whose)) = hanging.get(node.0 as usize).copied().flatten() else {
+                continue;
+            };
+            let lifted = self.lifted(*node, distance);
+            let parent = rig.nodes().get(node.0 as usize).and_then(|node| node.parent);
+            let above = match parent.and_then(|parent| hanging.get_mut(parent.0 as usize)) {
+                Some(above) => above,
+                None => &mut farthest,
+            };
+            if above.is_none_or(|(other, _)| other < lifted) {
+                *above = Some((lifted, whose));
+            }
+        }
+        farthest.map(|(distance, whose)| (whose, distance * ROUNDING))
+    }
+
+    /// A box that no vertex of a mesh leaves, whatever plays; `weights` has for each target the least and
+    /// the largest weight. Takes as long as the mesh has vertices, with all their joints and targets, and
+    /// its skeleton bones.
+    ///
+    /// # Errors
+    /// What [`Reach::new`](crate::Reach::new) refuses; [`ReachError::Unbounded`].
+    pub fn bounds(
+        &self,
+        mesh: &DeformedMesh<'_>,
+        weights: &[[f32; 2]],
+    ) -> Result<Aabb, ReachError> {
+        check(mesh)?;
+        let range = |[least, largest]: &[f32; 2]| Range { least: *least, largest: *largest };
+        let ranges: Vec<Range> = weights.iter().map(range).collect();
+        let Some(binding) = &mesh.binding else {
+            let [_, outer] = crate::morph::morph_box(mesh, &ranges);
+            let outer = outer.enlarged(outer.largest_coordinate() * (ROUNDING - 1.0));
+            return if outer.is_finite() { Ok(outer) } else { Err(ReachError::Unbounded) };
+        };
+        let skeleton = binding.skeleton;
+        let mut hanging = vec![f32::NEG_INFINITY; skeleton.bones.len()];
+        let mut farthest = 0.0_f32;
+        for (vertex, position) in mesh.positions.iter().enumerate() {
+            for (joint, _) in joints_of(binding, vertex) {
+                let joint = skeleton.joints.get(usize::from(joint)).copied().flatten();
+                let Some(joint) = joint else { continue };
+                let at = joint.inverse_bind.transform_point3a((*position).into());
+                let mut distance = at.length();
+                for (delta, range) in crate::morph::deltas(mesh, &ranges, vertex) {
+                    let weight = range.least.abs().max(range.largest.abs());
+                    distance += joint.inverse_bind.transform_vector3a(delta).length() * weight;
+                }
+                let distance = if distance.is_nan() { f32::INFINITY } else { distance };
+                let entry = joint.bone.and_then(|bone| hanging.get_mut(bone));
+                let entry = entry.unwrap_or(&mut farthest);
+                *entry = entry.max(distance);
+            }
+        }
+        for (index, bone) in skeleton.bones.iter().enumerate().rev() {
+            let distance = hanging.get(index).copied().unwrap_or_default();
+            if distance < 0.0 {
+                continue;
+            }
+            let lifted = self.lifted(bone.node, distance);
+            let above = bone.parent.and_then(|parent| hanging.get_mut(parent));
+            let above = above.unwrap_or(&mut farthest);
+            *above = above.max(lifted);
+        }
+        let farthest = farthest * ROUNDING;
+        let bounds = Aabb::new(Vec3::splat(-farthest), Vec3::splat(farthest));
+        if bounds.is_finite() { Ok(bounds) } else { Err(ReachError::Unbounded) }
+    }
+}
+
+/// The least and the largest weight of each morph target of a node, in these channels and at rest.
+pub fn weight_ranges(rig: &Rig, node: NodeId, clips: &[&crate::Excerpt<'_>]) -> Vec<[f32; 2]> {
+    let rest = rig.nodes().get(node.0 as usize).map(|node| node.weights.as_slice());
+    let mut ranges: Vec<[f32; 2]> =
+        rest.unwrap_or_default().iter().map(|weight| [*weight; 2]).collect();
+    let count = ranges.len();
+    let channels = clips.iter().flat_map(|clip| clip.channels.iter().copied());
+    for channel in channels.filter(|channel| channel.node == node) {
+        let Values::Weights(values) = &channel.track.values else { continue };
+        for (target, [least, largest]) in ranges.iter_mut().enumerate() {
+            hull(&channel.track, values, (count, target), ALWAYS, &mut |weight: f32| {
+                (*least, *largest) = (least.min(weight), largest.max(weight));
+            });
+        }
+    }
+    ranges
+}

@@ -1,0 +1,147 @@
+//! What clips take too far: a box beyond all that can be drawn would end the show in the middle of it, so
+//! whether one may come to be is found when loading, and clips that could do it are not played.
+//!
+//! How far each node goes is bounded for all clips at once, mixed or not ([`Extents`]), so that no fade can do
+//! what no clip does. Only where that is too far, clips are tried one after the other, each with those
+//! that were taken before it.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use animation::{Clip, Extents, Rig, Skeleton, Skin};
+use cull::{Aabb, MAX_COORDINATE};
+use render::scene::{Scene, Surfaces};
+
+use super::nodes::Tree;
+use super::notes::Notes;
+use super::skins::used_joints;
+use crate::error::quoted;
+use crate::imported::{Camera, Placed, Placement};
+
+/// Of clips, by their numbers.
+type Boxes = Arc<[(usize, Aabb)]>;
+
+/// Nodes that are looked at to find which clips go too far; what was not tried then is not played.
+const MOST_STEPS: usize = 1 << 26;
+/// How many clips are tried however many nodes there are.
+const LEAST_TRIES: usize = 8;
+
+/// Takes from `clips` those that could take something farther than anything can be, and tells.
+pub(super) fn refuse_far(
+    tree: &Tree,
+    clips: &mut Vec<Clip>,
+    placements: &mut [Placement],
+    (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
+    cameras: &[Camera],
+    notes: &mut Notes,
+) {
+    let rig = &tree.rig;
+    let distances = distances(rig, placements, (scene, surfaces, skins), cameras);
+    let is_too_far = |extents: &Extents| {
+        let farthest = extents.farthest(rig, &distances);
+        farthest.filter(|(_, distance)| *distance > MAX_COORDINATE).map(|(node, _)| node)
+    };
+    if clips.is_empty() || is_too_far(&Extents::new(rig, clips.iter())).is_none() {
+        return;
+    }
+    let tries = (MOST_STEPS / rig.nodes().len().max(1)).max(LEAST_TRIES);
+    let mut taken = Extents::new(rig, []);
+    let mut is_taken = Vec::with_capacity(clips.len());
+    for (number, clip) in clips.iter().enumerate() {
+        let mut with = taken.clone();
+        with.add(clip);
+        let far = if number < tries { is_too_far(&with).map(|node| tree.name(node)) } else { None };
+        let is_near = number < tries && far.is_none();
+        if is_near {
+            taken = with;
+        } else {
+            let what = "animations that could take something farther than anything can be, alone or \
+                        with those before them, not played";
+            let whom = far.map_or(String::new(), |node| format!(" moves {node}"));
+            notes.count(what, 1, || format!("{}{whom}", quoted(&clip.name)));
+        }
+        is_taken.push(is_near);
+    }
+    renumber(&is_taken, placements);
+    let mut is_taken = is_taken.into_iter();
+    clips.retain(|_| is_taken.next() == Some(true));
+}
+
+/// How far what hangs on each node reaches from its origin; -1 where nothing does.
+fn distances(
+    rig: &Rig,
+    placements: &[Placement],
+    (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
+    cameras: &[Camera],
+) -> Vec<f32> {
+    let mut distances = vec![-1.0_f32; rig.nodes().len()];
+    let mut spaces = HashMap::new();
+    let mut reaches = |node: u32, distance: f32| {
+        let distance = if distance.is_nan() { f32::INFINITY } else { distance };
+        if let Some(entry) = distances.get_mut(node as usize) {
+            *entry = entry.max(distance);
+        }
+    };
+    for camera in cameras {
+        reaches(camera.node.0, 0.0);
+    }
+    for placement in placements {
+        let mut node = Some(placement.node);
+        let mut bounds = placement.blend_bounds.union(&placement.rest_bounds);
+        bounds = placement.clip_bounds.iter().fold(bounds, |all, (_, one)| all.union(one));
+        if let Some((deformer, skin)) = placement.deformer {
+            let deformer = surfaces.deformers.get(deformer.0 as usize);
+            let weights = deformer.and_then(|it| it.skin.as_ref());
+            if let Some((skin, weights)) = skin.zip(weights) {
+                let key = (skin, used_joints(weights));
+                let space = |(skin, used): &(usize, Vec<bool>)| {
+                    Skeleton::new(rig, skins.get(*skin)?, used).ok()?.space()
+                };
+                node = *spaces.entry(key).or_insert_with_key(space);
+            }
+        } else {
+            let object = match placement.placed {
+                Placed::Object(object) => scene.objects.get(object.0 as usize),
+                Placed::Blended(blended) => surfaces.blended.get(blended.0 as usize),
+                Placed::Light(_) => None,
+            };
+            let mesh = object.and_then(|object| scene.mesh_of(object));
+            bounds = mesh.map_or(Aabb::EMPTY, |mesh| mesh.bounds);
+        }
+        let Some(node) = node else { continue };
+        let origin = placement.local.translation.length();
+        let corners = bounds.corners().map(|it| placement.local.transform_point3(it).length());
+        let farthest = if bounds.is_empty() {
+            origin
+        } else {
+            corners
+                .iter()
+                .fold(0.0, |farthest, it| if it.is_nan() { *it } else { it.max(farthest) })
+        };
+        reaches(node.0, farthest);
+    }
+    distances
+}
+
+/// Gives the clips of boxes their new numbers; what had a list in common goes on having one.
+fn renumber(is_taken: &[bool], placements: &mut [Placement]) {
+    let mut next = 0;
+    let numbers: Vec<Option<usize>> = is_taken
+        .iter()
+        .map(|is_taken| {
+            next += usize::from(*is_taken);
+            is_taken.then(|| next - 1)
+        })
+        .collect();
+    let number = |clip: usize| numbers.get(clip).copied().flatten();
+    let mut known: HashMap<*const (usize, Aabb), [Boxes; 2]> = HashMap::new();
+    for placement in placements.iter_mut().filter(|it| !it.clip_bounds.is_empty()) {
+        let list = &placement.clip_bounds;
+        let [_, renumbered] = known.entry(list.as_ptr()).or_insert_with(|| {
+            let kept = list.iter().filter_map(|(clip, bounds)| Some((number(*clip)?, *bounds)));
+            // The old list is held, so that no other comes to lie where it was.
+            [list.clone(), kept.collect()]
+        });
+        placement.clip_bounds = renumbered.clone();
+    }
+}

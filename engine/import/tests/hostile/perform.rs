@@ -1,0 +1,68 @@
+//! What was loaded plays: all clips, faded into each other, at any time and at none.
+
+use antumbra_import::{Changes, Imported, LevelOptions, Performance};
+
+/// Times to look at, in this order: seeks forwards and back, before the beginning, and what is no time.
+const SECONDS: [f64; 7] = [0.0, 0.37, 1.0e9, -3.5, f64::NAN, f64::INFINITY, 0.5];
+/// Clips that are played one after the other.
+const MOST_CLIPS: usize = 4;
+/// No coordinate of a box is beyond this.
+const FARTHEST: f32 = 1.001e15;
+
+/// Makes coarser forms, then plays; fails where something would reach a renderer that it refuses.
+pub fn perform(mut imported: Imported) {
+    imported.make_levels(&LevelOptions { least_triangles: 1, ..LevelOptions::default() });
+    imported.scene.validate().expect("it can be drawn with its levels");
+    let (scene, mut performance, cameras, _) = Performance::of(imported);
+    let clips = performance.clips().len();
+    let first = (0..clips.min(MOST_CLIPS)).map(|clip| vec![clip]);
+    let together = performance.compatible(None);
+    let mut now_s = 0.0;
+    for playing in first.chain([together, (0..clips).collect(), vec![usize::MAX], Vec::new()]) {
+        // Each goes on from amid of the fade before.
+        performance.play(&playing, now_s, 1.0);
+        for seconds in [0.25, 0.5] {
+            check(performance.changes(now_s + seconds), &scene);
+        }
+        now_s += 0.5;
+        for camera in &cameras {
+            let seen = performance.seen_by(camera);
+            assert!(seen.eye.is_finite() && (seen.forward.length() - 1.0).abs() < 1e-3, "{seen:?}");
+            let _ = performance.clip_of(camera);
+        }
+    }
+    performance.play(&(0..clips).collect::<Vec<_>>(), 0.0, 0.0);
+    for seconds in SECONDS {
+        check(performance.changes(seconds), &scene);
+    }
+}
+
+fn check(changes: &Changes, scene: &render::scene::Scene) {
+    let surfaces = scene.surfaces.as_ref().expect("surfaces");
+    for moved in &changes.objects {
+        let mesh = scene.mesh_of(&scene.objects[moved.object.0 as usize]).expect("its mesh");
+        let corners = moved.bounds.unwrap_or(mesh.bounds).corners();
+        let corners = corners.map(|corner| moved.transform.transform_point3(corner));
+        assert!(moved.transform.is_finite(), "{moved:?}");
+        assert!(corners.iter().all(|at| at.abs().max_element() <= FARTHEST), "{moved:?}");
+    }
+    for moved in &changes.blended {
+        let mesh = scene.mesh_of(&surfaces.blended[moved.blended.0 as usize]).expect("its mesh");
+        let corners = moved.bounds.unwrap_or(mesh.bounds).corners();
+        let corners = corners.map(|corner| moved.transform.transform_point3(corner));
+        assert!(corners.iter().all(|at| at.abs().max_element() <= FARTHEST), "{moved:?}");
+    }
+    for light in &changes.lights {
+        assert!(light.to.position.is_finite() && light.to.direction.is_normalized(), "{light:?}");
+    }
+    assert!(changes.joints.iter().all(|joint| joint.is_finite()));
+    assert!(changes.weights.iter().all(|weight| weight.is_finite()));
+    for deformed in &changes.deformations {
+        let deformer = &surfaces.deformers[deformed.deformer.0 as usize];
+        let joints = deformer.skin.as_ref().map_or(0, |skin| skin.joint_count as usize);
+        assert_eq!(
+            (deformed.joints.len(), deformed.weights.len()),
+            (joints, deformer.targets.len())
+        );
+    }
+}

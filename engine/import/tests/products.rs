@@ -1,0 +1,118 @@
+//! Much of one thing times much of another: short files whose parts are few, and whose pairs are many. What
+//! loading and playing them takes is bounded by the parts. One test in a process, whose allocator counts.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "hostile/chains.rs"]
+mod chains;
+#[path = "hostile/files.rs"]
+mod files;
+#[path = "hostile/target.rs"]
+mod target;
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use antumbra_import::{Imported, LoadOptions, load_bytes};
+use files::{F32, Scene};
+use peak_alloc::PeakAlloc;
+use serde_json::{Value, json};
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+const MIB: usize = 1 << 20;
+/// Far more than any of these takes, and far less than their pairs would.
+const LONGEST: Duration = Duration::from_secs(30);
+
+fn load(scene: &Scene) -> Imported {
+    let options = LoadOptions::default();
+    let imported = load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()));
+    imported.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A clip of weights or places for each of these nodes, of one key.
+fn clips(scene: &mut Scene, targets: impl Iterator<Item = (usize, &'static str)>) {
+    let times = scene.floats("SCALAR", &[0.0, 1.0]);
+    let moves = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    let weighs = scene.floats("SCALAR", &[0.0, 1.0]);
+    let clip = |(node, path): (usize, &'static str)| {
+        let output = if path == "weights" { weighs } else { moves };
+        let sampler = json!({ "input": times, "output": output });
+        let channel = json!({ "sampler": 0, "target": { "node": node, "path": path } });
+        json!({ "samplers": [sampler], "channels": [channel] })
+    };
+    scene.set("/animations", json!(targets.map(clip).collect::<Vec<Value>>()));
+}
+
+fn roots(scene: &mut Scene, nodes: Vec<Value>) {
+    scene.set("/scenes/0/nodes", json!((0..nodes.len()).collect::<Vec<_>>()));
+    scene.set("/nodes", json!(nodes));
+}
+
+/// Many morphed nodes, and many clips of which each moves another node.
+fn morphs_and_clips(count: usize) -> Scene {
+    let mut scene = Scene::triangle();
+    scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
+    scene.set("/meshes/0/weights", json!([0.5]));
+    let mut nodes = vec![json!({ "mesh": 0 }); count];
+    nodes.push(json!({}));
+    roots(&mut scene, nodes);
+    clips(&mut scene, (0..count).map(|_| (count, "translation")));
+    scene
+}
+
+/// Many morphed nodes, and a clip for each of them.
+fn morphs_with_clips(count: usize) -> Scene {
+    let mut scene = morphs_and_clips(count);
+    clips(&mut scene, (0..count).map(|node| (node, "weights")));
+    scene
+}
+
+/// Chains of joints of which each has a clip, and many meshes on them.
+fn skins_and_channels(depth: usize, meshes: usize) -> Scene {
+    let mut scene = chains::chains(2, depth, meshes, 1);
+    clips(&mut scene, (0..2 * depth).map(|node| (node, "translation")));
+    scene
+}
+
+/// Many instances, and many lights among them.
+fn instances_and_lights(count: usize) -> Scene {
+    let mut scene = Scene::triangle();
+    let places = json!({ "componentType": F32, "type": "VEC3", "count": count });
+    let places = scene.push("accessors", places);
+    scene.set("/extensionsUsed", json!(["EXT_mesh_gpu_instancing", "KHR_lights_punctual"]));
+    scene.set("/extensions/KHR_lights_punctual/lights", json!([{ "type": "point" }]));
+    let light = json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } });
+    let mut nodes = vec![light; count];
+    let attributes = json!({ "attributes": { "TRANSLATION": places } });
+    nodes.push(json!({ "mesh": 0, "extensions": { "EXT_mesh_gpu_instancing": attributes } }));
+    roots(&mut scene, nodes);
+    scene
+}
+
+#[test]
+fn pairs_cost_what_their_parts_cost() {
+    for (what, scene, most_bytes) in [
+        // A box for each pair would take 384 MB.
+        ("4,000 morphed nodes, 4,000 clips of others", morphs_and_clips(4000), 64 * MIB),
+        ("4,000 morphed nodes, a clip for each", morphs_with_clips(4000), 64 * MIB),
+        // A skeleton for each mesh would take more than 1 GB.
+        ("2,000 meshes on chains of 20,000", chains::chains(2, 10_000, 2000, 1), 64 * MIB),
+        ("300 skins on chains of 20,000", chains::chains(2, 10_000, 300, 300), 640 * MIB),
+        ("1,000 meshes, 4,000 joints and clips", skins_and_channels(2000, 1000), 64 * MIB),
+        ("20,000 instances, 20,000 lights", instances_and_lights(20_000), 128 * MIB),
+    ] {
+        let before = ALLOCATOR.current_usage();
+        ALLOCATOR.reset_peak_usage();
+        let began = Instant::now();
+        let imported = load(&scene);
+        target::loaded::check(&imported);
+        target::perform::perform(imported);
+        let took = began.elapsed();
+        let peak = ALLOCATOR.peak_usage() - before;
+        eprintln!("{what}: {} MiB at most, {took:?}", peak / MIB);
+        assert!(peak < most_bytes, "{what}: {} MiB", peak / MIB);
+        assert!(took < LONGEST, "{what}: {took:?}");
+    }
+}
