@@ -294,7 +294,8 @@ mod tests {
         let text = render(&report);
         let lines = text.lines().filter(|line| line.starts_with("a frame of ")).count();
         assert_eq!(lines, Strategy::ALL.len(), "{text}");
-        let naive = "a frame of naive takes 2.00 times frustum, 0.25 times antumbra, 0.17 times ideal";
+        let naive =
+            "a frame of naive takes 2.00 times frustum, 0.25 times antumbra, 0.17 times ideal";
         assert!(text.contains(naive) && !text.contains("as long a frame"), "{text}");
     }
 

@@ -16,6 +16,8 @@ pub struct Camera {
     pub fov_y_rad: f32,
     /// Distance of the near plane, in metres.
     pub near_m: f32,
+    /// How far behind its node the eye is, in metres: 0 but for what stands for an orthographic camera.
+    pub behind_m: f32,
 }
 
 /// What hangs on a node.
@@ -92,7 +94,7 @@ impl Imported {
         let forward = axis(-world.matrix3.z_axis).unwrap_or(Vec3::NEG_Z);
         let up = axis(world.matrix3.y_axis).filter(|up| up.cross(forward).length() > 1e-3);
         cull::Camera {
-            eye: world.translation.into(),
+            eye: Vec3::from(world.translation) - forward * camera.behind_m,
             forward,
             up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
             fov_y: camera.fov_y_rad,

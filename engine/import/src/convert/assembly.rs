@@ -16,6 +16,7 @@ use super::numbers::keeps_areas;
 use super::pack::pack;
 use super::primitives::Primitive;
 use super::shared::Plan;
+use super::sight::Sight;
 use super::skins::Skins;
 use crate::imported::{Placed, Placement};
 use crate::{Cause, ImportError, Source};
@@ -38,6 +39,10 @@ pub(super) struct Assembly<'a> {
     pub(super) budget: Budget,
     /// As [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
     pub(super) cut_above: Option<usize>,
+    /// From where points and lines are seen.
+    pub(super) sight: Sight,
+    /// How many objects more there are because blended meshes were taken apart.
+    pub(super) blended_parts: usize,
 }
 
 impl<'a> Assembly<'a> {

@@ -69,7 +69,9 @@ impl Assembly<'_> {
             let is_mirrored = skin.map_or_else(|| mirrors(&place), |skin| skin.is_mirrored);
             let joints = skin.map(|skin| skin.joints);
             let variant = Variant { is_mirrored, joints, is_morphed: true };
-            let built = primitive.build(variant, &material, &mut self.budget, &mut self.notes)?;
+            let seen = (&self.sight, &place);
+            let built =
+                primitive.build(variant, &material, seen, &mut self.budget, &mut self.notes)?;
             let Some(geometry) = built else {
                 return Ok(());
             };

@@ -4,6 +4,7 @@ mod assembly;
 mod budget;
 mod cameras;
 mod clips;
+mod components;
 mod deformed;
 mod framing;
 mod geometry;
@@ -19,6 +20,7 @@ mod pieces;
 mod primitives;
 mod shared;
 mod sidedness;
+mod sight;
 mod skins;
 mod solids;
 mod tangents;
@@ -35,6 +37,7 @@ use self::budget::Budget;
 use self::materials::Materials;
 use self::nodes::Tree;
 use self::notes::Notes;
+use self::sight::Sight;
 use self::skins::Skins;
 use crate::imported::{Imported, Placed};
 use crate::load::{LoadOptions, Stage, Teller};
@@ -56,7 +59,9 @@ pub(crate) fn convert(
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&source, &mut notes)?;
     let clips = clips::clips(&source, &tree, &mut notes)?;
-    let cameras = cameras::cameras(&source, &tree, &mut notes);
+    let (mut cameras, lenses) = cameras::cameras(&source, &tree, &mut notes);
+    let first = cameras.first().map(|camera| camera.node).zip(lenses.first().copied());
+    let sight = Sight::of(&source, &tree, first);
     let lights = lights::lights(&source, &tree, &mut notes);
     let mut assembly = Assembly {
         source: &source,
@@ -71,6 +76,8 @@ pub(crate) fn convert(
         forms: deformed::Forms::default(),
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
+        sight,
+        blended_parts: 0,
     };
     for (light, node) in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);
@@ -96,8 +103,16 @@ pub(crate) fn convert(
     scene.surfaces = Some(surfaces);
     let skins = skins.list;
     let notes = notes.finish();
-    let mut imported = Imported { scene, rig: tree.rig, clips, skins, placements, cameras, notes };
-    imported.scene.flight = framing::flight(&imported.bounds());
+    let cameras_at: Vec<_> = cameras.iter().map(|camera| tree.world(camera.node)).collect();
+    let list = Vec::new();
+    let mut imported =
+        Imported { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes };
+    let bounds = imported.bounds();
+    for ((camera, lens), at) in cameras.iter_mut().zip(&lenses).zip(&cameras_at) {
+        cameras::step_back(camera, *lens, at, &bounds);
+    }
+    imported.cameras = cameras;
+    imported.scene.flight = framing::flight(&bounds);
     Ok(imported)
 }
 

@@ -1,6 +1,6 @@
 //! Primitives: from a file's attributes to geometry that can be packed.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 use gltf::json;
 use gltf::json::validation::Checked;
 use gltf::mesh::{Mode, Semantic};
@@ -11,6 +11,7 @@ use super::geometry::Geometry;
 use super::materials::MaterialUse;
 use super::notes::Notes;
 use super::sidedness::{Backs, mirror, with_backs};
+use super::sight::Sight;
 use super::topology::Elements;
 use super::{normals, solids, tangents};
 use crate::error::quoted;
@@ -87,7 +88,8 @@ impl Primitive<'_> {
         self.source.error(cause, self.place(), reason)
     }
 
-    /// The primitive as triangles, in full: normals, tangents, backs. `None` if there is nothing to draw.
+    /// The primitive as triangles, in full: normals, tangents, backs. `None` if there is nothing to draw. Points and
+    /// lines are as large as they are to be seen from `sight`.
     ///
     /// # Errors
     /// Positions that are not finite; more vertices or triangles than the limits allow.
@@ -95,6 +97,7 @@ impl Primitive<'_> {
         &self,
         variant: Variant,
         material: &MaterialUse,
+        (sight, to_world): (&Sight, &Affine3A),
         budget: &mut Budget,
         notes: &mut Notes,
     ) -> Result<Option<Geometry>, ImportError> {
@@ -127,8 +130,14 @@ impl Primitive<'_> {
                 let geometry = Geometry { triangles, ..geometry };
                 if geometry.normals.is_empty() { normals::flatten(&geometry) } else { geometry }
             }
-            Elements::Lines(lines) => solids::lines(&geometry, &lines),
-            Elements::Points(points) => solids::points(&geometry, &points),
+            Elements::Lines(lines) => {
+                let height = sight.height_at(&geometry.bounds(), to_world);
+                solids::lines(&geometry, &lines, height)
+            }
+            Elements::Points(points) => {
+                let height = sight.height_at(&geometry.bounds(), to_world);
+                solids::points(&geometry, &points, height)
+            }
         };
         let mut geometry = geometry;
         let broken = normals::repair(&mut geometry);

@@ -134,6 +134,7 @@ fn imported() -> Imported {
             node: NodeId(2),
             fov_y_rad: 1.0,
             near_m: 0.1,
+            behind_m: 0.0,
         }],
         notes: vec!["a note".to_owned()],
     }
