@@ -44,11 +44,13 @@ fn points_and_lines_are_some_pixels_wide_in_small_and_large_pictures() {
                 };
                 picture.iter().filter(is_strong).count() as f32
             };
-            // Four octahedra, of which squares on their tips are seen, and four lines of about half of the
-            // picture's height.
+            // Four cubes, and four lines of about half of the picture's height.
             let (points, lines) = (count(0), count(1));
-            let point = (height / 120.0_f32).powi(2) / 2.0;
-            assert!(points >= 2.0 && points < 4.0 * point * 3.0, "{device}, {size}: {points}");
+            let point = (height / 120.0_f32).powi(2);
+            assert!(
+                points > 4.0 * point * 0.5 && points < 4.0 * point * 3.0,
+                "{device}, {size}: {points}"
+            );
             let line = height * 0.5 * height / 180.0;
             assert!(
                 lines > 4.0 * line * 0.5 && lines < 4.0 * line * 3.0,

@@ -47,6 +47,8 @@ pub struct Placement {
     /// The box, in its own space, that it is in while nothing plays; empty where it does not change its
     /// form. Its mesh's own bounds are those of its vertices before joints and targets move them.
     pub rest_bounds: Aabb,
+    /// A box in the world around what is seen of it at rest; empty where it does not change its form.
+    pub seen_at_rest: Aabb,
     /// For each clip a box, in its own space, that it stays in while that clip plays; empty where it does
     /// not change its form.
     pub clip_bounds: Vec<Aabb>,

@@ -172,6 +172,7 @@ pub(super) fn rigid(node: NodeId, placed: Placed, local: Affine3A) -> Placement 
         local,
         deformer: None,
         rest_bounds: Aabb::EMPTY,
+        seen_at_rest: Aabb::EMPTY,
         clip_bounds: Vec::new(),
         blend_bounds: Aabb::EMPTY,
     }

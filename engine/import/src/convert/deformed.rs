@@ -1,13 +1,14 @@
 //! Meshes that change their form: each node that has one gets its own, with the boxes that it stays in.
 
-use animation::{Binding, Clip, DeformedMesh, NodeId, Reach, ReachError, Rig, Skeleton};
+use animation::{Binding, Clip, DeformedMesh, NodeId, Reach, ReachError, Rig, Skeleton, Skin};
 use cull::Aabb;
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use render::scene::{Deformer, DeformerId, Object};
 
 use super::assembly::{Assembly, NO_TINT};
 use super::geometry::Geometry;
 use super::materials::MaterialUse;
+use super::nodes::Tree;
 use super::numbers::mirrors;
 use super::primitives::{Primitive, Variant};
 use super::skins::{Used, used_joints};
@@ -30,6 +31,36 @@ struct Form {
 }
 
 impl Form {
+    /// The box in the world of what is seen at rest, as close as it can be: `rest_bounds` lies askew there.
+    fn seen_at_rest(
+        &self,
+        geometry: &Geometry,
+        skin: Option<&Skin>,
+        tree: &Tree,
+        transform: &Affine3A,
+    ) -> Aabb {
+        let all = in_world(&self.rest_bounds, transform);
+        let (Some(skin), Some(weights)) = (skin, &geometry.skin) else { return all };
+        if !geometry.targets.is_empty() {
+            return all;
+        }
+        let joints = skin.joints.iter().zip(&skin.inverse_bind);
+        let matrices: Vec<_> = joints.map(|(joint, bind)| tree.world(*joint) * *bind).collect();
+        let sets = (weights.sets as usize).max(1);
+        let followed = weights.joints.chunks(sets).zip(weights.weights.chunks(sets));
+        let mut seen = Aabb::EMPTY;
+        for (position, (joints, weights)) in geometry.positions.iter().zip(followed) {
+            let named = joints.as_flattened().iter().zip(weights.as_flattened());
+            let at: Vec3 = named
+                .filter(|(_, weight)| **weight > 0.0)
+                .filter_map(|(joint, weight)| Some((matrices.get(usize::from(*joint))?, weight)))
+                .map(|(matrix, weight)| matrix.transform_point3(*position) * *weight)
+                .sum();
+            seen = seen.union(&Aabb::new(at, at));
+        }
+        if seen.is_usable() { seen } else { all }
+    }
+
     fn boxes(&self) -> impl Iterator<Item = &Aabb> {
         self.clip_bounds.iter().chain([&self.rest_bounds, &self.blend_bounds])
     }
@@ -111,6 +142,8 @@ impl Assembly<'_> {
         (skin, form): (Option<Used>, Form),
         (transform, local): (Affine3A, Affine3A),
     ) -> Result<(), ImportError> {
+        let used = skin.and_then(|used| self.skins.list.get(used.skin));
+        let seen_at_rest = form.seen_at_rest(&geometry, used, self.tree, &transform);
         let mesh = self.add_mesh(&geometry, material, name);
         let deformer = DeformerId(self.surfaces.deformers.len() as u32);
         self.surfaces.deformers.push(Deformer {
@@ -125,6 +158,7 @@ impl Assembly<'_> {
             local,
             deformer: Some((deformer, skin.map(|skin| skin.skin))),
             rest_bounds: form.rest_bounds,
+            seen_at_rest,
             clip_bounds: form.clip_bounds,
             blend_bounds: form.blend_bounds,
         });
@@ -215,7 +249,11 @@ fn boxes(
 /// Whether a box somewhere in the world is one that an object can have.
 fn is_usable(bounds: &Aabb, transform: &Affine3A) -> bool {
     let corners = bounds.corners().map(|corner| transform.transform_point3(corner));
-    let around =
-        corners.iter().fold(Aabb::EMPTY, |all, corner| all.union(&Aabb::new(*corner, *corner)));
-    corners.iter().all(|corner| corner.is_finite()) && around.is_usable()
+    corners.iter().all(|corner| corner.is_finite()) && in_world(bounds, transform).is_usable()
+}
+
+/// A box around a box somewhere in the world.
+fn in_world(bounds: &Aabb, transform: &Affine3A) -> Aabb {
+    let corners = bounds.corners().map(|corner| transform.transform_point3(corner));
+    corners.iter().fold(Aabb::EMPTY, |all, corner| all.union(&Aabb::new(*corner, *corner)))
 }

@@ -139,19 +139,13 @@ pub(crate) fn bounds(imported: &Imported) -> Aabb {
     // The mesh of what changes its form is not where it is shown.
     let objects = scene.objects.len();
     for placement in imported.placements.iter().filter(|it| it.deformer.is_some()) {
-        let (place, object) = match placement.placed {
-            Placed::Object(id) => (id.0 as usize, scene.objects.get(id.0 as usize)),
-            Placed::Blended(id) => {
-                let surfaces = scene.surfaces.as_ref();
-                let object = surfaces.and_then(|it| it.blended.get(id.0 as usize));
-                (objects + id.0 as usize, object)
-            }
+        let place = match placement.placed {
+            Placed::Object(id) => id.0 as usize,
+            Placed::Blended(id) => objects + id.0 as usize,
             Placed::Light(_) => continue,
         };
-        if let (Some(bounds), Some(object)) = (boxes.get_mut(place), object) {
-            let corners = placement.rest_bounds.corners();
-            let corners = corners.map(|corner| object.transform.transform_point3(corner));
-            *bounds = corners.iter().fold(Aabb::EMPTY, |all, at| all.union(&Aabb::new(*at, *at)));
+        if let Some(bounds) = boxes.get_mut(place) {
+            *bounds = placement.seen_at_rest;
         }
     }
     let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));

@@ -1,5 +1,5 @@
-//! Points and lines as solids, since triangles are all that is drawn: a point is an octahedron, a line a
-//! prism with three sides, closed at both ends.
+//! Points and lines as solids, since triangles are all that is drawn: a point is a cube, a line a prism
+//! with three sides, closed at both ends.
 //!
 //! They are to be a few pixels wide where they are first seen ([`Sight`](super::sight::Sight)), and keep that
 //! size in the world: points are [`POINT_SIZE`] of the picture's height, lines [`LINE_SIZE`] (6 and 4 pixels of
@@ -26,10 +26,10 @@ pub(super) const LEAST_SIZE: f32 = 1.0 / 720.0;
 const ASKED_POINTS: usize = 32;
 
 /// How many vertices a point gets.
-pub(super) const POINT_VERTICES: u64 = 6;
+pub(super) const POINT_VERTICES: u64 = 8;
 
 /// How many triangles a point gets.
-pub(super) const POINT_TRIANGLES: u64 = 8;
+pub(super) const POINT_TRIANGLES: u64 = 12;
 
 /// How many vertices a line gets.
 pub(super) const LINE_VERTICES: u64 = 6;
@@ -87,17 +87,23 @@ fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     distances.get(distances.len() / 2).copied().unwrap_or(f32::INFINITY)
 }
 
-/// An octahedron around each of these vertices, where the picture is so high.
+/// A cube around each of these vertices, where the picture is so high.
 pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geometry {
-    let directions = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-    let triangles =
-        [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+    // The corners, by their sides along x, y and z: each is one of eight numbers.
+    let directions: [Vec3; 8] = std::array::from_fn(|corner| {
+        let side = |axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        Vec3::new(side(0), side(1), side(2)).normalize()
+    });
+    let faces =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles: Vec<[u32; 3]> =
+        faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     let mut growth = Growth::default();
     for &point in points {
         growth.add(&directions.map(|outward| (point, outward)), &triangles);
     }
     let size = size_of(height * POINT_SIZE, spacing(geometry, points), height);
-    growth.finish(geometry, size * 0.5)
+    growth.finish(geometry, size * 0.5 * 3.0_f32.sqrt())
 }
 
 /// A prism around each of these lines, where the picture is so high.
@@ -157,13 +163,13 @@ mod tests {
     }
 
     #[test]
-    fn points_are_closed_octahedra_of_a_known_size() {
+    fn points_are_closed_cubes_of_a_known_size() {
         let solid = points(&three(), &[2, 1], 120.0);
         assert_closed(&solid, POINT_VERTICES as usize);
         assert_eq!(solid.triangles.len() as u64, 2 * POINT_TRIANGLES);
-        assert!(solid.positions[0].distance(vec3(0.5, 0.0, -3.0)) < 1e-5);
-        assert_eq!(solid.normals[..6].iter().sum::<Vec3>(), Vec3::ZERO);
-        assert_eq!((solid.colours[5], solid.colours[6]), ([0.75; 4], [0.5; 4]));
+        assert!(solid.positions[0].distance(vec3(-0.5, -0.5, -3.5)) < 1e-5);
+        assert!(solid.normals[..8].iter().sum::<Vec3>().length() < 1e-6);
+        assert_eq!((solid.colours[7], solid.colours[8]), ([0.75; 4], [0.5; 4]));
     }
 
     #[test]
@@ -216,7 +222,7 @@ mod tests {
             ..Geometry::default()
         };
         let solid = points(&one, &[0], 120.0);
-        assert_eq!(solid.positions[0], vec3(1.5, 1.0, 1.0));
-        assert_eq!(solid.normals, [Vec3::NEG_Y; 6]);
+        assert!(solid.positions[7].distance(Vec3::splat(1.5)) < 1e-6);
+        assert_eq!(solid.normals, [Vec3::NEG_Y; 8]);
     }
 }

@@ -46,6 +46,7 @@ fn rigid(node: u32, placed: Placed) -> Placement {
         local: Affine3A::from_translation(Vec3::Y),
         deformer: None,
         rest_bounds: Aabb::EMPTY,
+        seen_at_rest: Aabb::EMPTY,
         clip_bounds: Vec::new(),
         blend_bounds: Aabb::EMPTY,
     }
@@ -101,6 +102,7 @@ fn imported() -> Imported {
             local: Affine3A::IDENTITY,
             deformer: Some((DeformerId(deformer), skin)),
             rest_bounds: unit_box(1.0),
+            seen_at_rest: unit_box(1.0),
             clip_bounds,
             blend_bounds: unit_box(3.0),
             ..rigid(node, Placed::Object(ObjectId(object)))
