@@ -75,3 +75,32 @@ fn parts_of_one_blended_mesh_are_seen_in_their_order_whatever_that_of_the_file()
         );
     }
 }
+
+/// A picture of 64 x 64 pixels, its left half red, its right one blue.
+fn halves() -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, 64, 64);
+    encoder.set_color(png::ColorType::Rgb);
+    let half = |column: u32| if column < 32 { [255, 0, 0] } else { [0, 0, 255] };
+    let pixels: Vec<u8> = (0..64 * 64).flat_map(|place| half(place % 64)).collect();
+    encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
+    file
+}
+
+/// At edges of triangles, derivatives are taken beyond them: no mixture of all texels may be seen there.
+#[test]
+fn transformed_textures_have_no_seams_where_triangles_meet() {
+    for device in ["llvmpipe", "swiftshader"] {
+        let scratch = Scratch::new(&format!("scene-seams-{device}"));
+        let picture = seen(&scratch, device, "320x180", &scene::transformed(&halves()));
+        let is_near = |pixel: &[u8; 3], other: [u8; 3]| {
+            (0..3).all(|part| pixel[part].abs_diff(other[part]) < 40)
+        };
+        let count = |other| picture.iter().filter(|pixel| is_near(pixel, other)).count();
+        let plain = [[255, 0, 0], [0, 0, 255]].map(count);
+        assert!(plain.iter().all(|count| *count > 3000), "{device}: {plain:?}");
+        // Half of each, as light and as the smallest level of its mip maps has it.
+        let mixed = count([188, 0, 188]);
+        assert!(mixed < 300, "{device}: {mixed} pixels");
+    }
+}

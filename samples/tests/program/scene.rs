@@ -168,13 +168,44 @@ pub fn cards(order: [usize; 2]) -> Vec<u8> {
     plain(&[mesh], &[unlit], &bytes)
 }
 
+/// A square that a texture covers twice in each direction by `KHR_texture_transform`. The texture is red on
+/// its left half and blue on its right one, `png` is its file.
+#[allow(dead_code, reason = "not all tests need it")]
+pub fn transformed(png: &[u8]) -> Vec<u8> {
+    let mut bytes = Bytes::default();
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let positions = bytes.floats("VEC3", 3, corners.map(|(x, y)| [x, y, 0.0]).as_flattened());
+    let uvs = bytes.floats("VEC2", 2, corners.map(|(x, y)| [x, y]).as_flattened());
+    let indices = bytes.indices(&[0, 1, 2, 0, 2, 3]);
+    bytes.add(png, json!({"componentType": 5121, "type": "SCALAR", "count": 1}));
+    let attributes = json!({"POSITION": positions, "TEXCOORD_0": uvs});
+    let mesh =
+        json!({"primitives": [{"attributes": attributes, "indices": indices, "material": 0}]});
+    let moved = json!({"KHR_texture_transform": {"scale": [2.0, 2.0]}});
+    let material = json!({
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": moved}},
+        "extensions": {"KHR_materials_unlit": {}},
+    });
+    plain(&[mesh], &[material], &bytes)
+}
+
 /// A node for each mesh, and nothing else.
 #[allow(dead_code, reason = "not all tests need it")]
 fn plain(meshes: &[Value], materials: &[Value], bytes: &Bytes) -> Vec<u8> {
     let nodes: Vec<Value> = (0..meshes.len()).map(|mesh| json!({"mesh": mesh})).collect();
+    // What is behind all numbers is an image.
+    let is_image = |accessor: &&Value| accessor["componentType"] == 5121;
+    let images: Vec<Value> = bytes
+        .accessors
+        .iter()
+        .filter(is_image)
+        .map(|image| json!({"bufferView": image["bufferView"], "mimeType": "image/png"}))
+        .collect();
     let document = json!({
         "asset": {"version": "2.0"},
-        "extensionsUsed": ["KHR_materials_unlit"],
+        "extensionsUsed": ["KHR_materials_unlit", "KHR_texture_transform"],
+        "textures": images.iter().map(|_| json!({"source": 0})).collect::<Vec<_>>(),
+        "images": images,
         "scene": 0,
         "scenes": [{"nodes": (0..nodes.len()).collect::<Vec<_>>()}],
         "nodes": nodes, "meshes": meshes, "materials": materials,
