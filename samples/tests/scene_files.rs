@@ -100,6 +100,22 @@ fn orthographic_cameras_are_exact_too_and_it_is_told_how_they_are_shown() {
     }
 }
 
+#[test]
+fn scenes_of_blended_objects_alone_are_exact_with_every_strategy() {
+    for device in ["llvmpipe", "swiftshader"] {
+        let scratch = Scratch::new(&format!("scene-blended-{device}"));
+        fs::write(scratch.0.join("small.glb"), scene::cards([0, 1])).unwrap();
+        let report = walk(&scratch, device, &["--strategy=all"]);
+        assert_eq!(
+            (&report["validation_messages"], &report["scene"]["objects"]),
+            (&0.into(), &0.into())
+        );
+        for run in report["runs"].as_array().unwrap() {
+            assert_eq!(run["pixels_wrong"], 0, "{device}: {}", run["strategy"]);
+        }
+    }
+}
+
 /// The whole clip once from end to end, in however many frames.
 #[test]
 fn the_camera_goes_from_end_to_end_in_any_number_of_frames() {
