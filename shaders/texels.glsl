@@ -20,15 +20,23 @@ bool has_texture(uint texture_word) {
 // with it to one material: they take the same branch, and derivatives are defined.
 vec4 texel(const uint used, uint texture_word, vec4 uvs) {
     vec2 uv = (texture_word & 16u) != 0u ? uvs.zw : uvs.xy;
+    // Of coordinates that were not transformed yet: beyond a triangle's edge, where only derivatives are
+    // looked for, some drivers read zeros from buffers (Mesa's llvmpipe does).
+    vec2 step_x = dFdx(uv);
+    vec2 step_y = dFdy(uv);
     if (TRANSFORMED) {
         TextureTransform transform = transforms[texture_word >> 16];
-        uv = mat2(transform.axes.xy, transform.axes.zw) * uv + transform.origin.xy;
+        mat2 axes = mat2(transform.axes.xy, transform.axes.zw);
+        uv = axes * uv + transform.origin.xy;
+        step_x = axes * step_x;
+        step_y = axes * step_y;
     }
     uint page = texture_word & 15u;
     vec3 place = vec3(uv, float((texture_word >> 5) & 2047u));
     vec4 found = vec4(1.0);
 #define TEXEL_OF_PAGE(number) \
-    if ((used & (1u << number)) != 0u && page == number) found = texture(pages[number], place)
+    if ((used & (1u << number)) != 0u && page == number) \
+        found = TRANSFORMED ? textureGrad(pages[number], place, step_x, step_y) : texture(pages[number], place)
     TEXEL_OF_PAGE(0);
     TEXEL_OF_PAGE(1);
     TEXEL_OF_PAGE(2);

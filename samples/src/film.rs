@@ -18,6 +18,10 @@ const FRAMES_A_SECOND: f64 = 60.0;
 const DOWN_RAD: f32 = 0.35;
 /// It has that much more than enough room.
 const ROOM: f32 = 1.05;
+/// What is smaller is seen from so far as if it were not, in metres.
+const LEAST_M: f32 = 1e-5;
+/// How far what stands still is turned to the side, so that what is long is seen, in radians.
+const TURNED_RAD: f32 = 0.6;
 /// The rims of the cylinder around a scene are looked at in so many points.
 const RIM_POINTS: u32 = 64;
 
@@ -173,7 +177,7 @@ impl Orbit {
         let half = (bounds.max - bounds.min) * 0.5;
         let is_something = half.is_finite() && half.cmpge(Vec3::ZERO).all();
         let (centre, half) = match is_something {
-            true => ((bounds.min + bounds.max) * 0.5, half.max(Vec3::splat(1e-3))),
+            true => ((bounds.min + bounds.max) * 0.5, half.max(Vec3::splat(LEAST_M))),
             false => (Vec3::ZERO, Vec3::ONE),
         };
         // The upright cylinder around it looks the same from all sides. It must fit: from its rims comes how
@@ -209,6 +213,32 @@ impl Orbit {
     }
 }
 
+/// Something from its front and somewhat from the side, as near as pictures of `size` pixels allow.
+pub fn portrait(bounds: &Aabb, size: [u32; 2]) -> Camera {
+    let Orbit { centre, .. } = Orbit::around(bounds, size);
+    let (down, level) = DOWN_RAD.sin_cos();
+    let (aside, ahead) = TURNED_RAD.sin_cos();
+    let outward = Vec3::new(aside * level, down, ahead * level);
+    let right = Vec3::new(ahead, 0.0, -aside);
+    let up = outward.cross(right);
+    let tangent_up = (FOV_Y_RAD * 0.5).tan() / ROOM;
+    let tangent_across = tangent_up * size[0].max(1) as f32 / size[1].max(1) as f32;
+    let away_for = |corner: Vec3| {
+        let to = corner - centre;
+        let across = to.dot(right).abs() / tangent_across;
+        across.max(to.dot(up).abs() / tangent_up) + to.dot(outward)
+    };
+    let away_m = bounds.corners().into_iter().map(away_for).fold(LEAST_M, f32::max);
+    let away_m = if away_m.is_finite() { away_m } else { 1.0 };
+    Camera {
+        eye: centre + outward * away_m,
+        forward: -outward,
+        up: Vec3::Y,
+        fov_y: FOV_Y_RAD,
+        near: away_m * 1e-3,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,6 +253,40 @@ mod tests {
         assert_eq!(steady.seconds(90), 1.5);
     }
 
+    /// Everything is in the picture; answers how much of its height or width that takes.
+    fn filled(camera: &Camera, bounds: &Aabb, size: [u32; 2]) -> f32 {
+        let right = camera.forward.cross(Vec3::Y).normalize();
+        let up = right.cross(camera.forward);
+        let tangent = (camera.fov_y * 0.5).tan();
+        let aspect = size[0] as f32 / size[1] as f32;
+        let mut most: f32 = 0.0;
+        for corner in bounds.corners() {
+            let to = corner - camera.eye;
+            let depth = to.dot(camera.forward);
+            assert!(depth > camera.near);
+            let across = to.dot(right).abs() / (depth * tangent * aspect);
+            most = most.max(across).max(to.dot(up).abs() / (depth * tangent));
+        }
+        assert!(most < 1.0, "{most}");
+        most
+    }
+
+    #[test]
+    fn a_portrait_fills_the_picture_however_small_the_thing_is() {
+        for scale in [1e-4, 1.0, 1e5] {
+            let (low, high) = (Vec3::new(-3.0, 0.0, 1.0), Vec3::new(5.0, 2.0, 9.0));
+            let bounds = Aabb { min: low * scale, max: high * scale };
+            for size in [[1280, 720], [300, 900]] {
+                let filled = filled(&portrait(&bounds, size), &bounds, size);
+                assert!(filled > 0.9, "{scale}: {filled}");
+            }
+        }
+        for nothing in [Aabb::EMPTY, Aabb::new(Vec3::ONE, Vec3::ONE)] {
+            let camera = portrait(&nothing, [4, 3]);
+            assert!(camera.eye.is_finite() && camera.near > 0.0);
+        }
+    }
+
     #[test]
     fn a_turn_has_everything_in_the_picture() {
         let bounds = Aabb { min: Vec3::new(-3.0, 0.0, 1.0), max: Vec3::new(5.0, 2.0, 9.0) };
@@ -230,18 +294,7 @@ mod tests {
             let orbit = Orbit::around(&bounds, size);
             for frame in 0..7 {
                 let camera = orbit.camera(frame, 7);
-                let right = camera.forward.cross(Vec3::Y).normalize();
-                let up = right.cross(camera.forward);
-                let tangent = (camera.fov_y * 0.5).tan();
-                let aspect = size[0] as f32 / size[1] as f32;
-                for corner in 0..8 {
-                    let pick = |axis: usize| [bounds.min, bounds.max][corner >> axis & 1][axis];
-                    let to = Vec3::new(pick(0), pick(1), pick(2)) - camera.eye;
-                    let depth = to.dot(camera.forward);
-                    assert!(depth > camera.near);
-                    assert!(to.dot(up).abs() < depth * tangent);
-                    assert!(to.dot(right).abs() < depth * tangent * aspect);
-                }
+                filled(&camera, &bounds, size);
             }
         }
         let nothing = Orbit::around(&Aabb::EMPTY, [4, 3]).camera(0, 1);
@@ -255,6 +308,7 @@ mod tests {
             node: animation::NodeId(0),
             fov_y_rad: 1.0,
             near_m: 0.1,
+            behind_m: 0.0,
         };
         let cameras = [camera("walk"), camera("fly")];
         let find = |wanted| find_camera(&cameras, wanted, &"a.glb");

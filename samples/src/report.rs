@@ -89,7 +89,7 @@ pub struct SceneReport {
 }
 
 /// A file that a scene was loaded from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FileReport {
     /// Where it is.
     pub path: String,

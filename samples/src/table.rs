@@ -43,6 +43,7 @@ pub fn render(report: &Report) -> String {
         ratio_lines(report),
         cost_lines(report),
         pass_lines(report),
+        note_lines(report),
         foot(report),
     ];
     lines.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + "\n"
@@ -105,18 +106,41 @@ fn more_lines(report: &Report) -> String {
     lines
 }
 
-/// A sentence for each pair, in the order of the runs.
+/// So many runs are compared with each other, one by one.
+const FEW_RUNS: usize = 3;
+
+/// What all others are compared with where there are many.
+const MEASURES: [Strategy; 3] = [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal];
+
+/// A sentence for each pair, in the order of the runs; of many, one for each run.
 fn ratio_lines(report: &Report) -> String {
     let names: Vec<&str> = report.runs.iter().map(|run| run.strategy.as_str()).collect();
+    let ratio = |a: &str, b: &str| report.ratios.get(&format!("{a}/{b}")).copied().flatten();
+    if names.len() > FEW_RUNS {
+        let line = |name: &&str| {
+            let to = |measure: Strategy| Some((ratio(name, measure.name())?, measure));
+            let ratios = MEASURES.into_iter().filter_map(to);
+            let parts: Vec<String> =
+                ratios.map(|(ratio, measure)| format!("{ratio:.2} times {measure}")).collect();
+            (!parts.is_empty()).then(|| format!("a frame of {name} takes {}", parts.join(", ")))
+        };
+        return names.iter().filter_map(line).collect::<Vec<_>>().join("\n");
+    }
     let mut lines = Vec::new();
     for (place, a) in names.iter().enumerate() {
         for b in names.iter().skip(place + 1) {
-            if let Some(Some(ratio)) = report.ratios.get(&format!("{a}/{b}")) {
+            if let Some(ratio) = ratio(a, b) {
                 lines.push(format!("{a} takes {ratio:.2} times as long a frame as {b}"));
             }
         }
     }
     lines.join("\n")
+}
+
+/// What in a file is not shown, a line each.
+fn note_lines(report: &Report) -> String {
+    let notes = report.scene.file.iter().flat_map(|file| &file.notes);
+    notes.map(|note| format!("not as in the file: {note}")).collect::<Vec<_>>().join("\n")
 }
 
 /// A line for each run with a governor.
@@ -254,6 +278,35 @@ mod tests {
         }
         assert!(!text.contains("WRONG"));
         assert!(text.lines().all(|line| line.chars().count() <= 120), "too wide:\n{text}");
+    }
+
+    #[test]
+    fn of_many_runs_each_is_compared_with_three() {
+        let mut report = example();
+        let run = |strategy: Strategy, frame_ms: f64| {
+            let mut run = report.runs[0].clone();
+            run.strategy = strategy.name().to_owned();
+            run.frame_ms.median = Some(frame_ms);
+            run
+        };
+        report.runs = Strategy::ALL.iter().zip(1..).map(|(it, ms)| run(*it, ms.into())).collect();
+        report.ratios = crate::report::ratios(&report.runs);
+        let text = render(&report);
+        let lines = text.lines().filter(|line| line.starts_with("a frame of ")).count();
+        assert_eq!(lines, Strategy::ALL.len(), "{text}");
+        let naive =
+            "a frame of naive takes 2.00 times frustum, 0.25 times antumbra, 0.17 times ideal";
+        assert!(text.contains(naive) && !text.contains("as long a frame"), "{text}");
+    }
+
+    #[test]
+    fn what_of_a_file_is_not_shown_is_told() {
+        let mut report = example();
+        assert!(!render(&report).contains("not as in the file"));
+        let notes = vec!["sparks: 3".to_owned(), "orthographic cameras: 1".to_owned()];
+        report.scene.file = Some(crate::report::FileReport { notes, ..Default::default() });
+        let text = render(&report);
+        assert!(text.contains("not as in the file: sparks: 3\nnot as in the file: orthographic"));
     }
 
     #[test]

@@ -11,6 +11,7 @@
 mod picture;
 #[allow(dead_code, reason = "shared with the tests of walkthrough")]
 mod program;
+#[allow(dead_code, reason = "shared with the tests of viewer")]
 #[path = "program/x11.rs"]
 mod x11;
 

@@ -74,6 +74,48 @@ fn a_walk_through_a_file_is_exact_with_every_strategy_that_there_is() {
     }
 }
 
+#[test]
+fn orthographic_cameras_are_exact_too_and_it_is_told_how_they_are_shown() {
+    let parallel = serde_json::json!({
+        "type": "orthographic",
+        "orthographic": {"xmag": 8.0, "ymag": 4.5, "znear": 0.1, "zfar": 50.0},
+    });
+    for device in ["llvmpipe", "swiftshader"] {
+        let scratch = Scratch::new(&format!("scene-parallel-{device}"));
+        fs::write(scratch.0.join("small.glb"), scene::small_seen_by(&parallel)).unwrap();
+        let report = walk(&scratch, device, &["--path=walk", "--strategy=all"]);
+        assert_eq!(report["validation_messages"], 0);
+        for run in report["runs"].as_array().unwrap() {
+            if run["strategy"] != "next_frame" {
+                assert_eq!(run["pixels_wrong"], 0, "{device}: {}", run["strategy"]);
+                assert_eq!(run["frames_verified"], 24);
+            }
+        }
+        let small = ["--quiet", "--frames=2", "--size=32x32", "--scene=small.glb", "--device"];
+        let output = walkthrough(&scratch.0, &[&small[..], &[device]].concat()).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        let note =
+            "not as in the file: orthographic cameras, shown by a narrow view from far away: 2";
+        assert!(told.contains(note), "{told}");
+    }
+}
+
+#[test]
+fn scenes_of_blended_objects_alone_are_exact_with_every_strategy() {
+    for device in ["llvmpipe", "swiftshader"] {
+        let scratch = Scratch::new(&format!("scene-blended-{device}"));
+        fs::write(scratch.0.join("small.glb"), scene::cards([0, 1])).unwrap();
+        let report = walk(&scratch, device, &["--strategy=all"]);
+        assert_eq!(
+            (&report["validation_messages"], &report["scene"]["objects"]),
+            (&0.into(), &0.into())
+        );
+        for run in report["runs"].as_array().unwrap() {
+            assert_eq!(run["pixels_wrong"], 0, "{device}: {}", run["strategy"]);
+        }
+    }
+}
+
 /// The whole clip once from end to end, in however many frames.
 #[test]
 fn the_camera_goes_from_end_to_end_in_any_number_of_frames() {

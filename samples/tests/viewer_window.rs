@@ -111,6 +111,41 @@ fn a_file_that_cannot_be_shown_ends_with_2_in_a_window_too() {
     assert!(running.log().contains("error: cut.glb: "), "{}", running.log());
 }
 
+/// A broken file leaves the scene as it is and says why; a whole one takes its place.
+#[test]
+fn files_can_be_dropped_into_the_window() {
+    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-drop"));
+    fs::write(scratch.0.join("cut.glb"), &scene::small()[..200]).unwrap();
+    fs::write(scratch.0.join("thin.glb"), scene::thin()).unwrap();
+    fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
+    let still = ["small.glb", "--camera", "still", "--script", "script", "--hud", "off"];
+    let rest = ["--headless", "--frames", "2", "--out", "headless"];
+    let all = [&COMMON[..], &still, &rest].concat();
+    let output = program(env!("CARGO_BIN_EXE_viewer"), &scratch.0, &all).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let expected = pixels(&scratch.0.join("headless/frame_00001.png"));
+    let mut running = Running::start(&scratch, &server, &still);
+    let window = Seen::wait_for(&server);
+    window.await_pixels(&expected, "the picture");
+    let folder = scratch.0.canonicalize().unwrap();
+    window.drop_file(&folder.join("cut.glb"));
+    // The upper half shows the scene that was there, the lower edge says what is wrong.
+    let half = expected.len() / 2;
+    window.await_that("what is wrong, over the old scene", |found| {
+        found[..half] == expected[..half] && found[half..] != expected[half..]
+    });
+    assert!(running.log().contains("cut.glb cannot be shown: "), "{}", running.log());
+    window.drop_file(&folder.join("thin.glb"));
+    window.await_that("points and lines", |found| {
+        [[255, 0, 0], [0, 255, 0]].iter().all(|colour: &[u8; 3]| {
+            found.iter().any(|pixel| (0..3).all(|part| pixel[part].abs_diff(colour[part]) < 80))
+        }) && found[..half] != expected[..half]
+    });
+    window.close();
+    let status = running.end();
+    assert!(status.success(), "{status}: {}", running.log());
+}
+
 #[test]
 fn a_signal_while_it_loads_ends_it() {
     let (server, scratch) = (Xvfb::start(), scratch("viewer-window-signal"));

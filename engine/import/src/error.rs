@@ -88,6 +88,11 @@ impl Reason {
         Self { cause: Cause::TooLarge, text: text.into() }
     }
 
+    /// Whoever listens wants it no more.
+    pub(crate) fn given_up() -> Self {
+        Self { cause: Cause::GivenUp, text: "it was given up".to_owned() }
+    }
+
     /// More of something than the limits allow.
     pub(crate) fn too_large(what: &str, amount: u64, limit: u64) -> Self {
         Self {

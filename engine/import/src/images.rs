@@ -10,6 +10,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
 
 use gltf::json::Root;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
@@ -19,6 +20,7 @@ use crate::Limits;
 use crate::buffers::Budget;
 use crate::elements::Store;
 use crate::error::{At, Fault, Reason};
+use crate::source::Told;
 use crate::uri::Wanted;
 use gate::Gate;
 
@@ -29,10 +31,10 @@ const MAX_THREADS: usize = 8;
 pub(crate) fn decode(
     root: &Root,
     store: &Store,
-    texture_images: &[Option<usize>],
-    folder: Option<&Path>,
+    (texture_images, folder): (&[Option<usize>], Option<&Path>),
     budget: &mut Budget,
     limits: &Limits,
+    tell: &mut Told<'_>,
 ) -> Result<Vec<Option<Image>>, Fault> {
     let mut is_used = vec![false; root.images.len()];
     for &image in texture_images.iter().flatten() {
@@ -55,7 +57,7 @@ pub(crate) fn decode(
         jobs.push(job);
     }
     let mut images = vec![None; root.images.len()];
-    for (job, pixels) in jobs.iter().zip(decode_all(&jobs, limits)) {
+    for (job, pixels) in jobs.iter().zip(decode_all(&jobs, limits, tell)) {
         let rgba8 = pixels.at(|| format!("image {}", job.index))?;
         let json = root.images.get(job.index);
         let name = json
@@ -201,27 +203,38 @@ fn undecodable(error: &image::ImageError) -> Reason {
     }
 }
 
-/// Decodes all, on as many threads as make sense; results in the order of the jobs.
-fn decode_all(jobs: &[Job], limits: &Limits) -> Vec<Result<Vec<u8>, Reason>> {
+/// Decodes all, on as many threads as make sense, telling after each image; results in the order of the
+/// jobs.
+fn decode_all(jobs: &[Job], limits: &Limits, tell: &mut Told<'_>) -> Vec<Result<Vec<u8>, Reason>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = cores.min(MAX_THREADS).min(jobs.len());
-    if threads <= 1 {
-        return jobs.iter().map(|job| job.run(limits)).collect();
-    }
     let gate = Gate::new(limits.image_scratch_bytes);
     let next = AtomicUsize::new(0);
-    let done = Mutex::new(vec![Err(Reason::malformed("it was not decoded")); jobs.len()]);
+    let done = Mutex::new(vec![Err(Reason::given_up()); jobs.len()]);
+    let (finished, arriving) = mpsc::channel();
     std::thread::scope(|scope| {
         for _ in 0..threads {
-            scope.spawn(|| {
-                while let Some((index, job)) = take(jobs, &next) {
+            let (finished, gate, next, done) = (finished.clone(), &gate, &next, &done);
+            scope.spawn(move || {
+                while let Some((index, job)) = take(jobs, next) {
                     let pixels = gate.with(job.scratch_bytes, || job.run(limits));
                     let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
                     if let Some(slot) = done.get_mut(index) {
                         *slot = pixels;
                     }
+                    // Nobody listens any more once it was given up.
+                    let _listens = finished.send(());
                 }
             });
+        }
+        // The threads have one each: without them the channel ends.
+        drop(finished);
+        for (count, ()) in (1..).zip(&arriving) {
+            if tell(count as f32 / jobs.len() as f32).is_break() {
+                // What was begun is finished, no other is begun.
+                next.store(jobs.len(), Ordering::Relaxed);
+                break;
+            }
         }
     });
     done.into_inner().unwrap_or_else(PoisonError::into_inner)

@@ -18,6 +18,8 @@ pub struct Camera {
     pub fov_y_rad: f32,
     /// Distance of the near plane, in metres.
     pub near_m: f32,
+    /// How far behind its node the eye is, in metres: 0 but for what stands for an orthographic camera.
+    pub behind_m: f32,
 }
 
 /// What hangs on a node.
@@ -47,6 +49,8 @@ pub struct Placement {
     /// The box, in its own space, that it is in while nothing plays; empty where it does not change its
     /// form. Its mesh's own bounds are those of its vertices before joints and targets move them.
     pub rest_bounds: Aabb,
+    /// A box in the world around what is seen of it at rest; empty where it does not change its form.
+    pub seen_at_rest: Aabb,
     /// For clips that change its form, by their numbers, a box in its own space that it stays in while that
     /// clip plays alone. Where there are too many to find all, some are not here:
     /// [`Placement::blend_bounds`] holds for them too. Clips that are not here and do not change its form
@@ -105,7 +109,7 @@ impl Imported {
         let forward = axis(-world.matrix3.z_axis).unwrap_or(Vec3::NEG_Z);
         let up = axis(world.matrix3.y_axis).filter(|up| up.cross(forward).length() > 1e-3);
         cull::Camera {
-            eye: world.translation.into(),
+            eye: Vec3::from(world.translation) - forward * camera.behind_m,
             forward,
             up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
             fov_y: camera.fov_y_rad,

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::{Cause, ImportError, Imported, Limits, convert, open, read};
+use crate::{Cause, ImportError, Imported, Limits, convert, source};
 
 /// How a file is loaded.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,8 +50,12 @@ pub(crate) struct Teller<'a> {
 }
 
 impl Teller<'_> {
+    fn go_on(&mut self, stage: Stage, fraction: f32) -> ControlFlow<()> {
+        (self.listener)(Progress { stage, fraction })
+    }
+
     pub(crate) fn tell(&mut self, stage: Stage, fraction: f32) -> Result<(), ImportError> {
-        match (self.listener)(Progress { stage, fraction }) {
+        match self.go_on(stage, fraction) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(ImportError {
                 file: self.file.clone(),
@@ -84,7 +88,8 @@ pub fn load(
 ) -> Result<Imported, ImportError> {
     let mut teller = Teller { file: path.display().to_string(), listener };
     teller.tell(Stage::Reading, 0.0)?;
-    let source = open(path, &options.limits)?;
+    let mut tell = |fraction| teller.go_on(Stage::Reading, fraction);
+    let source = source::open_and_tell(path, &options.limits, &mut tell)?;
     let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     convert::convert(source, name.unwrap_or_default(), options, &mut teller)
 }
@@ -102,6 +107,7 @@ pub fn load_bytes(
 ) -> Result<Imported, ImportError> {
     let mut teller = Teller { file: "memory".to_owned(), listener };
     teller.tell(Stage::Reading, 0.0)?;
-    let source = read(bytes, folder, &options.limits)?;
+    let mut tell = |fraction| teller.go_on(Stage::Reading, fraction);
+    let source = source::read_and_tell(bytes, folder, &options.limits, &mut tell)?;
     convert::convert(source, "memory".to_owned(), options, &mut teller)
 }

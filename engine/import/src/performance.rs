@@ -134,7 +134,7 @@ impl Performance {
         // Whatever is done to its node, a camera's picture is upright.
         let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
         cull::Camera {
-            eye: world.translation.into(),
+            eye: Vec3::from(world.translation) - forward * camera.behind_m,
             forward,
             up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
             fov_y: camera.fov_y_rad,

@@ -1,6 +1,7 @@
 //! A file that was read and checked: what may be relied on without looking again.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use gltf::json::Root;
@@ -25,6 +26,9 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
+
+/// Who is told what part of a file was read, and says whether to go on.
+pub(crate) type Told<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;
 
 /// Where a node's instances are: `EXT_mesh_gpu_instancing`.
 ///
@@ -139,11 +143,20 @@ impl Source {
 /// # Errors
 /// If anything of it cannot be read, is not what glTF 2.0 says, or is beyond the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
+    open_and_tell(path, limits, &mut |_| ControlFlow::Continue(()))
+}
+
+/// As [`open`], telling what part of it is done.
+pub(crate) fn open_and_tell(
+    path: &Path,
+    limits: &Limits,
+    tell: &mut Told<'_>,
+) -> Result<Source, ImportError> {
     let file = path.display().to_string();
     let bytes = uri::read_file(path, "it", Wanted::All, limits.file_bytes)
         .map_err(|reason| reason.of("file").in_file(&file))?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits)
+    read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits, tell)
 }
 
 /// Reads a file whose bytes are here. What it refers to is looked for in `folder`; without one it must not
@@ -152,7 +165,17 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
 /// # Errors
 /// As [`open`].
 pub fn read(bytes: Vec<u8>, folder: Option<&Path>, limits: &Limits) -> Result<Source, ImportError> {
-    read_named("scene in memory".to_owned(), bytes, folder, limits)
+    read_and_tell(bytes, folder, limits, &mut |_| ControlFlow::Continue(()))
+}
+
+/// As [`read`], telling what part of it is done.
+pub(crate) fn read_and_tell(
+    bytes: Vec<u8>,
+    folder: Option<&Path>,
+    limits: &Limits,
+    tell: &mut Told<'_>,
+) -> Result<Source, ImportError> {
+    read_named("scene in memory".to_owned(), bytes, folder, limits, tell)
 }
 
 fn read_named(
@@ -160,9 +183,10 @@ fn read_named(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
+    tell: &mut Told<'_>,
 ) -> Result<Source, ImportError> {
     let mut notes = Notes::default();
-    match check_and_decode(bytes, folder, limits, &mut notes) {
+    match check_and_decode(bytes, folder, limits, &mut notes, tell) {
         Ok(parts) => Ok(Source {
             file,
             document: gltf::Document::from_json_without_validation(parts.root),
@@ -201,6 +225,7 @@ fn check_and_decode(
     folder: Option<&Path>,
     limits: &Limits,
     notes: &mut Notes,
+    tell: &mut Told<'_>,
 ) -> Result<Parts, Fault> {
     let length = bytes.len() as u64;
     if length > limits.file_bytes {
@@ -229,6 +254,7 @@ fn check_and_decode(
     check::indices_and_joints(&root, &store)?;
 
     let texture_images = textures::images_of(&root, notes);
-    let images = images::decode(&root, &store, &texture_images, folder, &mut budget, limits)?;
+    let used = (texture_images.as_slice(), folder);
+    let images = images::decode(&root, &store, used, &mut budget, limits, tell)?;
     Ok(Parts { root, images, texture_images, instancing, store })
 }

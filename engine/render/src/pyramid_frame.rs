@@ -87,7 +87,7 @@ impl PyramidFrame {
         let buffer = |name, size_bytes, usage| {
             Buffer::new(device, name, size_bytes, storage | usage, Place::Device)
         };
-        let list_bytes = u64::from(leaf_count) * DRAW_BYTES;
+        let list_bytes = u64::from(leaf_count.max(1)) * DRAW_BYTES;
         let second_bytes = match lists {
             Lists::One => 0,
             Lists::Both => list_bytes.next_multiple_of(MOST_ALIGNMENT_BYTES),
@@ -211,14 +211,17 @@ impl PyramidFrame {
         });
     }
 
-    /// Room for the list of `phase`.
+    /// Room for the list of `phase`, which is bound in a scene without leaves too.
     fn list(&self, phase: Phase) -> BufferSlice {
         let start = if phase == Phase::Second { self.second_bytes } else { 0 };
-        self.list.whole().part(start, u64::from(self.leaf_count) * DRAW_BYTES)
+        self.list.whole().part(start, u64::from(self.leaf_count.max(1)) * DRAW_BYTES)
     }
 
     /// Draws the list of `phase`.
     fn draw(&self, commands: &Commands, phase: Phase) {
+        if self.leaf_count == 0 {
+            return;
+        }
         let list = self.list(phase);
         match self.list_kind {
             ListKind::EveryLeaf => commands.draw_indirect(list),

@@ -108,8 +108,10 @@ impl FlyCamera {
             return;
         }
         let around = std::f32::consts::TAU;
-        self.heading_rad = (self.heading_rad + right as f32 * TURN_RAD) % around;
-        self.rise_rad = (self.rise_rad - down as f32 * TURN_RAD).clamp(-STEEPEST_RAD, STEEPEST_RAD);
+        // What is seen through a narrow lens moves by as many pixels.
+        let turn_rad = TURN_RAD * self.fov_y.min(1.0);
+        self.heading_rad = (self.heading_rad + right as f32 * turn_rad) % around;
+        self.rise_rad = (self.rise_rad - down as f32 * turn_rad).clamp(-STEEPEST_RAD, STEEPEST_RAD);
     }
 }
 

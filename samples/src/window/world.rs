@@ -102,7 +102,7 @@ impl World {
         let clips = Clips::all(&performance, None);
         notes.extend(clips.conflicts(&performance));
         performance.play(clips.playing(), 0.0, 0.0);
-        let around = film::Orbit::around(&bounds, size).camera(0, 1);
+        let around = film::portrait(&bounds, size);
         let (start, guide) = match (recorded, camera) {
             (Some(path), _) => {
                 let start = path.camera(0).unwrap_or(around);

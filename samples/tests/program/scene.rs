@@ -67,6 +67,11 @@ fn cube() -> (Vec<f32>, Vec<f32>, Vec<u16>) {
 /// The scene. The camera `walk` goes along the wall for two seconds, `still` stands; the clip `door`
 /// lasts one.
 pub fn small() -> Vec<u8> {
+    small_seen_by(&json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}))
+}
+
+/// The same with other cameras.
+pub fn small_seen_by(camera: &Value) -> Vec<u8> {
     let mut bytes = Bytes::default();
     let (positions, normals, indices) = cube();
     let positions = bytes.floats("VEC3", 3, &positions);
@@ -110,8 +115,100 @@ pub fn small() -> Vec<u8> {
         "nodes": nodes,
         "meshes": [primitive(0), primitive(1), primitive(2)],
         "materials": [material([0.7, 0.7, 0.6, 1.0]), material([0.8, 0.2, 0.1, 1.0]), material([0.1, 0.3, 0.8, 1.0])],
-        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}],
+        "cameras": [camera],
         "animations": [clip("walk", 3, ends, walked), clip("door", 2, keys, slides)],
+        "accessors": bytes.accessors,
+        "bufferViews": bytes.views,
+        "buffers": [{"byteLength": bytes.all.len()}],
+    });
+    glb(&document, &bytes.all)
+}
+
+/// Red points at the corners of a square, a green loop of lines around it, slightly turned; no camera.
+#[allow(dead_code, reason = "not all tests need it")]
+pub fn thin() -> Vec<u8> {
+    let mut bytes = Bytes::default();
+    let square = |half: f32, turned: f32| {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y): (f32, f32)| [half * (x - turned * y), half * (y + turned * x), 0.0])
+    };
+    let points = bytes.floats("VEC3", 3, square(1.0, 0.0).as_flattened());
+    let lines = bytes.floats("VEC3", 3, square(1.5, 0.06).as_flattened());
+    let primitive = |positions: usize, mode: u32, material: usize| {
+        let attributes = json!({"POSITION": positions});
+        json!({"primitives": [{"attributes": attributes, "mode": mode, "material": material}]})
+    };
+    let material = |colour: [f32; 4]| json!({"pbrMetallicRoughness": {"baseColorFactor": colour}});
+    plain(
+        &[primitive(points, 0, 0), primitive(lines, 2, 1)],
+        &[material([1.0, 0.0, 0.0, 1.0]), material([0.0, 1.0, 0.0, 1.0])],
+        &bytes,
+    )
+}
+
+/// One blended mesh of two cards, red before blue, in that order or the other.
+#[allow(dead_code, reason = "not all tests need it")]
+pub fn cards(order: [usize; 2]) -> Vec<u8> {
+    let mut bytes = Bytes::default();
+    let card = |side: f32, z: f32| {
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y): (f32, f32)| [x * side, y * side, z])
+    };
+    let (places, colours) =
+        ([card(1.0, 1.0), card(1.5, 0.0)], [[1.0, 0.0, 0.0, 0.5], [0.0, 0.0, 1.0, 0.5]]);
+    let positions =
+        bytes.floats("VEC3", 3, order.map(|card| places[card]).as_flattened().as_flattened());
+    let colours = order.map(|card| [colours[card]; 4]);
+    let colours = bytes.floats("VEC4", 4, colours.as_flattened().as_flattened());
+    let indices = bytes.indices(&[0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7]);
+    let attributes = json!({"POSITION": positions, "COLOR_0": colours});
+    let mesh =
+        json!({"primitives": [{"attributes": attributes, "indices": indices, "material": 0}]});
+    let unlit = json!({"alphaMode": "BLEND", "extensions": {"KHR_materials_unlit": {}}});
+    plain(&[mesh], &[unlit], &bytes)
+}
+
+/// A square that a texture covers twice in each direction by `KHR_texture_transform`. The texture is red on
+/// its left half and blue on its right one, `png` is its file.
+#[allow(dead_code, reason = "not all tests need it")]
+pub fn transformed(png: &[u8]) -> Vec<u8> {
+    let mut bytes = Bytes::default();
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let positions = bytes.floats("VEC3", 3, corners.map(|(x, y)| [x, y, 0.0]).as_flattened());
+    let uvs = bytes.floats("VEC2", 2, corners.map(|(x, y)| [x, y]).as_flattened());
+    let indices = bytes.indices(&[0, 1, 2, 0, 2, 3]);
+    bytes.add(png, json!({"componentType": 5121, "type": "SCALAR", "count": 1}));
+    let attributes = json!({"POSITION": positions, "TEXCOORD_0": uvs});
+    let mesh =
+        json!({"primitives": [{"attributes": attributes, "indices": indices, "material": 0}]});
+    let moved = json!({"KHR_texture_transform": {"scale": [2.0, 2.0]}});
+    let material = json!({
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": moved}},
+        "extensions": {"KHR_materials_unlit": {}},
+    });
+    plain(&[mesh], &[material], &bytes)
+}
+
+/// A node for each mesh, and nothing else.
+#[allow(dead_code, reason = "not all tests need it")]
+fn plain(meshes: &[Value], materials: &[Value], bytes: &Bytes) -> Vec<u8> {
+    let nodes: Vec<Value> = (0..meshes.len()).map(|mesh| json!({"mesh": mesh})).collect();
+    // What is behind all numbers is an image.
+    let is_image = |accessor: &&Value| accessor["componentType"] == 5121;
+    let images: Vec<Value> = bytes
+        .accessors
+        .iter()
+        .filter(is_image)
+        .map(|image| json!({"bufferView": image["bufferView"], "mimeType": "image/png"}))
+        .collect();
+    let document = json!({
+        "asset": {"version": "2.0"},
+        "extensionsUsed": ["KHR_materials_unlit", "KHR_texture_transform"],
+        "textures": images.iter().map(|_| json!({"source": 0})).collect::<Vec<_>>(),
+        "images": images,
+        "scene": 0,
+        "scenes": [{"nodes": (0..nodes.len()).collect::<Vec<_>>()}],
+        "nodes": nodes, "meshes": meshes, "materials": materials,
         "accessors": bytes.accessors,
         "bufferViews": bytes.views,
         "buffers": [{"byteLength": bytes.all.len()}],

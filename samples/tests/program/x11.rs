@@ -3,13 +3,17 @@
 use std::time::{Duration, Instant};
 
 use tests::xvfb::Xvfb;
+use x11rb::CURRENT_TIME;
 use x11rb::connection::Connection;
+use x11rb::protocol::Event;
 use x11rb::protocol::xproto::{
-    ClientMessageEvent, ConfigureWindowAux, ConnectionExt, EventMask, ImageFormat, InputFocus,
-    KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MapState,
+    ClientMessageEvent, ConfigureWindowAux, ConnectionExt, CreateWindowAux, EventMask, ImageFormat,
+    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MapState, PropMode, SELECTION_NOTIFY_EVENT,
+    SelectionNotifyEvent, WindowClass,
 };
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
+use x11rb::wrapper::ConnectionExt as _;
 
 /// The one window of a server.
 pub struct Seen {
@@ -111,6 +115,50 @@ impl Seen {
     pub fn destroy(&self) {
         self.connection.destroy_window(self.window).unwrap();
         self.settle();
+    }
+
+    /// Drops a file into the window, as file managers do: a source's side of the protocol XDND.
+    pub fn drop_file(&self, path: &std::path::Path) {
+        let connection = &self.connection;
+        let atom = |name: &[u8]| connection.intern_atom(false, name).unwrap().reply().unwrap().atom;
+        let (selection, list) = (atom(b"XdndSelection"), atom(b"text/uri-list"));
+        let source = connection.generate_id().unwrap();
+        let (class, aux) = (WindowClass::INPUT_ONLY, CreateWindowAux::new());
+        connection.create_window(0, source, self.root, 0, 0, 1, 1, 0, class, 0, &aux).unwrap();
+        connection.set_selection_owner(source, selection, CURRENT_TIME).unwrap();
+        let send = |name: &[u8], rest: [u32; 4]| {
+            let [a, b, c, d] = rest;
+            let event = ClientMessageEvent::new(32, self.window, atom(name), [source, a, b, c, d]);
+            connection.send_event(false, self.window, EventMask::NO_EVENT, event).unwrap();
+            self.settle();
+        };
+        const VERSION: u32 = 5 << 24;
+        send(b"XdndEnter", [VERSION, list, 0, 0]);
+        send(b"XdndPosition", [0, 0, CURRENT_TIME, atom(b"XdndActionCopy")]);
+        let began = Instant::now();
+        let asked = loop {
+            match connection.poll_for_event().unwrap() {
+                Some(Event::SelectionRequest(asked)) => break asked,
+                Some(_) => {}
+                None => std::thread::sleep(Duration::from_millis(5)),
+            }
+            assert!(began.elapsed() < Duration::from_secs(60), "it never asks for the file");
+        };
+        let uri = format!("file://{}\r\n", path.display());
+        let (replace, window) = (PropMode::REPLACE, asked.requestor);
+        let bytes = uri.as_bytes();
+        connection.change_property8(replace, window, asked.property, list, bytes).unwrap();
+        let answer = SelectionNotifyEvent {
+            response_type: SELECTION_NOTIFY_EVENT,
+            sequence: 0,
+            time: asked.time,
+            requestor: window,
+            selection: asked.selection,
+            target: asked.target,
+            property: asked.property,
+        };
+        connection.send_event(false, window, EventMask::NO_EVENT, answer).unwrap();
+        send(b"XdndDrop", [0, CURRENT_TIME, 0, 0]);
     }
 
     /// Closes the window as its frame's button does.

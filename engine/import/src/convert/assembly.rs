@@ -18,6 +18,7 @@ use super::numbers::keeps_areas;
 use super::pack::pack;
 use super::primitives::Primitive;
 use super::shared::Plan;
+use super::sight::Sight;
 use super::skins::Skins;
 use crate::imported::{Placed, Placement};
 use crate::{Cause, ImportError, Source};
@@ -50,6 +51,10 @@ pub(super) struct Assembly<'a> {
     pub(super) listener: &'a mut Telling<'a>,
     /// What was placed since that was told.
     pub(super) untold: usize,
+    /// From where points and lines are seen.
+    pub(super) sight: Sight,
+    /// How many objects more there are because blended meshes were taken apart.
+    pub(super) blended_parts: usize,
 }
 
 /// Tells how much is done.
@@ -212,6 +217,7 @@ pub(super) fn rigid(node: NodeId, placed: Placed, local: Affine3A) -> Placement 
         local,
         deformer: None,
         rest_bounds: Aabb::EMPTY,
+        seen_at_rest: Aabb::EMPTY,
         clip_bounds: [].into(),
         blend_bounds: Aabb::EMPTY,
     }

@@ -1,8 +1,13 @@
 //! Cameras of the file.
+//!
+//! All that is culled and drawn goes out from an eye, so an orthographic camera is shown from far behind it,
+//! by a narrow view that shows as much as it does at the middle of the scene.
 
 use std::f32::consts::PI;
 
 use animation::NodeId;
+use cull::Aabb;
+use glam::{Affine3A, Vec3};
 use gltf::json;
 
 use super::nodes::Tree;
@@ -14,19 +19,39 @@ use crate::imported::Camera;
 /// The narrowest and the widest angle of sight, in radians.
 const ANGLES_RAD: [f32; 2] = [0.01, PI - 0.1];
 
-/// The nearest and the farthest near plane, in metres.
-const NEAR_M: [f32; 2] = [1e-4, 1e6];
+/// The nearest and the farthest near plane, in metres: as a view has them.
+const NEAR_M: [f32; 2] = [1e-6, 1e6];
 
-/// All cameras of the scene's nodes, in their order.
-pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Camera> {
+/// The least and the most that half of an orthographic camera's picture is high, in metres.
+const HALF_HEIGHTS_M: [f32; 2] = [1e-6, 1e5];
+
+/// How a camera sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Lens {
+    /// From one place.
+    Perspective {
+        /// The full vertical angle of sight.
+        angle_rad: f32,
+    },
+    /// Along parallel lines.
+    Parallel {
+        /// Half of what is seen from bottom to top.
+        half_height_m: f32,
+        /// Where that begins.
+        near_m: f32,
+    },
+}
+
+/// All cameras of the scene's nodes, in their order, each with its lens.
+pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<Camera>, Vec<Lens>) {
     let json = source.document.as_json();
-    let mut cameras = Vec::new();
+    let (mut cameras, mut lenses) = (Vec::new(), Vec::new());
     for (node, in_file) in (0..).map(NodeId).zip(&tree.in_file) {
         let given = json.nodes.get(*in_file).and_then(|node| node.camera);
         let Some(given) = given.and_then(|camera| json.cameras.get(camera.value())) else {
             continue;
         };
-        let (fov_y_rad, near_m) = lens(given, notes);
+        let (lens, fov_y_rad, near_m) = lens(given, notes);
         let node_name = tree.node(node).map(|node| node.name.clone());
         let names = [node_name, given.name.clone()].into_iter().flatten();
         let name = names.into_iter().find(|name| !name.is_empty());
@@ -35,25 +60,42 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Ca
             node,
             fov_y_rad: fov_y_rad.clamp(ANGLES_RAD[0], ANGLES_RAD[1]),
             near_m: near_m.clamp(NEAR_M[0], NEAR_M[1]),
+            behind_m: 0.0,
         });
+        lenses.push(lens);
     }
-    cameras
+    (cameras, lenses)
 }
 
-/// The vertical angle of sight in radians, and the distance of the near plane.
-fn lens(given: &json::Camera, notes: &mut Notes) -> (f32, f32) {
-    if let Some(perspective) = &given.perspective {
-        return (perspective.yfov.abs(), perspective.znear);
+/// How it sees, its vertical angle of sight in radians, and the distance of the near plane.
+fn lens(given: &json::Camera, notes: &mut Notes) -> (Lens, f32, f32) {
+    let perspective = |angle_rad: f32, near_m| (Lens::Perspective { angle_rad }, angle_rad, near_m);
+    if let Some(given) = &given.perspective {
+        return perspective(given.yfov.abs(), given.znear);
     }
     let Some(parallel) = &given.orthographic else {
-        return (render::scene::FOV_Y_RAD, render::scene::NEAR_M);
+        return perspective(render::scene::FOV_Y_RAD, render::scene::NEAR_M);
     };
-    notes.count("orthographic cameras, shown in perspective", 1, || {
+    notes.count("orthographic cameras, shown by a narrow view from far away", 1, || {
         format!("camera {}", quoted(given.name.as_deref().unwrap_or_default()))
     });
-    // As much is seen in the middle of its depth.
-    let distance = (parallel.znear * 0.5 + parallel.zfar * 0.5).max(1e-3);
-    (2.0 * (parallel.ymag.abs() / distance).atan(), parallel.znear.max(distance * 1e-3))
+    let half_height_m = parallel.ymag.abs().clamp(HALF_HEIGHTS_M[0], HALF_HEIGHTS_M[1]);
+    let lens = Lens::Parallel { half_height_m, near_m: parallel.znear };
+    (lens, ANGLES_RAD[0], parallel.znear)
+}
+
+/// Puts the eye of an orthographic camera, which is at a node, as far behind that as it must be.
+pub(super) fn step_back(camera: &mut Camera, lens: Lens, at: &Affine3A, scene: &Aabb) {
+    let Lens::Parallel { half_height_m, near_m } = lens else { return };
+    let away_m = half_height_m / (ANGLES_RAD[0] * 0.5).tan();
+    let forward = Vec3::from(-at.matrix3.z_axis).normalize_or(Vec3::NEG_Z);
+    let middle_m = (scene.centre() - Vec3::from(at.translation)).dot(forward).max(near_m);
+    let behind_m = away_m - middle_m;
+    if behind_m.is_finite() {
+        camera.behind_m = behind_m;
+        // The eye is before its node where the scene is very far from that.
+        camera.near_m = (behind_m + near_m).max(away_m * 1e-3).clamp(NEAR_M[0], NEAR_M[1]);
+    }
 }
 
 #[cfg(test)]
@@ -61,16 +103,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn orthographic_cameras_see_as_much_in_the_middle_of_their_depth() {
+    fn orthographic_cameras_see_as_much_at_the_middle_of_the_scene_and_nearly_so_elsewhere() {
         let text = r#"{"type": "orthographic", "name": "plan",
             "orthographic": {"xmag": 3, "ymag": 5, "zfar": 19, "znear": 1}}"#;
         let mut notes = Notes::default();
-        let (angle, near) = lens(&json::deserialize::from_str(text).expect("a camera"), &mut notes);
-        assert!(((angle * 0.5).tan() * 10.0 - 5.0).abs() < 1e-5);
-        assert_eq!(near, 1.0);
+        let given = json::deserialize::from_str(text).expect("a camera");
+        let (lens, angle_rad, _) = lens(&given, &mut notes);
         assert_eq!(
             notes.finish(),
-            ["orthographic cameras, shown in perspective: 1, first in camera \"plan\""]
+            [
+                "orthographic cameras, shown by a narrow view from far away: 1, first in camera \"plan\""
+            ]
         );
+        let at = Affine3A::from_translation(Vec3::new(0.0, 2.0, 12.0));
+        let scene = Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0));
+        let mut camera = Camera {
+            name: String::new(),
+            node: NodeId(0),
+            fov_y_rad: angle_rad,
+            near_m: 1.0,
+            behind_m: 0.0,
+        };
+        step_back(&mut camera, lens, &at, &scene);
+        let half_height = |z: f32| (angle_rad * 0.5).tan() * (12.0 - z + camera.behind_m);
+        assert!((half_height(0.0) - 5.0).abs() < 1e-3, "{}", half_height(0.0));
+        for z in [-4.0, 4.0] {
+            assert!((half_height(z) / 5.0 - 1.0).abs() < 0.005, "{}", half_height(z));
+        }
+        assert!((camera.near_m - camera.behind_m - 1.0).abs() < 1e-3, "it begins where it did");
     }
 }

@@ -46,7 +46,9 @@ impl Assembly<'_> {
             };
             let joints = skin.map(|skin| skin.joints);
             let variant = Variant { facing, joints, is_morphed: true };
-            let built = primitive.build(variant, &material, &mut self.budget, &mut self.notes)?;
+            let seen = (&self.sight, &place);
+            let built =
+                primitive.build(variant, &material, seen, &mut self.budget, &mut self.notes)?;
             let Some(geometry) = built else {
                 return Ok(());
             };
@@ -101,6 +103,8 @@ impl Assembly<'_> {
         (skin, form): (Option<Used>, Form),
         (transform, local): (Affine3A, Affine3A),
     ) -> Result<(), ImportError> {
+        let used = skin.and_then(|used| self.skins.list.get(used.skin));
+        let seen_at_rest = form.seen_at_rest(&geometry, used, self.tree, &transform);
         let mesh = self.add_mesh(&geometry, material, name);
         let deformer = DeformerId(self.surfaces.deformers.len() as u32);
         self.surfaces.deformers.push(Deformer {
@@ -115,6 +119,7 @@ impl Assembly<'_> {
             local,
             deformer: Some((deformer, skin.map(|skin| skin.skin))),
             rest_bounds: form.rest_bounds,
+            seen_at_rest,
             clip_bounds: form.clip_bounds,
             blend_bounds: form.blend_bounds,
         });

@@ -12,10 +12,11 @@ use animation::{
     Skeleton, Skin, weight_ranges,
 };
 use cull::Aabb;
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use render::scene::SkinWeights;
 
 use super::geometry::Geometry;
+use super::nodes::Tree;
 use super::primitives::Primitive;
 use super::skins::used_joints;
 use crate::{Cause, ImportError, Limits};
@@ -42,6 +43,36 @@ pub(super) struct Form {
 }
 
 impl Form {
+    /// The box in the world of what is seen at rest, as close as it can be: `rest_bounds` lies askew there.
+    pub(super) fn seen_at_rest(
+        &self,
+        geometry: &Geometry,
+        skin: Option<&Skin>,
+        tree: &Tree,
+        transform: &Affine3A,
+    ) -> Aabb {
+        let all = in_world(&self.rest_bounds, transform);
+        let (Some(skin), Some(weights)) = (skin, &geometry.skin) else { return all };
+        if !geometry.targets.is_empty() {
+            return all;
+        }
+        let joints = skin.joints.iter().zip(&skin.inverse_bind);
+        let matrices: Vec<_> = joints.map(|(joint, bind)| tree.world(*joint) * *bind).collect();
+        let sets = (weights.sets as usize).max(1);
+        let followed = weights.joints.chunks(sets).zip(weights.weights.chunks(sets));
+        let mut seen = Aabb::EMPTY;
+        for (position, (joints, weights)) in geometry.positions.iter().zip(followed) {
+            let named = joints.as_flattened().iter().zip(weights.as_flattened());
+            let at: Vec3 = named
+                .filter(|(_, weight)| **weight > 0.0)
+                .filter_map(|(joint, weight)| Some((matrices.get(usize::from(*joint))?, weight)))
+                .map(|(matrix, weight)| matrix.transform_point3(*position) * *weight)
+                .sum();
+            seen = seen.union(&Aabb::new(at, at));
+        }
+        if seen.is_usable() { seen } else { all }
+    }
+
     /// Whether its boxes are such that an object can have them, where `transform` brings them.
     pub(super) fn is_usable(&self, transform: &Affine3A) -> bool {
         let boxes = self.clip_bounds.iter().map(|(_, bounds)| bounds);
@@ -245,7 +276,11 @@ fn exact(
 /// Whether a box somewhere in the world is one that an object can have.
 fn is_usable(bounds: &Aabb, transform: &Affine3A) -> bool {
     let corners = bounds.corners().map(|corner| transform.transform_point3(corner));
-    let around =
-        corners.iter().fold(Aabb::EMPTY, |all, corner| all.union(&Aabb::new(*corner, *corner)));
-    corners.iter().all(|corner| corner.is_finite()) && around.is_usable()
+    corners.iter().all(|corner| corner.is_finite()) && in_world(bounds, transform).is_usable()
+}
+
+/// A box around a box somewhere in the world.
+fn in_world(bounds: &Aabb, transform: &Affine3A) -> Aabb {
+    let corners = bounds.corners().map(|corner| transform.transform_point3(corner));
+    corners.iter().fold(Aabb::EMPTY, |all, corner| all.union(&Aabb::new(*corner, *corner)))
 }

@@ -30,13 +30,13 @@ pub(crate) fn overview(bounds: &Aabb) -> Camera {
         let across = from_centre.dot(right).abs() / (tan_up * ASPECT);
         across.max(from_centre.dot(up).abs() / tan_up) - from_centre.dot(forward)
     };
-    let distance = bounds.corners().into_iter().map(distance_for).fold(1e-3, f32::max);
+    let distance = bounds.corners().into_iter().map(distance_for).fold(1e-5, f32::max);
     Camera {
         eye: bounds.centre() - forward * distance,
         forward,
         up: Vec3::Y,
         fov_y: FOV_Y_RAD,
-        near: (distance * 1e-3).max(1e-4),
+        near: (distance * 1e-3).max(1e-6),
     }
 }
 
@@ -58,6 +58,13 @@ mod tests {
         assert!((farthest_out - FILLED).abs() < 1.0e-3, "{farthest_out}");
         let point = overview(&Aabb::new(Vec3::ONE, Vec3::ONE));
         assert!(point.eye.is_finite() && point.near > 0.0);
+    }
+
+    #[test]
+    fn what_is_tiny_fills_the_picture_too() {
+        let bounds = Aabb::new(Vec3::ZERO, Vec3::splat(1e-4));
+        let camera = overview(&bounds);
+        assert!(camera.eye.distance(bounds.centre()) < 4e-4 && camera.near < 2e-6);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Geometry: a primitive's attributes as lists of numbers that are all finite, before they are packed.
 
+use cull::Aabb;
 use glam::{Vec2, Vec3, Vec4};
 use render::scene::{MorphTarget, SkinWeights};
 
@@ -24,6 +25,12 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
+    /// The box around all vertices.
+    pub(super) fn bounds(&self) -> Aabb {
+        let at = |position: &Vec3| Aabb::new(*position, *position);
+        self.positions.iter().fold(Aabb::EMPTY, |all, position| all.union(&at(position)))
+    }
+
     /// Vertices and no more: the `n`-th of the result is the `picks[n]`-th of these. No triangles.
     pub(super) fn gather(&self, picks: &[u32]) -> Self {
         Self {

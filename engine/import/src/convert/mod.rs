@@ -4,6 +4,7 @@ mod assembly;
 mod budget;
 mod cameras;
 mod clips;
+mod components;
 mod deformed;
 mod distances;
 mod forms;
@@ -22,6 +23,7 @@ mod primitives;
 mod renderable;
 mod shared;
 mod sidedness;
+mod sight;
 mod skins;
 mod solids;
 mod tangents;
@@ -40,6 +42,7 @@ use self::budget::Budget;
 use self::materials::Materials;
 use self::nodes::Tree;
 use self::notes::Notes;
+use self::sight::Sight;
 use self::skins::Skins;
 use crate::imported::{Imported, Placed};
 use crate::load::{LoadOptions, Stage, Teller};
@@ -58,7 +61,9 @@ pub(crate) fn convert(
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&source, &mut notes)?;
     let mut clips = clips::clips(&source, &tree, &mut notes)?;
-    let cameras = cameras::cameras(&source, &tree, &mut notes);
+    let (mut cameras, lenses) = cameras::cameras(&source, &tree, &mut notes);
+    let first = cameras.first().map(|camera| camera.node).zip(lenses.first().copied());
+    let sight = Sight::of(&source, &tree, first);
     let lights = lights::lights(&source, &tree, &mut notes);
     renderable::check_lights(&source, &tree, &lights, &options.limits)?;
     let forms = forms::Forms::new(&tree.rig, &clips, &options.limits);
@@ -80,6 +85,8 @@ pub(crate) fn convert(
         done: 0.0,
         listener: &mut |done| teller.tell(Stage::Meshes, done),
         untold: assembly::TOLD_PARTS,
+        sight,
+        blended_parts: 0,
     };
     for (light, node) in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);
@@ -108,8 +115,16 @@ pub(crate) fn convert(
     scene.surfaces = Some(surfaces);
     let skins = skins.list;
     let notes = notes.finish();
-    let mut imported = Imported { scene, rig: tree.rig, clips, skins, placements, cameras, notes };
-    imported.scene.flight = framing::flight(&imported.bounds());
+    let cameras_at: Vec<_> = cameras.iter().map(|camera| tree.world(camera.node)).collect();
+    let list = Vec::new();
+    let mut imported =
+        Imported { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes };
+    let bounds = imported.bounds();
+    for ((camera, lens), at) in cameras.iter_mut().zip(&lenses).zip(&cameras_at) {
+        cameras::step_back(camera, *lens, at, &bounds);
+    }
+    imported.cameras = cameras;
+    imported.scene.flight = framing::flight(&bounds);
     Ok(imported)
 }
 
@@ -136,19 +151,13 @@ pub(crate) fn bounds(imported: &Imported) -> Aabb {
     // The mesh of what changes its form is not where it is shown.
     let objects = scene.objects.len();
     for placement in imported.placements.iter().filter(|it| it.deformer.is_some()) {
-        let (place, object) = match placement.placed {
-            Placed::Object(id) => (id.0 as usize, scene.objects.get(id.0 as usize)),
-            Placed::Blended(id) => {
-                let surfaces = scene.surfaces.as_ref();
-                let object = surfaces.and_then(|it| it.blended.get(id.0 as usize));
-                (objects + id.0 as usize, object)
-            }
+        let place = match placement.placed {
+            Placed::Object(id) => id.0 as usize,
+            Placed::Blended(id) => objects + id.0 as usize,
             Placed::Light(_) => continue,
         };
-        if let (Some(bounds), Some(object)) = (boxes.get_mut(place), object) {
-            let corners = placement.rest_bounds.corners();
-            let corners = corners.map(|corner| object.transform.transform_point3(corner));
-            *bounds = corners.iter().fold(Aabb::EMPTY, |all, at| all.union(&Aabb::new(*at, *at)));
+        if let Some(bounds) = boxes.get_mut(place) {
+            *bounds = placement.seen_at_rest;
         }
     }
     let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));

@@ -43,14 +43,16 @@ fn middle(geometry: &Geometry, triangle: &[u32; 3]) -> Vec3 {
     triangle.iter().map(|&vertex| at(vertex) / 3.0).sum()
 }
 
-fn longest_side(points: impl Iterator<Item = Vec3>) -> usize {
+pub(super) fn longest_side(points: impl Iterator<Item = Vec3>) -> usize {
     let (low, high) = points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), point| {
         (low.min(point), high.max(point))
     });
     (high * 0.5 - low * 0.5).max_position()
 }
 
-fn piece(geometry: &Geometry, part: &[u32], names: &mut [u32]) -> Geometry {
+/// Some triangles by their numbers, and their vertices. `names` are as many as vertices, all `u32::MAX`, and
+/// are so again afterwards.
+pub(super) fn piece(geometry: &Geometry, part: &[u32], names: &mut [u32]) -> Geometry {
     let mut picks = Vec::new();
     let mut name = |vertex: u32| match names.get_mut(vertex as usize) {
         Some(name) => {

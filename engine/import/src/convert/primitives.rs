@@ -12,6 +12,7 @@ use super::materials::MaterialUse;
 use super::notes::Notes;
 use super::numbers::mirrors;
 use super::sidedness::{Backs, mirror, with_backs};
+use super::sight::Sight;
 use super::topology::Elements;
 use super::{normals, solids, tangents};
 use crate::error::quoted;
@@ -111,7 +112,8 @@ impl Primitive<'_> {
         self.source.error(cause, self.place(), reason)
     }
 
-    /// The primitive as triangles, in full: normals, tangents, backs. `None` if there is nothing to draw.
+    /// The primitive as triangles, in full: normals, tangents, backs. `None` if there is nothing to draw. Points and
+    /// lines are as large as they are to be seen from `sight`.
     ///
     /// # Errors
     /// Positions that are not finite; more vertices or triangles than the limits allow.
@@ -119,6 +121,7 @@ impl Primitive<'_> {
         &self,
         variant: Variant,
         material: &MaterialUse,
+        (sight, to_world): (&Sight, &Affine3A),
         budget: &mut Budget,
         notes: &mut Notes,
     ) -> Result<Option<Geometry>, ImportError> {
@@ -157,8 +160,14 @@ impl Primitive<'_> {
                 let geometry = Geometry { triangles, ..geometry };
                 if geometry.normals.is_empty() { normals::flatten(&geometry) } else { geometry }
             }
-            Elements::Lines(lines) => solids::lines(&geometry, &lines),
-            Elements::Points(points) => solids::points(&geometry, &points),
+            Elements::Lines(lines) => {
+                let height = sight.height_at(&geometry.bounds(), to_world);
+                solids::lines(&geometry, &lines, height)
+            }
+            Elements::Points(points) => {
+                let height = sight.height_at(&geometry.bounds(), to_world);
+                solids::points(&geometry, &points, height)
+            }
         };
         let mut geometry = geometry;
         let broken = normals::repair(&mut geometry);

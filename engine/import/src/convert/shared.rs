@@ -12,9 +12,13 @@ use render::scene::{MeshId, Object};
 use super::assembly::{Assembly, NO_TINT, rigid};
 use super::geometry::Geometry;
 use super::materials::{MaterialUse, Shading};
-use super::pieces;
 use super::primitives::{Facing, Primitive, Variant};
+use super::{components, pieces};
 use crate::ImportError;
+
+/// Parts of one blended mesh, and objects more because of all such parts, at most: each is sorted in each frame.
+const MOST_PARTS: usize = 256;
+const MOST_PART_OBJECTS: usize = 16_384;
 
 /// What makes primitives one and the same: their accessors, what these mean, and the material.
 #[derive(Debug, PartialEq, Eq, Hash)]
@@ -146,7 +150,7 @@ impl Assembly<'_> {
             }
             let may_turn = self.may_turn(node);
             let variant = Variant::rigid(Facing::of(&transform, may_turn));
-            self.make(kind, primitive, variant)?;
+            self.make(kind, primitive, variant, &transform)?;
             let made = kind.made[variant.facing as usize].as_deref();
             for mesh in made.unwrap_or_default().iter().copied() {
                 let object = Object { mesh, transform, tint: NO_TINT };
@@ -169,13 +173,15 @@ impl Assembly<'_> {
         kind: &mut Kind,
         primitive: &Primitive<'_>,
         variant: Variant,
+        to_world: &Affine3A,
     ) -> Result<(), ImportError> {
         let place = variant.facing as usize;
         if kind.made[place].is_some() {
             return Ok(());
         }
+        let seen = (&self.sight, to_world);
         let geometry =
-            primitive.build(variant, &kind.material, &mut self.budget, &mut self.notes)?;
+            primitive.build(variant, &kind.material, seen, &mut self.budget, &mut self.notes)?;
         let mut name = self.name_of(kind.mesh, kind.number);
         name.push_str(match variant.facing {
             Facing::Plain => "",
@@ -184,7 +190,7 @@ impl Assembly<'_> {
         });
         let mut made = Vec::new();
         if let Some(geometry) = geometry {
-            let pieces = self.pieces(geometry, kind.uses);
+            let pieces = self.pieces(geometry, kind);
             let count = pieces.len();
             for (number, piece) in pieces.iter().enumerate() {
                 let name = match count {
@@ -198,8 +204,15 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// What is large and seen once, in pieces; all else whole.
-    fn pieces(&self, geometry: Geometry, uses: u64) -> Vec<Geometry> {
+    /// What is large and seen once, and what is blended, in pieces; all else whole.
+    fn pieces(&mut self, geometry: Geometry, kind: &Kind) -> Vec<Geometry> {
+        let uses = usize::try_from(kind.uses).unwrap_or(usize::MAX).max(1);
+        if kind.material.is_blended {
+            let left = MOST_PART_OBJECTS.saturating_sub(self.blended_parts);
+            let parts = components::apart(geometry, (left / uses).min(MOST_PARTS));
+            self.blended_parts += parts.len().saturating_sub(1) * uses;
+            return parts;
+        }
         match self.cut_above {
             Some(most) if uses == 1 && geometry.triangles.len() > most => {
                 pieces::cut(geometry, most / 4)

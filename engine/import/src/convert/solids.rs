@@ -1,27 +1,35 @@
-//! Points and lines as solids, since triangles are all that is drawn: a point is an octahedron, a line a
-//! prism with three sides, closed at both ends.
+//! Points and lines as solids, since triangles are all that is drawn: a point is a cube, a line a prism
+//! with three sides, closed at both ends.
 //!
-//! Their sizes are relative to the primitive's own extent, the diagonal of the box around it: points reach
-//! [`POINT_RADIUS`] of it in all directions, lines [`LINE_RADIUS`]. Where the extent is 0, it counts as 1.
-//! All attributes, skins and morph targets go along; where the primitive has normals they are kept, so that
-//! it is lit as the file says, else they point outwards.
+//! They are to be a few pixels wide where they are first seen ([`Sight`](super::sight::Sight)), and keep that
+//! size in the world: points are [`POINT_SIZE`] of the picture's height, lines [`LINE_SIZE`] (6 and 4 pixels of
+//! 720). Where they are close to each other they are thinner, down to [`LEAST_SIZE`], so that what they show
+//! is still seen: points do not reach the middle between most of them and their neighbours, and lines
+//! side by side fill no more than half of their box. All attributes, skins and morph targets go along; where the primitive has
+//! normals they are kept, so that it is lit as the file says, else they point outwards.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::geometry::Geometry;
 use super::numbers::direction;
 
-/// Half of a point's size, as a part of the primitive's extent.
-pub(super) const POINT_RADIUS: f32 = 1.0 / 400.0;
+/// How large a point is, as a part of the picture's height.
+pub(super) const POINT_SIZE: f32 = 1.0 / 120.0;
 
-/// The distance of a line's edges from its middle, as a part of the primitive's extent.
-pub(super) const LINE_RADIUS: f32 = 1.0 / 1000.0;
+/// How thick a line is, as a part of the picture's height.
+pub(super) const LINE_SIZE: f32 = 1.0 / 180.0;
+
+/// How thin points and lines get at least, as a part of the picture's height.
+pub(super) const LEAST_SIZE: f32 = 1.0 / 720.0;
+
+/// So many points are asked for how far away the next one is.
+const ASKED_POINTS: usize = 32;
 
 /// How many vertices a point gets.
-pub(super) const POINT_VERTICES: u64 = 6;
+pub(super) const POINT_VERTICES: u64 = 8;
 
 /// How many triangles a point gets.
-pub(super) const POINT_TRIANGLES: u64 = 8;
+pub(super) const POINT_TRIANGLES: u64 = 12;
 
 /// How many vertices a line gets.
 pub(super) const LINE_VERTICES: u64 = 6;
@@ -58,33 +66,54 @@ impl Growth {
     }
 }
 
-fn extent(geometry: &Geometry) -> f32 {
-    let low = geometry.positions.iter().fold(DVec3::INFINITY, |low, at| low.min(at.as_dvec3()));
-    let high =
-        geometry.positions.iter().fold(DVec3::NEG_INFINITY, |high, at| high.max(at.as_dvec3()));
-    let extent = (high - low).length() as f32;
-    if extent > 0.0 && extent.is_finite() { extent } else { 1.0 }
+/// A size that is wanted, no larger than that where it is crowded, no smaller than can be seen.
+fn size_of(wanted: f32, most: f32, height: f32) -> f32 {
+    let least = height * LEAST_SIZE;
+    if most.is_finite() { wanted.min(most.max(least)) } else { wanted }
 }
 
-/// An octahedron around each of these vertices.
-pub(super) fn points(geometry: &Geometry, points: &[u32]) -> Geometry {
-    let directions = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z];
-    let triangles =
-        [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
+/// How far most points are from their neighbours: the median of some of them. Infinite where there is one alone.
+fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
+    let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
+    let step = points.len().div_ceil(ASKED_POINTS).max(1);
+    let nearest = |asked: Vec3| {
+        let others = points.iter().map(|&other| at(other).distance_squared(asked));
+        // Those in the same place are the same point.
+        others.filter(|squared| *squared > 0.0).fold(f32::INFINITY, f32::min).sqrt()
+    };
+    let asked = points.iter().step_by(step);
+    let mut distances: Vec<f32> = asked.map(|&point| nearest(at(point))).collect();
+    distances.sort_unstable_by(f32::total_cmp);
+    distances.get(distances.len() / 2).copied().unwrap_or(f32::INFINITY)
+}
+
+/// A cube around each of these vertices, where the picture is so high.
+pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geometry {
+    // The corners, by their sides along x, y and z: each is one of eight numbers.
+    let directions: [Vec3; 8] = std::array::from_fn(|corner| {
+        let side = |axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        Vec3::new(side(0), side(1), side(2)).normalize()
+    });
+    let faces =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles: Vec<[u32; 3]> =
+        faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     let mut growth = Growth::default();
     for &point in points {
         growth.add(&directions.map(|outward| (point, outward)), &triangles);
     }
-    growth.finish(geometry, extent(geometry) * POINT_RADIUS)
+    let size = size_of(height * POINT_SIZE, spacing(geometry, points), height);
+    growth.finish(geometry, size * 0.5 * 3.0_f32.sqrt())
 }
 
-/// A prism around each of these lines.
-pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]]) -> Geometry {
+/// A prism around each of these lines, where the picture is so high.
+pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geometry {
     let triangles =
         [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5], [0, 2, 1], [3, 4, 5]];
     let mut growth = Growth::default();
+    let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
+    let mut length = 0.0;
     for &[from, to] in lines {
-        let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
         // A line without length gets some direction: others may go along with its ends, and move them.
         let along = direction(at(to) * 0.5 - at(from) * 0.5).unwrap_or(Vec3::Z);
         let across = along.any_orthonormal_vector();
@@ -93,8 +122,13 @@ pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]]) -> Geometry {
         let around = [across, third * half_root - across * 0.5, third * -half_root - across * 0.5];
         let [a, b, c] = around;
         growth.add(&[(from, a), (from, b), (from, c), (to, a), (to, b), (to, c)], &triangles);
+        length += f64::from(at(from).distance(at(to)));
     }
-    growth.finish(geometry, extent(geometry) * LINE_RADIUS)
+    let bounds = geometry.bounds();
+    let across = f64::from((bounds.max - bounds.min).length());
+    let size = size_of(height * LINE_SIZE, (across * across * 0.5 / length) as f32, height);
+    // From all sides, a prism is somewhat wider than its radius times this.
+    growth.finish(geometry, size / 1.5)
 }
 
 #[cfg(test)]
@@ -129,32 +163,55 @@ mod tests {
     }
 
     #[test]
-    fn points_are_closed_octahedra_of_a_known_size() {
-        let solid = points(&three(), &[2, 1]);
+    fn points_are_closed_cubes_of_a_known_size() {
+        let solid = points(&three(), &[2, 1], 120.0);
         assert_closed(&solid, POINT_VERTICES as usize);
         assert_eq!(solid.triangles.len() as u64, 2 * POINT_TRIANGLES);
-        let radius = vec3(100.0, 0.0, 3.0).length() * POINT_RADIUS;
-        assert!(solid.positions[0].distance(vec3(radius, 0.0, -3.0)) < 1e-5);
-        assert_eq!(solid.normals[..6].iter().sum::<Vec3>(), Vec3::ZERO);
-        assert_eq!((solid.colours[5], solid.colours[6]), ([0.75; 4], [0.5; 4]));
+        assert!(solid.positions[0].distance(vec3(-0.5, -0.5, -3.5)) < 1e-5);
+        assert!(solid.normals[..8].iter().sum::<Vec3>().length() < 1e-6);
+        assert_eq!((solid.colours[7], solid.colours[8]), ([0.75; 4], [0.5; 4]));
     }
 
     #[test]
     fn lines_are_closed_prisms_of_a_known_size() {
-        let solid = lines(&three(), &[[0, 1], [1, 2], [0, 0]]);
+        let solid = lines(&three(), &[[0, 1], [1, 2], [0, 0]], 180.0);
         let proper = Geometry { triangles: solid.triangles[..16].to_vec(), ..solid.clone() };
         assert_closed(&proper, LINE_VERTICES as usize);
         assert_eq!(solid.triangles.len() as u64, 3 * LINE_TRIANGLES);
-        let radius = vec3(100.0, 0.0, 3.0).length() * LINE_RADIUS;
         for (place, end) in [(0, Vec3::ZERO), (4, vec3(100.0, 0.0, 0.0))] {
             let off = solid.positions[place] - end;
-            assert!((off.length() - radius).abs() < 1e-4 && off.x.abs() < 1e-4, "{off}");
+            assert!((off.length() - 1.0 / 1.5).abs() < 1e-4 && off.x.abs() < 1e-4, "{off}");
         }
         assert_eq!((solid.colours[2], solid.colours[3]), ([0.25; 4], [0.5; 4]));
         assert!(
             solid.positions.iter().all(|position| position.is_finite()),
             "lines of length 0 too"
         );
+    }
+
+    /// Points on a grid of 100 x 100 metres, a metre apart, and lines along its rows.
+    fn grid() -> (Geometry, Vec<[u32; 2]>) {
+        let at = |number: u32| vec3((number % 101) as f32, (number / 101) as f32, 0.0);
+        let rows = (0..101).map(|row| [row * 101, row * 101 + 100]).collect();
+        (Geometry { positions: (0..101 * 101).map(at).collect(), ..Geometry::default() }, rows)
+    }
+
+    fn reach(solid: &Geometry) -> f32 {
+        solid.positions.iter().fold(0.0, |most, at| at.z.max(most))
+    }
+
+    #[test]
+    fn what_is_crowded_is_thin_but_not_too_thin_to_be_seen() {
+        let (geometry, rows) = grid();
+        let all: Vec<u32> = (0..geometry.positions.len() as u32).collect();
+        for (height, radius) in [(60.0, 0.25), (240.0, 0.5), (7200.0, 5.0)] {
+            let found = reach(&points(&geometry, &all, height));
+            assert!((found - radius).abs() < 1e-3, "{height}: {found}");
+        }
+        for (height, most) in [(90.0, 0.5), (900.0, 1.25), (7200.0, 10.0)] {
+            let found = reach(&lines(&geometry, &rows, height)) * 1.5;
+            assert!(found <= most * 1.01 && found > most * 0.4, "{height}: {found}");
+        }
     }
 
     #[test]
@@ -164,8 +221,8 @@ mod tests {
             normals: vec![Vec3::NEG_Y],
             ..Geometry::default()
         };
-        let solid = points(&one, &[0]);
-        assert_eq!(solid.positions[0], vec3(1.0 + POINT_RADIUS, 1.0, 1.0));
-        assert_eq!(solid.normals, [Vec3::NEG_Y; 6]);
+        let solid = points(&one, &[0], 120.0);
+        assert!(solid.positions[7].distance(Vec3::splat(1.5)) < 1e-6);
+        assert_eq!(solid.normals, [Vec3::NEG_Y; 8]);
     }
 }

@@ -47,6 +47,7 @@ fn rigid(node: u32, placed: Placed) -> Placement {
         local: Affine3A::from_translation(Vec3::Y),
         deformer: None,
         rest_bounds: Aabb::EMPTY,
+        seen_at_rest: Aabb::EMPTY,
         clip_bounds: [].into(),
         blend_bounds: Aabb::EMPTY,
     }
@@ -101,6 +102,7 @@ fn imported() -> Imported {
             local: Affine3A::IDENTITY,
             deformer: Some((DeformerId(deformer), skin)),
             rest_bounds: unit_box(1.0),
+            seen_at_rest: unit_box(1.0),
             clip_bounds,
             blend_bounds: unit_box(3.0),
             ..rigid(node, Placed::Object(ObjectId(object)))
@@ -134,6 +136,7 @@ fn imported() -> Imported {
             node: NodeId(2),
             fov_y_rad: 1.0,
             near_m: 0.1,
+            behind_m: 0.0,
         }],
         notes: vec!["a note".to_owned()],
     }

@@ -122,7 +122,7 @@ fn strips_and_fans_are_triangles_all_of_one_winding() {
 
 #[test]
 fn points_and_lines_are_solids_without_light() {
-    for (mode, triangles) in [(0, 3 * 8), (1, 8), (2, 3 * 8), (3, 2 * 8)] {
+    for (mode, triangles) in [(0, 3 * 12), (1, 8), (2, 3 * 8), (3, 2 * 8)] {
         let mut scene = Scene::triangle();
         scene.set("/meshes/0/primitives/0/mode", json!(mode));
         let imported = load(&scene);

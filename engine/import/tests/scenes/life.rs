@@ -184,7 +184,8 @@ fn skinned_objects_are_where_their_joints_are() {
     let translation = Vec3::from(imported.scene.objects[0].transform.translation);
     assert_eq!(translation, vec3(10.0, 2.0, 0.0));
     let bounds = imported.bounds();
-    assert!(bounds.min.distance(vec3(10.0, 2.0, 0.0)) < 0.1, "{bounds:?}");
+    assert!(bounds.min.distance(vec3(10.0, 2.0, 0.0)) < 1e-4, "{bounds:?}");
+    assert!(bounds.max.distance(vec3(11.0, 3.0, 0.0)) < 1e-4, "{bounds:?}");
 }
 
 #[test]

@@ -58,6 +58,9 @@ fn progress_goes_on_and_can_be_broken_off() {
     assert_eq!(told[0], Progress { stage: Stage::Reading, fraction: 0.0 });
     assert_eq!(told.last().map(|told| told.stage), Some(Stage::Meshes));
     assert!(told.iter().all(|told| (0.0..=1.0).contains(&told.fraction)));
+    let reading = told.iter().filter(|told| told.stage == Stage::Reading);
+    let images: Vec<u32> = reading.map(|told| (told.fraction * 3.0).round() as u32).collect();
+    assert_eq!(images, [0, 1, 2, 3], "it goes on with the images");
     for calls in 0..told.len() {
         let mut left = calls;
         let listener = &mut |_| match left {

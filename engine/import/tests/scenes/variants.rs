@@ -49,6 +49,29 @@ fn mirrored_places_have_a_mesh_of_the_other_winding() {
 }
 
 #[test]
+fn blended_meshes_are_taken_apart_where_they_do_not_hang_together() {
+    let mut scene = Scene::triangle();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    let positions: Vec<f32> = (0..3)
+        .flat_map(|card| corners.map(|[x, y, z]| [x, y, z - 2.0 * card as f32]))
+        .flatten()
+        .collect();
+    let positions = scene.floats("VEC3", &positions);
+    scene.set(&format!("{ATTRIBUTES}/POSITION"), json!(positions));
+    scene.remove("/meshes/0/primitives/0/indices");
+    scene.set("/meshes/0/primitives/0/material", json!(0));
+    scene.set("/nodes", json!([{ "mesh": 0 }, { "mesh": 0, "translation": [5, 0, 0] }]));
+    scene.set("/scenes/0/nodes", json!([0, 1]));
+    for (mode, blended) in [("BLEND", 6), ("OPAQUE", 0)] {
+        scene.set("/materials", json!([{ "alphaMode": mode }]));
+        let imported = load(&scene);
+        let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
+        assert_eq!(surfaces.blended.len(), blended, "{mode}");
+        assert_eq!(imported.scene.meshes.len(), if blended > 0 { 3 } else { 1 }, "they are shared");
+    }
+}
+
+#[test]
 fn double_sided_materials_have_backs_that_face_the_other_way() {
     let mut scene = Scene::triangle();
     scene.set("/materials", json!([{ "doubleSided": true }]));
