@@ -200,7 +200,7 @@ fn walk_on(
     progress: &dyn Progress,
 ) -> Result<Report, RunError> {
     let mut clock = Stopwatch::start();
-    let WalkScene { scene, path, path_name, mut moving, file } =
+    let WalkScene { scene, path, path_name, mut moving, mut file } =
         WalkScene::build(options, progress)?;
     let scene_ms = clock.lap_ms();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
@@ -209,6 +209,9 @@ fn walk_on(
     let mut renderer =
         Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?)?;
     let upload_ms = clock.lap_ms();
+    if let Some(file) = &mut file {
+        file.notes.extend(renderer.compromises().texts());
+    }
     let scene_report = SceneReport {
         name: scene_name(&options.scene),
         objects: scene.objects.len() as u64,

@@ -92,7 +92,9 @@ impl Stage {
         let renderer_options = renderer_options(options, size)?;
         let renderer =
             Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)?;
-        Ok(Self { renderer, world: World::of_file(file, imported, settings, size)? })
+        let mut world = World::of_file(file, imported, settings, size)?;
+        world.notes.extend(renderer.compromises().texts());
+        Ok(Self { renderer, world })
     }
 }
 
