@@ -72,6 +72,7 @@ void main() {
         vec3 rest_tangent = vec3(unpackSnorm2x16(forms[at + 5]), tangent_z_sign.x);
         vec3 normal = rest_normal;
         vec3 tangent = rest_tangent;
+        float bitangent_turn = 1.0;
         for (uint number = 0; number < target_count; ++number) {
             uint target = targets + TARGET_WORDS * number;
             float weight = uintBitsToFloat(poses[target]);
@@ -105,6 +106,7 @@ void main() {
             bool has_both_sides = normal_z_sides.y > 0.5;
             tangent *= has_both_sides ? turned : 1.0;
             turned = has_both_sides ? 1.0 : turned;
+            bitangent_turn = turned;
             normal = turned * vec3(dot(cofactors[0], normal), dot(cofactors[1], normal),
                                    dot(cofactors[2], normal));
             tangent = vec3(dot(rows[0].xyz, tangent), dot(rows[1].xyz, tangent),
@@ -122,6 +124,6 @@ void main() {
         surfaces[place] = packSnorm2x16(normal.xy);
         surfaces[place + 1] = packSnorm2x16(vec2(normal.z, normal_z_sides.y));
         surfaces[place + 2] = packSnorm2x16(tangent.xy);
-        surfaces[place + 3] = packSnorm2x16(vec2(tangent.z, tangent_z_sign.y));
+        surfaces[place + 3] = packSnorm2x16(vec2(tangent.z, bitangent_turn * tangent_z_sign.y));
     }
 }

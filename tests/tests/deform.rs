@@ -12,9 +12,9 @@ use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::scene::{
-    Deformer, DeformerId, LightKind, Material, MaterialId, Mesh, MeshId, MorphTarget, Object,
-    ObjectChange, PunctualLight, Scene, SkinWeights, Surfaces, bounds_of_vertices, pack_normal,
-    pack_unorm, unpack_normal,
+    Deformer, DeformerId, Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId,
+    MorphTarget, Object, ObjectChange, PunctualLight, Sampler, Scene, SkinWeights, Surfaces,
+    Texture, TextureId, TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
 };
 use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
 use tests::run_on_all;
@@ -236,6 +236,71 @@ fn forms_are_those_of_the_specification() {
             moved = moved.max(pixels_far_apart(&at_rest, &found));
         }
         assert!(moved > 500, "{moved} pixels of something that moves");
+    });
+}
+
+/// One slab whose normals lean along its bitangents, to be seen mirrored.
+fn leaning() -> Scene {
+    let mut mesh = slab([0.9, 0.9, 0.9, 1.0]);
+    for triangle in mesh.indices.chunks_exact_mut(3) {
+        triangle.swap(1, 2);
+    }
+    let texel = Image { name: "leaning".to_owned(), size: [1, 1], rgba8: vec![128, 230, 200, 255] };
+    let texture =
+        Texture { image: ImageId(0), encoding: Encoding::Linear, sampler: Sampler::default() };
+    let used = TextureUse { texture: TextureId(0), uv_set: 0, transform: glam::Affine2::IDENTITY };
+    let scene = scene();
+    let surfaces = Surfaces {
+        meshes: vec![surface_of(&mesh, MaterialId(0))],
+        materials: vec![Material {
+            metallic: 0.0,
+            normal_texture: Some(used),
+            ..Material::default()
+        }],
+        images: vec![texel],
+        textures: vec![texture],
+        lights: scene.surfaces.unwrap().lights,
+        ..Surfaces::default()
+    };
+    let transform = Affine3A::from_translation(vec3(0.0, 0.0, -5.0));
+    let objects = vec![Object { mesh: MeshId(0), transform, tint: u32::MAX }];
+    Scene { meshes: vec![mesh], objects, surfaces: Some(surfaces), ..box_scene(&[]) }
+}
+
+#[test]
+fn joints_that_mirror_turn_bitangents_as_objects_do() {
+    run_on_all(|device| {
+        let mirror = Affine3A::from_scale(vec3(-1.0, 1.0, 1.0));
+        let scene = leaning();
+        let mut rigid = scene.clone();
+        rigid.objects[0].transform = scene.objects[0].transform * mirror;
+        let expected =
+            draw(&mut Renderer::new(device, &rigid, &options(2)).unwrap(), Strategy::Frustum);
+
+        let mut skinned = scene.clone();
+        let vertices = scene.meshes[0].vertices.len();
+        skinned.surfaces.as_mut().unwrap().deformers = vec![Deformer {
+            mesh: MeshId(0),
+            skin: Some(SkinWeights {
+                joint_count: 1,
+                joints: vec![[0; 4]; vertices],
+                weights: vec![[1.0, 0.0, 0.0, 0.0]; vertices],
+                sets: 1,
+            }),
+            targets: Vec::new(),
+        }];
+        let mut renderer = Renderer::new(device, &skinned, &options(2)).unwrap();
+        let unposed = draw(&mut renderer, Strategy::Frustum);
+        renderer.deform(DeformerId(0), &[mirror], &[]).unwrap();
+        let Aabb { min, max } = scene.meshes[0].bounds;
+        let bounds = Aabb { min: vec3(-max.x, min.y, min.z), max: vec3(-min.x, max.y, max.z) };
+        let transform = scene.objects[0].transform;
+        renderer
+            .update(&[ObjectChange::Reshape { object: ObjectId(0), transform, bounds }])
+            .unwrap();
+        let found = draw(&mut renderer, Strategy::Frustum);
+        assert_eq!(pixels_far_apart(&expected, &found), 0);
+        assert!(pixels_far_apart(&expected, &unposed) > 500, "it is somewhere else");
     });
 }
 
