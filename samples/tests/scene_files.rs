@@ -101,6 +101,35 @@ fn orthographic_cameras_are_exact_too_and_it_is_told_how_they_are_shown() {
 }
 
 #[test]
+fn lamps_beyond_those_that_an_object_has_are_told() {
+    let scratch = Scratch::new("scene-lamps");
+    let small = scene::small();
+    let length = u32::from_le_bytes(small[12..16].try_into().unwrap()) as usize;
+    let (document, buffer) = (&small[20..20 + length], &small[28 + length..]);
+    let mut document: Value = serde_json::from_slice(document).unwrap();
+    document["extensionsUsed"] = serde_json::json!(["KHR_lights_punctual"]);
+    document["extensions"] = serde_json::json!({
+        "KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 5.0}]},
+    });
+    let nodes = document["nodes"].as_array_mut().unwrap();
+    let first = nodes.len();
+    let lamp = serde_json::json!({"extensions": {"KHR_lights_punctual": {"light": 0}}});
+    nodes.extend(std::iter::repeat_n(lamp, 17));
+    let count = nodes.len();
+    document["scenes"][0]["nodes"].as_array_mut().unwrap().extend((first..count).map(Value::from));
+    fs::write(scratch.0.join("lamps.glb"), scene::glb(&document, buffer)).unwrap();
+    let note = "64 objects are reached by more than 16 lights: the weakest of them are left out";
+
+    let small = ["--quiet", "--frames=2", "--size=32x32", "--scene=lamps.glb", "--device=llvmpipe"];
+    let output = walkthrough(&scratch.0, &small).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains(&format!("not as in the file: {note}")), "{told}");
+    let shown = ["lamps.glb", "--headless", "--frames=1", "--size=32x32", "--device=llvmpipe"];
+    let told = stderr(&viewer(&scratch, &shown));
+    assert!(told.contains(note), "{told}");
+}
+
+#[test]
 fn scenes_of_blended_objects_alone_are_exact_with_every_strategy() {
     for device in ["llvmpipe", "swiftshader"] {
         let scratch = Scratch::new(&format!("scene-blended-{device}"));
