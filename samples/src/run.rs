@@ -1,7 +1,7 @@
 //! From options to report: opens the device, builds the scene, walks, sums up.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
@@ -56,6 +56,13 @@ impl RunError {
     /// It was given up because the program is to end, which is no failure.
     pub fn given_up() -> Self {
         Self { blame: Blame::Nobody, message: "it was given up".to_owned() }
+    }
+
+    /// The same, said of a scene's file.
+    #[must_use]
+    pub fn about(mut self, file: &Path) -> Self {
+        self.message = format!("{}: {}", file.display(), self.message);
+        self
     }
 
     /// What the program ends with.
@@ -207,7 +214,12 @@ fn walk_on(
     let hierarchy_ms = clock.lap_ms();
     progress.stage("bringing it to the device");
     let mut renderer =
-        Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?)?;
+        Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?).map_err(
+            |error| match &options.scene {
+                SceneChoice::File(file) => RunError::from(error).about(file),
+                SceneChoice::Made(_) => error.into(),
+            },
+        )?;
     let upload_ms = clock.lap_ms();
     if let Some(file) = &mut file {
         file.notes.extend(renderer.compromises().texts());

@@ -287,7 +287,7 @@ fn out_of_memory_is_an_error_wherever_it_happens() {
             assert_eq!(sentence.is_some(), first < count, "{call:?}, {first}: {sentence:?}");
             if let Some(sentence) = sentence {
                 assert!(sentence.contains("memory"), "{sentence}");
-                assert!(sentence.contains("use fewer objects or a smaller image"), "{sentence}");
+                assert!(sentence.contains("use fewer or smaller objects and images"), "{sentence}");
             }
         }
     }

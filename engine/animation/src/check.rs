@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use glam::{Quat, Vec3};
+use glam::Quat;
 
 use crate::clip::{Channel, Clip, Interpolation, Track, Values};
 use crate::rig::{NodeId, Rest, Rig};
@@ -40,11 +40,25 @@ pub enum TrackError {
         /// How many there should be.
         needed: usize,
     },
-    /// A value that is no number, or beyond 10^9.
-    #[error("value {value} is not finite or beyond {LARGEST}")]
+    /// A value that is no number.
+    #[error("value {value} is not finite")]
     NotFinite {
         /// Which value.
         value: usize,
+    },
+    /// A value beyond 10^9.
+    #[error("value {value} is beyond {LARGEST}, which is more than can be played")]
+    TooLarge {
+        /// Which value.
+        value: usize,
+    },
+    /// A time beyond 10^9 s.
+    #[error("key {key} is at {time_s} s, which is later than can be played")]
+    TooLate {
+        /// Which key.
+        key: usize,
+        /// When it is.
+        time_s: f32,
     },
     /// A rotation of length 0.
     #[error("value {value} is a rotation of length 0")]
@@ -125,13 +139,20 @@ impl Track {
         if count != needed {
             return Err(TrackError::Count { values: count, needed });
         }
-        let wild = match &values {
-            Values::Translation(values) | Values::Scale(values) => values.iter().position(is_wild),
-            Values::Rotation(values) => values.iter().position(|q| is_large(q.length())),
-            Values::Weights(values) => values.iter().position(|w| is_large(w.abs())),
+        let first = |is_so: fn(f32) -> bool| match &values {
+            Values::Translation(values) | Values::Scale(values) => {
+                values.iter().position(|it| it.to_array().into_iter().any(is_so))
+            }
+            Values::Rotation(values) => {
+                values.iter().position(|q| q.to_array().into_iter().any(is_so))
+            }
+            Values::Weights(values) => values.iter().position(|weight| is_so(*weight)),
         };
-        if let Some(value) = wild {
+        if let Some(value) = first(|number| !number.is_finite()) {
             return Err(TrackError::NotFinite { value });
+        }
+        if let Some(value) = first(|number| number.abs() > LARGEST) {
+            return Err(TrackError::TooLarge { value });
         }
         if let Values::Rotation(values) = &mut values {
             normalise(values, parts)?;
@@ -140,23 +161,17 @@ impl Track {
     }
 }
 
-fn is_wild(value: &Vec3) -> bool {
-    !value.is_finite() || is_large(value.abs().max_element())
-}
-
-/// Also of what is no number.
-fn is_large(size: f32) -> bool {
-    size.is_nan() || size > LARGEST
-}
-
 fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
     if times_s.is_empty() {
         return Err(TrackError::Empty);
     }
     let mut last_s = f32::NEG_INFINITY;
     for (key, time_s) in times_s.iter().copied().enumerate() {
-        if !(0.0..=LARGEST).contains(&time_s) {
+        if !time_s.is_finite() || time_s < 0.0 {
             return Err(TrackError::NoTime { key, time_s });
+        }
+        if time_s > LARGEST {
+            return Err(TrackError::TooLate { key, time_s });
         }
         if time_s <= last_s {
             return Err(TrackError::NotLater { key, time_s });

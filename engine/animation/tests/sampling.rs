@@ -94,6 +94,10 @@ fn what_is_no_clip_is_refused_with_the_reason() {
     );
     let wild = Values::Scale(vec![Vec3::new(0.0, f32::INFINITY, 0.0)]);
     assert_eq!(moved(&[1.0], wild), Err(TrackError::NotFinite { value: 0 }));
+    let far = Values::Scale(vec![Vec3::new(0.0, -2.0e9, 0.0)]);
+    assert_eq!(moved(&[1.0], far), Err(TrackError::TooLarge { value: 0 }));
+    let late = TrackError::TooLate { key: 0, time_s: 2.0e9 };
+    assert_eq!(moved(&[2.0e9], places(1)), Err(late));
     let nowhere = Values::Rotation(vec![Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)]);
     assert_eq!(moved(&[1.0], nowhere), Err(TrackError::NoRotation { value: 0 }));
 

@@ -111,7 +111,7 @@ pub enum Error {
     },
     /// Memory could not be had.
     #[error(
-        "no GPU memory for {what} ({size_bytes} bytes): {source}; use fewer objects or a smaller image"
+        "no GPU memory for {what} ({size_bytes} bytes): {source}; use fewer or smaller objects and images"
     )]
     Memory {
         /// What the memory was for.
@@ -174,10 +174,10 @@ fn advice(code: vk::Result) -> &'static str {
             ": the driver gave up on the GPU; restart the program, update the driver if it comes back"
         }
         vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
-            ": the GPU is out of memory; use fewer objects or a smaller image"
+            ": the GPU is out of memory; use fewer or smaller objects and images"
         }
         vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-            ": the machine is out of memory; use fewer objects or a smaller image"
+            ": the machine is out of memory; use fewer or smaller objects and images"
         }
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
             ": the driver has no Vulkan 1.3; update it, or install mesa-vulkan-drivers"

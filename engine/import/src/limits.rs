@@ -35,7 +35,11 @@ pub struct Limits {
     pub corners: u64,
     /// Nodes. Default: 2^20.
     pub nodes: u64,
-    /// Primitives on nodes, each as often as its node is instanced. Default: 2^22.
+    /// Vertices of meshes that change their form, once for each place that has one. Default: as many as a renderer
+    /// takes on any device, about 3.3 million.
+    pub deformed_vertices: u64,
+    /// Primitives on nodes, each as often as its node is instanced. Default: as many as a renderer takes on any
+    /// device, 2^21.
     pub objects: u64,
     /// Joints of skins, each as often as a primitive hangs on its skin. Default: 2^21.
     pub joints: u64,
@@ -66,7 +70,8 @@ impl Default for Limits {
             listed_vertices: 1 << 28,
             corners: 1 << 27,
             nodes: 1 << 20,
-            objects: 1 << 22,
+            objects: render::OBJECTS_ANYWHERE,
+            deformed_vertices: render::DEFORMED_VERTICES_ANYWHERE,
             joints: 1 << 21,
             bones: 1 << 24,
             lights: 1 << 16,

@@ -91,7 +91,8 @@ impl Stage {
         scene_file::tell(told, "bringing it to the device", None)?;
         let renderer_options = renderer_options(options, size)?;
         let renderer =
-            Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)?;
+            Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)
+                .map_err(|error| RunError::from(error).about(file))?;
         let mut world = World::of_file(file, imported, settings, size)?;
         world.notes.extend(renderer.compromises().texts());
         Ok(Self { renderer, world })

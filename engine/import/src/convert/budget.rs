@@ -10,6 +10,8 @@ use crate::Limits;
 pub(super) struct Budget {
     most: [u64; 2],
     used: [u64; 2],
+    most_deformed: u64,
+    deformed: u64,
 }
 
 /// Which limit was passed.
@@ -28,7 +30,12 @@ impl fmt::Display for Over {
 
 impl Budget {
     pub(super) fn new(limits: &Limits) -> Self {
-        Self { most: [limits.vertices, limits.corners], used: [0; 2] }
+        Self {
+            most: [limits.vertices, limits.corners],
+            used: [0; 2],
+            most_deformed: limits.deformed_vertices,
+            deformed: 0,
+        }
     }
 
     /// Whether so much more would do.
@@ -49,6 +56,16 @@ impl Budget {
         self.check(vertices, corners)?;
         self.used[0] += vertices;
         self.used[1] += corners;
+        Ok(())
+    }
+
+    /// Takes vertices, which were counted already, for a mesh that changes its form.
+    pub(super) fn take_deformed(&mut self, vertices: u64) -> Result<(), Over> {
+        self.deformed = self.deformed.saturating_add(vertices);
+        if self.deformed > self.most_deformed {
+            let what = "vertices of meshes that change their form";
+            return Err(Over { what, most: self.most_deformed });
+        }
         Ok(())
     }
 }

@@ -51,12 +51,13 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<C
         let Some(given) = given.and_then(|camera| json.cameras.get(camera.value())) else {
             continue;
         };
-        let (lens, fov_y_rad, near_m) = lens(given, notes);
         let node_name = tree.node(node).map(|node| node.name.clone());
         let names = [node_name, given.name.clone()].into_iter().flatten();
         let name = names.into_iter().find(|name| !name.is_empty());
+        let name = name.unwrap_or_else(|| format!("camera {}", cameras.len()));
+        let (lens, fov_y_rad, near_m) = lens(given, &name, notes);
         cameras.push(Camera {
-            name: name.unwrap_or_else(|| format!("camera {}", cameras.len())),
+            name,
             node,
             fov_y_rad: fov_y_rad.clamp(ANGLES_RAD[0], ANGLES_RAD[1]),
             near_m: near_m.clamp(NEAR_M[0], NEAR_M[1]),
@@ -68,7 +69,7 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<C
 }
 
 /// How it sees, its vertical angle of sight in radians, and the distance of the near plane.
-fn lens(given: &json::Camera, notes: &mut Notes) -> (Lens, f32, f32) {
+fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32) {
     let perspective = |angle_rad: f32, near_m| (Lens::Perspective { angle_rad }, angle_rad, near_m);
     if let Some(given) = &given.perspective {
         return perspective(given.yfov.abs(), given.znear);
@@ -77,7 +78,7 @@ fn lens(given: &json::Camera, notes: &mut Notes) -> (Lens, f32, f32) {
         return perspective(render::scene::FOV_Y_RAD, render::scene::NEAR_M);
     };
     notes.count("orthographic cameras, shown by a narrow view from far away", 1, || {
-        format!("camera {}", quoted(given.name.as_deref().unwrap_or_default()))
+        format!("camera {}", quoted(name))
     });
     let half_height_m = parallel.ymag.abs().clamp(HALF_HEIGHTS_M[0], HALF_HEIGHTS_M[1]);
     let lens = Lens::Parallel { half_height_m, near_m: parallel.znear };
@@ -108,7 +109,7 @@ mod tests {
             "orthographic": {"xmag": 3, "ymag": 5, "zfar": 19, "znear": 1}}"#;
         let mut notes = Notes::default();
         let given = json::deserialize::from_str(text).expect("a camera");
-        let (lens, angle_rad, _) = lens(&given, &mut notes);
+        let (lens, angle_rad, _) = lens(&given, "plan", &mut notes);
         assert_eq!(
             notes.finish(),
             [

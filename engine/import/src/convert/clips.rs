@@ -1,6 +1,6 @@
 //! Clips: the animations of the file, as tracks that can be sampled without further questions.
 
-use animation::{Channel, Clip, Interpolation, NodeId, Track, Values};
+use animation::{Channel, Clip, Interpolation, NodeId, Track, TrackError, Values};
 use glam::{Quat, Vec3};
 use gltf::animation::Property;
 use gltf::json;
@@ -15,7 +15,7 @@ use crate::{Cause, ImportError, Source};
 /// All animations of the file that do anything in the scene.
 ///
 /// # Errors
-/// Times that are negative, not finite or not strictly ascending; values that are huge or not finite.
+/// Times that are negative, not finite or not strictly ascending; values that are not finite.
 pub(super) fn clips(
     source: &Source,
     tree: &Tree,
@@ -102,11 +102,19 @@ impl Reader<'_> {
             ),
         };
         let times_s = self.source.floats::<1>(sampler.input.value()).unwrap_or_default();
-        let track = Track::new(interpolation, times_s.into_flattened(), values, targets);
-        track.map(Some).map_err(|error| {
-            let place = format!("{}, sampler {}", (self.place)(), self.sampler);
-            self.source.error(Cause::Malformed, place, error.to_string())
-        })
+        match Track::new(interpolation, times_s.into_flattened(), values, targets) {
+            Ok(track) => Ok(Some(track)),
+            // glTF allows them.
+            Err(TrackError::TooLarge { .. } | TrackError::TooLate { .. }) => {
+                let what = "animation channels with times or values beyond 1e9, left out";
+                notes.count(what, 1, self.place);
+                Ok(None)
+            }
+            Err(error) => {
+                let place = format!("{}, sampler {}", (self.place)(), self.sampler);
+                Err(self.source.error(Cause::Malformed, place, error.to_string()))
+            }
+        }
     }
 
     fn vectors(&self, accessor: usize) -> Vec<Vec3> {

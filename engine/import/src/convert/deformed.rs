@@ -10,8 +10,8 @@ use super::geometry::Geometry;
 use super::materials::MaterialUse;
 use super::primitives::{Facing, Primitive, Variant};
 use super::skins::Used;
-use crate::ImportError;
 use crate::imported::Placement;
+use crate::{Cause, ImportError};
 
 impl Assembly<'_> {
     /// Puts a primitive that is skinned or morphed where its node or its joints are.
@@ -103,6 +103,9 @@ impl Assembly<'_> {
         (skin, form): (Option<Used>, Form),
         (transform, local): (Affine3A, Affine3A),
     ) -> Result<(), ImportError> {
+        self.budget.take_deformed(geometry.positions.len() as u64).map_err(|over| {
+            self.source.error(Cause::TooLarge, self.tree.name(node), over.to_string())
+        })?;
         let used = skin.and_then(|used| self.skins.list.get(used.skin));
         let seen_at_rest = form.seen_at_rest(&geometry, used, self.tree, &transform);
         let mesh = self.add_mesh(&geometry, material, name);

@@ -1,7 +1,9 @@
 //! What lives: clips, skins, morph targets, and the boxes of what changes its form.
 
+use std::ops::ControlFlow;
+
 use animation::{Interpolation, Pose, Skeleton, Values};
-use antumbra_import::{Imported, Placed};
+use antumbra_import::{Imported, Limits, LoadOptions, Placed, load_bytes};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use serde_json::{Value, json};
 
@@ -82,6 +84,17 @@ fn keys_that_are_no_keys_are_refused_by_name() {
     assert!(said.contains("value 0 is not finite"), "{said}");
     let zero = load(&animated("rotation", &[0.0], "VEC4", &[0.0; 4], "LINEAR"));
     assert!(notes(&zero, "keys of rotations of length 0"));
+}
+
+#[test]
+fn channels_beyond_what_can_be_played_are_left_out_and_told() {
+    for (times, far) in [([0.0, 1.0], 2e9), ([0.0, 1e10], 1.0)] {
+        let values = [0.0, 0.0, 0.0, far, 0.0, 0.0];
+        let imported = load(&animated("translation", &times, "VEC3", &values, "LINEAR"));
+        assert_eq!((imported.clips.len(), imported.scene.objects.len()), (0, 1));
+        let note = "animation channels with times or values beyond 1e9, left out: 1";
+        assert!(notes(&imported, note), "{:?}", imported.notes);
+    }
 }
 
 #[test]
@@ -276,6 +289,24 @@ fn morph_targets_that_count_make_a_mesh_of_its_own() {
     let rest = imported.placements[0].rest_bounds;
     assert!((rest.max.y - 2.5).abs() < 0.01, "{rest:?}");
     assert_eq!(imported.bounds(), rest);
+}
+
+#[test]
+fn vertices_that_change_their_form_are_limited_where_the_file_has_a_name() {
+    let mut scene = morphed(json!({ "weights": [0.5, 0.0] }));
+    let node = scene.json["nodes"][0].clone();
+    scene.set("/nodes/1", node);
+    scene.set("/nodes/1/name", json!("second"));
+    scene.set("/scenes/0/nodes", json!([0, 1]));
+    let limited = |deformed_vertices| {
+        let limits = Limits { deformed_vertices, ..Limits::default() };
+        let options = LoadOptions { limits, ..LoadOptions::default() };
+        load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
+    };
+    assert!(limited(6).is_ok());
+    let said = limited(5).expect_err("two triangles have six vertices").to_string();
+    assert!(said.contains("node 1 (\"second\")"), "{said}");
+    assert!(said.contains("more than 5 vertices of meshes that change their form"), "{said}");
 }
 
 #[test]
