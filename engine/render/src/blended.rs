@@ -10,8 +10,10 @@
 //! A box that no sample of shows stands for an object that no sample of shows either: leaving it out
 //! changes nothing, and those that are drawn are drawn in the same order whatever is left out.
 
+use std::collections::HashMap;
+
 use cull::{Aabb, Containment, PlaneMask, Strategy, View};
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use gpu::{
     Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
     MemoryBarrier, Parts, Place, vk,
@@ -22,7 +24,7 @@ use crate::frame_passes::FramePasses;
 use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{LeafBoxIo, ProxyBox, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::renderer::Renderer;
-use crate::scene::{BlendedId, Object, Scene};
+use crate::scene::{BlendedId, ENCLOSING, Mesh, Object, Scene, outwardness};
 use crate::shaders::ShaderSet;
 use crate::surfaces::SurfaceResources;
 
@@ -43,13 +45,61 @@ struct BlendedObject {
     /// In its own space.
     own_bounds: Aabb,
     bounds: Aabb,
+    /// In its own space.
+    faces: Faces,
+}
+
+/// Where the triangles of a mesh look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Faces {
+    /// Away from its middle, all around: those that are seen are on the near side.
+    Out,
+    /// At its middle: those that are seen are on the far side.
+    In,
+    /// Neither.
+    Along,
+}
+
+impl Faces {
+    fn of(mesh: &Mesh) -> Self {
+        let place = |index: &u32| Some(mesh.vertices.get(*index as usize)?.position.into());
+        let triangles = mesh.indices.as_chunks::<3>().0.iter();
+        let triangles = triangles.filter_map(|[a, b, c]| Some([place(a)?, place(b)?, place(c)?]));
+        match outwardness(&mesh.bounds, triangles) {
+            part if part >= ENCLOSING => Self::Out,
+            part if part <= -ENCLOSING => Self::In,
+            _ => Self::Along,
+        }
+    }
+
+    /// In the mirror insides are outsides.
+    fn under(self, transform: &Affine3A) -> Self {
+        let is_mirrored = transform.matrix3.determinant() < 0.0;
+        match self {
+            Self::Out if is_mirrored => Self::In,
+            Self::In if is_mirrored => Self::Out,
+            same => same,
+        }
+    }
+}
+
+/// How far away something is drawn: that what is in a glass comes after its far side and before its near one.
+fn depth_m(bounds: &Aabb, eye: Vec3, faces: Faces) -> f32 {
+    let towards = bounds.centre() - eye;
+    let distance_m = towards.length();
+    let reach_m = towards.normalize_or_zero().abs().dot(bounds.half_extent());
+    match faces {
+        Faces::Out => distance_m - reach_m,
+        Faces::In => distance_m + reach_m,
+        Faces::Along => distance_m,
+    }
 }
 
 /// An object of a view.
 #[derive(Clone, Copy)]
 struct Placed {
     number: usize,
-    distance_squared: f32,
+    depth_m: f32,
     test: Test,
 }
 
@@ -86,10 +136,13 @@ impl Blended {
         resources: Option<&SurfaceResources>,
     ) -> Result<Option<Self>, Error> {
         let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
+        let mut known = HashMap::new();
         let object = |object: &Object| {
-            let own_bounds = scene.mesh_of(object)?.bounds;
+            let mesh = scene.mesh_of(object)?;
+            let own_bounds = mesh.bounds;
             let bounds = bounds_in_world(&own_bounds, &object.transform)?;
-            Some(BlendedObject { object: *object, own_bounds, bounds })
+            let faces = *known.entry(object.mesh).or_insert_with(|| Faces::of(mesh));
+            Some(BlendedObject { object: *object, own_bounds, bounds, faces })
         };
         let objects: Vec<BlendedObject> = blended.filter_map(object).collect();
         let Some(resources) = resources.filter(|_| !objects.is_empty()) else { return Ok(None) };
@@ -122,7 +175,8 @@ impl Blended {
     }
 
     /// Finds those in the frustum of a view and sorts them: the farthest first, by the middle of their
-    /// boxes; of those that are equally far the first of the scene.
+    /// boxes, or by the side of it that is seen of what encloses something; of those that are equally far
+    /// the first of the scene.
     fn sort(&mut self, view: &View, test: Test) {
         self.sorted.clear();
         for (number, object) in self.objects.iter().enumerate() {
@@ -130,13 +184,13 @@ impl Blended {
             if view.frustum.classify(bounds, PlaneMask::ALL).0 == Containment::Outside {
                 continue;
             }
-            let distance_squared = (bounds.centre() - view.eye).length_squared();
+            let depth_m = depth_m(bounds, view.eye, object.faces.under(&object.object.transform));
             let can_be_tested = test == Test::Box && view.margin.proxy(bounds).is_some();
             let test = if can_be_tested { Test::Box } else { Test::None };
-            self.sorted.push(Placed { number, distance_squared, test });
+            self.sorted.push(Placed { number, depth_m, test });
         }
         self.sorted.sort_unstable_by(|a, b| {
-            let farther = b.distance_squared.total_cmp(&a.distance_squared);
+            let farther = b.depth_m.total_cmp(&a.depth_m);
             farther.then(a.number.cmp(&b.number))
         });
     }
@@ -288,5 +342,33 @@ impl Renderer {
             surfaces.move_blended(blended, &bounds)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_glass_in_a_glass_is_drawn_between_its_sides() {
+        let (outer, inner) = (Vec3::splat(2.0), Vec3::splat(0.5));
+        let eye = Vec3::new(9.0, 3.0, -4.0);
+        for middle in [Vec3::ZERO, Vec3::new(1.2, -0.7, 0.9)] {
+            let around = |half: Vec3| {
+                Aabb::new(middle * half.y.min(1.0) - half, middle * half.y.min(1.0) + half)
+            };
+            let depth = |half, faces| depth_m(&around(half), eye, faces);
+            let order = [
+                depth(outer, Faces::In),
+                depth(inner, Faces::In),
+                depth(inner, Faces::Along),
+                depth(inner, Faces::Out),
+                depth(outer, Faces::Out),
+            ];
+            assert!(order.is_sorted_by(|farther, nearer| farther > nearer), "{order:?}");
+        }
+        let mirror = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+        assert_eq!(Faces::Out.under(&mirror), Faces::In);
+        assert_eq!(Faces::Along.under(&mirror), Faces::Along);
     }
 }

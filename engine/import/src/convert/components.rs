@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
+use cull::Aabb;
 use glam::Vec3;
+use render::scene::{ENCLOSING, outwardness};
 
 use super::geometry::Geometry;
 use super::pieces;
@@ -40,6 +42,30 @@ pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
         pieces.push(pieces::piece(&geometry, &triangles, &mut names));
     }
     pieces
+}
+
+/// Takes a part that comes with the backs of its triangles, and encloses something, apart into the backs and
+/// the fronts: what is inside is seen before the ones and behind the others. All else stays whole.
+pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
+    let (backs, fronts) = part.triangles.split_at(part.triangles.len() / 2);
+    let places = |corners: &[u32; 3]| {
+        corners.map(|corner| part.positions.get(corner as usize).copied().unwrap_or_default())
+    };
+    let is_back = |(back, front): (&[u32; 3], &[u32; 3])| {
+        let ([a, b, c], [d, e, f]) = (places(back), places(front));
+        [a, c, b] == [d, e, f]
+    };
+    let are_backs = backs.len() == fronts.len() && backs.iter().zip(fronts).all(is_back);
+    let bounds = part.positions.iter().fold(Aabb::EMPTY, |all, at| all.union(&Aabb::new(*at, *at)));
+    if !are_backs || outwardness(&bounds, fronts.iter().map(places)).abs() < ENCLOSING {
+        return vec![part];
+    }
+    let mut names = vec![u32::MAX; part.positions.len()];
+    let (half, all) = (backs.len() as u32, part.triangles.len() as u32);
+    let numbers = |range: std::ops::Range<u32>| range.collect::<Vec<u32>>();
+    [numbers(0..half), numbers(half..all)]
+        .map(|side| pieces::piece(&part, &side, &mut names))
+        .into()
 }
 
 /// The triangles that hang together, by their numbers, in the order of the first of each.
@@ -174,5 +200,28 @@ mod tests {
                 .collect();
             assert_eq!(normals, [-1.0, -1.0, 1.0, 1.0]);
         }
+    }
+
+    #[test]
+    fn a_glass_is_taken_apart_into_its_sides_and_a_card_is_not() {
+        let with_backs = |mut geometry: Geometry| {
+            super::super::sidedness::with_backs(
+                &mut geometry,
+                super::super::sidedness::Backs::First,
+            );
+            geometry
+        };
+        assert_eq!(sides(with_backs(cards(1))).len(), 1);
+        let mut glass = Geometry::default();
+        for [x, y, z] in [[1.0, 1.0, 1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0], [1.0, -1.0, -1.0]]
+        {
+            glass.positions.push(Vec3::new(x, y, z));
+        }
+        glass.triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+        assert_eq!(sides(glass.clone()).len(), 1, "seen from one side");
+        let found = sides(with_backs(glass.clone()));
+        assert_eq!(found.iter().map(|side| side.triangles.len()).collect::<Vec<_>>(), [4, 4]);
+        assert_eq!(found[1].triangles, glass.triangles, "the fronts come last");
+        assert_eq!(found[0].positions.len(), 4);
     }
 }

@@ -17,6 +17,7 @@ use super::{components, pieces};
 use crate::ImportError;
 
 /// Parts of one blended mesh, and objects more because of all such parts, at most: each is sorted in each frame.
+/// Parts that enclose something are two.
 const MOST_PARTS: usize = 256;
 const MOST_PART_OBJECTS: usize = 16_384;
 
@@ -210,6 +211,7 @@ impl Assembly<'_> {
         if kind.material.is_blended {
             let left = MOST_PART_OBJECTS.saturating_sub(self.blended_parts);
             let parts = components::apart(geometry, (left / uses).min(MOST_PARTS));
+            let parts: Vec<Geometry> = parts.into_iter().flat_map(components::sides).collect();
             self.blended_parts += parts.len().saturating_sub(1) * uses;
             return parts;
         }

@@ -11,6 +11,7 @@ mod city;
 mod field;
 mod mesh;
 mod motion;
+mod outwardness;
 mod path;
 mod random;
 mod single;
@@ -27,6 +28,7 @@ pub use mesh::{
     Mesh, MeshId, Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal, unpack_unorm,
 };
 pub use motion::{Cast, Motion, MotionError};
+pub use outwardness::{ENCLOSING, outwardness};
 pub use path::{CameraPath, EYE_HEIGHT_M, FOV_Y_RAD, NEAR_M, PathKind};
 pub use surface::{
     Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, Level, LightId,
