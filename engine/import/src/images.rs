@@ -21,13 +21,14 @@ use crate::buffers::Budget;
 use crate::elements::Store;
 use crate::error::{At, Fault, Reason};
 use crate::source::Told;
+use crate::textures;
 use crate::uri::Wanted;
 use gate::Gate;
 
 /// More threads than that gain little and take memory.
 const MAX_THREADS: usize = 8;
 
-/// Decodes the images that textures use; the others stay `None`.
+/// Decodes the images that materials show; the others stay `None`.
 pub(crate) fn decode(
     root: &Root,
     store: &Store,
@@ -37,7 +38,8 @@ pub(crate) fn decode(
     tell: &mut Told<'_>,
 ) -> Result<Vec<Option<Image>>, Fault> {
     let mut is_used = vec![false; root.images.len()];
-    for &image in texture_images.iter().flatten() {
+    let shown = textures::shown(root).filter_map(|texture| *texture_images.get(texture)?);
+    for image in shown {
         if let Some(used) = is_used.get_mut(image) {
             *used = true;
         }

@@ -88,7 +88,7 @@ pub struct Source {
     pub file: String,
     /// Its JSON.
     pub document: gltf::Document,
-    /// As many as the document has images; `None` where no texture uses it.
+    /// As many as the document has images; `None` where no material shows it.
     pub images: Vec<Option<Image>>,
     /// As many as the document has textures: the index of its image, which is there; `None` for those whose
     /// image is in a format that is not supported, which are noted.

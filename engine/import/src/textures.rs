@@ -42,6 +42,23 @@ pub(crate) fn images_of(root: &Root, notes: &mut Notes) -> Vec<Option<usize>> {
     chosen
 }
 
+/// The textures that materials show, some of them several times.
+pub(crate) fn shown(root: &Root) -> impl Iterator<Item = usize> {
+    root.materials.iter().flat_map(|material| {
+        let pbr = &material.pbr_metallic_roughness;
+        [
+            pbr.base_color_texture.as_ref().map(|it| it.index),
+            pbr.metallic_roughness_texture.as_ref().map(|it| it.index),
+            material.normal_texture.as_ref().map(|it| it.index),
+            material.occlusion_texture.as_ref().map(|it| it.index),
+            material.emissive_texture.as_ref().map(|it| it.index),
+        ]
+        .into_iter()
+        .flatten()
+        .map(|texture| texture.value())
+    })
+}
+
 /// By which extensions a texture offers images.
 fn offered(texture: &Texture) -> String {
     let others = texture.extensions.iter().flat_map(|extensions| &extensions.others);

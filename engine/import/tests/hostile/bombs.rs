@@ -103,7 +103,7 @@ fn large_images_are_refused_by_their_heads() {
         let mut scene = Scene::triangle();
         let view = scene.view(&png_head(width, height));
         scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/png" }]));
-        scene.set("/textures", json!([{ "source": 0 }]));
+        scene.show_images(1);
         too_large(
             scene.glb(),
             &["image 0", "pixels along a side of", "more than the limit of 16384"],
@@ -112,13 +112,13 @@ fn large_images_are_refused_by_their_heads() {
     let mut scene = Scene::triangle();
     let view = scene.view(&png_head(0x7FFF_FFFF, 0x7FFF_FFFF));
     scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/png" }]));
-    scene.set("/textures", json!([{ "source": 0 }]));
+    scene.show_images(1);
     too_large(scene.glb(), &["image 0", "it cannot be decoded: Memory limit exceeded"]);
     let mut scene = Scene::triangle();
     let view = scene.view(&png_head(16_384, 16_384));
     let image = json!({ "bufferView": view, "mimeType": "image/png" });
     scene.set("/images", json!(vec![image; 3]));
-    scene.set("/textures", json!([{ "source": 0 }, { "source": 1 }, { "source": 2 }]));
+    scene.show_images(3);
     too_large(scene.glb(), &["image 2", "bytes of pixels up to it"]);
 }
 

@@ -166,7 +166,7 @@ fn images_are_read_from_files_too() {
     folder.write("a.png", &encoded(image::ImageFormat::Png));
     let mut scene = Scene::triangle();
     scene.set("/images", json!([{ "uri": "a.png" }, { "uri": "../a.png" }]));
-    scene.set("/textures", json!([{ "source": 0 }]));
+    scene.show_images(1);
     let path = folder.scene().join("scene.gltf");
     fs::write(&path, scene.gltf()).expect("it can be written");
     let source = open(&path, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
@@ -176,4 +176,8 @@ fn images_are_read_from_files_too() {
     let error = open(&path, &Limits::default()).map(drop).expect_err("outside");
     assert_eq!((error.cause, error.object.as_str()), (Cause::Forbidden, "image 1"), "{error}");
     assert!(error.file.ends_with("scene.gltf"));
+    scene.set("/materials/0", json!({}));
+    fs::write(&path, scene.gltf()).expect("it can be written");
+    let source = open(&path, &Limits::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert!(source.images.iter().all(Option::is_none), "nobody looks at what nobody shows");
 }

@@ -47,6 +47,14 @@ impl Scene {
         list.len() - 1
     }
 
+    /// Textures of the first images, each shown by a material.
+    pub fn show_images(&mut self, count: usize) {
+        let texture = |image| json!({ "source": image });
+        let material = |texture| json!({ "emissiveTexture": { "index": texture } });
+        self.set("/textures", (0..count).map(texture).collect());
+        self.set("/materials", (0..count).map(material).collect());
+    }
+
     /// Puts a value where a JSON pointer says; objects on the way are made.
     pub fn set(&mut self, pointer: &str, value: Value) {
         let mut place = &mut self.json;

@@ -197,7 +197,7 @@ fn jpegs_without_their_end_are_taken_if_nothing_else_is_missing() {
         let mut scene = Scene::triangle();
         let view = scene.view(bytes);
         scene.set("/images", json!([{ "bufferView": view, "mimeType": "image/jpeg" }]));
-        scene.set("/textures", json!([{ "source": 0 }]));
+        scene.show_images(1);
         read(scene.glb(), None, &Limits::default()).map(|source| source.images[0].clone())
     };
     let picture = read(&whole).expect("a picture");
