@@ -26,9 +26,10 @@ const MOST_STEPS: usize = 1 << 26;
 /// How many clips are tried however many nodes there are.
 const LEAST_TRIES: usize = 8;
 
-/// Takes from `clips` those that could take something farther than anything can be, and tells.
+/// Takes from `clips` those that could take something farther than anything can be, and tells. `extents` are those
+/// of all of them.
 pub(super) fn refuse_far(
-    tree: &Tree,
+    (tree, extents): (&Tree, &Extents),
     clips: &mut Vec<Clip>,
     placements: &mut [Placement],
     (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
@@ -41,7 +42,7 @@ pub(super) fn refuse_far(
         let farthest = extents.farthest(rig, &distances);
         farthest.filter(|(_, distance)| *distance > MAX_COORDINATE).map(|(node, _)| node)
     };
-    if clips.is_empty() || is_too_far(&Extents::new(rig, clips.iter())).is_none() {
+    if clips.is_empty() || is_too_far(extents).is_none() {
         return;
     }
     let tries = (MOST_STEPS / rig.nodes().len().max(1)).max(LEAST_TRIES);

@@ -121,6 +121,11 @@ impl Forms {
         }
     }
 
+    /// How far nodes go in all clips.
+    pub(super) fn into_extents(self) -> Extents {
+        self.extents
+    }
+
     /// Of each node whether it or one above it mirrors at one time and not at another.
     pub(super) fn turning(&self, rig: &Rig) -> Vec<bool> {
         let mut turns = vec![false; rig.nodes().len()];

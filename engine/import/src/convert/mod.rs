@@ -103,12 +103,21 @@ pub(crate) fn convert(
         assembly.tell()?;
         assembly.place(&mut plan, node)?;
     }
-    let Assembly { mut notes, mut scene, mut surfaces, materials, skins, mut placements, .. } =
-        assembly;
+    let Assembly {
+        mut notes,
+        mut scene,
+        mut surfaces,
+        materials,
+        skins,
+        mut placements,
+        forms,
+        ..
+    } = assembly;
     (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
     renderable::check_textures(&source, &surfaces)?;
     let made = (&scene, &surfaces, skins.list.as_slice());
-    distances::refuse_far(&tree, &mut clips, &mut placements, made, &cameras, &mut notes);
+    let moved = (&tree, &forms.into_extents());
+    distances::refuse_far(moved, &mut clips, &mut placements, made, &cameras, &mut notes);
     if scene.objects.is_empty() && surfaces.blended.is_empty() {
         notes.say("there is nothing to see in the scene");
     }
