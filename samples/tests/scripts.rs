@@ -9,7 +9,8 @@ mod program;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
 
 use program::{Scratch, stderr};
 
@@ -27,9 +28,14 @@ done
 /// Builds nothing; what it is to run it names.
 const CARGO: &str = "#!/bin/sh\n[ \"$1\" != run ] || echo \"$*\"\n";
 
+/// Held while a program is written and while one is started: a child that another test starts
+/// in between has the file open for writing until it is replaced, and no one may run it (ETXTBSY).
+static PROGRAMS: Mutex<()> = Mutex::new(());
+
 fn program(path: &Path, text: &str) {
     let folder = path.parent().expect("a folder");
     fs::create_dir_all(folder).expect("the target folder is writable");
+    let _no_child_starts = PROGRAMS.lock();
     fs::write(path, text).expect("the target folder is writable");
     fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("ours");
 }
@@ -48,12 +54,19 @@ fn tree(name: &str, script: &str) -> Scratch {
 
 fn run(scratch: &Scratch, script: &str, arguments: &[&str]) -> Output {
     let path = std::env::var("PATH").expect("a path");
-    Command::new(scratch.0.join("ci").join(script))
+    let nothing_is_written = PROGRAMS.lock();
+    // It returns when the child has replaced itself and holds nothing of ours any more.
+    let child = Command::new(scratch.0.join("ci").join(script))
         .args(arguments)
         .env("PATH", format!("{}:{path}", scratch.0.join("bin").display()))
         .env_remove("CARGO_TARGET_DIR")
-        .output()
-        .expect("it starts")
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    drop(nothing_is_written);
+    child.wait_with_output().expect("it ends")
 }
 
 fn assert_ends_with(output: &Output, code: i32) {
