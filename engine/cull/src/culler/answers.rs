@@ -38,6 +38,9 @@ impl Ingest<'_> {
             return;
         }
         record.answered = self.asked;
+        // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place of
+        // its test are asked about and not visited.
+        record.visited = record.visited.max(self.asked);
         match (kind, samples) {
             (QueryKind::Part, 0) => {}
             (QueryKind::Part, _) => self.leaf_showed(node),
@@ -271,6 +274,7 @@ impl Ingest<'_> {
                     record.streak = 0;
                 }
                 record.answered = record.answered.max(asked);
+                record.visited = record.visited.max(asked);
                 record.due = due;
             });
             parent = self.topology.nodes[parent as usize].parent;

@@ -56,6 +56,26 @@ fn forgetting_makes_everything_unknown() {
     assert!(stats.occluders > 0);
 }
 
+#[test]
+fn what_is_drawn_in_the_place_of_tests_is_known_when_its_answers_are_home() {
+    let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
+    walk.step(&STREET);
+    let occluders = walk.plan.queried_draws.clone();
+    let mut shown = Vec::new();
+    for _ in 0..8 {
+        walk.step(&STREET);
+        let is_visible = |tag: &QueryTag| walk.culler.state(tag.node) == NodeState::Visible;
+        shown.extend(occluders.iter().filter(|(_, tag)| is_visible(tag)).map(|(leaf, _)| *leaf));
+        if !shown.is_empty() {
+            break;
+        }
+    }
+    assert!(shown.len() > 4, "{shown:?}");
+    // Tested once more, the largest of all would hide nothing from the tests beside them.
+    let stats = walk.plan.stats;
+    assert!(stats.visible as usize >= shown.len() && stats.occluders == 0, "{stats:?}");
+}
+
 /// Every state of every node.
 fn states(culler: &Culler, hierarchy: &Hierarchy) -> Vec<NodeState> {
     let nodes = 0..hierarchy.node_count() as u32;
