@@ -93,18 +93,31 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
                 box_at(centre, Vec3::new(0.2, 0.2, 0.1))
             })
             .collect();
-        let scene = box_scene(&boxes);
+        let camera = Camera { fov_y: 1.0, ..square_camera() };
+        let wall = box_at(camera.eye - 5.0 * camera.forward, Vec3::new(50.0, 50.0, 0.1));
+        let hiding = Camera { eye: camera.eye - 10.0 * camera.forward, ..camera };
+        let scene = box_scene(&[boxes, vec![wall]].concat());
         let size = [384, 216];
         // Any test may answer for any number of leaves, through whose gaps much of these shows.
-        let policy =
-            Policy { front_area: 0.0, fronts: 1_000, leaves_behind: u32::MAX, ..Policy::default() };
+        let policy = Policy {
+            front_area: 0.0,
+            fronts: 1_000,
+            leaves_behind: u32::MAX,
+            leaves_behind_a_frame: u32::MAX,
+            growth_frames_parts: u32::MAX,
+            ..Policy::default()
+        };
         // No price keeps a test from being made.
         let options = RendererOptions { size, policy, costs: Costs::Ignored, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut finder = renderer.new_view().unwrap();
         let mut view = renderer.new_view().unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
-        let camera = Camera { fov_y: 1.0, ..square_camera() };
+        // Only what was hidden answers for others: seen from behind a wall, all of it was.
+        for _ in 0..4 {
+            let set = renderer.visible_set(&mut finder, &hiding, Area::whole(size)).unwrap();
+            assert_eq!(set.leaves().len(), 1);
+        }
         let set = renderer.visible_set(&mut finder, &camera, Area::whole(size)).unwrap();
         assert!(set.leaves().len() > gpu::LISTED_DRAWS, "only {} show", set.leaves().len());
         assert!(finder.plan().stats.behind > 20, "no test answered for another");

@@ -301,7 +301,9 @@ impl Culler {
         }
         if self.abilities.parts {
             let fronts = &mut self.fronts;
-            plan.stats.behind = cover::share_answers(&mut plan.tests, view, &policy, fronts);
+            let hidden_frames = self.scratch.tests.iter().map(|test| test.hidden_frames);
+            plan.stats.behind =
+                cover::share_answers(&mut plan.tests, hidden_frames, view, &policy, fronts);
         }
         let most = match (tester, is_cut) {
             (Tester::Compute, false) => policy.rounds_compute_calm,

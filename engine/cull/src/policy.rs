@@ -102,6 +102,9 @@ pub struct Policy {
     pub fronts: u32,
     /// The most leaves that one of them may answer for: all are tested one by one if it shows.
     pub leaves_behind: u32,
+    /// The same for each frame that it has been hidden, none for what is unknown: what was not hidden
+    /// for long is the likeliest to show.
+    pub leaves_behind_a_frame: u32,
     /// More tests than this are too many even where there are queries for them: the allowed sizes
     /// are raised, and open nodes whose parts are all hidden are tested as one without a probe.
     /// After a cut in a huge scene this brings the frontier down in tens of frames, not hundreds.
@@ -156,6 +159,7 @@ impl Default for Policy {
             front_area: 0.002,
             fronts: 48,
             leaves_behind: 4_096,
+            leaves_behind_a_frame: 64,
             tests_wished: 1024,
             coarsen_attempts: 4,
             seed: 0x6e6f_7374_616c_6c73,

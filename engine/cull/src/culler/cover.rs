@@ -41,12 +41,17 @@ pub(super) struct Front {
     bounds: Aabb,
     /// What would have to be tested if it showed.
     leaves_behind: u32,
+    most_behind: u32,
 }
 
 /// Makes tests share the answers of others, front to back, and asks for their leaves one by one.
-/// Says how many. `fronts` keeps its memory.
+/// Says how many. `hidden_frames` tells of each test for how long its node has been hidden, if it is
+/// known to be: what was so for n frames is not in the next with a chance of about 1 in n (Laplace's
+/// rule of succession), so what a front may answer for grows with n, and what is expected to be paid
+/// where it shows does not. `fronts` keeps its memory.
 pub(super) fn share_answers(
     tests: &mut [ProxyTest],
+    hidden_frames: impl Iterator<Item = Option<u32>>,
     view: &View,
     policy: &Policy,
     fronts: &mut Vec<Front>,
@@ -55,7 +60,7 @@ pub(super) fn share_answers(
     let mut behind = 0;
     let [width, height] = view.size.map(|pixels| pixels as f32);
     let least_area = policy.front_area * width * height;
-    for (number, test) in (0..).zip(tests) {
+    for ((number, test), hidden_frames) in (0..).zip(tests).zip(hidden_frames) {
         if test.tester != Tester::Flag || test.leaves.count == 0 {
             continue;
         }
@@ -65,7 +70,7 @@ pub(super) fn share_answers(
         let seen = outline.clipped([width, height]);
         let leaves = test.leaves.count;
         let in_front = fronts.iter_mut().find(|front| {
-            front.leaves_behind.saturating_add(leaves) <= policy.leaves_behind
+            front.leaves_behind.saturating_add(leaves) <= front.most_behind
                 && front.is_before(&test.bounds, view.eye)
                 && front.holds(&seen)
         });
@@ -76,8 +81,10 @@ pub(super) fn share_answers(
             behind += 1;
             continue;
         }
+        let known = hidden_frames.unwrap_or(0).saturating_mul(policy.leaves_behind_a_frame);
+        let most_behind = known.min(policy.leaves_behind);
         let area = seen.area();
-        if area >= least_area && outline.is_sharp(&test.bounds, nearest, view) {
+        if most_behind > 0 && area >= least_area && outline.is_sharp(&test.bounds, nearest, view) {
             let front = Front {
                 test: number,
                 outline,
@@ -86,6 +93,7 @@ pub(super) fn share_answers(
                 area,
                 bounds: test.bounds,
                 leaves_behind: 0,
+                most_behind,
             };
             keep_largest(fronts, front, policy.fronts as usize);
         }
@@ -281,8 +289,10 @@ mod tests {
         }
         assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
     }
-    /// Two tests in a row, and whether the second is taken as answered by the first.
-    fn shares(front: Aabb, behind: Aabb, view: &View) -> bool {
+
+    /// Two tests of four leaves in a row, the first of them hidden for so long, and whether the second is
+    /// taken as answered by the first.
+    fn shares_after(hidden_frames: Option<u32>, [front, behind]: [Aabb; 2], view: &View) -> bool {
         let leaves = LeafRange { first: LeafIndex(0), count: 4 };
         let test = |bounds| ProxyTest {
             tag: QueryTag {
@@ -297,11 +307,32 @@ mod tests {
             tester: Tester::Flag,
         };
         let mut tests = [test(front), test(behind)];
-        let policy =
-            Policy { front_area: 1.0e-6, fronts: 4, leaves_behind: 100, ..Policy::default() };
-        let behind = share_answers(&mut tests, view, &policy, &mut Vec::new());
+        let policy = Policy {
+            front_area: 1.0e-6,
+            fronts: 4,
+            leaves_behind: 100,
+            leaves_behind_a_frame: 2,
+            ..Policy::default()
+        };
+        let hidden_frames = [hidden_frames, None].into_iter();
+        let behind = share_answers(&mut tests, hidden_frames, view, &policy, &mut Vec::new());
         assert_eq!(behind == 1, matches!(tests[1].tester, Tester::Behind(0)));
         behind == 1
+    }
+
+    fn shares(front: Aabb, behind: Aabb, view: &View) -> bool {
+        shares_after(Some(100), [front, behind], view)
+    }
+
+    #[test]
+    fn what_is_unknown_or_was_just_hidden_answers_for_nothing_else() {
+        let forward = Vec3::NEG_Z;
+        let camera = Camera { eye: Vec3::ZERO, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 };
+        let view = View::new(&camera, [640, 360], 8);
+        let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
+        let after = |hidden_frames| shares_after(hidden_frames, [at(-4.0), at(-20.0)], &view);
+        assert!(![None, Some(0), Some(1)].into_iter().any(after));
+        assert!([Some(2), Some(3), Some(u32::MAX)].into_iter().all(after));
     }
 
     /// How far along the way from `eye` to `point` the box is entered, if it is on this way.

@@ -71,7 +71,7 @@ impl Economy<'_> {
         Question {
             leaves: test.leaf_count,
             pixels: covered_pixels(view, &test.proxy),
-            is_unknown: test.is_unknown,
+            is_unknown: test.is_unknown(),
         }
     }
 }
@@ -133,7 +133,7 @@ impl Scratch {
             // What counts as hidden and is drawn all the same is asked about now and then: it may be
             // visible by now, and a reason to test it with its neighbours no more.
             let is_asked =
-                test.leaf_count == 1 && !test.is_unknown && walk.is_turn_to_retest(test.node);
+                test.leaf_count == 1 && !test.is_unknown() && walk.is_turn_to_retest(test.node);
             walk.leaves_in_frustum(test.node, &mut self.stack, |leaf| {
                 stats.untested_by_cost += 1;
                 if is_asked {
@@ -141,7 +141,7 @@ impl Scratch {
                     return;
                 }
                 self.draws.push(Draw { nearness: leaf.nearness, leaf: leaf.leaf });
-                if test.is_unknown {
+                if test.is_unknown() {
                     self.assumed.push([leaf.node, test.node]);
                 }
             });

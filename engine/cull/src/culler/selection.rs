@@ -43,7 +43,14 @@ pub(super) struct Candidate {
     pub(super) leaf_count: u32,
     /// Since when a node above it was hidden, where nothing newer is known.
     pub(super) inherited: Option<Stamp>,
-    pub(super) is_unknown: bool,
+    /// For how long the node has been hidden; `None` where it is not known to be.
+    pub(super) hidden_frames: Option<u32>,
+}
+
+impl Candidate {
+    pub(super) fn is_unknown(&self) -> bool {
+        self.hidden_frames.is_none()
+    }
 }
 
 /// The lists of one plan in the making, kept so that steady frames do not allocate.
@@ -126,7 +133,7 @@ impl Scratch {
     }
 
     fn is_cut(&self, policy: &Policy) -> bool {
-        let unknown = self.frontier().filter(|test| test.is_unknown).count();
+        let unknown = self.frontier().filter(|test| test.is_unknown()).count();
         unknown >= policy.cut_tests as usize
             && unknown.saturating_mul(policy.cut_share as usize) >= self.frontier().count()
     }
@@ -136,7 +143,7 @@ impl Scratch {
     fn draw_occluders(&mut self, walk: &Walk<'_>, stats: &mut PlanStats) {
         let mut left = walk.policy.occluders;
         for (test, is_dropped) in self.tests.iter().zip(&mut self.is_dropped) {
-            let is_fit = test.is_unknown && test.leaf_count <= walk.policy.unknown_leaves;
+            let is_fit = test.is_unknown() && test.leaf_count <= walk.policy.unknown_leaves;
             if !is_fit {
                 continue;
             }
@@ -224,7 +231,7 @@ impl Scratch {
         for test in self.frontier() {
             stats.frontier += 1;
             stats.tested_leaves = stats.tested_leaves.saturating_add(test.leaf_count);
-            stats.unknown += u32::from(test.is_unknown);
+            stats.unknown += u32::from(test.is_unknown());
         }
     }
 }

@@ -153,7 +153,7 @@ impl Walk<'_> {
                     proxy,
                     leaf_count: 1,
                     inherited: None,
-                    is_unknown: false,
+                    hidden_frames: Some(0),
                 });
             }
             Verdict::Test(proxy) => scratch.tests.push(Candidate {
@@ -162,8 +162,7 @@ impl Walk<'_> {
                 proxy,
                 leaf_count: turn.leaf_count,
                 inherited: turn.inherited,
-                is_unknown: turn.record.state != NodeState::Hidden
-                    || !turn.record.is_fresh(self.now, self.policy.stale_frames),
+                hidden_frames: self.hidden_frames(&turn.record),
             }),
             Verdict::Open(proxy) => self.open(turn, proxy, scratch),
         }
@@ -267,7 +266,7 @@ impl Walk<'_> {
                 proxy,
                 leaf_count: turn.leaf_count,
                 inherited: None,
-                is_unknown: false,
+                hidden_frames: Some(0),
             });
         }
     }
@@ -314,6 +313,12 @@ impl Walk<'_> {
             let nearness = Nearness::of(&bounds, self.view.eye);
             scratch.queue.push(Reverse((nearness, node, Above { mask, ..above })));
         }
+    }
+
+    /// For how long a node has been hidden; `None` if it is not known to be.
+    fn hidden_frames(&self, record: &Record) -> Option<u32> {
+        let is_fresh = record.is_fresh(self.now, self.policy.stale_frames);
+        (is_fresh && record.state == NodeState::Hidden).then(|| record.hidden_frames())
     }
 
     /// Whether a node that has been hidden for so long may be tested as one.

@@ -164,6 +164,7 @@ fn extreme_policy(random: &mut Random, usual: Policy) -> Policy {
         front_area,
         fronts,
         leaves_behind,
+        leaves_behind_a_frame,
         tests_wished,
         coarsen_attempts,
         seed: _,
@@ -205,6 +206,7 @@ fn extreme_policy(random: &mut Random, usual: Policy) -> Policy {
         parts_leaves,
         fronts,
         leaves_behind,
+        leaves_behind_a_frame,
         tests_wished,
         coarsen_attempts,
     ] {
