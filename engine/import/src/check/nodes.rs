@@ -11,12 +11,14 @@ pub(super) fn check(root: &Root, limits: &Limits) -> Result<(), Fault> {
     if count as u64 > limits.nodes {
         return Err(Reason::too_large("nodes", count as u64, limits.nodes).of("nodes"));
     }
+    let mut parents: Vec<Option<usize>> = vec![None; count];
+    // There may be very many: all that is asked of a node is asked while it is at hand.
     for (index, node) in root.nodes.iter().enumerate() {
         check_references(root, node)
             .and_then(|()| check_numbers(node))
             .at(|| format!("node {index}"))?;
+        adopt_children(&mut parents, index, node)?;
     }
-    let parents = parents(root)?;
     check_ancestors(&parents)?;
     check_scenes(root, &parents)
 }
@@ -49,22 +51,19 @@ fn check_numbers(node: &Node) -> Result<(), Reason> {
     finite("weight", node.weights.as_deref().unwrap_or_default())
 }
 
-/// The parent of each node, of which it has one at most.
-fn parents(root: &Root) -> Result<Vec<Option<usize>>, Fault> {
-    let mut parents: Vec<Option<usize>> = vec![None; root.nodes.len()];
-    for (index, node) in root.nodes.iter().enumerate() {
-        for child in node.children.iter().flatten().map(|child| child.value()) {
-            let at = || format!("node {index}, children");
-            let count = root.nodes.len();
-            let parent =
-                parents.get_mut(child).ok_or_else(|| Reason::out_of_range("node", child, count));
-            if let Some(other) = parent.at(at)?.replace(index) {
-                let text = format!("node {child} is a child of node {other} already");
-                return Err(Reason::malformed(text).of(at()));
-            }
+/// Notes the parent of a node's children, of which each has one at most.
+fn adopt_children(parents: &mut [Option<usize>], index: usize, node: &Node) -> Result<(), Fault> {
+    let count = parents.len();
+    for child in node.children.iter().flatten().map(|child| child.value()) {
+        let at = || format!("node {index}, children");
+        let parent =
+            parents.get_mut(child).ok_or_else(|| Reason::out_of_range("node", child, count));
+        if let Some(other) = parent.at(at)?.replace(index) {
+            let text = format!("node {child} is a child of node {other} already");
+            return Err(Reason::malformed(text).of(at()));
         }
     }
-    Ok(parents)
+    Ok(())
 }
 
 /// Where each node has one parent at most, those that lead to no root are on a circle or hang on one.

@@ -52,7 +52,7 @@ pub(super) struct Assembly<'a> {
     /// What was placed since that was told.
     pub(super) untold: usize,
     /// From where points and lines are seen.
-    pub(super) sight: Sight,
+    pub(super) sight: Sight<'a>,
     /// How many objects more there are because blended meshes were taken apart.
     pub(super) blended_parts: usize,
 }
@@ -113,13 +113,11 @@ impl<'a> Assembly<'a> {
     /// # Errors
     /// What [`Primitive::build`] refuses.
     pub(super) fn place(&mut self, plan: &mut Plan, node: NodeId) -> Result<(), ImportError> {
+        let Some(mesh) = self.tree.meshes.get(node.0 as usize).copied().flatten() else {
+            return Ok(());
+        };
+        let mesh = mesh as usize;
         let in_file = self.tree.in_file.get(node.0 as usize).copied().unwrap_or_default();
-        let Some(given) = self.source.document.as_json().nodes.get(in_file) else {
-            return Ok(());
-        };
-        let Some(mesh) = given.mesh.map(|mesh| mesh.value()) else {
-            return Ok(());
-        };
         let instances = self.source.instancing.get(&in_file).copied();
         let tree = self.tree;
         let name = || tree.name(node);
@@ -127,7 +125,7 @@ impl<'a> Assembly<'a> {
         for number in 0..plan.primitives(mesh) {
             let Some(primitive) = self.primitive(mesh, number) else { continue };
             let Some(kind) = plan.kind(mesh, number) else { continue };
-            let skin = given.skin.filter(|_| primitive.is_skinned()).map(|skin| skin.value());
+            let skin = if primitive.is_skinned() { self.skin_of(in_file) } else { None };
             if skin.is_some() || self.is_morphed(node, &primitive) {
                 let name = self.name_of(mesh, number);
                 self.place_deformed((&primitive, kind.material, name), node, skin, &locals)?;
@@ -136,6 +134,11 @@ impl<'a> Assembly<'a> {
             }
         }
         Ok(())
+    }
+
+    fn skin_of(&self, in_file: usize) -> Option<usize> {
+        let node = self.source.document.as_json().nodes.get(in_file)?;
+        node.skin.map(|skin| skin.value())
     }
 
     /// Whether morph targets change a primitive of a node, at rest or while a clip plays.

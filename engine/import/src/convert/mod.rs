@@ -59,7 +59,7 @@ pub(crate) fn convert(
     teller: &mut Teller<'_>,
 ) -> Result<Imported, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
-    let tree = Tree::of(&source, &mut notes)?;
+    let tree = Tree::of(&mut source, &mut notes)?;
     let mut clips = clips::clips(&source, &tree, &mut notes)?;
     let (mut cameras, lenses) = cameras::cameras(&source, &tree, &mut notes);
     let first = cameras.first().map(|camera| camera.node).zip(lenses.first().copied());
@@ -155,20 +155,22 @@ fn empty(name: String) -> Scene {
 pub(crate) fn bounds(imported: &Imported) -> Aabb {
     let scene = &imported.scene;
     let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
-    let mut boxes: Vec<Aabb> =
-        scene.objects.iter().chain(blended).filter_map(|object| scene.bounds_of(object)).collect();
-    // The mesh of what changes its form is not where it is shown.
     let objects = scene.objects.len();
-    for placement in imported.placements.iter().filter(|it| it.deformer.is_some()) {
-        let place = match placement.placed {
-            Placed::Object(id) => id.0 as usize,
-            Placed::Blended(id) => objects + id.0 as usize,
-            Placed::Light(_) => continue,
-        };
-        if let Some(bounds) = boxes.get_mut(place) {
-            *bounds = placement.seen_at_rest;
-        }
-    }
-    let all = boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one));
+    // The mesh of what changes its form is not where it is shown.
+    let deformed = imported.placements.iter().filter(|placement| placement.deformer.is_some());
+    let seen: HashMap<usize, Aabb> = deformed
+        .filter_map(|placement| match placement.placed {
+            Placed::Object(id) => Some((id.0 as usize, placement.seen_at_rest)),
+            Placed::Blended(id) => Some((objects + id.0 as usize, placement.seen_at_rest)),
+            Placed::Light(_) => None,
+        })
+        .collect();
+    let all = scene.objects.iter().chain(blended).enumerate().fold(
+        Aabb::EMPTY,
+        |all, (place, object)| {
+            let seen = if seen.is_empty() { None } else { seen.get(&place).copied() };
+            seen.or_else(|| scene.bounds_of(object)).map_or(all, |one| all.union(&one))
+        },
+    );
     if all.is_empty() { Aabb::new(Vec3::ZERO, Vec3::ZERO) } else { all }
 }

@@ -18,6 +18,8 @@ pub(super) struct Tree {
     pub(super) rig: Rig,
     /// For each of them, its number in the file.
     pub(super) in_file: Vec<usize>,
+    /// For each of them, the mesh of the file that it has.
+    pub(super) meshes: Vec<Option<u32>>,
     /// For each node of the file, what it is here, if it is.
     pub(super) ids: Vec<Option<NodeId>>,
     /// For each of them, where it is in the world at rest.
@@ -29,22 +31,25 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// The scene that the file says, else its first one, else all nodes without a parent.
+    /// The scene that the file says, else its first one, else all nodes without a parent. The names of its
+    /// nodes are taken out of the file.
     ///
     /// # Errors
     /// Nodes that are their own ancestors.
-    pub(super) fn of(source: &Source, notes: &mut Notes) -> Result<Self, ImportError> {
-        let json = source.document.as_json();
-        let (moved, morphed) = animated(json);
+    pub(super) fn of(source: &mut Source, notes: &mut Notes) -> Result<Self, ImportError> {
+        let empty = gltf::Document::from_json_without_validation(json::Root::default());
+        let mut json = std::mem::replace(&mut source.document, empty).into_json();
+        let (moved, morphed) = animated(&json);
         let count = json.nodes.len();
         let mut nodes: Vec<Node> = Vec::with_capacity(count);
         let mut ids = vec![None; count];
         let (mut in_file, mut worlds) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut meshes = Vec::with_capacity(count);
         let (mut moves, mut morphs) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut pending: Vec<(usize, Option<NodeId>)> =
-            roots(json, notes).into_iter().rev().map(|root| (root, None)).collect();
+            roots(&json, notes).into_iter().rev().map(|root| (root, None)).collect();
         while let Some((index, parent)) = pending.pop() {
-            let (Some(given), Some(slot @ None)) = (json.nodes.get(index), ids.get_mut(index))
+            let (Some(given), Some(slot @ None)) = (json.nodes.get_mut(index), ids.get_mut(index))
             else {
                 continue;
             };
@@ -57,13 +62,15 @@ impl Tree {
             worlds.push(world.unwrap_or(Affine3A::IDENTITY) * local(&rest));
             moves.push(is_moved || above.is_some_and(|above| moves.get(above) == Some(&true)));
             morphs.push(morphed.get(index).copied().unwrap_or_default());
-            let name = given.name.clone().unwrap_or_default();
-            nodes.push(Node { name, parent, rest, weights: weights(json, given) });
+            let name = given.name.take().unwrap_or_default();
+            nodes.push(Node { name, parent, rest, weights: weights(&json.meshes, given) });
             in_file.push(index);
+            meshes.push(given.mesh.and_then(|mesh| u32::try_from(mesh.value()).ok()));
             let children = given.children.as_deref().unwrap_or_default();
             pending.extend(children.iter().rev().map(|child| (child.value(), Some(id))));
         }
-        Ok(Self { rig: rig_of(nodes, source)?, in_file, ids, worlds, moves, morphs })
+        source.document = gltf::Document::from_json_without_validation(json);
+        Ok(Self { rig: rig_of(nodes, source)?, in_file, meshes, ids, worlds, moves, morphs })
     }
 
     /// What a node of the file is here, if it is.
@@ -171,8 +178,8 @@ pub(super) fn local(rest: &Rest) -> Affine3A {
 }
 
 /// The weights of a node's morph targets: its own, else its mesh's, else zeros.
-fn weights(json: &json::Root, given: &json::Node) -> Vec<f32> {
-    let Some(mesh) = given.mesh.and_then(|mesh| json.meshes.get(mesh.value())) else {
+fn weights(meshes: &[json::Mesh], given: &json::Node) -> Vec<f32> {
+    let Some(mesh) = given.mesh.and_then(|mesh| meshes.get(mesh.value())) else {
         return Vec::new();
     };
     let targets = mesh.primitives.first().and_then(|primitive| primitive.targets.as_ref());

@@ -121,7 +121,7 @@ impl Primitive<'_> {
         &self,
         variant: Variant,
         material: &MaterialUse,
-        (sight, to_world): (&Sight, &Affine3A),
+        (sight, to_world): (&Sight<'_>, &Affine3A),
         budget: &mut Budget,
         notes: &mut Notes,
     ) -> Result<Option<Geometry>, ImportError> {

@@ -95,9 +95,8 @@ impl Assembly<'_> {
         let source = self.source;
         let json = source.document.as_json();
         let mut seen = vec![0_u64; json.meshes.len()];
-        for in_file in &self.tree.in_file {
-            let mesh = json.nodes.get(*in_file).and_then(|node| node.mesh);
-            if let Some(seen) = mesh.and_then(|mesh| seen.get_mut(mesh.value())) {
+        for (in_file, mesh) in self.tree.in_file.iter().zip(&self.tree.meshes) {
+            if let Some(seen) = mesh.and_then(|mesh| seen.get_mut(mesh as usize)) {
                 let instances = source.instancing.get(in_file).copied();
                 *seen += instances.map_or(1, |instances| instances.count as u64);
             }

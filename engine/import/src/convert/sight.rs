@@ -3,6 +3,7 @@
 //! That is the first camera of the file, where it is at rest, else a view of the whole scene. Whether the
 //! boxes that files give for their positions are right matters for nothing else.
 
+use std::cell::OnceCell;
 use std::collections::HashMap;
 
 use animation::NodeId;
@@ -19,43 +20,58 @@ use crate::Source;
 /// How much larger than seen from where all is in sight points and lines are at most.
 const MOST_TIMES: f32 = 2.0;
 
+/// From where a scene is seen. Found when it is first asked for: most scenes have neither points nor lines,
+/// and to look over all nodes takes its time.
+pub(super) struct Sight<'a> {
+    source: &'a Source,
+    tree: &'a Tree,
+    /// Where the first camera is, with its lens.
+    camera: Option<(NodeId, Lens)>,
+    place: OnceCell<Place>,
+}
+
 /// A place from which a scene is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Sight {
+struct Place {
     eye: Vec3,
     /// The height of the picture for each metre of distance, and at any distance.
     heights_m: [f32; 2],
     most_height_m: f32,
 }
 
-impl Sight {
+impl<'a> Sight<'a> {
     /// From a camera at a node, or from where all of the scene is seen.
-    pub(super) fn of(source: &Source, tree: &Tree, camera: Option<(NodeId, Lens)>) -> Self {
-        let all = rough_bounds(source, tree);
+    pub(super) fn of(source: &'a Source, tree: &'a Tree, camera: Option<(NodeId, Lens)>) -> Self {
+        Self { source, tree, camera, place: OnceCell::new() }
+    }
+
+    /// How high the picture is around the middle of a box, in the units of its own space.
+    pub(super) fn height_at(&self, bounds: &Aabb, to_world: &Affine3A) -> f32 {
+        let place = self.place.get_or_init(|| self.look());
+        let distance = to_world.transform_point3(bounds.centre()).distance(place.eye);
+        let height_m = place.heights_m[0] * distance + place.heights_m[1];
+        let scale = to_world.matrix3.determinant().abs().cbrt();
+        let height = height_m.min(place.most_height_m) / scale;
+        if height.is_finite() && height > 0.0 { height } else { place.most_height_m }
+    }
+
+    fn look(&self) -> Place {
+        let all = rough_bounds(self.source, self.tree);
         let around = overview(&all);
         let of_angle = |angle_rad: f32| 2.0 * (angle_rad * 0.5).tan();
         let distance = around.eye.distance(all.centre());
         let height_m = of_angle(around.fov_y) * distance;
-        let (eye, heights_m) = match camera {
+        let (eye, heights_m) = match self.camera {
             None => (around.eye, [of_angle(around.fov_y), 0.0]),
             Some((node, lens)) => {
                 let heights_m = match lens {
                     Lens::Perspective { angle_rad } => [of_angle(angle_rad), 0.0],
                     Lens::Parallel { half_height_m, .. } => [0.0, 2.0 * half_height_m],
                 };
-                (tree.world(node).translation.into(), heights_m)
+                (self.tree.world(node).translation.into(), heights_m)
             }
         };
-        Self { eye, heights_m, most_height_m: height_m * MOST_TIMES }
-    }
-
-    /// How high the picture is around the middle of a box, in the units of its own space.
-    pub(super) fn height_at(&self, bounds: &Aabb, to_world: &Affine3A) -> f32 {
-        let distance = to_world.transform_point3(bounds.centre()).distance(self.eye);
-        let height_m = self.heights_m[0] * distance + self.heights_m[1];
-        let scale = to_world.matrix3.determinant().abs().cbrt();
-        let height = height_m.min(self.most_height_m) / scale;
-        if height.is_finite() && height > 0.0 { height } else { self.most_height_m }
+        Place { eye, heights_m, most_height_m: height_m * MOST_TIMES }
     }
 }
 
@@ -64,9 +80,8 @@ fn rough_bounds(source: &Source, tree: &Tree) -> Aabb {
     let json = source.document.as_json();
     let mut known: HashMap<usize, Option<Aabb>> = HashMap::new();
     let mut all = Aabb::EMPTY;
-    for (node, in_file) in (0..).map(NodeId).zip(&tree.in_file) {
-        let mesh = json.nodes.get(*in_file).and_then(|node| node.mesh);
-        let primitives = mesh.and_then(|mesh| json.meshes.get(mesh.value()));
+    for (node, mesh) in (0..).map(NodeId).zip(&tree.meshes) {
+        let primitives = mesh.and_then(|mesh| json.meshes.get(mesh as usize));
         let to_world = tree.world(node);
         for primitive in primitives.iter().flat_map(|mesh| &mesh.primitives) {
             let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
