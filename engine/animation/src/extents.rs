@@ -1,6 +1,8 @@
 //! How far nodes go from their parents in any clip, and any mix of clips: for the whole rig in one walk over
 //! all keys. What is found from it is coarser than [`Reach`](crate::Reach) finds and costs next to nothing.
 
+use std::collections::HashMap;
+
 use cull::Aabb;
 use glam::{Affine3A, DVec3, Vec3};
 
@@ -20,14 +22,14 @@ struct Extent {
     farthest: f32,
     /// The most that it lengthens anything.
     lengthens: f32,
-    /// The range of its scales.
-    scale: [Vec3; 2],
 }
 
 /// How far nodes go, whatever plays.
 #[derive(Clone, Debug)]
 pub struct Extents {
     nodes: Vec<Extent>,
+    /// The ranges of the scales of those that clips scale, which are few.
+    scales: HashMap<NodeId, [Vec3; 2]>,
 }
 
 /// What single precision may add on the way.
@@ -43,31 +45,32 @@ fn lengthens(matrix: &Affine3A) -> f32 {
     axes.iter().map(|axis| row(*axis)).fold(0.0, f64::max).sqrt() as f32
 }
 
+fn turns_inside_out([least, largest]: &[Vec3; 2]) -> bool {
+    (least.cmplt(Vec3::ZERO) & largest.cmpgt(Vec3::ZERO)).any()
+}
+
 impl Extents {
     /// Those of a rig in these clips and at rest. Takes as long as there are nodes and keys.
     pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
         let at_rest = |rest: &Rest| match rest {
-            Rest::Matrix(matrix) => Extent {
-                farthest: matrix.translation.length(),
-                lengthens: lengthens(matrix),
-                scale: [Vec3::ONE; 2],
-            },
+            Rest::Matrix(matrix) => {
+                Extent { farthest: matrix.translation.length(), lengthens: lengthens(matrix) }
+            }
             Rest::Parts(parts) => Extent {
                 farthest: parts.translation.length(),
                 lengthens: parts.scale.abs().max_element(),
-                scale: [parts.scale; 2],
             },
         };
-        let mut extents =
-            Self { nodes: rig.nodes().iter().map(|node| at_rest(&node.rest)).collect() };
+        let nodes = rig.nodes().iter().map(|node| at_rest(&node.rest)).collect();
+        let mut extents = Self { nodes, scales: HashMap::new() };
         for clip in clips {
-            extents.add(clip);
+            extents.add(rig, clip);
         }
         extents
     }
 
-    /// Adds what a clip does.
-    pub fn add(&mut self, clip: &Clip) {
+    /// Adds what a clip of the same rig does.
+    pub fn add(&mut self, rig: &Rig, clip: &Clip) {
         for channel in &clip.channels {
             let Some(extent) = self.nodes.get_mut(channel.node.0 as usize) else { continue };
             match &channel.track.values {
@@ -77,9 +80,15 @@ impl Extents {
                     });
                 }
                 Values::Scale(values) => {
+                    let rest = rig.nodes().get(channel.node.0 as usize).map(|node| &node.rest);
+                    let rest = match rest {
+                        Some(Rest::Parts(parts)) => parts.scale,
+                        _ => Vec3::ONE,
+                    };
+                    let range = self.scales.entry(channel.node).or_insert([rest; 2]);
                     hull(&channel.track, values, (1, 0), ALWAYS, &mut |scale: Vec3| {
                         extent.lengthens = extent.lengthens.max(scale.abs().max_element());
-                        let [least, largest] = &mut extent.scale;
+                        let [least, largest] = range;
                         (*least, *largest) = (least.min(scale), largest.max(scale));
                     });
                 }
@@ -90,10 +99,12 @@ impl Extents {
 
     /// Whether a node may mirror at one time what it does not at another.
     pub fn may_turn_inside_out(&self, node: NodeId) -> bool {
-        let extent = self.nodes.get(node.0 as usize);
-        extent.is_some_and(|Extent { scale: [least, largest], .. }| {
-            (least.cmplt(Vec3::ZERO) & largest.cmpgt(Vec3::ZERO)).any()
-        })
+        self.scales.get(&node).is_some_and(turns_inside_out)
+    }
+
+    /// Whether any node may.
+    pub fn may_any_turn_inside_out(&self) -> bool {
+        self.scales.values().any(turns_inside_out)
     }
 
     /// How far a point that is at most `distance` from a node's origin is from its parent's.

@@ -73,6 +73,13 @@ impl Rig {
     /// # Errors
     /// A parent that is not there; nodes that are their own ancestors.
     pub fn new(nodes: Vec<Node>) -> Result<Self, RigError> {
+        let is_after_parent = |(place, node): (usize, &Node)| {
+            node.parent.is_none_or(|parent| (parent.0 as usize) < place)
+        };
+        if nodes.iter().enumerate().all(is_after_parent) {
+            let places: Vec<u32> = (0..nodes.len() as u32).collect();
+            return Ok(Self { nodes, order: places.iter().copied().map(NodeId).collect(), places });
+        }
         // The first child of each node, and the next child of its parent: lists without a vector each.
         let mut first: Vec<Option<NodeId>> = vec![None; nodes.len()];
         let mut next: Vec<Option<NodeId>> = vec![None; nodes.len()];
@@ -123,5 +130,48 @@ impl Rig {
     /// Where a node is in the order; after all others if it is not there.
     pub(crate) fn place_of(&self, node: NodeId) -> u32 {
         self.places.get(node.0 as usize).copied().unwrap_or(u32::MAX)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rig(parents: &[Option<u32>]) -> Result<Rig, RigError> {
+        let node = |parent: &Option<u32>| Node {
+            name: String::new(),
+            parent: parent.map(NodeId),
+            rest: Rest::Matrix(Affine3A::IDENTITY),
+            weights: Vec::new(),
+        };
+        Rig::new(parents.iter().map(node).collect())
+    }
+
+    #[test]
+    fn parents_come_before_their_children_in_whatever_order_nodes_are_given() {
+        let given: [&[Option<u32>]; 5] = [
+            &[],
+            &[None, Some(0), Some(1), Some(0), None],
+            &[Some(1), Some(2), Some(3), None],
+            &[Some(3), None, Some(1), Some(1), Some(0), Some(4)],
+            &[None, Some(2), Some(0), Some(1)],
+        ];
+        for parents in given {
+            let rig = rig(parents).unwrap_or_else(|error| unreachable!("{error}"));
+            assert_eq!(rig.order().len(), parents.len());
+            for (place, node) in (0..).zip(rig.order()) {
+                assert_eq!(rig.place_of(*node), place);
+                let parent = parents[node.0 as usize].map(NodeId);
+                assert!(parent.is_none_or(|parent| rig.place_of(parent) < place), "{parents:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_that_are_no_forest_are_refused() {
+        assert_eq!(rig(&[None, Some(2)]), Err(RigError::NoParent { node: 1, parent: 2 }));
+        for circle in [&[Some(0)][..], &[Some(1), Some(0)], &[None, Some(3), Some(1), Some(2)]] {
+            assert!(matches!(rig(circle), Err(RigError::Cycle { .. })), "{circle:?}");
+        }
     }
 }

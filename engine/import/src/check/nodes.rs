@@ -11,7 +11,7 @@ pub(super) fn check(root: &Root, limits: &Limits) -> Result<(), Fault> {
     if count as u64 > limits.nodes {
         return Err(Reason::too_large("nodes", count as u64, limits.nodes).of("nodes"));
     }
-    let mut parents: Vec<Option<usize>> = vec![None; count];
+    let mut parents: Vec<Option<u32>> = vec![None; count];
     // There may be very many: all that is asked of a node is asked while it is at hand.
     for (index, node) in root.nodes.iter().enumerate() {
         check_references(root, node)
@@ -52,13 +52,13 @@ fn check_numbers(node: &Node) -> Result<(), Reason> {
 }
 
 /// Notes the parent of a node's children, of which each has one at most.
-fn adopt_children(parents: &mut [Option<usize>], index: usize, node: &Node) -> Result<(), Fault> {
+fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Result<(), Fault> {
     let count = parents.len();
     for child in node.children.iter().flatten().map(|child| child.value()) {
         let at = || format!("node {index}, children");
         let parent =
             parents.get_mut(child).ok_or_else(|| Reason::out_of_range("node", child, count));
-        if let Some(other) = parent.at(at)?.replace(index) {
+        if let Some(other) = parent.at(at)?.replace(index as u32) {
             let text = format!("node {child} is a child of node {other} already");
             return Err(Reason::malformed(text).of(at()));
         }
@@ -67,13 +67,13 @@ fn adopt_children(parents: &mut [Option<usize>], index: usize, node: &Node) -> R
 }
 
 /// Where each node has one parent at most, those that lead to no root are on a circle or hang on one.
-fn check_ancestors(parents: &[Option<usize>]) -> Result<(), Fault> {
+fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
     let mut leads_to_root = vec![false; parents.len()];
     for start in 0..parents.len() {
         let mut at = start;
         let mut steps = 0;
         while let Some(parent) = parents[at].filter(|_| !leads_to_root[at]) {
-            at = parent;
+            at = parent as usize;
             steps += 1;
             // As many steps up as there are nodes end on the circle.
             if steps > parents.len() {
@@ -82,23 +82,23 @@ fn check_ancestors(parents: &[Option<usize>]) -> Result<(), Fault> {
         }
         at = start;
         while !std::mem::replace(&mut leads_to_root[at], true) {
-            at = parents[at].unwrap_or(at);
+            at = parents[at].map_or(at, |parent| parent as usize);
         }
     }
     Ok(())
 }
 
-fn check_scenes(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
+fn check_scenes(root: &Root, parents: &[Option<u32>]) -> Result<(), Fault> {
     if let Some(scene) = root.scene {
         in_range("scene", scene.value(), root.scenes.len()).at(|| "default scene".to_owned())?;
     }
     // The last scene that each node was seen in.
-    let mut seen_in: Vec<Option<usize>> = vec![None; parents.len()];
+    let mut seen_in: Vec<Option<u32>> = vec![None; parents.len()];
     for (index, scene) in root.scenes.iter().enumerate() {
         for node in scene.nodes.iter().map(|node| node.value()) {
             check_scene_root(node, parents)
-                .and_then(|()| match seen_in[node].replace(index) {
-                    Some(scene) if scene == index => {
+                .and_then(|()| match seen_in[node].replace(index as u32) {
+                    Some(scene) if scene as usize == index => {
                         Err(Reason::malformed(format!("node {node} is in it twice")))
                     }
                     _ => Ok(()),
@@ -109,7 +109,7 @@ fn check_scenes(root: &Root, parents: &[Option<usize>]) -> Result<(), Fault> {
     Ok(())
 }
 
-fn check_scene_root(node: usize, parents: &[Option<usize>]) -> Result<(), Reason> {
+fn check_scene_root(node: usize, parents: &[Option<u32>]) -> Result<(), Reason> {
     in_range("node", node, parents.len())?;
     match parents[node] {
         Some(parent) => {

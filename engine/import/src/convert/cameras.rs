@@ -5,7 +5,6 @@
 
 use std::f32::consts::PI;
 
-use animation::NodeId;
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
 use gltf::json;
@@ -46,11 +45,8 @@ pub(super) enum Lens {
 pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<Camera>, Vec<Lens>) {
     let json = source.document.as_json();
     let (mut cameras, mut lenses) = (Vec::new(), Vec::new());
-    for (node, in_file) in (0..).map(NodeId).zip(&tree.in_file) {
-        let given = json.nodes.get(*in_file).and_then(|node| node.camera);
-        let Some(given) = given.and_then(|camera| json.cameras.get(camera.value())) else {
-            continue;
-        };
+    for &(node, camera) in &tree.cameras {
+        let Some(given) = json.cameras.get(camera) else { continue };
         let node_name = tree.node(node).map(|node| node.name.clone());
         let names = [node_name, given.name.clone()].into_iter().flatten();
         let name = names.into_iter().find(|name| !name.is_empty());
@@ -101,6 +97,8 @@ pub(super) fn step_back(camera: &mut Camera, lens: Lens, at: &Affine3A, scene: &
 
 #[cfg(test)]
 mod tests {
+    use animation::NodeId;
+
     use super::*;
 
     #[test]

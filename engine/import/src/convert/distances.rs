@@ -50,7 +50,7 @@ pub(super) fn refuse_far(
     let mut is_taken = Vec::with_capacity(clips.len());
     for (number, clip) in clips.iter().enumerate() {
         let mut with = taken.clone();
-        with.add(clip);
+        with.add(rig, clip);
         let far = if number < tries { is_too_far(&with).map(|node| tree.name(node)) } else { None };
         let is_near = number < tries && far.is_none();
         if is_near {

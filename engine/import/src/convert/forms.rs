@@ -129,6 +129,9 @@ impl Forms {
     /// Of each node whether it or one above it mirrors at one time and not at another.
     pub(super) fn turning(&self, rig: &Rig) -> Vec<bool> {
         let mut turns = vec![false; rig.nodes().len()];
+        if !self.extents.may_any_turn_inside_out() {
+            return turns;
+        }
         for node in rig.order() {
             let parent = rig.nodes().get(node.0 as usize).and_then(|node| node.parent);
             let above = parent.and_then(|parent| turns.get(parent.0 as usize)).copied();

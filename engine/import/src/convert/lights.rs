@@ -4,7 +4,6 @@ use std::f32::consts::FRAC_PI_2;
 
 use animation::NodeId;
 use glam::{Affine3A, Vec3, vec3};
-use gltf::json;
 use gltf::json::extensions::scene::khr_lights_punctual as khr;
 use gltf::json::validation::Checked;
 use render::scene::{Light, LightKind, PunctualLight};
@@ -37,10 +36,8 @@ pub(super) fn lights(
     let given = json.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref());
     let given = given.map(|it| it.lights.as_slice()).unwrap_or_default();
     let mut lights = Vec::new();
-    for (node, in_file) in (0..).map(NodeId).zip(&tree.in_file) {
-        let Some(light) = json.nodes.get(*in_file).and_then(|node| light_of(node, given)) else {
-            continue;
-        };
+    for &(node, light) in &tree.lights {
+        let Some(light) = given.get(light) else { continue };
         let world = tree.world(node);
         if world.translation.is_finite() {
             lights.push((placed(light, &world), Some(node)));
@@ -53,11 +50,6 @@ pub(super) fn lights(
         lights.push((from_above(), None));
     }
     lights
-}
-
-fn light_of<'a>(node: &json::Node, lights: &'a [khr::Light]) -> Option<&'a khr::Light> {
-    let named = node.extensions.as_ref()?.khr_lights_punctual.as_ref()?;
-    lights.get(named.light.value())
 }
 
 fn from_above() -> PunctualLight {
@@ -99,7 +91,7 @@ mod tests {
     use super::*;
 
     fn light(text: &str) -> khr::Light {
-        json::deserialize::from_str(text).expect("a light")
+        gltf::json::deserialize::from_str(text).expect("a light")
     }
 
     #[test]

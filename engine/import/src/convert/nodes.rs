@@ -20,6 +20,10 @@ pub(super) struct Tree {
     pub(super) in_file: Vec<usize>,
     /// For each of them, the mesh of the file that it has.
     pub(super) meshes: Vec<Option<u32>>,
+    /// Those that have a camera of the file, and which.
+    pub(super) cameras: Vec<(NodeId, usize)>,
+    /// Those that have a light of the file, and which.
+    pub(super) lights: Vec<(NodeId, usize)>,
     /// For each node of the file, what it is here, if it is.
     pub(super) ids: Vec<Option<NodeId>>,
     /// For each of them, where it is in the world at rest.
@@ -45,6 +49,7 @@ impl Tree {
         let mut ids = vec![None; count];
         let (mut in_file, mut worlds) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut meshes = Vec::with_capacity(count);
+        let (mut cameras, mut lights) = (Vec::new(), Vec::new());
         let (mut moves, mut morphs) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut pending: Vec<(usize, Option<NodeId>)> =
             roots(&json, notes).into_iter().rev().map(|root| (root, None)).collect();
@@ -66,11 +71,16 @@ impl Tree {
             nodes.push(Node { name, parent, rest, weights: weights(&json.meshes, given) });
             in_file.push(index);
             meshes.push(given.mesh.and_then(|mesh| u32::try_from(mesh.value()).ok()));
+            cameras.extend(given.camera.map(|camera| (id, camera.value())));
+            let extensions = given.extensions.as_ref();
+            let light = extensions.and_then(|it| it.khr_lights_punctual.as_ref());
+            lights.extend(light.map(|named| (id, named.light.value())));
             let children = given.children.as_deref().unwrap_or_default();
             pending.extend(children.iter().rev().map(|child| (child.value(), Some(id))));
         }
         source.document = gltf::Document::from_json_without_validation(json);
-        Ok(Self { rig: rig_of(nodes, source)?, in_file, meshes, ids, worlds, moves, morphs })
+        let rig = rig_of(nodes, source)?;
+        Ok(Self { rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
     }
 
     /// What a node of the file is here, if it is.
