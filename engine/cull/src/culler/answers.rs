@@ -39,7 +39,7 @@ impl Ingest<'_> {
         }
         record.answered = self.asked;
         // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place of
-        // its test are asked about and not visited.
+        // its test are asked about and not visited. Then, not now: what comes home very late is stale.
         record.visited = record.visited.max(self.asked);
         match (kind, samples) {
             (QueryKind::Part, 0) => {}

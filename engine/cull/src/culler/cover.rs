@@ -41,6 +41,7 @@ pub(super) struct Front {
     bounds: Aabb,
     /// What would have to be tested if it showed.
     leaves_behind: u32,
+    /// The most that may be.
     most_behind: u32,
 }
 
@@ -290,9 +291,14 @@ mod tests {
         assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
     }
 
-    /// Two tests of four leaves in a row, the first of them hidden for so long, and whether the second is
-    /// taken as answered by the first.
-    fn shares_after(hidden_frames: Option<u32>, [front, behind]: [Aabb; 2], view: &View) -> bool {
+    /// Two tests of four leaves in a row, the first of them hidden for so long and answering for at most so
+    /// many leaves, and whether the second is taken as answered by the first.
+    fn shares_after(
+        hidden_frames: Option<u32>,
+        leaves_behind: u32,
+        [front, behind]: [Aabb; 2],
+        view: &View,
+    ) -> bool {
         let leaves = LeafRange { first: LeafIndex(0), count: 4 };
         let test = |bounds| ProxyTest {
             tag: QueryTag {
@@ -310,7 +316,7 @@ mod tests {
         let policy = Policy {
             front_area: 1.0e-6,
             fronts: 4,
-            leaves_behind: 100,
+            leaves_behind,
             leaves_behind_a_frame: 2,
             ..Policy::default()
         };
@@ -321,7 +327,7 @@ mod tests {
     }
 
     fn shares(front: Aabb, behind: Aabb, view: &View) -> bool {
-        shares_after(Some(100), [front, behind], view)
+        shares_after(Some(100), 100, [front, behind], view)
     }
 
     #[test]
@@ -330,9 +336,11 @@ mod tests {
         let camera = Camera { eye: Vec3::ZERO, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 };
         let view = View::new(&camera, [640, 360], 8);
         let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
-        let after = |hidden_frames| shares_after(hidden_frames, [at(-4.0), at(-20.0)], &view);
-        assert!(![None, Some(0), Some(1)].into_iter().any(after));
-        assert!([Some(2), Some(3), Some(u32::MAX)].into_iter().all(after));
+        let after =
+            |hidden_frames, most| shares_after(hidden_frames, most, [at(-4.0), at(-20.0)], &view);
+        assert!(![None, Some(0), Some(1)].into_iter().any(|frames| after(frames, 100)));
+        assert!([Some(2), Some(3), Some(u32::MAX)].into_iter().all(|frames| after(frames, 100)));
+        assert!(!after(Some(u32::MAX), 3), "more than any may");
     }
 
     /// How far along the way from `eye` to `point` the box is entered, if it is on this way.

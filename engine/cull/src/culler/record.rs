@@ -73,7 +73,7 @@ pub(super) struct Record {
     pub(super) doubt: Doubt,
     /// The frame whose answer brought the state about.
     pub(super) since: Stamp,
-    /// When the traversal last came here.
+    /// The youngest frame in which the traversal is known to have come here, or the GPU to have looked.
     pub(super) visited: Stamp,
     /// The youngest frame that is known to have answered.
     pub(super) answered: Stamp,
@@ -82,7 +82,7 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// True if the traversal came here lately.
+    /// True if that was lately.
     pub(super) fn is_fresh(&self, now: Stamp, stale_frames: u32) -> bool {
         self.visited != Stamp::NEVER && now.since(self.visited) <= stale_frames
     }

@@ -37,13 +37,14 @@ pub(super) struct Retest {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub(super) node: u32,
-    /// Proxy or probe.
+    /// Proxy, probe or own box.
     pub(super) kind: QueryKind,
     pub(super) proxy: Aabb,
     pub(super) leaf_count: u32,
     /// Since when a node above it was hidden, where nothing newer is known.
     pub(super) inherited: Option<Stamp>,
-    /// For how long the node has been hidden; `None` where it is not known to be.
+    /// For how long the node has been hidden; `None` where it is not known to be. 0 where nothing
+    /// depends on that: probes and own boxes, whose nodes are visible.
     pub(super) hidden_frames: Option<u32>,
 }
 

@@ -1,8 +1,8 @@
 //! Whatever happens to the answers, the image is that of drawing everything.
 
 use antumbra_cull::{
-    Abilities, Camera, CostTable, Culler, FramePlan, Hierarchy, ObjectId, Policy, SceneCosts,
-    Strategy, View,
+    Abilities, Camera, CostTable, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Policy,
+    SceneCosts, Strategy, Tester, View,
 };
 
 use crate::device::{Device, Mishaps, Solids};
@@ -290,6 +290,12 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             let context = || format!("seed {seed}, frame {frame}, {}", run.strategy);
             invariants::check(&world.hierarchy, run.strategy, &view, world.budget, &run.plan)
                 .unwrap_or_else(|broken| panic!("{}: {broken}", context()));
+            for test in &run.plan.tests {
+                let Tester::Behind(front) = test.tester else { continue };
+                let front = run.plan.tests[front as usize].tag.node;
+                let state = run.culler.state(front);
+                assert_eq!(state, NodeState::Hidden, "{}: what answers for others", context());
+            }
             run.device.execute(&view, &world.hierarchy, &world.solids(), &run.plan);
             // An object that owns a pixel and was not drawn leaves a depth that is not its own.
             assert!(run.device.image.depths == truth.depths, "{}: wrong pixels", context());
@@ -323,7 +329,7 @@ fn nothing_visible_is_ever_missing() {
     let combinations = 2 * LATENCIES.count() as u64;
     assert_eq!(checked.runs, SCENES * combinations);
     assert_eq!(checked.frames, checked.runs * FRAMES);
-    assert!(checked.behind > 500, "hardly a test answered for another");
+    assert!(checked.behind > 2_000, "hardly a test answered for another");
     assert!(checked.untested > checked.frames / 20, "costs hardly ever decided");
     let [frustum, ours] = checked.drawn;
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");

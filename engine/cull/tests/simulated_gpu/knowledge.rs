@@ -76,6 +76,24 @@ fn what_is_drawn_in_the_place_of_tests_is_known_when_its_answers_are_home() {
     assert!(stats.visible as usize >= shown.len() && stats.occluders == 0, "{stats:?}");
 }
 
+#[test]
+fn an_answer_says_what_was_seen_when_it_was_asked_for() {
+    let mut walk = Walk::new(city(&mut Random::new(5), 10), 12);
+    walk.step(&STREET);
+    walk.steps(&Camera { forward: Vec3::Z, ..STREET }, 11);
+    // Its answers are home by now, but are older than what counts as known.
+    walk.step(&STREET);
+    assert_eq!(walk.plan.stats.visible, 0, "{:?}", walk.plan.stats);
+}
+
+#[test]
+fn late_answers_do_not_make_what_was_visited_since_look_older() {
+    let mut walk = Walk::new(city(&mut Random::new(5), 10), 12);
+    walk.steps(&STREET, 200);
+    assert_eq!(walk.plan.stats.unknown, 0, "{:?}", walk.plan.stats);
+    assert!(walk.plan.stats.visible > 2, "{:?}", walk.plan.stats);
+}
+
 /// Every state of every node.
 fn states(culler: &Culler, hierarchy: &Hierarchy) -> Vec<NodeState> {
     let nodes = 0..hierarchy.node_count() as u32;

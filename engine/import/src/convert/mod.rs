@@ -168,8 +168,8 @@ pub(crate) fn bounds(imported: &Imported) -> Aabb {
     let all = scene.objects.iter().chain(blended).enumerate().fold(
         Aabb::EMPTY,
         |all, (place, object)| {
-            let seen = if seen.is_empty() { None } else { seen.get(&place).copied() };
-            seen.or_else(|| scene.bounds_of(object)).map_or(all, |one| all.union(&one))
+            let at = if seen.is_empty() { None } else { seen.get(&place).copied() };
+            at.or_else(|| scene.bounds_of(object)).map_or(all, |one| all.union(&one))
         },
     );
     if all.is_empty() { Aabb::new(Vec3::ZERO, Vec3::ZERO) } else { all }

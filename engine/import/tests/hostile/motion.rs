@@ -262,11 +262,17 @@ fn what_plays_is_asked_for_by_its_file() {
 fn what_clips_mirror_at_times_is_there_from_both_sides() {
     let turns = [1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
     let shrinks = [1.0, 1.0, 1.0, 0.0, 1.0, 1.0];
-    for (path, values, is_turning) in
-        [("scale", turns, true), ("scale", shrinks, false), ("translation", turns, false)]
-    {
+    // Not at rest, and not while it fades in.
+    let away = [-1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
+    let grows = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
+    for (path, values, is_turning) in [
+        ("scale", turns, true),
+        ("scale", away, true),
+        ("scale", shrinks, false),
+        ("translation", turns, false),
+    ] {
         let mut scene = arm();
-        let channels = [(0, path, values)];
+        let channels = [(0, path, values), (1, "scale", grows), (2, "scale", grows)];
         let clip = clip(&mut scene, "turn", &channels);
         scene.set("/animations", json!([clip]));
         let imported = load(&scene);
@@ -274,7 +280,7 @@ fn what_clips_mirror_at_times_is_there_from_both_sides() {
         let of = |object: usize| imported.scene.objects[object].mesh.0 as usize;
         let triangles = |object| &imported.scene.meshes[of(object)].indices;
         let sides = |object| surfaces.meshes[of(object)].vertices[0].normal[3];
-        assert_eq!((triangles(1).len(), sides(1)), (3, 0), "it hangs on nothing that moves");
+        assert_eq!((triangles(1).len(), sides(1)), (3, 0), "it hangs on nothing that mirrors");
         let expected = if is_turning { (6, i16::MAX) } else { (3, 0) };
         assert_eq!((triangles(0).len(), sides(0)), expected, "{path} {values:?}");
         if is_turning {

@@ -292,6 +292,27 @@ fn morph_targets_that_count_make_a_mesh_of_its_own() {
 }
 
 #[test]
+fn what_is_blended_and_changes_its_form_is_where_it_is_seen() {
+    let mut scene = morphed(json!({ "weights": [0.5, 0.0] }));
+    let mut primitive = scene.json["meshes"][0]["primitives"][0].clone();
+    primitive["material"] = json!(0);
+    scene.set("/materials", json!([{ "alphaMode": "BLEND" }]));
+    scene.set("/meshes/0/primitives/0", primitive.clone());
+    // Two opaque objects come before it, far from it.
+    primitive.as_object_mut().expect("an object").retain(|key, _| key == "attributes");
+    scene.set("/meshes/1", json!({ "primitives": [primitive] }));
+    scene.set("/nodes/1", json!({ "mesh": 1, "translation": [-5, 0, 0] }));
+    scene.set("/nodes/2", json!({ "mesh": 1, "translation": [5, 0, 0] }));
+    scene.set("/scenes/0/nodes", json!([0, 1, 2]));
+    let imported = load(&scene);
+    let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
+    assert_eq!((imported.scene.objects.len(), surfaces.blended.len()), (2, 1));
+    let bounds = imported.bounds();
+    assert!((bounds.min.x + 5.0).abs() < 0.01 && (bounds.max.x - 6.0).abs() < 0.01, "{bounds:?}");
+    assert!((bounds.max.y - 2.5).abs() < 0.01, "{bounds:?}");
+}
+
+#[test]
 fn vertices_that_change_their_form_are_limited_where_the_file_has_a_name() {
     let mut scene = morphed(json!({ "weights": [0.5, 0.0] }));
     let node = scene.json["nodes"][0].clone();
