@@ -168,8 +168,8 @@ pub(crate) fn bounds(imported: &Imported) -> Aabb {
     let all = scene.objects.iter().chain(blended).enumerate().fold(
         Aabb::EMPTY,
         |all, (place, object)| {
-            let at = if seen.is_empty() { None } else { seen.get(&place).copied() };
-            at.or_else(|| scene.bounds_of(object)).map_or(all, |one| all.union(&one))
+            let at = seen.get(&place).copied().or_else(|| scene.bounds_of(object));
+            at.map_or(all, |one| all.union(&one))
         },
     );
     if all.is_empty() { Aabb::new(Vec3::ZERO, Vec3::ZERO) } else { all }
