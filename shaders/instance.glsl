@@ -2,11 +2,9 @@
 
 struct Instance {
     vec4 rows[3]; // object to world, row-major 3x4
-#ifdef SURFACES
-    uvec4 surface; // material, slot of its list of lights, how many lights, 0
-#else
-    vec4 tint;    // linear; the vertex colour says how much of it shows
-#endif
+    // With surfaces: material, slot of its list of lights, how many lights. Without: the bits of the tint, linear;
+    // the vertex colour says how much of it shows. The last: place of its sprites, 0 without any.
+    uvec4 tail;
 };
 
 vec3 to_world(Instance instance, vec3 position) {

@@ -10,6 +10,7 @@ layout(location = 1) in vec4 normal; // w unused
 layout(location = 2) in vec4 colour; // linear; alpha is the share of the object's tint
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
+#include "sprites.glsl"
 
 layout(location = 0) out vec3 world_normal;
 layout(location = 1) out vec3 albedo;
@@ -19,8 +20,8 @@ invariant gl_Position;
 
 void main() {
     Instance instance = instances[gl_InstanceIndex];
-    vec4 clip = view_proj * vec4(to_world(instance, position), 1.0);
+    vec4 clip = view_proj * vec4(vertex_to_world(instance, position, view_proj), 1.0);
     gl_Position = snapped(clip, vec2(towards_sun.w, sun.w));
     world_normal = direction_to_world(instance, normal.xyz);
-    albedo = colour.rgb * mix(vec3(1.0), instance.tint.rgb, colour.a);
+    albedo = colour.rgb * mix(vec3(1.0), uintBitsToFloat(instance.tail.rgb), colour.a);
 }

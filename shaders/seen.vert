@@ -7,6 +7,7 @@
 layout(location = 0) in vec3 position;
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
+#include "sprites.glsl"
 
 layout(push_constant) uniform Constants {
     mat4 view_proj;
@@ -18,7 +19,7 @@ layout(location = 0) flat out uint leaf;
 invariant gl_Position;
 
 void main() {
-    vec4 clip = view_proj * vec4(to_world(instances[gl_InstanceIndex], position), 1.0);
+    vec4 clip = view_proj * vec4(vertex_to_world(instances[gl_InstanceIndex], position, view_proj), 1.0);
     gl_Position = snapped(clip, snap_steps);
     leaf = gl_InstanceIndex;
 }

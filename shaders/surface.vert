@@ -1,7 +1,6 @@
 // The surface pass: places vertices of a scene with surfaces, at the opaque pass's positions to the bit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define SURFACES
 #include "instance.glsl"
 #include "material.glsl"
 #include "snap.glsl"
@@ -15,6 +14,7 @@ layout(location = 4) in vec2 uv_second;
 layout(location = 5) in vec4 colour; // linear
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
+#include "sprites.glsl"
 layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };
 
 layout(location = 0) out vec4 uvs;
@@ -50,12 +50,18 @@ vec3 unit_or_zero(vec3 v) {
 
 void main() {
     Instance instance = instances[gl_InstanceIndex];
-    vec3 world = to_world(instance, position);
+    vec3 world = vertex_to_world(instance, position, view_proj);
     vec4 clip = view_proj * vec4(world, 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
 
     // Normals follow the cofactors of the matrix, which stay finite for flat objects; they turn around
     // where it mirrors, and so would bitangents.
+    vec3 own_normal = normal.xyz;
+    vertex_colour = colour;
+    if (SPRITES && instance.tail.w != 0u) {
+        sprite_look(instance, position, vertex_colour.rgb, own_normal);
+        vertex_colour.a = 1.0;
+    }
     vec3 x = instance.rows[0].xyz;
     vec3 y = instance.rows[1].xyz;
     vec3 z = instance.rows[2].xyz;
@@ -69,16 +75,15 @@ void main() {
     bool has_both_sides = normal.w > 0.5;
     float tangent_turn = has_both_sides ? turn : 1.0;
     turn = has_both_sides ? 1.0 : turn;
-    vec3 cofactors = vec3(dot(cross(y, z), normal.xyz), dot(cross(z, x), normal.xyz), dot(cross(x, y), normal.xyz));
+    vec3 cofactors = vec3(dot(cross(y, z), own_normal), dot(cross(z, x), own_normal), dot(cross(x, y), own_normal));
     world_position = world;
     world_normal = turn * unit_or_zero(cofactors);
     vec3 world_along = unit_or_zero(direction_to_world(instance, tangent.xyz));
     world_tangent = vec4(tangent_turn * world_along, turn * tangent.w);
     uvs = vec4(uv_first, uv_second);
-    vertex_colour = colour;
 
-    lights_of_object = instance.surface.yz;
-    uint material = instance.surface.x;
+    lights_of_object = instance.tail.yz;
+    uint material = instance.tail.x;
     material_factors = materials[material].factors;
     material_cuts = materials[material].cuts;
     material_emission = materials[material].emission;

@@ -1,7 +1,6 @@
 // The surface pass, depth only: the opaque pass's positions to the bit, and what cuts holes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define SURFACES
 #include "instance.glsl"
 #include "material.glsl"
 #include "snap.glsl"
@@ -13,6 +12,7 @@ layout(location = 2) in vec2 uv_second;
 layout(location = 3) in vec4 colour; // linear
 
 layout(std430, binding = 0) readonly buffer Instances { Instance instances[]; };
+#include "sprites.glsl"
 layout(std430, binding = 1) readonly buffer Materials { Material materials[]; };
 
 layout(location = 0) out vec4 uvs;
@@ -24,10 +24,10 @@ invariant gl_Position;
 
 void main() {
     Instance instance = instances[gl_InstanceIndex];
-    vec4 clip = view_proj * vec4(to_world(instance, position), 1.0);
+    vec4 clip = view_proj * vec4(vertex_to_world(instance, position, view_proj), 1.0);
     gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));
     uvs = vec4(uv_first, uv_second);
     vertex_colour = colour;
-    material_factors = materials[instance.surface.x].factors;
-    material_cuts = materials[instance.surface.x].cuts;
+    material_factors = materials[instance.tail.x].factors;
+    material_cuts = materials[instance.tail.x].cuts;
 }

@@ -16,6 +16,7 @@ use crate::options::{
     MadeScene, PathChoice, SceneChoice, UsageError,
 };
 use crate::strategy::Strategy;
+use crate::terminal::shown;
 
 /// Walks a camera through a scene without a window and measures strategies of visibility culling
 /// against each other.
@@ -33,7 +34,7 @@ use crate::strategy::Strategy;
     after_help = "\
 Examples:
   walkthrough
-      A walk down the streets of a city of 10,000 objects: plain frustum culling, ours, the ideal.
+      Down the streets of a city: plain frustum culling, ours, the ideal.
   walkthrough --path cut --verify every --out pictures
       Jumps about, compares every frame with frustum culling, leaves pictures.
   walkthrough --objects 1000000 --frames 10 --report million.json
@@ -41,12 +42,13 @@ Examples:
   walkthrough --moving 10 --verify every
       Every tenth object moves or comes and goes; each frame is compared.
   walkthrough --scene rooms.glb --path walk
-      With the camera \"walk\" through the scene of a glTF file, all of whose clips play.
+      With the camera \"walk\" of a glTF file, all of whose clips play.
   walkthrough --list-devices
       What --device can choose from.
 
-Ends with 0 when all went well, 2 when something in the command line is wrong, 1 when the machine
-cannot do it."
+Exit codes: 0 all went well; 2 the command line is wrong; 1 the machine cannot do it, pixels are \
+wrong, or a file cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM cut the \
+walk short: the table and the report then have what was measured until then."
 )]
 pub struct Arguments {
     /// What to walk through: city (nearly all hidden at street level), field (objects side by side:
@@ -83,7 +85,7 @@ pub struct Arguments {
     /// moves [default: frustum,antumbra,ideal]
     #[arg(long, value_name = "NAME[,NAME]|all", help_heading = "Compare")]
     pub strategy: Option<String>,
-    /// Print the name of every strategy, one a line, and end
+    /// Print a line for each strategy: its name, whether it is exact, what it does; and end
     #[arg(long, help_heading = "Compare")]
     pub list_strategies: bool,
     /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that warm
@@ -136,9 +138,9 @@ pub struct Arguments {
     /// How many frames become pictures in --out, spread over the walk [default: 4]
     #[arg(long, value_name = "N", help_heading = "Output")]
     pub pictures: Option<String>,
-    /// The frame that --out also shows from above: what is drawn, what is hidden, the frustum
+    /// The frame that --out also shows from above: what is drawn, what is hidden, the frustum; or off
     /// [default: the middle one]
-    #[arg(long, value_name = "FRAME", help_heading = "Output")]
+    #[arg(long, value_name = "FRAME|off", help_heading = "Output")]
     pub birds_eye: Option<String>,
     /// File for the report as JSON [default: none]
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
@@ -215,7 +217,7 @@ impl Arguments {
             let path = parse_path(self.path.as_deref().unwrap_or("street"))?;
             return Ok((SceneChoice::Made(made), path));
         };
-        let shown = file.display();
+        let shown = shown(&file);
         let is_moving = self.moving != "0";
         for (option, is_there, why) in [
             ("--objects", self.objects.is_some(), "the file has those that it has"),
@@ -284,6 +286,7 @@ impl Arguments {
             (None, None) => Ok(None),
             (None, Some(_)) => usage("--birds-eye needs a folder: say --out DIR"),
             (Some(_), None) => Ok(Some(frames / 2)),
+            (Some(_), Some(text)) if text == "off" => Ok(None),
             (Some(_), Some(text)) => {
                 parse_in_range("--birds-eye", text, 0, frames.saturating_sub(1)).map(Some)
             }

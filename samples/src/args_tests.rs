@@ -27,7 +27,7 @@ fn help_says_what_the_program_does() {
     let help = Arguments::command().render_long_help().to_string().replace('\n', " ");
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     for words in [
-        "10,000 objects: plain frustum culling, ours, the ideal.",
+        "the streets of a city: plain frustum culling, ours, the ideal.",
         "from above nothing hides anything",
     ] {
         assert!(help.contains(words), "{help}");

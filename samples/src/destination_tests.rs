@@ -91,3 +91,50 @@ fn devices_are_streams_and_sockets_too() {
         assert!(matches!(Destination::of(path), Ok(Destination::Stream(_))), "{}", path.display());
     }
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_longest_name_is_a_name() {
+    let scratch = Scratch::new("destination-long");
+    let file = scratch.0.join("x".repeat(NAME_BYTES_MAX));
+    for text in ["made", "replaced"] {
+        write(&file, text.as_bytes()).unwrap();
+        assert_eq!(fs::read(&file).unwrap(), text.as_bytes());
+    }
+    // A new file beside it gets a shorter stem and the same ending.
+    let named = scratch.0.join("\u{e4}".repeat(126) + ".png");
+    let [first, second] = [0, 1].map(|_| create(&named, b"x").unwrap());
+    assert_eq!(first, scratch.0.join("\u{e4}".repeat(125) + ".png"));
+    assert_eq!(second, scratch.0.join("\u{e4}".repeat(124) + "-2.png"));
+    assert_eq!(scratch.names().len(), 3, "nothing partial is left");
+}
+
+#[test]
+fn a_new_file_takes_no_name_that_is_taken() {
+    let scratch = Scratch::new("destination-free");
+    let wanted = scratch.0.join("a.png");
+    fs::create_dir(&wanted).unwrap();
+    fs::write(scratch.0.join("a-2.png"), b"kept").unwrap();
+    assert_eq!(create(&wanted, b"new").unwrap(), scratch.0.join("a-3.png"));
+    assert_eq!(create(&scratch.0.join("b"), b"new").unwrap(), scratch.0.join("b"));
+    assert_eq!(create(&scratch.0.join("b"), b"new").unwrap(), scratch.0.join("b-2"));
+    assert_eq!(fs::read(scratch.0.join("a-2.png")).unwrap(), b"kept");
+}
+
+#[test]
+fn many_who_want_the_same_name_get_one_each() {
+    let scratch = Scratch::new("destination-race");
+    let wanted = scratch.0.join("deep/er/a.txt");
+    let mut names: Vec<PathBuf> = std::thread::scope(|scope| {
+        let write = |writer: usize| {
+            let wanted = &wanted;
+            scope.spawn(move || (0..8).map(|_| create(wanted, &[writer as u8]).unwrap()).collect())
+        };
+        let writers: Vec<_> = (0..8).map(write).collect();
+        writers.into_iter().flat_map(|writer| -> Vec<PathBuf> { writer.join().unwrap() }).collect()
+    });
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), 64, "each writer has a file of its own");
+    assert_eq!(fs::read_dir(folder_of(&wanted)).unwrap().count(), 64);
+}

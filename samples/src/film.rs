@@ -88,22 +88,23 @@ impl FrameClock {
     }
 }
 
-/// Where a camera of a file is in so many frames by that clock, while the clips play that do.
+/// Where a camera of a file is in so many frames by that clock, on pictures of `size` pixels, while the clips
+/// play that do.
 pub fn cameras(
     performance: &mut Performance,
     camera: &import::Camera,
     clock: FrameClock,
-    frames: u32,
+    (frames, size): (u32, [u32; 2]),
 ) -> Course {
     performance.pose(clock.seconds(0));
-    let first = performance.seen_by(camera);
+    let first = performance.seen_by(camera, size);
     let others = match performance.moves(camera.node) {
         true => 1..frames,
         false => 1..1,
     };
     let others = others.map(|frame| {
         performance.pose(clock.seconds(frame));
-        performance.seen_by(camera)
+        performance.seen_by(camera, size)
     });
     Course::Filmed(first, others.collect())
 }
@@ -213,8 +214,9 @@ impl Orbit {
     }
 }
 
-/// Something from its front and somewhat from the side, as near as pictures of `size` pixels allow.
-pub fn portrait(bounds: &Aabb, size: [u32; 2]) -> Camera {
+/// Something from its front and somewhat from the side, as near as pictures of `size` pixels allow whose
+/// left is covered up to a share of `covered` (from 0 to less than 1) of the width.
+pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
     let Orbit { centre, .. } = Orbit::around(bounds, size);
     let (down, level) = DOWN_RAD.sin_cos();
     let (aside, ahead) = TURNED_RAD.sin_cos();
@@ -223,15 +225,19 @@ pub fn portrait(bounds: &Aabb, size: [u32; 2]) -> Camera {
     let up = outward.cross(right);
     let tangent_up = (FOV_Y_RAD * 0.5).tan() / ROOM;
     let tangent_across = tangent_up * size[0].max(1) as f32 / size[1].max(1) as f32;
+    // The eye goes aside by so much of its distance, so that the centre is in the middle of what is free.
+    let aside_tangent = tangent_across * ROOM * covered;
+    let free_tangent = tangent_across * (1.0 - covered);
     let away_for = |corner: Vec3| {
         let to = corner - centre;
-        let across = to.dot(right).abs() / tangent_across;
-        across.max(to.dot(up).abs() / tangent_up) + to.dot(outward)
+        let nearer = to.dot(outward);
+        let across = (to.dot(right) + aside_tangent * nearer).abs() / free_tangent;
+        across.max(to.dot(up).abs() / tangent_up) + nearer
     };
     let away_m = bounds.corners().into_iter().map(away_for).fold(LEAST_M, f32::max);
     let away_m = if away_m.is_finite() { away_m } else { 1.0 };
     Camera {
-        eye: centre + outward * away_m,
+        eye: centre + (outward - right * aside_tangent) * away_m,
         forward: -outward,
         up: Vec3::Y,
         fov_y: FOV_Y_RAD,
@@ -277,13 +283,32 @@ mod tests {
             let (low, high) = (Vec3::new(-3.0, 0.0, 1.0), Vec3::new(5.0, 2.0, 9.0));
             let bounds = Aabb { min: low * scale, max: high * scale };
             for size in [[1280, 720], [300, 900]] {
-                let filled = filled(&portrait(&bounds, size), &bounds, size);
+                let filled = filled(&portrait(&bounds, size, 0.0), &bounds, size);
                 assert!(filled > 0.9, "{scale}: {filled}");
             }
         }
         for nothing in [Aabb::EMPTY, Aabb::new(Vec3::ONE, Vec3::ONE)] {
-            let camera = portrait(&nothing, [4, 3]);
+            let camera = portrait(&nothing, [4, 3], 0.0);
             assert!(camera.eye.is_finite() && camera.near > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_portrait_leaves_free_what_is_covered() {
+        let bounds = Aabb { min: Vec3::new(-3.0, 0.0, 1.0), max: Vec3::new(5.0, 2.0, 9.0) };
+        for size in [[1280, 720], [960, 540], [300, 900]] {
+            for covered in [0.0, 0.18, 0.25] {
+                let camera = portrait(&bounds, size, covered);
+                filled(&camera, &bounds, size);
+                let right = camera.forward.cross(Vec3::Y).normalize();
+                let tangent = (camera.fov_y * 0.5).tan() * size[0] as f32 / size[1] as f32;
+                let across = bounds.corners().map(|corner| {
+                    let to = corner - camera.eye;
+                    to.dot(right) / (to.dot(camera.forward) * tangent)
+                });
+                let leftmost = across.into_iter().fold(f32::INFINITY, f32::min);
+                assert!(leftmost > 2.0 * covered - 1.0, "{size:?}, {covered}: {leftmost}");
+            }
         }
     }
 
@@ -307,6 +332,7 @@ mod tests {
             name: name.to_owned(),
             node: animation::NodeId(0),
             fov_y_rad: 1.0,
+            aspect_ratio: None,
             near_m: 0.1,
             behind_m: 0.0,
         };

@@ -80,6 +80,11 @@ impl RunMeasurement {
         }
     }
 
+    /// True while there is no timed frame.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
     /// Adds a timed frame.
     pub fn push(&mut self, frame: FrameMeasurement) {
         self.frames.push(frame);

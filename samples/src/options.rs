@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use crate::choices::{CameraPath, Costs, DeviceChoice, Predicates, Scene, Validation, Verify};
 use crate::strategy::Strategy;
+use crate::terminal::shown;
 
 /// A strategy that does not run, and why.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -62,7 +63,7 @@ impl fmt::Display for SceneChoice {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Made(made) => made.scene.fmt(formatter),
-            Self::File(file) => file.display().fmt(formatter),
+            Self::File(file) => shown(file).fmt(formatter),
         }
     }
 }
@@ -94,7 +95,7 @@ impl fmt::Display for PathChoice {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Made(path) => path.fmt(formatter),
-            Self::Recorded(file) => file.display().fmt(formatter),
+            Self::Recorded(file) => shown(file).fmt(formatter),
             Self::OfFile(name) => name.as_deref().unwrap_or("the first camera").fmt(formatter),
         }
     }

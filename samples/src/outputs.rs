@@ -1,13 +1,14 @@
 //! Files a walk writes: that they can be is made sure before any work, and none is ever half there.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
-use std::process;
 
 use thiserror::Error;
 
-use crate::destination::{Destination, folder_of};
+use crate::destination::{self, Destination, folder_of};
 use crate::options::{Options, UsageError};
+use crate::terminal::shown;
 use crate::window::show::ShowOptions;
 
 /// A file that could not be written.
@@ -21,9 +22,12 @@ pub struct WriteError {
 impl WriteError {
     /// For a file and what went wrong with it.
     pub fn new(path: &Path, reason: impl ToString) -> Self {
-        Self { path: path.display().to_string(), reason: reason.to_string() }
+        Self { path: shown(path).to_string(), reason: reason.to_string() }
     }
 }
+
+/// How often a folder is made that others remove.
+const TRIES_MAX: u32 = 100;
 
 /// The folders that were made for a walk. Dropped, it removes those that are still empty, so that a
 /// walk that failed leaves nothing behind.
@@ -76,7 +80,7 @@ impl Outputs {
             // the end of all.
             Ok(Destination::Output(_) | Destination::Stream(_)) => Ok(()),
             Err(error) => {
-                let shown = path.display();
+                let shown = shown(path);
                 Err(UsageError(format!(
                     "{option}: cannot write '{shown}' ({error}); choose a place you can write"
                 )))
@@ -86,7 +90,7 @@ impl Outputs {
 
     fn prepare_folder(&mut self, option: &str, folder: &Path) -> Result<(), UsageError> {
         let refuse = |what: &str, error: &dyn std::fmt::Display| {
-            let shown = folder.display();
+            let shown = shown(folder);
             UsageError(format!(
                 "{option}: {what} '{shown}' ({error}); choose a place you can write"
             ))
@@ -94,25 +98,48 @@ impl Outputs {
         if folder.exists() && !folder.is_dir() {
             return Err(refuse("cannot use", &"it is not a folder"));
         }
-        self.make(folder).map_err(|error| refuse("cannot make the folder", &error))?;
-        let probe = folder.join(format!(".walkthrough-probe-{}", process::id()));
-        fs::File::create_new(&probe)
-            .and_then(|_| fs::remove_file(&probe))
-            .map_err(|error| refuse("cannot write into the folder", &error))
+        let mut tries = 1..=TRIES_MAX;
+        loop {
+            // Programs that end may remove what was made for them, between our steps, too.
+            match self.make(folder).and_then(|()| probe(folder)) {
+                Ok(()) => return Ok(()),
+                // In a folder that is removed meanwhile, files are not permitted.
+                Err((_, error)) if may_pass(&error) && tries.next().is_some() => {}
+                Err((what, error)) => return Err(refuse(what, &error)),
+            }
+        }
     }
 
-    fn make(&mut self, folder: &Path) -> std::io::Result<()> {
+    fn make(&mut self, folder: &Path) -> Result<(), (&'static str, io::Error)> {
         let missing: Vec<&Path> =
             folder.ancestors().take_while(|ancestor| !ancestor.exists()).collect();
         for &ancestor in missing.iter().rev() {
             if ancestor.as_os_str().is_empty() {
                 continue;
             }
-            fs::create_dir(ancestor)?;
-            self.made.push(ancestor.to_owned());
+            match fs::create_dir(ancestor) {
+                Ok(()) => self.made.push(ancestor.to_owned()),
+                // Another program made it, and removes it if it stays empty.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(("cannot make the folder", error)),
+            }
         }
         Ok(())
     }
+}
+
+/// True for what a folder says that another program removes.
+fn may_pass(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied)
+}
+
+/// Makes sure that files can be written into a folder.
+fn probe(folder: &Path) -> Result<(), (&'static str, io::Error)> {
+    // With a name: some systems take a folder that was removed and made again for the removed one when
+    // they are asked for a file without.
+    let file = tempfile::Builder::new().prefix(".antumbra-").tempfile_in(folder);
+    file.and_then(tempfile::NamedTempFile::close)
+        .map_err(|error| ("cannot write into the folder", error))
 }
 
 impl Drop for Outputs {
@@ -134,7 +161,7 @@ fn check_shaders(folder: &Path) -> Result<(), UsageError> {
     if folder.is_dir() {
         return Ok(());
     }
-    Err(UsageError(format!("--shaders: there is no folder '{}'", folder.display())))
+    Err(UsageError(format!("--shaders: there is no folder '{}'", shown(folder))))
 }
 
 /// Writes `bytes` where `path` leads: a file is the old one or the whole new one, whatever goes
@@ -147,11 +174,21 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     written.map_err(|error| WriteError::new(path, error))
 }
 
+/// Writes a file that was not there: under the name of `path`, or with a number behind it where that is
+/// taken. Returns the path that it has.
+///
+/// # Errors
+/// When the folder or the disk refuses.
+pub fn write_new(path: &Path, bytes: &[u8]) -> Result<PathBuf, WriteError> {
+    destination::create(path, bytes).map_err(|error| WriteError::new(path, error))
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
     use crate::args::Arguments;
     use clap::Parser;
+    use std::process;
 
     /// A folder of the test's own that is gone afterwards.
     pub(crate) struct Scratch(pub PathBuf);
@@ -216,6 +253,27 @@ pub(crate) mod tests {
         let message = write_file(&folder, b"x").unwrap_err().to_string();
         assert!(message.starts_with("cannot write"), "{message}");
         assert_eq!(scratch.names().len(), 2);
+    }
+
+    #[test]
+    fn many_programs_may_have_the_same_new_folder() {
+        let scratch = Scratch::new("shared");
+        let out = scratch.0.join("a/b/c");
+        let options = options(&["--out", out.to_str().unwrap()]);
+        let begin = std::sync::Barrier::new(8);
+        for _ in 0..50 {
+            std::thread::scope(|scope| {
+                for _ in 0..8 {
+                    scope.spawn(|| {
+                        begin.wait();
+                        // Nothing is written: each removes what it made, at any time.
+                        drop(Outputs::prepare(&options).unwrap());
+                    });
+                }
+            });
+            // One may have removed its part before another removed what lay in it.
+            let _gone = fs::remove_dir_all(scratch.0.join("a"));
+        }
     }
 
     #[cfg(unix)]

@@ -1,11 +1,11 @@
 //! Writes pictures as PNG files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
 use crate::options::FrameSize;
-use crate::outputs::{WriteError, write_file};
+use crate::outputs::{WriteError, write_new};
 
 /// A picture that could not be written.
 #[derive(Debug, Error)]
@@ -27,11 +27,11 @@ pub enum PictureError {
 }
 
 /// Writes rows of RGBA pixels, sRGB-encoded, the top row first, as a PNG. Alpha is dropped: frames
-/// are opaque. The file is the old one or the whole new one, whatever goes wrong.
+/// are opaque. A file of that name is left alone: returns the path that was [free](write_new).
 ///
 /// # Errors
 /// When the bytes do not match the size, or the file cannot be written.
-pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<(), PictureError> {
+pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<PathBuf, PictureError> {
     let pixels = u64::from(size.width) * u64::from(size.height);
     if pixels == 0 || u64::try_from(rgba8.len()).ok() != pixels.checked_mul(4) {
         return Err(PictureError::WrongLength { size, bytes: rgba8.len() });
@@ -46,7 +46,7 @@ pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<(), Pictu
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&rgb8)?;
     writer.finish()?;
-    Ok(write_file(path, &file)?)
+    Ok(write_new(path, &file)?)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The pictures a walk leaves: some frames, and one moment seen from above.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use cull::Strategy;
 use gpu::Readback;
@@ -9,45 +9,88 @@ use render::Renderer;
 use crate::Options;
 use crate::course::Course;
 use crate::eyes::Eyes;
+use crate::hud::{Hud, HudPage};
 use crate::moving::Moving;
 use crate::picture::write_png;
 use crate::run::RunError;
+use crate::signals::Signals;
+use crate::window::legends;
 
 /// Frames walked before a picture, so that it shows a history at work and not a first frame.
 const WARM_UP_FRAMES: u32 = 8;
 /// The same before the moment seen from above: until the frontier has come to rest.
 const SETTLING_FRAMES: u32 = 60;
 
-/// Draws and writes what the options ask for into `folder`. Untimed, after the walk, by the last
-/// strategy asked for.
-///
-/// # Errors
-/// When the device fails or a file cannot be written.
-pub fn write(
-    renderer: &mut Renderer,
-    path: &Course,
-    moving: &mut Moving,
-    options: &Options,
-    folder: &Path,
-) -> Result<(), RunError> {
-    let picture = Readback::new(renderer.device(), renderer.size())?;
-    let save = |name: String| {
-        write_png(&folder.join(name), options.size, picture.rgba8()).map_err(RunError::machine)
-    };
-    for frame in options.picture_frames() {
-        walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &picture)?;
-        save(format!("frame_{frame:05}.png"))?;
+/// Pictures that were asked for.
+#[derive(Debug, Default)]
+pub struct Pictures {
+    /// The files that were written.
+    pub written: Vec<PathBuf>,
+    /// Why others were not.
+    pub failures: Vec<RunError>,
+}
+
+impl Pictures {
+    /// Draws and writes what the options ask for into `folder`. Untimed, after the walk, by the last
+    /// strategy asked for. Each is tried on its own; after a signal no more are begun.
+    pub fn write(
+        &mut self,
+        renderer: &mut Renderer,
+        path: &Course,
+        moving: &mut Moving,
+        options: &Options,
+        folder: &Path,
+        signals: &Signals,
+    ) {
+        let drawn = self.draw(renderer, path, moving, options, folder, signals);
+        self.failures.extend(drawn.err());
     }
-    if let Some(frame) = options.birds_eye {
-        let mut eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &picture)?;
-        save(format!("birds_eye_{frame:05}_seen.png"))?;
-        if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
-            let moment = renderer.moment(history, view)?;
-            renderer.birds_eye(&moment, &picture)?;
-            save(format!("birds_eye_{frame:05}.png"))?;
+
+    /// Draws until the device fails.
+    fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        path: &Course,
+        moving: &mut Moving,
+        options: &Options,
+        folder: &Path,
+        signals: &Signals,
+    ) -> Result<(), RunError> {
+        let picture = Readback::new(renderer.device(), renderer.size())?;
+        let mut save = |name: String| {
+            let written = picture.rgba8().map_err(RunError::from).and_then(|pixels| {
+                let written = write_png(&folder.join(name), options.size, &pixels);
+                written.map_err(RunError::machine)
+            });
+            match written {
+                Ok(path) => self.written.push(path),
+                Err(error) => self.failures.push(error),
+            }
+        };
+        for frame in options.picture_frames() {
+            if signals.received().is_some() {
+                return Ok(());
+            }
+            walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &picture)?;
+            save(format!("frame_{frame:05}.png"));
         }
+        if let Some(frame) = options.birds_eye.filter(|_| signals.received().is_none()) {
+            let eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &picture);
+            let mut eyes = eyes?;
+            save(format!("birds_eye_{frame:05}_seen.png"));
+            if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
+                let moment = renderer.moment(history, view)?;
+                let page =
+                    HudPage { legends: vec![legends::from_above(None)], ..HudPage::default() };
+                let size = renderer.size();
+                Hud::default().lay_out(&page, size, 1.0, renderer.flat_overlay()?)?;
+                renderer.birds_eye(&moment, &picture)?;
+                renderer.drop_flat_overlay();
+                save(format!("birds_eye_{frame:05}.png"));
+            }
+        }
+        Ok(())
     }
-    Ok(())
 }
 
 /// Walks with fresh histories to `frame`, whose picture is over when this returns.

@@ -1,18 +1,22 @@
 //! Shows how far a walk has come: a bar on a terminal, a line now and then elsewhere.
 
-use std::cell::Cell;
-use std::io::IsTerminal;
+use std::cell::{Cell, RefCell};
+use std::fmt::Write;
+use std::io;
+use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+
+use crate::terminal::{say, style::can_redraw};
 
 /// What a walk tells while it runs.
 pub trait Progress {
     /// A step of the preparations begins: "building the city".
     fn stage(&self, what: &str);
-    /// The frames begin; so many will be drawn.
-    fn begin_frames(&self, frames: u64);
-    /// One frame is done, drawn by this strategy.
-    fn frame_done(&self, strategy: &str);
+    /// So many frames begin, for that.
+    fn begin_frames(&self, what: &str, frames: u64);
+    /// One frame is done; `how` says by which strategy, or nothing.
+    fn frame_done(&self, how: &str);
     /// The frames are over; nothing more will come.
     fn finish(&self);
 }
@@ -21,7 +25,7 @@ pub trait Progress {
 pub fn for_terminal(quiet: bool) -> Box<dyn Progress> {
     if quiet {
         Box::new(Silent)
-    } else if std::io::stderr().is_terminal() {
+    } else if can_redraw(&io::stderr()) {
         Box::new(Bar::new())
     } else {
         Box::new(Lines::default())
@@ -34,9 +38,22 @@ pub struct Silent;
 
 impl Progress for Silent {
     fn stage(&self, _: &str) {}
-    fn begin_frames(&self, _: u64) {}
+    fn begin_frames(&self, _: &str, _: u64) {}
     fn frame_done(&self, _: &str) {}
     fn finish(&self) {}
+}
+
+/// So much must have gone by before what is left can be estimated.
+const ESTIMATE_AFTER: Duration = Duration::from_secs(1);
+/// Less than this is not worth a word.
+const REST_MIN: Duration = Duration::from_secs(1);
+
+/// Returns how long the rest takes, in words; nothing where that is not known yet.
+fn left(elapsed: Duration, rest: Duration) -> String {
+    if elapsed < ESTIMATE_AFTER || rest < REST_MIN {
+        return String::new();
+    }
+    format!(", {:#} left", HumanDuration(rest))
 }
 
 /// A bar that is redrawn in place on standard error.
@@ -55,18 +72,24 @@ impl Progress for Bar {
         self.0.tick();
     }
 
-    fn begin_frames(&self, frames: u64) {
-        let style = "{bar:40} {pos}/{len} frames, {eta} left  {msg}";
+    fn begin_frames(&self, what: &str, frames: u64) {
+        self.0.set_message(what.to_owned());
+        let style = "{bar:20} {pos}/{len} frames{left}  {wide_msg}";
         if let Ok(style) = ProgressStyle::with_template(style) {
-            self.0.set_style(style);
+            self.0.set_style(style.with_key(
+                "left",
+                |state: &ProgressState, text: &mut dyn Write| {
+                    let _text_takes_all = text.write_str(&left(state.elapsed(), state.eta()));
+                },
+            ));
         }
         self.0.set_length(frames);
         self.0.reset();
     }
 
-    fn frame_done(&self, strategy: &str) {
-        if self.0.message() != strategy {
-            self.0.set_message(strategy.to_owned());
+    fn frame_done(&self, how: &str) {
+        if !how.is_empty() && self.0.message() != how {
+            self.0.set_message(how.to_owned());
         }
         self.0.inc(1);
     }
@@ -83,7 +106,7 @@ pub struct LoadingBar(Option<ProgressBar>);
 impl LoadingBar {
     /// A bar on a terminal, nothing elsewhere.
     pub fn for_terminal() -> Self {
-        Self(std::io::stderr().is_terminal().then(|| {
+        Self(can_redraw(&io::stderr()).then(|| {
             let bar = ProgressBar::new(1000);
             if let Ok(style) = ProgressStyle::with_template("{bar:40} {elapsed}  {msg}") {
                 bar.set_style(style);
@@ -114,16 +137,18 @@ impl Drop for LoadingBar {
 /// A line for each stage and each tenth of the frames, for logs.
 #[derive(Debug, Default)]
 struct Lines {
+    what: RefCell<String>,
     done: Cell<u64>,
     frames: Cell<u64>,
 }
 
 impl Progress for Lines {
     fn stage(&self, what: &str) {
-        eprintln!("{what}");
+        say(what);
     }
 
-    fn begin_frames(&self, frames: u64) {
+    fn begin_frames(&self, what: &str, frames: u64) {
+        self.what.replace(what.to_owned());
         self.frames.set(frames);
         self.done.set(0);
     }
@@ -132,7 +157,7 @@ impl Progress for Lines {
         let (done, frames) = (self.done.get() + 1, self.frames.get());
         self.done.set(done);
         if completes_tenth(done, frames) {
-            eprintln!("{done} of {frames} frames");
+            say(&format!("{}: {done} of {frames} frames", self.what.borrow()));
         }
     }
 
@@ -148,6 +173,15 @@ fn completes_tenth(done: u64, frames: u64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_left_is_not_said_before_it_is_known() {
+        let seconds = Duration::from_secs;
+        assert_eq!(left(Duration::ZERO, Duration::ZERO), "");
+        assert_eq!(left(seconds(0), seconds(9)), "");
+        assert_eq!(left(seconds(5), Duration::from_millis(400)), "");
+        assert_eq!(left(seconds(5), seconds(30)), ", 30s left");
+    }
 
     #[test]
     fn a_line_at_each_tenth() {

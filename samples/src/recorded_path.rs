@@ -10,21 +10,24 @@
 //! with `#` mean nothing. Numbers are the shortest that read back to the same bits.
 
 use std::fmt::Write;
-use std::fs;
 use std::io::{BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use cull::Camera;
 use glam::Vec3;
 
+use crate::input_file;
 use crate::options::UsageError;
-use crate::outputs::{WriteError, write_file};
+use crate::outputs::{WriteError, write_new};
+use crate::terminal::shown;
 
 const HEADER: &str = "antumbra path 1";
 const COLUMNS: &str = "# seconds, eye, forward, up, field of view, near plane";
 const NUMBERS: usize = 12;
 /// So many frames are ten hours at 60 a second; a file with more was not recorded by us.
 const MOST_FRAMES: usize = 2_000_000;
+/// So many frames with their numbers at full length; a larger file was not recorded by us.
+const MOST_BYTES: u64 = 512 << 20;
 /// A longer line is none of ours.
 const MOST_LINE_BYTES: u64 = 4096;
 
@@ -65,11 +68,12 @@ impl RecordedPath {
         self.frames.get(frame).map(|frame| frame.camera)
     }
 
-    /// Writes the file, whole or not at all.
+    /// Writes a file that was not there, whole or not at all. Returns the path that was
+    /// [free](write_new).
     ///
     /// # Errors
     /// When the folder or the disk refuses.
-    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+    pub fn write(&self, path: &Path) -> Result<PathBuf, WriteError> {
         let mut text = format!("{HEADER}\n{COLUMNS}\n");
         for frame in &self.frames {
             let PathFrame { seconds, camera: Camera { eye, forward, up, fov_y, near } } = frame;
@@ -80,7 +84,7 @@ impl RecordedPath {
             }
             text.push('\n');
         }
-        write_file(path, text.as_bytes())
+        write_new(path, text.as_bytes())
     }
 
     /// Reads a file.
@@ -88,14 +92,11 @@ impl RecordedPath {
     /// # Errors
     /// A file that cannot be read, or the first line that is not of a path, with its number.
     pub fn read(path: &Path) -> Result<Self, UsageError> {
-        let shown = path.display();
+        let shown = shown(path);
         let refuse = |reason: &dyn std::fmt::Display| {
             UsageError(format!("cannot read the path file '{shown}': {reason}"))
         };
-        if path.is_dir() {
-            return Err(refuse(&"it is a folder"));
-        }
-        let file = fs::File::open(path).map_err(|error| refuse(&error))?;
+        let file = input_file::open(path, MOST_BYTES).map_err(|error| refuse(&error))?;
         Self::parse(BufReader::new(file))
             .map_err(|(line, reason)| UsageError(format!("{shown}:{line}: {reason}")))
     }
@@ -206,7 +207,7 @@ mod tests {
             let path = std::env::temp_dir().join(name);
             recorded.write(&path).unwrap();
             let read = RecordedPath::read(&path);
-            fs::remove_file(&path).unwrap();
+            std::fs::remove_file(&path).unwrap();
             prop_assert_eq!(read.unwrap(), recorded);
         }
 

@@ -33,6 +33,8 @@ pub struct Report {
     pub frames: u32,
     /// Width and height of the frames in pixels.
     pub size: [u32; 2],
+    /// Whether a signal ended the walk: then a run may have fewer frames than `frames`.
+    pub cut_short: bool,
     /// How many frames the CPU was allowed to be ahead.
     pub frames_in_flight: u32,
     /// How hidden draws were skipped: what `--predicates` chose.

@@ -11,16 +11,19 @@ use thiserror::Error;
 
 use crate::choices::{DeviceChoice, Predicates, Validation};
 use crate::options::{LeftOut, SceneChoice, UsageError};
+use crate::pictures::Pictures;
 use crate::progress::Progress;
 use crate::provenance::Provenance;
 use crate::report::{
     BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
 };
+use crate::signals::Signals;
 use crate::statistics::kept;
 use crate::stopwatch::Stopwatch;
+use crate::terminal::shown;
 use crate::walk::Walk;
 use crate::walk_scene::WalkScene;
-use crate::{Options, memory, pictures};
+use crate::{Options, memory};
 
 /// Whose fault a failure is: it decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +64,7 @@ impl RunError {
     /// The same, said of a scene's file.
     #[must_use]
     pub fn about(mut self, file: &Path) -> Self {
-        self.message = format!("{}: {}", file.display(), self.message);
+        self.message = format!("{}: {}", shown(file), self.message);
         self
     }
 
@@ -85,18 +88,19 @@ impl From<render::Error> for RunError {
     fn from(error: render::Error) -> Self {
         match error {
             render::Error::Gpu(error) => error.into(),
+            render::Error::Scene(error) => error.into(),
             render::Error::NoShaderCompiler(_)
-            | render::Error::Scene(_)
             | render::Error::SceneTooLarge { .. }
             | render::Error::Image { .. }
             | render::Error::FramesInFlight { .. }
             | render::Error::Cost(_)
             | render::Error::CannotCount { .. } => Self::user(error),
             render::Error::Hierarchy(_)
+            | render::Error::NoMemory { .. }
             | render::Error::NoVisibleSet
             | render::Error::OldVisibleSet
             | render::Error::NoView
-            | render::Error::ForeignView
+            | render::Error::ForeignRenderer { .. }
             | render::Error::ForeignHierarchy { .. }
             | render::Error::PictureSize { .. }
             | render::Error::Area { .. }
@@ -124,26 +128,43 @@ impl From<gpu::Error> for RunError {
 
 impl From<SceneError> for RunError {
     fn from(error: SceneError) -> Self {
-        Self::user(error)
+        match error {
+            SceneError::NoMemory { .. } => Self::machine(error),
+            _ => Self::user(error),
+        }
     }
 }
 
-/// Walks, measures, writes the pictures into `options.output` (which exists and is writable).
+/// What a walk leaves.
+pub struct Walked {
+    /// What was measured.
+    pub report: Report,
+    /// The pictures in `options.output`.
+    pub pictures: Pictures,
+}
+
+/// Walks, measures, writes the pictures into `options.output` (which exists and is writable). After a
+/// signal it leaves what was measured so far.
 ///
 /// # Errors
-/// When the device is not there or cannot do it, or a picture cannot be written.
-pub fn run(options: &Options, progress: &dyn Progress) -> Result<Report, RunError> {
+/// When the device is not there or cannot do it, or a signal came before anything was measured.
+pub fn run(
+    options: &Options,
+    progress: &dyn Progress,
+    signals: &Signals,
+) -> Result<Walked, RunError> {
     let instance = open_instance(options.validation, None)?;
     let adapter = pick_adapter(&instance, &options.device)?;
     progress.stage(&format!("opening {}", adapter.name));
     let device_options =
         DeviceOptions { pipeline_cache: pipeline_cache_file(), ..Default::default() };
     let device = Device::new(&instance, &adapter, &device_options)?;
-    let mut report = walk_on(&device, options, progress)?;
+    let mut walked = walk_on(&device, options, progress, signals)?;
     // The layers have their last word when everything is torn down.
     drop(device);
-    report.validation_messages = u64::try_from(instance.validation_log().len()).unwrap_or(u64::MAX);
-    Ok(report)
+    walked.report.validation_messages =
+        u64::try_from(instance.validation_log().len()).unwrap_or(u64::MAX);
+    Ok(walked)
 }
 
 /// A line for each Vulkan device, in the order that `--device INDEX` counts, from 0.
@@ -205,13 +226,16 @@ fn walk_on(
     device: &Device,
     options: &Options,
     progress: &dyn Progress,
-) -> Result<Report, RunError> {
+    signals: &Signals,
+) -> Result<Walked, RunError> {
     let mut clock = Stopwatch::start();
     let WalkScene { scene, path, path_name, mut moving, mut file } =
-        WalkScene::build(options, progress)?;
+        WalkScene::build(options, progress, signals)?;
+    signals.check()?;
     let scene_ms = clock.lap_ms();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
     let hierarchy_ms = clock.lap_ms();
+    signals.check()?;
     progress.stage("bringing it to the device");
     let mut renderer =
         Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?).map_err(
@@ -239,12 +263,15 @@ fn walk_on(
     }
 
     let options = &Options { strategies, left_out, ..options.clone() };
-    let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress)?;
-    if let Some(folder) = &options.output {
-        pictures::write(&mut renderer, &path, &mut moving, options, folder)?;
+    let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress, signals)?;
+    let cut_short = signals.received().is_some();
+    let mut pictures = Pictures::default();
+    if let Some(folder) = options.output.as_ref().filter(|_| !cut_short) {
+        progress.stage("drawing the pictures");
+        pictures.write(&mut renderer, &path, &mut moving, options, folder, signals);
     }
     let adapter = device.adapter();
-    Ok(Report {
+    let report = Report {
         device: DeviceReport {
             name: adapter.name.clone(),
             driver: adapter.driver.clone(),
@@ -257,6 +284,7 @@ fn walk_on(
         moving_percent: options.moving_percent,
         moving_objects: moving.movers() as u64,
         frames: options.frames,
+        cut_short,
         size: [options.size.width, options.size.height],
         frames_in_flight: options.frames_in_flight,
         predicates: renderer.predication().name().to_owned(),
@@ -277,7 +305,8 @@ fn walk_on(
         left_out: options.left_out.clone(),
         provenance: Provenance::of_this_process(),
         runs,
-    })
+    };
+    Ok(Walked { report, pictures })
 }
 
 /// What reports call a scene: a file by its name without its folder.

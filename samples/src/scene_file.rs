@@ -10,6 +10,7 @@ use render::scene::Scene;
 
 use crate::report::FileReport;
 use crate::run::RunError;
+use crate::terminal::shown;
 
 /// How far loading has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,36 +35,36 @@ pub fn tell(told: &mut Listener<'_>, what: &str, fraction: Option<f32>) -> Resul
     }
 }
 
-/// Reads a file.
+/// Reads a file. Lights are dimmed where they are too bright, unless an exposure is given.
 ///
 /// # Errors
 /// What is wrong with it: file, object in it, reason; that it was given up.
-pub fn load(file: &Path, told: &mut Listener<'_>) -> Result<Imported, RunError> {
-    tell(told, &format!("reading {}", file.display()), None)?;
+pub fn load(
+    file: &Path,
+    exposure: Option<f32>,
+    told: &mut Listener<'_>,
+) -> Result<Imported, RunError> {
+    tell(told, &format!("reading {}", shown(file)), None)?;
     if file.is_dir() {
-        let shown = file.display();
+        let shown = shown(file);
         return Err(RunError::user(format!("cannot read the scene '{shown}': it is a folder")));
     }
-    let options = LoadOptions::default();
+    let options = LoadOptions { exposure, ..LoadOptions::default() };
     let loaded = import::load(file, &options, &mut |progress| {
         let what = match progress.stage {
             Stage::Reading => "reading",
             Stage::Meshes => "making meshes of",
         };
-        let what = format!("{what} {}", file.display());
+        let what = format!("{what} {}", shown(file));
         told(Told { what: &what, fraction: Some(progress.fraction) })
     });
     loaded.map_err(|error| match error.cause {
         Cause::GivenUp => RunError::given_up(),
-        _ => RunError::user(error),
+        // The engine's sentence has the name as it is.
+        _ => RunError::user(
+            error.to_string().replace(&file.display().to_string(), &shown(file).to_string()),
+        ),
     })
-}
-
-/// Multiplies all light with a factor.
-pub fn expose(imported: &mut Imported, factor: f32) {
-    if let Some(surfaces) = &mut imported.scene.surfaces {
-        surfaces.exposure *= factor;
-    }
 }
 
 /// The hierarchy over a scene, in time for a word about it.
@@ -93,6 +94,6 @@ pub fn report(file: &Path, imported: &Imported, load_ms: f64) -> FileReport {
         cameras: imported.cameras.len() as u64,
         clips: imported.clips.len() as u64,
         playing: 0,
-        notes: imported.notes.clone(),
+        notes: imported.notes.iter().map(ToString::to_string).collect(),
     }
 }

@@ -25,28 +25,64 @@ const COLUMNS: [&str; 10] = [
     "pixels\nwrong",
 ];
 
-/// What was drawn on what, the strategies side by side, their ratios, memory and build times.
-pub fn render(report: &Report) -> String {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED);
-    table.set_content_arrangement(ContentArrangement::Disabled);
-    table.set_header(COLUMNS.map(|column| Cell::new(column).set_alignment(CellAlignment::Center)));
-    for run in &report.runs {
-        table.add_row(row(run));
-    }
-    for column in table.column_iter_mut().skip(1) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
-    let lines = [
-        head(report),
-        table.trim_fmt(),
+/// What was drawn on what, the strategies side by side, their ratios, memory and build times, in lines
+/// of at most `width` columns where words are no longer.
+pub fn render(report: &Report, width: usize) -> String {
+    let above = [head(report)];
+    let below = [
         ratio_lines(report),
         cost_lines(report),
         pass_lines(report),
         note_lines(report),
         foot(report),
     ];
-    lines.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + "\n"
+    let wrapped = |parts: &[String]| {
+        let lines = parts.iter().flat_map(|part| part.lines());
+        lines.map(|line| wrapped(line, width) + "\n").collect::<String>()
+    };
+    wrapped(&above) + &blocks(report, width) + &wrapped(&below)
+}
+
+/// A line in lines that fit, indented after the first.
+fn wrapped(line: &str, width: usize) -> String {
+    let options = textwrap::Options::new(width)
+        .subsequent_indent("  ")
+        .break_words(false)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation);
+    textwrap::fill(line, options)
+}
+
+/// The table in as few blocks of columns as fit one under the other, each with the strategies' names.
+fn blocks(report: &Report, width: usize) -> String {
+    let numbers: Vec<usize> = (1..COLUMNS.len()).collect();
+    for count in 1..=numbers.len() {
+        let blocks: Vec<String> = numbers
+            .chunks(numbers.len().div_ceil(count))
+            .map(|columns| block(report, columns))
+            .collect();
+        let fits = |block: &String| block.lines().all(|line| line.chars().count() <= width);
+        if blocks.iter().all(fits) || count == numbers.len() {
+            return blocks.concat();
+        }
+    }
+    String::new()
+}
+
+/// A table of these columns.
+fn block(report: &Report, columns: &[usize]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED);
+    table.set_content_arrangement(ContentArrangement::Disabled);
+    let centred = |column: &usize| Cell::new(COLUMNS[*column]).set_alignment(CellAlignment::Center);
+    table.set_header([0].iter().chain(columns).map(centred));
+    for run in &report.runs {
+        let cells = row(run);
+        table.add_row([0].iter().chain(columns).map(|column| cells[*column].clone()));
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.trim_fmt() + "\n"
 }
 
 fn row(run: &RunReport) -> [String; 10] {
@@ -87,6 +123,12 @@ fn head(report: &Report) -> String {
 /// Lines of their own where several eyes look, something moves, or a strategy cannot run.
 fn more_lines(report: &Report) -> String {
     let mut lines = String::new();
+    if report.cut_short {
+        let frames =
+            |run: &RunReport| format!("{} {}", run.strategy, count(Some(run.frames_timed)));
+        let frames = report.runs.iter().map(frames).collect::<Vec<_>>().join(", ");
+        lines += &format!("\nCUT SHORT by a signal; frames timed: {frames}");
+    }
     if report.views > 1 {
         lines += &format!("\n{} eyes side by side, half of the frame each", report.views);
     }
@@ -251,116 +293,5 @@ fn count(value: Option<u64>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::measurement::RunMeasurement;
-    use crate::report::tests::example;
-
-    #[test]
-    fn a_person_finds_every_number() {
-        let text = render(&example());
-        for expected in [
-            "llvmpipe (llvmpipe Mesa 22.3.6, Vulkan 1.3.230), hidden draws skipped by conditional",
-            "city of 10,012 objects, 9,876,543 triangles, seed 1",
-            "path street, 2 frames of 1280x720, 2 in flight",
-            "31.50",
-            "33.00",
-            "10.50",
-            "3.15",
-            "1.05",
-            "3,000",
-            "frustum takes 3.00 times as long a frame as antumbra",
-            "antumbra, by cost: 4 objects untested a frame, 0.00 ms saved (expected); tests times 1.00, from 7",
-            "scene 1.50, hierarchy 2.50, upload 3.50; peak memory 123 MiB, on the device 56 MiB",
-            "frames compared with frustum culling: 2; blocking waits: 0; validation messages: 0",
-        ] {
-            assert!(text.contains(expected), "'{expected}' is missing in\n{text}");
-        }
-        assert!(!text.contains("WRONG"));
-        assert!(text.lines().all(|line| line.chars().count() <= 120), "too wide:\n{text}");
-    }
-
-    #[test]
-    fn of_many_runs_each_is_compared_with_three() {
-        let mut report = example();
-        let run = |strategy: Strategy, frame_ms: f64| {
-            let mut run = report.runs[0].clone();
-            run.strategy = strategy.name().to_owned();
-            run.frame_ms.median = Some(frame_ms);
-            run
-        };
-        report.runs = Strategy::ALL.iter().zip(1..).map(|(it, ms)| run(*it, ms.into())).collect();
-        report.ratios = crate::report::ratios(&report.runs);
-        let text = render(&report);
-        let lines = text.lines().filter(|line| line.starts_with("a frame of ")).count();
-        assert_eq!(lines, Strategy::ALL.len(), "{text}");
-        let naive =
-            "a frame of naive takes 2.00 times frustum, 0.25 times antumbra, 0.17 times ideal";
-        assert!(text.contains(naive) && !text.contains("as long a frame"), "{text}");
-    }
-
-    #[test]
-    fn what_of_a_file_is_not_shown_is_told() {
-        let mut report = example();
-        assert!(!render(&report).contains("not as in the file"));
-        let notes = vec!["sparks: 3".to_owned(), "orthographic cameras: 1".to_owned()];
-        report.scene.file = Some(crate::report::FileReport { notes, ..Default::default() });
-        let text = render(&report);
-        assert!(text.contains("not as in the file: sparks: 3\nnot as in the file: orthographic"));
-    }
-
-    #[test]
-    fn what_is_absent_is_a_dash_and_what_is_wrong_is_loud() {
-        let mut report = example();
-        report.runs = vec![RunMeasurement::new(Strategy::Frustum).report()];
-        let text = render(&report);
-        let row: Vec<&str> = text
-            .lines()
-            .find(|line| line.contains("│ frustum"))
-            .unwrap()
-            .split(['│', '┆'])
-            .map(str::trim)
-            .filter(|cell| !cell.is_empty())
-            .collect();
-        assert_eq!(row, ["frustum", "-", "-", "-", "-", "-", "-", "-", "-", "-"]);
-
-        let mut wrong = RunMeasurement::new(Strategy::Antumbra);
-        wrong.verified(1234);
-        report.runs = vec![wrong.report()];
-        assert!(render(&report).contains("WRONG: 1234 pixels differ"));
-        let mut loose = RunMeasurement::new(Strategy::NextFrame);
-        loose.verified(1234);
-        report.runs = vec![loose.report()];
-        let text = render(&report);
-        assert!(text.contains("1,234") && !text.contains("WRONG"), "{text}");
-    }
-
-    #[test]
-    fn what_a_threshold_leaves_out_is_told_and_not_called_wrong() {
-        let mut report = example();
-        assert!(!render(&report).contains("left out"));
-        report.threshold_pixels = 12;
-        report.runs[1].neglected_samples = 2_500;
-        report.runs[1].pixels_wrong = Some(1_234);
-        report.runs[1].pixels_wrong_at_most = Some(2_409);
-        let text = render(&report);
-        for expected in [
-            "not exact: what shows at most 12 pixels counts as hidden",
-            "antumbra left out 2,500 samples in 2 frames; of those compared 1,234 pixels differ, at most 2,409 could",
-        ] {
-            assert!(text.contains(expected), "'{expected}' is missing in\n{text}");
-        }
-        assert!(!text.contains("WRONG"), "{text}");
-        assert!(text.lines().all(|line| line.chars().count() <= 120), "too wide:\n{text}");
-        report.runs[1].pixels_wrong = Some(2_410);
-        assert!(render(&report).contains("WRONG: 2410 pixels differ"));
-    }
-
-    #[test]
-    fn thousands_are_separated() {
-        let cases = [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")];
-        for (value, text) in cases {
-            assert_eq!(count(Some(value)), text);
-        }
-    }
-}
+#[path = "table_tests.rs"]
+mod tests;

@@ -17,6 +17,7 @@ use crate::progress::Progress;
 use crate::report::RunReport;
 use crate::run::RunError;
 use crate::schedule::{Schedule, Step};
+use crate::signals::Signals;
 use crate::stopwatch::Stopwatch;
 
 /// A walk over a path: the strategies with a history each.
@@ -84,38 +85,56 @@ impl<'a> Walk<'a> {
     }
 
     /// Finds what is visible in every frame if `ideal` is among the strategies. Not timed.
-    fn find_visible_sets(&mut self, progress: &dyn Progress) -> Result<(), RunError> {
+    fn find_visible_sets(
+        &mut self,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<(), RunError> {
         if self.runs.iter().all(|run| run.strategy != Strategy::Ideal) {
             return Ok(());
         }
-        progress.stage("finding out what is visible in each frame");
         let mut eyes = Eyes::new(self.renderer, self.views)?;
         let frames: BTreeSet<u32> = self.schedule.steps().map(|step| step.frame).collect();
+        progress.begin_frames("finding out what is visible", frames.len() as u64);
         for frame in frames {
+            signals.check()?;
             self.moving.show(self.renderer, frame)?;
             let sets = eyes.visible_sets(self.renderer, &self.path.camera(frame))?;
             self.visible_sets.insert(frame, sets);
+            progress.frame_done("");
         }
         Ok(())
     }
 
-    /// Walks all of it.
+    /// Walks all of it, or as much as there is time for before a signal.
     ///
     /// # Errors
-    /// When the device fails.
-    pub fn run(mut self, progress: &dyn Progress) -> Result<Vec<RunReport>, RunError> {
-        self.find_visible_sets(progress)?;
-        progress.begin_frames(self.schedule.len());
+    /// When the device fails, or a signal came before anything was measured.
+    pub fn run(
+        mut self,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<Vec<RunReport>, RunError> {
+        self.find_visible_sets(progress, signals)?;
+        progress.begin_frames("drawing", self.schedule.len());
         let mut steps: VecDeque<Step> = self.schedule.steps().collect();
-        while let Some(turn) = next_turn(&mut steps) {
-            self.walk_turn(&turn, progress)?;
+        while let (Some(turn), None) = (next_turn(&mut steps), signals.received()) {
+            self.walk_turn(&turn, progress, signals)?;
+        }
+        if self.runs.iter().all(|run| run.measurement.is_empty()) {
+            signals.check()?;
         }
         Ok(self.runs.iter().map(|run| run.measurement.report()).collect())
     }
 
     /// One strategy walks some consecutive frames; the pictures are compared when it is through, so
     /// that comparing costs nobody time.
-    fn walk_turn(&mut self, turn: &[Step], progress: &dyn Progress) -> Result<(), RunError> {
+    fn walk_turn(
+        &mut self,
+        turn: &[Step],
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<(), RunError> {
         let verify = self.verify;
         // Those that warm up, too: with the first of them, a history begins.
         let compared = || turn.iter().filter(|step| verify.includes(step.frame));
@@ -129,7 +148,7 @@ impl<'a> Walk<'a> {
         let mut walked = Vec::with_capacity(turn.len());
         let mut pictures = self.pictures.iter();
         let mut clock = Stopwatch::start();
-        for step in turn {
+        for step in turn.iter().take_while(|_| signals.received().is_none()) {
             let moved = self.moving.show(self.renderer, step.frame)?;
             let picture = verify.includes(step.frame).then(|| pictures.next()).flatten();
             let camera = self.path.camera(step.frame);
@@ -137,7 +156,7 @@ impl<'a> Walk<'a> {
             let visible = visible.map_or(&mut [][..], Vec::as_mut_slice);
             if run.strategy == Strategy::Ideal {
                 // Whatever moves is where it was in this frame when they were found.
-                visible.iter_mut().for_each(|set| self.renderer.visible_again(set));
+                visible.iter_mut().try_for_each(|set| self.renderer.visible_again(set))?;
             }
             let waits = self.device.wait_counts().other;
             let report = run.eyes.render(self.renderer, run.strategy, &camera, visible, picture)?;
@@ -169,10 +188,12 @@ impl<'a> Walk<'a> {
             progress.frame_done(run.strategy.name());
         }
         run.eyes.drain(self.renderer)?;
+        let drawn = walked.len();
         book(run, walked);
-        for (picture, step) in self.pictures.iter().zip(compared()) {
+        let compared = turn.iter().take(drawn).filter(|step| verify.includes(step.frame));
+        for (picture, step) in self.pictures.iter().zip(compared) {
             let reference = self.references.get(&step.frame).map_or(&[][..], Vec::as_slice);
-            let pixels_wrong = pixels_that_differ(reference, picture.rgba8());
+            let pixels_wrong = pixels_that_differ(reference, &picture.rgba8()?);
             if step.timed {
                 run.measurement.verified(pixels_wrong);
             } else {
@@ -193,10 +214,10 @@ impl<'a> Walk<'a> {
         let picture = Readback::new(&self.device, self.renderer.size())?;
         for frame in frames {
             self.moving.show(self.renderer, frame)?;
-            let (camera, picture) = (self.path.camera(frame), Some(&picture));
-            self.reference.render(self.renderer, Strategy::Frustum, &camera, &[], picture)?;
+            let (camera, wanted) = (self.path.camera(frame), Some(&picture));
+            self.reference.render(self.renderer, Strategy::Frustum, &camera, &[], wanted)?;
             self.reference.drain(self.renderer)?;
-            self.references.insert(frame, picture.map_or(&[][..], Readback::rgba8).to_vec());
+            self.references.insert(frame, picture.rgba8()?.to_vec());
         }
         Ok(())
     }

@@ -17,7 +17,9 @@ use crate::recorded_path::RecordedPath;
 use crate::report::FileReport;
 use crate::run::RunError;
 use crate::scene_file;
+use crate::signals::Signals;
 use crate::stopwatch::Stopwatch;
+use crate::terminal::shown;
 
 /// What is walked through.
 pub struct WalkScene {
@@ -39,10 +41,14 @@ impl WalkScene {
     /// # Errors
     /// Numbers that no scene can be made from; a file that cannot be shown; a path or a camera that is not
     /// there.
-    pub fn build(options: &Options, progress: &dyn Progress) -> Result<Self, RunError> {
+    pub fn build(
+        options: &Options,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<Self, RunError> {
         match &options.scene {
             SceneChoice::Made(made) => Self::make(made, options, progress),
-            SceneChoice::File(file) => Self::load(file, options, progress),
+            SceneChoice::File(file) => Self::load(file, options, progress, signals),
         }
     }
 
@@ -63,21 +69,27 @@ impl WalkScene {
         Ok(Self { scene, path, path_name, moving, file: None })
     }
 
-    fn load(file: &Path, options: &Options, progress: &dyn Progress) -> Result<Self, RunError> {
+    fn load(
+        file: &Path,
+        options: &Options,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<Self, RunError> {
         let mut clock = Stopwatch::start();
         let mut newest = String::new();
-        let imported = scene_file::load(file, &mut |told| {
+        let imported = scene_file::load(file, None, &mut |told| {
             if told.what != newest {
                 told.what.clone_into(&mut newest);
                 progress.stage(told.what);
             }
-            ControlFlow::Continue(())
+            match signals.received() {
+                Some(_) => ControlFlow::Break(()),
+                None => ControlFlow::Continue(()),
+            }
         })?;
         let load_ms = clock.lap_ms();
         let mut report = scene_file::report(file, &imported, load_ms);
-        let bounds = imported.bounds();
         let size = [options.size.width / options.views.max(1), options.size.height];
-        let orbit = Orbit::around(&bounds, size);
         let (scene, mut performance, cameras, _) = Performance::of(imported);
         let way = Way::of(&options.path, &cameras, file)?;
         let camera = match way {
@@ -89,6 +101,7 @@ impl WalkScene {
         report.playing = clips.playing().len() as u64;
         report.notes.extend(clips.conflicts(&performance));
         performance.play(clips.playing(), 0.0, 0.0);
+        let orbit = Orbit::around(&performance.bounds_playing(&scene), size);
         let seconds = own.and_then(|clip| performance.duration_s(clip));
         let clock = FrameClock::of_walk(seconds, options.frames);
         let path_name = match (&way, camera) {
@@ -98,7 +111,9 @@ impl WalkScene {
         };
         let path = match (way, camera) {
             (Way::Recorded(path), _) => Course::Recorded(path, orbit.camera(0, 1)),
-            (_, Some(camera)) => film::cameras(&mut performance, camera, clock, options.frames),
+            (_, Some(camera)) => {
+                film::cameras(&mut performance, camera, clock, (options.frames, size))
+            }
             (_, None) => Course::Around(orbit, options.frames),
         };
         let moving = Moving::played(performance, clock);
@@ -126,7 +141,7 @@ impl Way {
         if let Some(path) = recorded {
             return Ok(Self::Recorded(RecordedPath::read(&path)?));
         }
-        let camera = film::find_camera(cameras, wanted, &file.display())?;
+        let camera = film::find_camera(cameras, wanted, &shown(file))?;
         Ok(camera.map_or(Self::Around, Self::Camera))
     }
 }

@@ -268,3 +268,68 @@ fn a_shader_that_does_not_compile_ends_with_2_and_its_line() {
     assert!(message.contains("normalise"), "{message}");
     assert_empty(&scratch);
 }
+
+#[test]
+fn a_damaged_driver_manifest_is_not_called_a_lack_of_memory() {
+    let scratch = Scratch::new("manifest");
+    let manifest = scratch.0.join("driver.json");
+    fs::write(&manifest, r#"{ "file_format_version": "1.0.0", "ICD": {"#).expect("it is written");
+    let mut command = walkthrough(&scratch.0, &["--list-devices"]);
+    let output = command.env("VK_DRIVER_FILES", &manifest).output().expect("it starts");
+    let message = refusal(&output, 1);
+    assert!(message.contains("the manifest of a driver"), "{message}");
+    assert!(message.contains("VK_LOADER_DEBUG") && !message.contains("fewer"), "{message}");
+}
+
+/// What is left for a scene of 2,000,000 objects is too little, however much the driver takes.
+#[cfg(target_os = "linux")]
+#[test]
+fn too_little_memory_for_a_scene_is_said_in_a_sentence() {
+    let scratch = Scratch::new("memory");
+    let arguments = ["--objects", "2000000", "--frames", "1", "--size", "64x36"];
+    let arguments = [&arguments[..], &["--strategy", "antumbra", "--device", "llvmpipe"]].concat();
+    let plain = walkthrough(&scratch.0, &arguments);
+    let mut command = Command::new("sh");
+    command.args(["-c", "ulimit -v 1200000 && exec \"$0\" \"$@\""]);
+    command.arg(plain.get_program()).args(arguments).current_dir(&scratch.0);
+    let output = command.output().expect("it starts");
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("error: there is no memory "), "{message}");
+    assert!(!message.contains("panicked") && !message.contains("allocation of"), "{message}");
+}
+
+/// A cache that is no regular file, or larger than any, is left alone and costs neither time nor memory.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pipeline_cache_that_is_no_cache_is_left_alone() {
+    let scratch = Scratch::new("cache");
+    let arguments = ["--objects", "50", "--frames", "1", "--size", "64x36"];
+    let arguments = [&arguments[..], &["--strategy", "antumbra", "--device", "llvmpipe"]].concat();
+    let run = |home: &str| {
+        let mut command = walkthrough(&scratch.0, &arguments);
+        command.env("XDG_CACHE_HOME", scratch.0.join(home)).output().expect("it starts")
+    };
+    let first = run("plain");
+    assert!(first.status.success(), "{}", stderr(&first));
+    let folder = &scratch.names("plain")[0];
+    let file = &scratch.names(&format!("plain/{folder}"))[0];
+    for kind in ["pipe", "sparse"] {
+        fs::create_dir_all(scratch.0.join(kind).join(folder)).expect("it is made");
+        let path = scratch.0.join(kind).join(folder).join(file);
+        match kind {
+            "pipe" => {
+                let made = Command::new("mkfifo").arg(&path).status();
+                assert!(made.expect("mkfifo").success());
+            }
+            _ => fs::File::create(&path).expect("it is made").set_len(3 << 30).expect("holes"),
+        }
+        let output = run(kind);
+        assert!(output.status.success(), "{kind}: {}", stderr(&output));
+        let memory = String::from_utf8_lossy(&output.stdout);
+        let peak = memory.split("peak memory ").nth(1).and_then(|rest| rest.split(' ').next());
+        let peak_mib: u64 = peak.and_then(|peak| peak.parse().ok()).expect("its peak memory");
+        assert!(peak_mib < 1500, "{kind}: {peak_mib} MiB");
+        assert_eq!(path.is_file(), kind == "sparse", "a pipe stays a pipe");
+    }
+}

@@ -135,9 +135,11 @@ fn strategies_and_frames_in_flight_change_no_pixel() {
 fn explanations_are_drawn_and_go_again() {
     let scratch = Scratch::new("city-explained");
     let script = "2 boxes\n2 birds_eye\n4 wires\n6 hud\n8 boxes\n8 birds_eye\n8 wires\n8 hud\n\
-                  10 freeze\n12 freeze\n12 time_passes\n13 time_passes\n14 screenshot\n";
+                  8 hud\n10 freeze\n12 freeze\n12 time_passes\n13 time_passes\n14 screenshot\n";
     fs::write(scratch.0.join("script"), script).unwrap();
     let rest = ["--validation", "sync", "--frames", "16", "--script", "script", "--out", "out"];
+    // The text has room in it.
+    let rest = [&rest[..], &["--size", "320x180"]].concat();
     headless(&scratch, &rest);
     let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
     let plain = picture(1);
@@ -172,36 +174,81 @@ fn a_screenshot_is_the_frame_it_was_taken_of() {
     assert!(first != second, "nobody walked");
 }
 
-/// A file that could not be written is named at the end, which is not a good one.
+/// What could not be written is named at the end, which is not a good one; all else is there.
 #[test]
 fn what_cannot_be_written_is_no_success() {
     let scratch = Scratch::new("city-unwritten");
-    for (script, in_the_way, code) in [
-        ("2 screenshot\n", "city_00002.png", 1),
-        ("0 record\n", "path_00010.txt", 1),
-        // The second try has another name.
-        ("0 record\n5 record\n8 record\n", "path_00005.txt", 0),
-    ] {
-        fs::write(scratch.0.join("script"), script).unwrap();
-        fs::create_dir_all(scratch.0.join("out").join(in_the_way)).unwrap();
-        let rest = ["--frames", "10", "--script", "script", "--out", "out"];
-        let output = city(&scratch, &[&SMALL[..], &rest].concat());
-        let message = stderr(&output);
-        assert_eq!(output.status.code(), Some(code), "{script}: {message}");
-        assert!(message.contains(in_the_way), "{script}: {message}");
-        let errors = message.lines().filter(|line| line.starts_with("error: ")).count();
-        assert_eq!(errors, code as usize, "{script}: {message}");
+    let script = "0 record\n2 screenshot\n5 record\n";
+    fs::write(scratch.0.join("script"), script).unwrap();
+    let rest = ["--frames", "8", "--script", "script", "--out", "out", "--trace", "trace.json"];
+    // No file may grow beyond 8 KiB: enough for the path, not for a picture, nor for the trace.
+    let limited = "trap '' XFSZ; ulimit -f 16; exec \"$0\" \"$@\"";
+    let mut command = Command::new("sh");
+    command.current_dir(&scratch.0).args(["-c", limited, env!("CARGO_BIN_EXE_city")]);
+    command
+        .args(SMALL)
+        .args(["--size", "320x180"])
+        .args(rest)
+        .env("XDG_CACHE_HOME", "/proc/nowhere");
+    let output = command.output().unwrap();
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("error: 9 pictures are lost; the first: "), "{message}");
+    assert_eq!(message.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{message}");
+    assert!(message.contains("wrote out/path_00005.txt"), "{message}");
+    assert_eq!(scratch.names("out"), ["path_00005.txt"]);
+}
+
+/// Screenshots and paths of an earlier run stay what they are.
+#[test]
+fn names_that_are_taken_are_left_alone() {
+    let scratch = Scratch::new("city-again");
+    fs::write(scratch.0.join("script"), "0 record\n2 screenshot\n5 record\n").unwrap();
+    fs::write(scratch.0.join("city_00002.png"), "mine").unwrap();
+    fs::write(scratch.0.join("path_00005.txt"), "mine").unwrap();
+    let rest = ["--frames", "8", "--script", "script", "--trace", "trace.json"];
+    let output = city(&scratch, &[&SMALL[..], &rest].concat());
+    let message = stderr(&output);
+    assert!(output.status.success(), "{message}");
+    for name in ["city_00002-2.png", "path_00005-2.txt", "trace.json"] {
+        assert!(message.contains(&format!("wrote ./{name}")) || name == "trace.json", "{message}");
+        assert!(scratch.names(".").contains(&name.to_owned()), "{message}");
     }
-    let path = fs::read_to_string(scratch.0.join("out/path_00008.txt")).unwrap();
-    assert_eq!(path.lines().count(), 2 + 8, "nothing of it is lost");
+    assert!(message.contains("wrote trace.json"), "{message}");
+    for name in ["city_00002.png", "path_00005.txt"] {
+        assert_eq!(fs::read_to_string(scratch.0.join(name)).unwrap(), "mine");
+    }
+}
+
+/// Scripts and paths are files: what has no end is refused at once.
+#[test]
+fn what_has_no_end_is_not_read() {
+    let scratch = Scratch::new("city-endless");
+    assert!(Command::new("mkfifo").arg(scratch.0.join("pipe.txt")).status().unwrap().success());
+    let sparse = fs::File::create(scratch.0.join("sparse.txt")).unwrap();
+    sparse.set_len(3 << 30).unwrap();
+    for option in ["--script", "--path"] {
+        for (file, reason) in [
+            ("/dev/zero", "no regular file"),
+            ("./pipe.txt", "no regular file"),
+            ("./sparse.txt", "it has 3221225472 bytes"),
+        ] {
+            let output = city(&scratch, &[&SMALL[..], &[option, file]].concat());
+            let message = stderr(&output);
+            assert_eq!(output.status.code(), Some(2), "{option} {file}: {message}");
+            assert!(message.contains(reason) && message.lines().count() == 1, "{message}");
+        }
+    }
 }
 
 /// A signal is as good an end as any: all is written.
 #[test]
 fn a_signal_ends_it_and_all_is_written() {
-    for (signal, code) in
-        [(rustix::process::Signal::INT, 130), (rustix::process::Signal::TERM, 143)]
-    {
+    for (signal, code) in [
+        (rustix::process::Signal::INT, 130),
+        (rustix::process::Signal::TERM, 143),
+        (rustix::process::Signal::HUP, 129),
+    ] {
         let scratch = Scratch::new("city-signal");
         fs::write(scratch.0.join("script"), "0 record\n2 screenshot\n").unwrap();
         let rest = ["--frames", "1000000", "--script", "script", "--trace", "trace.json"];
@@ -295,7 +342,7 @@ fn check_trace(text: &str) {
         let of_name = events.iter().filter(|event| event["name"] == name);
         of_name.map(|event| event["ts"].as_f64().unwrap()).collect::<Vec<_>>()
     };
-    let (renders, visible) = (named("render"), named("visible"));
+    let (renders, visible) = (named("render"), named("draw visible"));
     assert_eq!((renders.len(), visible.len()), (10, 8), "two frames are on their way in the end");
     for (render, visible) in renders.iter().zip(&visible) {
         assert!(visible >= render, "the GPU draws at {visible} what is submitted after {render}");

@@ -11,95 +11,26 @@
 mod picture;
 #[allow(dead_code, reason = "shared with the tests of walkthrough")]
 mod program;
+#[allow(dead_code, reason = "shared with the tests of keys")]
+#[path = "program/running.rs"]
+mod running;
 #[allow(dead_code, reason = "shared with the tests of viewer")]
 #[path = "program/x11.rs"]
 mod x11;
 
 use std::fs;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Command;
+use std::time::Duration;
 
 use picture::pixels;
 use program::{Scratch, program};
+use running::{ESCAPE, Running, SIZE, TAB, headless};
 use tests::weston::Weston;
 use tests::xvfb::Xvfb;
 use x11::Seen;
 
-const SIZE: &str = "320x180";
-const ESCAPE: u32 = 0xff1b;
-const TAB: u32 = 0xff09;
-
-/// A program in a window. It is killed if a test fails before it ends.
-struct Running {
-    process: Child,
-    log: std::path::PathBuf,
-}
-
-impl Running {
-    fn start(mut command: Command, scratch: &Scratch) -> Self {
-        let log = scratch.0.join("log");
-        let file = fs::File::create(&log).unwrap();
-        let process = command.stdout(Stdio::null()).stderr(file).spawn().unwrap();
-        Self { process, log }
-    }
-
-    fn city(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Self {
-        let all = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe"];
-        // What pays is for the machine to say; the keys that show tests want some.
-        let all = [&all[..], &["--validation", "sync", "--costs", "ignored"], arguments].concat();
-        let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &all);
-        command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");
-        command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-        Self::start(command, scratch)
-    }
-
-    fn log(&self) -> String {
-        fs::read_to_string(&self.log).unwrap()
-    }
-
-    fn await_text(&self, text: &str) {
-        let began = Instant::now();
-        while !self.log().contains(text) {
-            assert!(began.elapsed() < Duration::from_secs(60), "never said {text}: {}", self.log());
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    /// Waits for its end.
-    fn end(&mut self) -> ExitStatus {
-        let began = Instant::now();
-        loop {
-            if let Some(status) = self.process.try_wait().unwrap() {
-                return status;
-            }
-            assert!(began.elapsed() < Duration::from_secs(120), "it hangs: {}", self.log());
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    /// Waits for its end, which is a good one: so says the validation layer, too.
-    fn end_well(mut self) {
-        let status = self.end();
-        assert!(status.success(), "{status}: {}", self.log());
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _is_over = self.process.kill();
-        let _is_over = self.process.wait();
-    }
-}
-
-/// The picture of a camera that stands still, drawn without a window.
-fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
-    let all = ["--headless", "--frames", "2", "--objects", "500", "--device", "llvmpipe"];
-    let all = [&all[..], arguments, &["--out", "headless"]].concat();
-    let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &all);
-    let output = command.output().unwrap();
-    assert!(output.status.success(), "{}", program::stderr(&output));
-    pixels(&scratch.0.join("headless/frame_00001.png"))
-}
+/// The sign over a picture while the path is recorded.
+const RECORDING: [u8; 3] = [255, 70, 60];
 
 #[test]
 fn the_window_shows_what_is_drawn_without_one_in_every_mode() {
@@ -127,6 +58,8 @@ fn keys_do_what_they_say() {
     let running = Running::city(&scratch, &server, &["--out", "shots"]);
     let window = Seen::wait_for(&server);
     window.await_that("a text", |found| found != expected && found.contains(&[235, 240, 245]));
+    // First all details, then nothing.
+    window.strike('h'.into());
     window.strike('h'.into());
     window.await_pixels(&expected, "the picture without text");
     for (key, said) in [
@@ -134,7 +67,6 @@ fn keys_do_what_they_say() {
         ('f'.into(), "3 frames in flight"),
         ('p'.into(), "present mode fifo_relaxed"),
         ('k'.into(), "wrote shots/city_"),
-        ('r'.into(), "recording the path"),
     ] {
         window.strike(key);
         running.await_text(said);
@@ -146,12 +78,17 @@ fn keys_do_what_they_say() {
         window.strike(key.into());
         window.await_pixels(&expected, "the picture as it was");
     }
-    window.press('w'.into(), Duration::from_millis(300));
-    window.await_that("another place", |found| found != expected);
     window.strike('r'.into());
+    running.await_text("recording the path");
+    window.await_that("a sign without text", |found| found.contains(&RECORDING));
+    window.press('w'.into(), Duration::from_millis(300));
+    window.strike('r'.into());
+    window.await_that("another place", |found| !found.contains(&RECORDING) && found != expected);
     running.await_text(" frames in shots/path_");
     let shot = scratch.names("shots").into_iter().find(|name| name.ends_with(".png")).unwrap();
     assert!(pixels(&scratch.0.join("shots").join(shot)) == expected, "a screenshot shows it");
+    window.strike(ESCAPE);
+    running.await_text("press Esc again to quit");
     window.strike(ESCAPE);
     running.end_well();
 }
@@ -212,6 +149,18 @@ fn a_window_that_is_destroyed_is_a_good_end() {
     running.end_well();
 }
 
+#[test]
+fn a_display_that_dies_leaves_the_trace() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-display"));
+    let running = Running::city(&scratch, &server, &["--hud", "off", "--trace", "trace.json"]);
+    let window = Seen::wait_for(&server);
+    window.await_pixels(&headless(&scratch, &["--size", SIZE]), "the picture");
+    drop((window, server));
+    running.end_well();
+    let trace = std::fs::read_to_string(scratch.0.join("trace.json")).unwrap();
+    assert!(trace.contains("\"render\""), "{} bytes", trace.len());
+}
+
 /// 1,000 changes while it runs, one before each frame.
 #[test]
 fn whatever_is_switched_the_picture_stays() {
@@ -254,6 +203,22 @@ fn whatever_is_switched_the_picture_stays() {
     }
     window.close();
     running.end_well();
+}
+
+/// What is said at the end is of the newest conditions alone.
+#[test]
+fn statistics_start_anew_with_another_strategy_or_size() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-statistics"));
+    for change in ["60 strategy frustum\n", "60 frames_in_flight 3\n"] {
+        fs::write(scratch.0.join("script"), change).unwrap();
+        let mut running =
+            Running::city(&scratch, &server, &["--script", "script", "--frames", "80"]);
+        let (status, log) = (running.end(), running.log());
+        assert!(status.success(), "{status}: {log}");
+        let frames = log.split("of the last ").nth(1).and_then(|rest| rest.split(' ').next());
+        let frames: u32 = frames.unwrap().parse().unwrap();
+        assert!((5..20).contains(&frames), "{change}: {frames} frames: {log}");
+    }
 }
 
 /// Each time the next one is meant, although no image followed yet.
@@ -305,6 +270,17 @@ fn it_runs_under_wayland() {
     }
 }
 
+/// A variable that outlived its compositor is no reason to do without the display that is there.
+#[test]
+fn a_stale_wayland_display_falls_back_to_x11() {
+    let (server, scratch) = (Xvfb::start(), Scratch::new("window-stale"));
+    let small = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe", "--frames", "3"];
+    let mut command = program(env!("CARGO_BIN_EXE_city"), &scratch.0, &small);
+    command.env("DISPLAY", server.display()).env("WAYLAND_DISPLAY", "wayland-of-yesterday");
+    command.env("XDG_RUNTIME_DIR", &scratch.0).env_remove("WAYLAND_SOCKET");
+    Running::start(command, &scratch).end_well();
+}
+
 #[test]
 fn the_triangle_opens_a_window_and_closes_it() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-triangle"));
@@ -314,6 +290,23 @@ fn the_triangle_opens_a_window_and_closes_it() {
     let window = Seen::wait_for(&server);
     let is_red = |pixel: &[u8; 3]| pixel[0] > 150 && pixel[1] < 100 && pixel[2] < 100;
     window.await_that("a red corner", |found| found.iter().any(is_red));
+    // In windows of any shape it is as high as the window wants, and as wide as it is high.
+    for size in [[900, 300], [500, 500], [640, 360]] {
+        window.resize(size);
+        window.await_that("a triangle in proportion", |found| {
+            let drawn = |place: &usize| found[*place] != found[0];
+            let drawn: Vec<usize> = (0..found.len()).filter(drawn).collect();
+            let side = |coordinate: fn(usize, usize) -> usize| {
+                let all = drawn.iter().map(|place| coordinate(*place, size[0] as usize));
+                let (least, most) = (all.clone().min(), all.max());
+                most.zip(least).map_or(0, |(most, least)| most + 1 - least) as f64
+            };
+            let [width, height] = [side(|place, row| place % row), side(|place, row| place / row)];
+            // It is 2 wide and 1.7 high, 3 away, and the picture shows 0.9 rad.
+            let expected = f64::from(size[1]) * 1.7 / (6.0 * 0.45_f64.tan());
+            (height - expected).abs() < 3.0 && (width * 1.7 - height * 2.0).abs() < 6.0
+        });
+    }
     window.close();
     running.end_well();
 }

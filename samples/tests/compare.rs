@@ -87,7 +87,7 @@ fn page_table_and_picture_are_written() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
-        told.contains("antumbra takes 1.21 times") && told.contains("wrote page.html"),
+        told.contains("antumbra takes 1.21 times") && stderr(&output).contains("wrote page.html"),
         "{told}"
     );
     assert_eq!(scratch.names("."), ["page.html", "ratios.svg", "reports", "table.md"]);
@@ -117,6 +117,63 @@ fn page_table_and_picture_are_written() {
     for strategy in ["antumbra", "ideal", "frustum"] {
         assert!(svg.lines().any(|line| line.trim() == strategy), "{strategy} is not named");
     }
+}
+
+/// A PNG of one colour.
+fn picture(size: [u32; 2]) -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    let pixels = [200, 30, 60].repeat((size[0] * size[1]) as usize);
+    encoder.write_header().expect("a PNG").write_image_data(&pixels).expect("all of it");
+    file
+}
+
+#[test]
+fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
+    let scratch = Scratch::new("compare-pictures");
+    for (name, path, ideal) in
+        [("a.1", "street", 10.0), ("a.2", "street", 10.2), ("b.1", "fly", 9.0)]
+    {
+        let times = [("ideal", ideal), ("antumbra", 1.1 * ideal)];
+        write(&scratch, &format!("{name}.json"), &report(path, 10_000, &times));
+    }
+    for (folder, file, bytes) in [
+        ("a.1", "frame_00000.png", picture([1280, 720])),
+        ("b.1", "frame_00000.png", b"no picture".to_vec()),
+    ] {
+        fs::create_dir_all(scratch.0.join("pictures").join(folder)).expect("writable");
+        fs::write(scratch.0.join("pictures").join(folder).join(file), bytes).expect("writable");
+    }
+    let output = compare(&scratch, &["reports", "--pictures=pictures", "--page=page.html"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("The machine was steady: the ideal's own time spreads by 2 %"), "{told}");
+    let page = fs::read_to_string(scratch.0.join("page.html")).expect("it is there");
+    assert_eq!(page.matches("<img ").count(), 1);
+    assert!(page.contains("alt=\"street 10k\" width=\"240\" height=\"135\""), "no thumbnail");
+    assert!(page.contains("src=\"data:image/png;base64,iVBORw0KGgo"), "no picture in it");
+    assert!(page.contains("pictures/b.1/frame_00000.png: "), "what is no picture is named");
+    // What was measured once, or differs too much, is to be measured again.
+    let noisy = compare(&scratch, &["reports", "--noisy"]);
+    assert_eq!(String::from_utf8_lossy(&noisy.stdout), "b\n");
+}
+
+/// The result is seen whatever becomes of the files, and each is tried.
+#[test]
+fn a_full_disk_costs_its_file_only() {
+    let scratch = Scratch::new("compare-full");
+    write(&scratch, "a.json", &report("street", 10_000, &[("ideal", 1.0), ("antumbra", 1.2)]));
+    let outputs =
+        ["reports", "--page", "/dev/full", "--table", "nowhere/table.md", "--svg", "x.svg"];
+    let output = compare(&scratch, &outputs);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("antumbra takes 1.20 times"));
+    assert!(message.contains("error: cannot write '/dev/full'"), "{message}");
+    assert!(message.contains("error: cannot write 'nowhere/table.md'"), "{message}");
+    assert!(message.contains("wrote x.svg"), "{message}");
+    assert_eq!(scratch.names("."), ["reports", "x.svg"]);
 }
 
 #[test]

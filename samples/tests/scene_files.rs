@@ -94,8 +94,7 @@ fn orthographic_cameras_are_exact_too_and_it_is_told_how_they_are_shown() {
         let small = ["--quiet", "--frames=2", "--size=32x32", "--scene=small.glb", "--device"];
         let output = walkthrough(&scratch.0, &[&small[..], &[device]].concat()).output().unwrap();
         let told = String::from_utf8_lossy(&output.stdout).into_owned();
-        let note =
-            "not as in the file: orthographic cameras, shown by a narrow view from far away: 2";
+        let note = "orthographic cameras, shown by a narrow view from far away (2 times";
         assert!(told.contains(note), "{told}");
     }
 }
@@ -201,6 +200,24 @@ fn the_viewer_writes_pictures_of_what_moves() {
         picture.iter().flatten().map(|part| u64::from(*part)).sum::<u64>()
     };
     assert!(sum("dark") < sum("out"));
+    let sky = |folder: &str| pixels(&scratch.0.join(folder).join("frame_00000.png"))[64];
+    assert!(sky("dark")[2] < sky("out")[2], "{:?} {:?}", sky("dark"), sky("out"));
+}
+
+#[test]
+fn a_camera_whose_clip_plays_no_more_gives_way_to_a_view_of_everything() {
+    let scratch = scratch("viewer-left");
+    // First the camera's clip alone, then the door's.
+    fs::write(scratch.0.join("script"), "2 next_clip\n3 next_clip\n").unwrap();
+    fs::write(scratch.0.join("none.glb"), scene::small_without_cameras()).unwrap();
+    let last = |file: &str, out: &str| {
+        let arguments = [file, "--headless", "--frames", "31", "--out", out, "--script", "script"];
+        let rest = ["--size", "128x72", "--device", "llvmpipe", "--hud", "off"];
+        let output = viewer(&scratch, &[&arguments[..], &rest].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        pixels(&scratch.0.join(out).join("frame_00030.png"))
+    };
+    assert!(last("small.glb", "seen") == last("none.glb", "unseen"));
 }
 
 /// The message of a refusal: one line that names the file.

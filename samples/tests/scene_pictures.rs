@@ -25,6 +25,8 @@ fn seen(scratch: &Scratch, device: &str, size: &str, file: &[u8]) -> Vec<[u8; 3]
     fs::write(scratch.0.join("file.glb"), file).unwrap();
     let arguments = ["file.glb", "--headless", "--frames", "1", "--out", "out", "--hud", "off"];
     let rest = ["--size", size, "--device", device, "--validation", "sync"];
+    // Nothing is overwritten.
+    let _absent = fs::remove_dir_all(scratch.0.join("out"));
     let viewer = env!("CARGO_BIN_EXE_viewer");
     let output = program(viewer, &scratch.0, &[&arguments[..], &rest].concat()).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

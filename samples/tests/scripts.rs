@@ -79,7 +79,7 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
     let compare = |more: &[&str]| run(&scratch, "compare", &[&["--out", "out"], more].concat());
     assert_ends_with(&compare(&["--quick"]), 0);
     let quick = scratch.names("out/reports");
-    assert!(quick.contains(&"street-2000.1.json".to_owned()), "{quick:?}");
+    assert!(quick.contains(&"street-2000.2.json".to_owned()), "{quick:?}");
     for other in [&["--full"][..], &["--quick", "--device", "other"]] {
         let output = compare(other);
         assert_ends_with(&output, 2);
@@ -93,6 +93,29 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
     assert!(String::from_utf8_lossy(&again.stdout).contains("1 walks to go"));
     assert_ends_with(&compare(&["--full", "--fresh"]), 0);
     assert!(scratch.names("out/reports").contains(&"street-2000.3.json".to_owned()));
+}
+
+/// What is noisy is repeated as long as it is, up to a bound; the first walk of a case leaves a picture.
+#[test]
+fn noisy_walks_are_repeated_and_no_others() {
+    let scratch = tree("script-noise", "compare");
+    let noisy =
+        "#!/bin/sh\ncase \" $* \" in *' --noisy '*) printf 'street-2000\\nfield-fly\\n' ;; esac\n";
+    program(&scratch.0.join("target/release/compare"), noisy);
+    assert_ends_with(&run(&scratch, "compare", &["--quick", "--out", "out"]), 0);
+    let reports = scratch.names("out/reports");
+    let times = |name: &str| {
+        let of_name = |file: &&String| {
+            file.strip_prefix(name).is_some_and(|rest| rest.len() == ".1.json".len())
+        };
+        reports.iter().filter(of_name).count()
+    };
+    assert_eq!(["street-2000", "field-fly"].map(times), [4, 4], "{reports:?}");
+    assert_eq!(["street-2000-tie", "fly-10000"].map(times), [2, 2], "{reports:?}");
+    let words = |name: &str| fs::read_to_string(scratch.0.join("out/reports").join(name));
+    let first = words("street-2000.1.json").expect("a walk");
+    assert!(first.contains("--out out/pictures/street-2000.1 --pictures 1"), "{first}");
+    assert!(!words("street-2000.2.json").expect("a walk").contains("--out"));
 }
 
 #[test]

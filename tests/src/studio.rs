@@ -108,7 +108,7 @@ pub fn picture(
         target.copy_to(commands, &readback);
     };
     device.run_once("studio", record).expect("a picture");
-    readback.rgba8().to_vec()
+    readback.rgba8().expect("a picture").to_vec()
 }
 
 /// A scene of these meshes, one object of each at its place, that nothing but its lights light.

@@ -1,7 +1,7 @@
 //! Walks through scenes with two strategies and compares every picture bit for bit.
 
 use cull::{Camera, Strategy};
-use gpu::{Device, Readback};
+use gpu::{Device, Pixels, Readback};
 use render::scene::{self, CameraPath, PathKind, Scene};
 use render::{FrameOutcome, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory};
 
@@ -101,7 +101,7 @@ pub fn walk_cameras_with(
         pictures.push(loops.pictures);
     }
     for (reference, picture) in pictures[0].iter().zip(&pictures[1]) {
-        found.pixels_wrong += pixels_that_differ(reference.rgba8(), picture.rgba8());
+        found.pixels_wrong += pixels_that_differ(&pixels(reference), &pixels(picture));
     }
     found
 }
@@ -139,6 +139,10 @@ pub fn frame_loop(
     let outcomes: Vec<FrameOutcome> = view.take_outcomes().collect();
     assert!(outcomes.is_sorted_by_key(|outcome| outcome.frame), "{outcomes:?}");
     Loop { pictures, reports, outcomes, blocking_waits }
+}
+
+fn pixels(picture: &Readback) -> Pixels<'_> {
+    picture.rgba8().expect("a frame that is over")
 }
 
 /// Pixels whose bits differ.

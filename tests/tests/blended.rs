@@ -120,7 +120,7 @@ fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<R
 fn compare(device: &Device, expected: &[Readback], strategy: Strategy, options: &RendererOptions) {
     let found = film(device, strategy, options);
     for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
-        let wrong = pixels_that_differ(expected.rgba8(), found.rgba8());
+        let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
         let in_flight = options.frames_in_flight;
         assert_eq!(wrong, 0, "{strategy}, {in_flight} in flight, frame {frame}");
     }
@@ -171,7 +171,9 @@ fn what_was_hidden_shows_in_the_frame_in_which_it_shows() {
         renderer.move_blended(BlendedId(0), away, None).unwrap();
         let without = draw(&mut renderer);
         device.drain().unwrap();
-        let differ = |a: &Readback, b: &Readback| pixels_that_differ(a.rgba8(), b.rgba8());
+        let differ = |a: &Readback, b: &Readback| {
+            pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap())
+        };
         assert!(differ(&hidden, &open) > 1000);
         assert!(differ(&open, &without) > 100, "the pane shows at once");
     });
@@ -193,7 +195,7 @@ fn the_farther_pane_is_drawn_first() {
             assert_eq!(report.blended, 2);
             let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize * 4;
             let linear = |byte: u8| (f32::from(byte) / 255.0).powf(2.2);
-            [0, 1, 2].map(|channel| linear(picture.rgba8()[middle + channel]))
+            [0, 1, 2].map(|channel| linear(picture.rgba8().unwrap()[middle + channel]))
         };
         let materials = scene.surfaces.as_ref().unwrap().materials.clone();
         let mixed = |behind: [f32; 3], pane: &Material| {

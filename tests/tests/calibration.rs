@@ -36,7 +36,7 @@ fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) 
         }
         device.drain().unwrap();
         let [expected, found] = &pictures;
-        assert!(expected.rgba8() == found.rgba8(), "frame {frame}");
+        assert!(*expected.rgba8().unwrap() == *found.rgba8().unwrap(), "frame {frame}");
     }
     (renderer.costs(), untested)
 }

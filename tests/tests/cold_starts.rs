@@ -34,7 +34,10 @@ fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
         let mut view = renderer.new_view().unwrap();
         let found = frame_loop(renderer, &mut view, strategy, &cameras);
         for (frame, picture) in found.pictures.iter().enumerate() {
-            let wrong = pixels_that_differ(expected.pictures[0].rgba8(), picture.rgba8());
+            let wrong = pixels_that_differ(
+                &expected.pictures[0].rgba8().unwrap(),
+                &picture.rgba8().unwrap(),
+            );
             assert_eq!(wrong, 0, "{strategy}, {what}, frame {frame}");
         }
     }

@@ -214,7 +214,12 @@ fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
 /// Pixels that differ by more than rounding does.
 fn pixels_far_apart(a: &Readback, b: &Readback) -> usize {
     let far = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
-    a.rgba8().chunks_exact(4).zip(b.rgba8().chunks_exact(4)).filter(|it| far(*it)).count()
+    a.rgba8()
+        .unwrap()
+        .chunks_exact(4)
+        .zip(b.rgba8().unwrap().chunks_exact(4))
+        .filter(|it| far(*it))
+        .count()
 }
 
 #[test]
@@ -337,7 +342,8 @@ fn what_changes_its_form_hides_and_is_hidden_exactly() {
             for in_flight in [1, 3] {
                 let found = film(device, strategy, in_flight);
                 for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
-                    let wrong = pixels_that_differ(expected.rgba8(), found.rgba8());
+                    let wrong =
+                        pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
                     assert_eq!(wrong, 0, "{strategy}, {in_flight} in flight, frame {frame}");
                 }
             }
@@ -410,7 +416,7 @@ fn bad_poses_and_boxes_are_refused_and_change_nothing() {
             assert!(renderer.update(&[change]).is_err());
         }
         let after = draw(&mut renderer, Strategy::Frustum);
-        assert_eq!(pixels_that_differ(before.rgba8(), after.rgba8()), 0);
+        assert_eq!(pixels_that_differ(&before.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
         let plain = Scene { surfaces: None, ..scene };
         let mut renderer = Renderer::new(device, &plain, &options(2)).unwrap();
         assert!(renderer.deform(DeformerId(0), &joints, &weights).is_err());

@@ -91,7 +91,8 @@ fn every_strategy_draws_the_same_forms() {
         assert!(changes > 100, "far ones become coarse, those that come near fine: {changes}");
         for (frame, pictures) in pictures.iter().enumerate() {
             for (picture, strategy) in pictures.iter().zip(strategies) {
-                let wrong = pixels_that_differ(pictures[0].rgba8(), picture.rgba8());
+                let wrong =
+                    pixels_that_differ(&pictures[0].rgba8().unwrap(), &picture.rgba8().unwrap());
                 assert_eq!(wrong, 0, "frame {frame}, {strategy}");
             }
         }
@@ -115,9 +116,12 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
         assert_eq!(renderer.choose_detail(&[camera(0)], &policy(1.0e6)), 0);
         let (coarse, half) = look(&mut renderer);
         assert_eq!(half * 2, all);
-        assert!(pixels_that_differ(fine.rgba8(), coarse.rgba8()) > 0);
+        assert!(pixels_that_differ(&fine.rgba8().unwrap(), &coarse.rgba8().unwrap()) > 0);
         assert_eq!(renderer.choose_detail(&[camera(0)], &policy(0.0)), count);
         let (again, found) = look(&mut renderer);
-        assert_eq!((pixels_that_differ(fine.rgba8(), again.rgba8()), found), (0, all));
+        assert_eq!(
+            (pixels_that_differ(&fine.rgba8().unwrap(), &again.rgba8().unwrap()), found),
+            (0, all)
+        );
     });
 }

@@ -43,7 +43,7 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
         for frame in 0..6 {
             renderer.render(&mut view, &request(strategy, camera, found)).unwrap();
             renderer.drain(&mut view).unwrap();
-            let is_equal = expected.rgba8() == found.rgba8();
+            let is_equal = *expected.rgba8().unwrap() == *found.rgba8().unwrap();
             assert!(is_equal, "{}: frame {frame} of {strategy}", device.adapter().name);
         }
     }

@@ -50,7 +50,7 @@ impl Studio {
         };
         let report = self.renderer.render(&mut self.history, &request).unwrap();
         self.renderer.drain(&mut self.history).unwrap();
-        (report, self.picture.rgba8().to_vec())
+        (report, self.picture.rgba8().unwrap().to_vec())
     }
 
     /// A frame under an explanation.
@@ -152,7 +152,7 @@ fn a_moment_can_be_walked_around() {
         let mut seen = |camera| {
             studio.renderer.render_moment(&moment, camera, Some(&studio.picture)).unwrap();
             studio.renderer.drain(&mut studio.history).unwrap();
-            studio.picture.rgba8().to_vec()
+            studio.picture.rgba8().unwrap().to_vec()
         };
         let same = seen(camera);
         let elsewhere = seen(cull::Camera { eye: camera.eye + glam::Vec3::Y * 30.0, ..camera });

@@ -41,7 +41,11 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
             let in_frustum = renderer.render(&mut view, &all).unwrap().plan.visible;
             renderer.render(&mut view, &request(Strategy::Ideal, &got)).unwrap();
             renderer.drain(&mut view).unwrap();
-            assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0, "frame {frame}");
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
             assert!((set.leaves().len() as u32) < in_frustum, "frame {frame}");
 
             let again = renderer.visible_set(&mut finder, &camera, AREA).unwrap();
@@ -132,6 +136,6 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
             renderer.render(&mut view, &request).unwrap();
         }
         renderer.drain(&mut view).unwrap();
-        assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0);
+        assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);
     });
 }

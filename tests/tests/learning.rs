@@ -66,7 +66,10 @@ fn frames_are_learned_from_and_pictures_are_right() {
                     }
                     device.drain().unwrap();
                     let [expected, found] = &pictures;
-                    assert_eq!(pixels_that_differ(expected.rgba8(), found.rgba8()), 0);
+                    assert_eq!(
+                        pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap()),
+                        0
+                    );
                 }
                 check(learned, LEAST_TIMED, &format!("{strategy}, {frames_in_flight} in flight"));
             }
@@ -136,7 +139,8 @@ fn learning_goes_on_whatever_changes_between_frames() {
                 if number % 8 == 0 {
                     device.drain().unwrap();
                     let [expected, found] = &pictures;
-                    let differ = pixels_that_differ(expected.rgba8(), found.rgba8());
+                    let differ =
+                        pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
                     assert_eq!(differ, 0, "{size:?}, {frames_in_flight} in flight, {number}");
                 }
             }

@@ -8,7 +8,7 @@
 )]
 
 use cull::{Aabb, CostTable, Hierarchy, Strategy};
-use gpu::Readback;
+use gpu::{Readback, Tick, Timeline};
 use render::scene::{CameraPath, PathKind};
 use render::{
     Costs, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, ViewsRequest,
@@ -167,5 +167,118 @@ fn outcomes_that_nobody_takes_are_kept_within_bounds() {
         renderer.drain(&mut view).unwrap();
         let outcomes: Vec<u64> = view.take_outcomes().map(|outcome| outcome.frame.0).collect();
         assert_eq!(outcomes, (77..=1_100).collect::<Vec<u64>>());
+    });
+}
+
+#[test]
+fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(50);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        let is_refused = |what: &str| {
+            let refused = picture.rgba8().err().expect(what);
+            assert!(matches!(refused, gpu::Error::NoPicture), "{what}: {refused}");
+        };
+        let gate = Timeline::new(device, "gate").unwrap();
+        let request = |number: u32, after| FrameRequest {
+            picture: Some(&picture),
+            after,
+            ..FrameRequest::new(Strategy::Antumbra, path.camera(number))
+        };
+        is_refused("never written");
+        let waits = device.wait_counts().other;
+        let held_back = request(0, Some((&gate, Tick(1))));
+        let tick = renderer.render(&mut view, &held_back).unwrap().tick;
+        is_refused("on its way");
+        assert_eq!(device.wait_counts().other, waits, "nobody waits for a picture");
+        gate.signal(Tick(1)).unwrap();
+        renderer.drain(&mut view).unwrap();
+        assert!(device.completed().unwrap() >= tick);
+        let first = picture.rgba8().unwrap();
+
+        // As long as somebody reads, no frame writes; and the picture stays what it is.
+        let before = first.to_vec();
+        let refused = renderer.render(&mut view, &request(40, None)).unwrap_err().to_string();
+        assert!(refused.contains("that is being read"), "{refused}");
+        device.drain().unwrap();
+        assert!(*first == before);
+        drop(first);
+
+        // Written again: not there, then another one.
+        renderer.render(&mut view, &request(40, Some((&gate, Tick(2))))).unwrap();
+        is_refused("on its way again");
+        gate.signal(Tick(2)).unwrap();
+        renderer.drain(&mut view).unwrap();
+        assert!(*picture.rgba8().unwrap() != before);
+
+        // Dropped on its way.
+        let early = Readback::new(device, SIZE).unwrap();
+        let last = FrameRequest {
+            picture: Some(&early),
+            ..FrameRequest::new(Strategy::Antumbra, path.camera(0))
+        };
+        renderer.render(&mut view, &last).unwrap();
+        drop(early);
+        renderer.drain(&mut view).unwrap();
+    });
+}
+
+#[test]
+fn a_picture_whose_frame_was_given_up_is_never_there() {
+    run(Driver::Lavapipe, |device| {
+        let picture = Readback::new(device, SIZE).unwrap();
+        let mut target = gpu::Target::new(device, SIZE, "target").unwrap();
+        let mut ring = gpu::FrameRing::new(device, 1).unwrap();
+        let mut draw = |is_submitted: bool| {
+            let frame = ring.begin().unwrap();
+            target.prepare(frame.commands());
+            frame.commands().rendering(target.render_target(Some([1.0; 4])), |_| {});
+            target.copy_to(frame.commands(), &picture);
+            if is_submitted {
+                frame.submit(None).unwrap();
+                device.drain().unwrap();
+            }
+        };
+        draw(false);
+        device.drain().unwrap();
+        assert!(matches!(picture.rgba8(), Err(gpu::Error::NoPicture)));
+        draw(true);
+        assert!(picture.rgba8().unwrap().iter().all(|byte| *byte == 255));
+        draw(false);
+        assert!(matches!(picture.rgba8(), Err(gpu::Error::NoPicture)), "the newest was given up");
+    });
+}
+
+/// The older of two open frames could be submitted last, and overwrite what is read after the newer one.
+#[test]
+fn of_two_open_frames_one_copies_a_picture_to_the_same_place() {
+    run(Driver::Lavapipe, |device| {
+        let picture = Readback::new(device, SIZE).unwrap();
+        let mut target = gpu::Target::new(device, SIZE, "target").unwrap();
+        let mut rings = [(); 2].map(|()| gpu::FrameRing::new(device, 1).unwrap());
+        let [first, second] = &mut rings;
+        let mut draw = |frame: &gpu::Frame, colour| {
+            target.prepare(frame.commands());
+            frame.commands().rendering(target.render_target(Some([colour; 4])), |_| {});
+            target.copy_to(frame.commands(), &picture);
+        };
+        let older = first.begin().unwrap();
+        draw(&older, 0.0);
+        let newer = second.begin().unwrap();
+        draw(&newer, 1.0);
+        let refused = newer.submit(None).unwrap_err().to_string();
+        assert!(refused.contains("two frames that are both open"), "{refused}");
+        older.submit(None).unwrap();
+        device.drain().unwrap();
+        assert_eq!(picture.rgba8().unwrap()[..4], [0; 4], "the older one's");
+        // With nothing open any more the next one is as good as any.
+        let newer = second.begin().unwrap();
+        draw(&newer, 1.0);
+        newer.submit(None).unwrap();
+        device.drain().unwrap();
+        assert_eq!(picture.rgba8().unwrap()[..4], [255; 4]);
     });
 }

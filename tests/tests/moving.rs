@@ -96,11 +96,12 @@ impl Moving {
         let [(expected, all), (got, ours)] = [Strategy::Frustum, strategy]
             .map(|strategy| self.walk(&mut renderer, &mut cast, strategy, &frames));
         for (frame, (expected, got)) in expected.iter().zip(&got).enumerate() {
-            let wrong = pixels_that_differ(expected.rgba8(), got.rgba8());
+            let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
             let in_flight = options.frames_in_flight;
             assert_eq!(wrong, 0, "{strategy}, frame {frame}, {in_flight} in flight");
         }
-        let changed = pixels_that_differ(expected[0].rgba8(), expected[1].rgba8());
+        let changed =
+            pixels_that_differ(&expected[0].rgba8().unwrap(), &expected[1].rgba8().unwrap());
         assert!(changed > 0, "something moves");
         [all, ours]
     }
@@ -205,7 +206,7 @@ fn an_updated_scene_is_the_scene_built_anew() {
             let camera = moving.path.camera(*frame);
             render(&mut fresh, &mut view, Strategy::Frustum, camera, &expected);
             device.drain().unwrap();
-            let wrong = pixels_that_differ(expected.rgba8(), picture.rgba8());
+            let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &picture.rgba8().unwrap());
             assert_eq!(wrong, 0, "frame {frame}");
         }
     });
@@ -228,7 +229,11 @@ fn views_that_pause_stay_exact() {
             render(&mut renderer, &mut plain, Strategy::Frustum, camera, &expected);
             render(&mut renderer, &mut views[eye], Strategy::Antumbra, camera, &got);
             device.drain().unwrap();
-            assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0, "frame {frame}");
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
         }
     });
 }
@@ -271,7 +276,11 @@ fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
             render(&mut renderer, &mut view, Strategy::Antumbra, square_camera(), &got);
             render(&mut renderer, &mut plain, Strategy::Frustum, square_camera(), &expected);
             device.drain().unwrap();
-            assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0, "frame {frame}");
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
             if frame == 49 || frame == 99 {
                 let plan = view.plan();
                 assert_eq!(plan.draws.len() + plan.queried_draws.len(), 1, "all but the wall hide");
@@ -319,7 +328,11 @@ fn objects_that_jump_far_stay_exact() {
             render(&mut renderer, &mut view, Strategy::Antumbra, camera, &got);
             render(&mut renderer, &mut plain, Strategy::Frustum, camera, &expected);
             device.drain().unwrap();
-            assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0, "frame {frame}");
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
             renderer.drain(&mut view).unwrap();
             drawn += view.take_outcomes().map(|outcome| outcome.draws).sum::<u64>();
             // Both draw what is on the GPU; this is what should be there.
@@ -328,7 +341,7 @@ fn objects_that_jump_far_stay_exact() {
                 let mut view = fresh.new_view().unwrap();
                 render(&mut fresh, &mut view, Strategy::Frustum, camera, &expected);
                 device.drain().unwrap();
-                let wrong = pixels_that_differ(expected.rgba8(), got.rgba8());
+                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
                 assert_eq!(wrong, 0, "frame {frame}, built anew");
             }
         }

@@ -78,7 +78,7 @@ fn picture(renderer: &mut Renderer, view: &mut ViewHistory) -> Vec<u8> {
         FrameRequest { picture: Some(&picture), ..FrameRequest::new(Strategy::Antumbra, camera) };
     renderer.render(view, &request).unwrap();
     renderer.drain(view).unwrap();
-    picture.rgba8().to_vec()
+    picture.rgba8().unwrap().to_vec()
 }
 
 fn renderer(device: &Device, scene: &Scene) -> Renderer {

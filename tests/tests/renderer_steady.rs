@@ -138,7 +138,7 @@ fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
             assert_eq!(stage.device.wait_counts().other, waits, "a switch waits for nothing");
             if is_looked_at {
                 stage.device.drain().unwrap();
-                let found = picture.rgba8().to_vec();
+                let found = picture.rgba8().unwrap().to_vec();
                 if expected.is_empty() {
                     expected = found;
                 } else {

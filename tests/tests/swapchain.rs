@@ -8,6 +8,8 @@
 
 #[path = "swapchain/changes.rs"]
 mod changes;
+#[path = "swapchain/shapes.rs"]
+mod shapes;
 #[path = "swapchain/show.rs"]
 mod show;
 #[path = "swapchain/stage.rs"]

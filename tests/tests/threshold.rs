@@ -60,7 +60,7 @@ fn walk(
     let mut found = Found::default();
     let pictures = expected.pictures.iter().zip(&got.pictures);
     for (number, ((expected, got), outcome)) in pictures.zip(&got.outcomes).enumerate() {
-        let wrong = pixels_that_differ(expected.rgba8(), got.rgba8()) as u64;
+        let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()) as u64;
         let what = format!("{strategy}, threshold {}", options.threshold_samples);
         assert!(wrong <= outcome.neglected_samples, "{what}, frame {number}: {wrong}, {outcome:?}");
         found.pixels_wrong += wrong;
@@ -169,8 +169,8 @@ fn moving_scenes_and_prices_keep_the_bound() {
                 renderer.render(view, &request).unwrap();
                 renderer.drain(view).unwrap();
             }
-            let [expected, got] = pictures.each_ref().map(Readback::rgba8);
-            let wrong = pixels_that_differ(expected, got) as u64;
+            let [expected, got] = pictures.each_ref().map(|it| it.rgba8().unwrap());
+            let wrong = pixels_that_differ(&expected, &got) as u64;
             let outcome = views[1].take_outcomes().next_back().unwrap();
             assert!(wrong <= outcome.neglected_samples, "frame {number}: {wrong} {outcome:?}");
             wrong_in_all += wrong;
@@ -203,8 +203,8 @@ fn the_ideal_and_other_methods_stay_exact() {
                     renderer.render(&mut view, &request).unwrap();
                 }
                 renderer.drain(&mut view).unwrap();
-                let [expected, got] = pictures.each_ref().map(Readback::rgba8);
-                assert_eq!(pixels_that_differ(expected, got), 0, "{strategy}, frame {number}");
+                let [expected, got] = pictures.each_ref().map(|it| it.rgba8().unwrap());
+                assert_eq!(pixels_that_differ(&expected, &got), 0, "{strategy}, frame {number}");
             }
             assert!(view.take_outcomes().all(|outcome| outcome.neglected_samples == 0));
         }

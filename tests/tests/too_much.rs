@@ -177,7 +177,8 @@ fn images_of_hundreds_of_sizes_show_their_colours() {
             let eye = vec3(number as f32 * 3.0 + 0.5, 0.5, 4.0);
             let picture = draw(&mut renderer, &mut view, eye);
             let middle = ((SIZE[0] * SIZE[1] / 2 + SIZE[0] / 2) * 4) as usize;
-            let found = &picture.rgba8()[middle..middle + 4];
+            let pixels = picture.rgba8().unwrap();
+            let found = &pixels[middle..middle + 4];
             let is_close = found.iter().zip(colour(number)).all(|(a, b)| a.abs_diff(b) <= 2);
             assert!(is_close, "{number}: {found:?}, {:?}", colour(number));
         }

@@ -100,7 +100,7 @@ fn check_pair_with(
         (pictures, draws)
     });
     for (frame, (expected, got)) in expected.0.iter().zip(&got.0).enumerate() {
-        let wrong = pixels_that_differ(expected.rgba8(), got.rgba8());
+        let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
         assert_eq!(wrong, 0, "{strategy}, frame {frame}, {percent} % move");
     }
     assert!(got.1 * 10 < expected.1 * 9, "{strategy}: {} of {} drawn", got.1, expected.1);
@@ -174,7 +174,11 @@ fn each_eye_has_an_ideal_of_its_own() {
                 ViewsRequest { strategy: Strategy::Ideal, picture: Some(&got), after: None };
             renderer.render_views(&mut eyes, &request).unwrap();
             device.drain().unwrap();
-            assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0, "frame {frame}");
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
             assert_ne!(sets[0], sets[1]);
         }
     });
@@ -222,7 +226,11 @@ fn areas_may_be_anywhere() {
             let queries: usize = views.iter().map(|view| view.plan().query_count()).sum();
             assert_eq!(report.queries as usize, queries, "a report is of all views");
             device.drain().unwrap();
-            assert_eq!(pixels_that_differ(expected.rgba8(), got.rgba8()), 0, "frame {frame}");
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
         }
     });
 }
@@ -255,9 +263,10 @@ fn a_view_does_not_notice_the_others() {
             alone.render(&mut single, &request).unwrap();
             device.drain().unwrap();
             let row_bytes = SIZE[0] as usize * 4;
-            let rows = pair_picture.rgba8().chunks_exact(row_bytes);
+            let pixels = pair_picture.rgba8().unwrap();
+            let rows = pixels.chunks_exact(row_bytes);
             let left: Vec<u8> = rows.flat_map(|row| row[..row_bytes / 2].to_vec()).collect();
-            assert_eq!(pixels_that_differ(&left, picture.rgba8()), 0, "frame {frame}");
+            assert_eq!(pixels_that_differ(&left, &picture.rgba8().unwrap()), 0, "frame {frame}");
             assert_eq!(views[0].plan().stats, single.plan().stats, "frame {frame}");
             assert_eq!(views[0].plan().draws, single.plan().draws, "frame {frame}");
         }

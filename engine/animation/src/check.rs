@@ -16,7 +16,7 @@ pub enum TrackError {
     /// No keys.
     #[error("there are no keys")]
     Empty,
-    /// A time that is no number from 0 on.
+    /// A time that is no number.
     #[error("key {key} is at {time_s} s, which is no time")]
     NoTime {
         /// Which key.
@@ -119,7 +119,7 @@ impl Track {
     /// tangents. `targets` is how many morph targets the node has; it counts for weights only.
     ///
     /// # Errors
-    /// No keys; times that are no numbers, negative, or not ascending; too few or too many values;
+    /// No keys; times that are no numbers, or not ascending; too few or too many values;
     /// values that are not finite or beyond 10^9; rotations of length 0.
     pub fn new(
         interpolation: Interpolation,
@@ -167,7 +167,7 @@ fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
     }
     let mut last_s = f32::NEG_INFINITY;
     for (key, time_s) in times_s.iter().copied().enumerate() {
-        if !time_s.is_finite() || time_s < 0.0 {
+        if !time_s.is_finite() || time_s < -LARGEST {
             return Err(TrackError::NoTime { key, time_s });
         }
         if time_s > LARGEST {

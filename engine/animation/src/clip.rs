@@ -33,7 +33,8 @@ pub enum Values {
 pub struct Track {
     /// How to go from key to key.
     pub interpolation: Interpolation,
-    /// When each key is, in seconds, strictly ascending, from 0 on.
+    /// When each key is, in seconds, strictly ascending. Clips play from 0 on: keys before that count only for
+    /// what follows them.
     pub times_s: Vec<f32>,
     /// What they are.
     pub values: Values,

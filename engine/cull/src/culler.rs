@@ -3,6 +3,7 @@
 mod answers;
 mod cover;
 mod economy;
+mod explain;
 mod history;
 mod record;
 mod rounds;
@@ -26,6 +27,7 @@ use crate::strategy::Strategy;
 use crate::view::View;
 use cover::Front;
 use economy::Economy;
+pub use explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 use history::History;
 pub(crate) use record::Doubt;
 pub use record::NodeState;

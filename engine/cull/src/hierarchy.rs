@@ -3,8 +3,10 @@
 
 mod build;
 mod changes;
+mod in_frustum;
 mod journal;
 mod occupancy;
+mod ray;
 mod refit;
 mod restructure;
 mod topology;
@@ -23,6 +25,9 @@ pub const MAX_COORDINATE: f32 = 1.0e15;
 
 /// Objects that one hierarchy can hold: its node ids stay below 2^31.
 pub const MAX_OBJECTS: usize = 1 << 30;
+
+/// Memory that building a hierarchy takes for each object, at its peak (bytes).
+pub const BUILD_BYTES_PER_OBJECT: usize = 288;
 
 /// Why a hierarchy cannot be built or refitted.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -43,6 +48,15 @@ pub enum HierarchyError {
     /// More objects than [`MAX_OBJECTS`].
     #[error("{count} objects are more than one hierarchy holds ({MAX_OBJECTS}): split the scene")]
     TooMany {
+        /// How many there were.
+        count: usize,
+    },
+    /// Less memory can be had than building a hierarchy takes.
+    #[error(
+        "there is no memory to cull {count} objects (about {} MiB): use fewer, or end other programs",
+        (count * BUILD_BYTES_PER_OBJECT) >> 20
+    )]
+    NoMemory {
         /// How many there were.
         count: usize,
     },
@@ -92,7 +106,7 @@ impl Hierarchy {
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`] names the first object whose box is unusable;
-    /// [`HierarchyError::TooMany`].
+    /// [`HierarchyError::TooMany`]; [`HierarchyError::NoMemory`].
     pub fn build(boxes: &[Aabb]) -> Result<Self, HierarchyError> {
         let topology = build::topology(boxes)?;
         let nodes = refit::Nodes::new(&topology, boxes);

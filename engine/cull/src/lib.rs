@@ -91,7 +91,7 @@ mod view;
 pub use bounds::Aabb;
 pub use camera::Camera;
 pub use costs::{BadCost, CostTable, SceneCosts};
-pub use culler::{Culler, NodeState};
+pub use culler::{Culler, Decision, LeafExplanation, NodeHistory, NodeState, Outcome};
 pub use detail::{DetailLevel, DetailPolicy};
 pub use dialogue::{
     Batch, BatchDraw, BatchTest, BatchedOptions, CoherentOptions, Conversation, Dialogue,
@@ -99,7 +99,9 @@ pub use dialogue::{
 };
 pub use frustum::{Containment, Frustum, PlaneMask};
 pub use governor::{Corrections, FrameContents, Governor, Judgement, Question};
-pub use hierarchy::{Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS};
+pub use hierarchy::{
+    BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS,
+};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use margin::Margin;
 pub use plan::{Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester};

@@ -5,10 +5,12 @@ use ash::vk;
 use crate::capabilities::{Capabilities, Optional};
 use crate::error::{Called, Error};
 use crate::instance::{Instance, version_text};
+use crate::ownership::OwnerId;
 
 /// A physical device as the engine sees it.
 #[derive(Debug, Clone)]
 pub struct Adapter {
+    pub(crate) instance: OwnerId,
     pub(crate) physical: vk::PhysicalDevice,
     pub(crate) queue_family: Option<u32>,
     pub(crate) timestamp_bits: u32,
@@ -95,6 +97,7 @@ impl Instance {
         let family = queue_family.and_then(|index| families.get(index));
         let capabilities = Capabilities::read(&self.shared, physical, api, family);
         Adapter {
+            instance: self.shared.id,
             physical,
             queue_family: queue_family.map(|index| index as u32),
             timestamp_bits: family.map_or(0, |family| family.timestamp_valid_bits),
@@ -168,6 +171,7 @@ mod tests {
 
     fn adapter(name: &str, kind: vk::PhysicalDeviceType, missing: Vec<Required>) -> Adapter {
         Adapter {
+            instance: OwnerId::new(),
             physical: vk::PhysicalDevice::null(),
             queue_family: Some(0),
             timestamp_bits: 64,

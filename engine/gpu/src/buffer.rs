@@ -10,6 +10,7 @@ use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
+use crate::ownership::{OfDevice, OwnerId};
 
 /// Where a buffer lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,10 +36,19 @@ pub struct Buffer {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BufferSlice {
     pub(crate) raw: vk::Buffer,
+    pub(crate) device: OwnerId,
     /// Where it starts in the buffer.
     pub offset_bytes: u64,
     /// How long it is.
     pub size_bytes: u64,
+}
+
+impl OfDevice for BufferSlice {
+    const KIND: &'static str = "a buffer (`BufferSlice`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device
+    }
 }
 
 impl BufferSlice {
@@ -47,9 +57,9 @@ impl BufferSlice {
     pub fn part(self, offset_bytes: u64, size_bytes: u64) -> Self {
         let offset = offset_bytes.min(self.size_bytes);
         Self {
-            raw: self.raw,
             offset_bytes: self.offset_bytes + offset,
             size_bytes: size_bytes.min(self.size_bytes - offset),
+            ..self
         }
     }
 }
@@ -108,7 +118,8 @@ impl Buffer {
 
     /// All of it.
     pub fn whole(&self) -> BufferSlice {
-        BufferSlice { raw: self.raw, offset_bytes: 0, size_bytes: self.size_bytes }
+        let (raw, device) = (self.raw, self.device.id());
+        BufferSlice { raw, device, offset_bytes: 0, size_bytes: self.size_bytes }
     }
 
     /// What mapped memory holds now, as elements `range` of `T`; empty where there is none.

@@ -14,6 +14,7 @@ use crate::deletion::{DeletionQueue, Garbage, Recording};
 use crate::error::{Called, Error};
 use crate::instance::{Instance, InstanceShared};
 use crate::open_device::{Extensions, create_raw, equip};
+use crate::ownership::{self, OwnerId};
 use crate::pipeline_cache::PipelineCache;
 use crate::timeline::{Tick, Timeline};
 use crate::turns::Turns;
@@ -68,6 +69,7 @@ pub struct Device {
 }
 
 struct DeviceShared {
+    id: OwnerId,
     instance: Arc<InstanceShared>,
     raw: ash::Device,
     extensions: Extensions,
@@ -79,6 +81,8 @@ struct DeviceShared {
     deletion: Mutex<DeletionQueue<Garbage>>,
     timeline: vk::Semaphore,
     submitted: AtomicU64,
+    /// The newest tick that was seen to be over.
+    completed: AtomicU64,
     wait_bound: Duration,
     slot_waits: AtomicU64,
     other_waits: AtomicU64,
@@ -89,13 +93,15 @@ impl Device {
     /// Opens `adapter` with everything of the capability table that it has.
     ///
     /// # Errors
-    /// [`Error::DeviceLacks`] for an adapter that lacks something required; a failed call.
+    /// [`Error::Foreign`] for an adapter of another instance; [`Error::DeviceLacks`] for one that
+    /// lacks something required; a failed call.
     pub fn new(
         instance: &Instance,
         adapter: &Adapter,
         options: &DeviceOptions,
     ) -> Result<Self, Error> {
         let shared = &instance.shared;
+        ownership::check(adapter.instance, shared.id, "an adapter", "an instance", "Instance")?;
         let (Some(queue_family), None) = (adapter.queue_family, adapter.missing()) else {
             return Err(Error::DeviceLacks {
                 device: adapter.name.clone(),
@@ -111,6 +117,7 @@ impl Device {
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
         let device = Self {
             shared: Arc::new(DeviceShared {
+                id: OwnerId::new(),
                 extensions: Extensions::load(shared, &raw, &adapter.capabilities),
                 instance: Arc::clone(shared),
                 adapter: adapter.clone(),
@@ -120,6 +127,7 @@ impl Device {
                 deletion: Mutex::new(DeletionQueue::new()),
                 timeline,
                 submitted: AtomicU64::new(0),
+                completed: AtomicU64::new(0),
                 wait_bound: options.wait_bound,
                 slot_waits: AtomicU64::new(0),
                 other_waits: AtomicU64::new(0),
@@ -148,9 +156,21 @@ impl Device {
     /// A failed call, a lost device among them.
     pub fn completed(&self) -> Result<Tick, Error> {
         // SAFETY: the device's own timeline.
-        unsafe { self.raw().get_semaphore_counter_value(self.shared.timeline) }
-            .map(Tick)
-            .called("vkGetSemaphoreCounterValue")
+        let completed = unsafe { self.raw().get_semaphore_counter_value(self.shared.timeline) }
+            .called("vkGetSemaphoreCounterValue")?;
+        self.shared.completed.fetch_max(completed, Ordering::AcqRel);
+        Ok(Tick(completed))
+    }
+
+    /// Cuts `completed`, which may be of another device, to what this device was seen to complete.
+    pub(crate) fn proven(&self, completed: Tick) -> Tick {
+        completed.min(Tick(self.shared.completed.load(Ordering::Acquire)))
+    }
+
+    /// Returns the tick of a frame that was just submitted as `tick`, which may be of another device:
+    /// one that is not before the end of that frame.
+    pub(crate) fn not_before(&self, tick: Tick) -> Tick {
+        tick.max(self.submitted())
     }
 
     /// The tick of the newest submit.
@@ -224,9 +244,7 @@ impl Device {
         commands: Option<vk::CommandBuffer>,
         order: &Order<'_>,
     ) -> Result<Tick, Error> {
-        if order.after.is_some_and(|(timeline, _)| !timeline.is_of(self)) {
-            return Err(Error::WrongCommands("they wait for a timeline of another device"));
-        }
+        order.after.map_or(Ok(()), |(timeline, _)| self.check(timeline, "a submit"))?;
         let bound = self.shared.wait_bound;
         let Some(queue) = self.shared.queue.take(bound) else {
             let what = "the picture before, which a hidden window holds back";
@@ -302,9 +320,9 @@ impl Device {
         has.optimal_tiling_features.contains(features)
     }
 
-    /// Whether both are the same device.
-    pub(crate) fn is(&self, other: &Device) -> bool {
-        Arc::ptr_eq(&self.shared, &other.shared)
+    /// Returns the id that tells this device from all others.
+    pub(crate) fn id(&self) -> OwnerId {
+        self.shared.id
     }
 
     pub(crate) fn instance(&self) -> &InstanceShared {

@@ -15,6 +15,16 @@ pub enum Error {
         "the Vulkan loader found no driver; install one (on Debian: apt install mesa-vulkan-drivers, which needs no GPU)"
     )]
     NoDriver,
+    /// The loader could not read what is installed.
+    #[error(
+        "{call} failed with {code:?}: the Vulkan loader cannot read the manifest of a driver or a layer, or has no memory at all; install the driver again (on Debian: apt install --reinstall mesa-vulkan-drivers), or run with VK_LOADER_DEBUG=error to see which file it is"
+    )]
+    BadManifest {
+        /// The Vulkan call.
+        call: &'static str,
+        /// What it returned.
+        code: vk::Result,
+    },
     /// The loader itself is older than Vulkan 1.3.
     #[error("the Vulkan loader speaks {found}, the engine needs 1.3; update libvulkan1")]
     OldLoader {
@@ -98,6 +108,24 @@ pub enum Error {
     /// A thread could not be started.
     #[error("the thread that presents cannot start: {0}; end other programs, or show no window")]
     NoThread(String),
+    /// Two things were used together that were not made from the same device, instance or renderer.
+    #[error(
+        "{thing} is used by {user}, but both are of different `{owner}`s: make both from the same one"
+    )]
+    Foreign {
+        /// What was given.
+        thing: &'static str,
+        /// What it was given to.
+        user: &'static str,
+        /// The type that both have to be made from.
+        owner: &'static str,
+    },
+    /// A picture was read that is not there: its frame is not over, was never submitted, or there was
+    /// none yet.
+    #[error(
+        "the picture is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::drain`"
+    )]
+    NoPicture,
     /// Commands were recorded that no device could run. A mistake of the program that records them.
     #[error("the commands recorded cannot be run: {0}; correct the program that records them")]
     WrongCommands(&'static str),

@@ -10,6 +10,7 @@ use crate::commands::Commands;
 use crate::device::Device;
 use crate::error::Error;
 use crate::frames::Frame;
+use crate::ownership::{OfDevice, OwnerId};
 use crate::predicates::WordSource;
 use crate::timeline::Tick;
 use ash::vk;
@@ -39,6 +40,14 @@ struct Flags {
 const FIRST_CAPACITY: usize = 256;
 const WORD_BYTES: u64 = 4;
 
+impl<T> OfDevice for FlagRing<T> {
+    const KIND: &'static str = "a flag ring (`FlagRing`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device.id()
+    }
+}
+
 impl<T: Copy> FlagRing<T> {
     /// A ring for `frames_in_flight` frames whose words `source` writes.
     pub fn new(device: &Device, frames_in_flight: usize, source: WordSource, name: &str) -> Self {
@@ -55,6 +64,7 @@ impl<T: Copy> FlagRing<T> {
     /// Gives `answer` the tags and words of every frame that is home, oldest first. `completed` is
     /// [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&[T], &[u32])) {
+        let completed = self.device.proven(completed);
         loop {
             let home = |slot: &FlagSlot<T>| slot.in_flight.filter(|tick| *tick <= completed);
             let oldest = self.slots.iter_mut().filter(|slot| home(slot).is_some());
@@ -74,12 +84,13 @@ impl<T: Copy> FlagRing<T> {
     /// nobody collected are forgotten.
     ///
     /// # Errors
-    /// No memory.
+    /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
     pub fn begin(
         &mut self,
         frame: &Frame<'_>,
         tags: impl ExactSizeIterator<Item = T>,
     ) -> Result<(), Error> {
+        frame.commands().admit(self)?;
         let slot_index = frame.slot().0 % self.slots.len();
         self.recording = slot_index;
         let Some(slot) = self.slots.get_mut(slot_index) else {
@@ -114,6 +125,9 @@ impl<T: Copy> FlagRing<T> {
 
     /// Copies all words to mapped memory for [`FlagRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         let slot = self.slots.get(self.recording);
         let (Some(words), Some(flags)) = (self.words(), slot.and_then(|slot| slot.flags.as_ref()))
         else {
@@ -126,6 +140,7 @@ impl<T: Copy> FlagRing<T> {
 
     /// Tells the ring that the frame it recorded for is on its way.
     pub fn submitted(&mut self, tick: Tick) {
+        let tick = self.device.not_before(tick);
         if let Some(slot) = self.slots.get_mut(self.recording) {
             slot.in_flight = Some(tick);
         }

@@ -20,6 +20,13 @@ use crate::upload::Uploads;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SlotIndex(pub usize);
 
+/// Whether the passes of a frame are timed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Turn {
+    Timed,
+    Untimed,
+}
+
 struct Slot {
     device: Device,
     name: String,
@@ -34,6 +41,7 @@ struct Slot {
     pass_times: Vec<PassTime>,
     /// Whether the timer holds the times of a whole frame: one that was given up leaves none.
     is_timed: bool,
+    turn: Turn,
     whole: FrameTimer,
     tick: Tick,
 }
@@ -43,6 +51,9 @@ pub struct FrameRing {
     device: Device,
     slots: Vec<Slot>,
     next: usize,
+    /// Of so many frames one has its passes timed.
+    timed_interval: u64,
+    begun: u64,
 }
 
 /// A frame being recorded. Dropped without [`Frame::submit`], it never happened.
@@ -72,7 +83,7 @@ impl FrameRing {
     pub fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
         let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
         let slots = slots.collect::<Result<_, _>>()?;
-        Ok(Self { device: device.clone(), slots, next: 0 })
+        Ok(Self { device: device.clone(), slots, next: 0, timed_interval: 1, begun: 0 })
     }
 
     /// Measures the GPU time of every pass from now on.
@@ -80,7 +91,16 @@ impl FrameRing {
     /// # Errors
     /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
     pub fn time_passes(&mut self) -> Result<(), Error> {
+        self.time_passes_of_one_in(1)
+    }
+
+    /// Measures the GPU time of the passes of one in `frames` frames from now on, 0 counting as 1.
+    ///
+    /// # Errors
+    /// As [`FrameRing::time_passes`].
+    pub fn time_passes_of_one_in(&mut self, frames: u64) -> Result<(), Error> {
         self.check_timestamps("timing passes")?;
+        (self.timed_interval, self.begun) = (frames.max(1), 0);
         for (index, slot) in self.slots.iter_mut().enumerate() {
             slot.is_timed = false;
             let timer = PassTimer::new(&self.device, &format!("pass times {index}"), PASSES)?;
@@ -98,9 +118,10 @@ impl FrameRing {
         }
     }
 
-    /// Whether the GPU time of every pass is measured.
-    pub fn is_timing_passes(&self) -> bool {
-        self.slots.iter().any(|slot| slot.timer.is_some())
+    /// Returns of how many frames one has its passes timed; `None` of none.
+    pub fn timed_interval(&self) -> Option<u64> {
+        let is_timing = self.slots.iter().any(|slot| slot.timer.is_some());
+        is_timing.then_some(self.timed_interval)
     }
 
     /// Lets frames be timed as a whole from now on, by two timestamps each: those that ask for it with
@@ -166,7 +187,12 @@ impl FrameRing {
         let waited = began.elapsed();
         self.device.free_retired()?;
         let recording = self.device.open_recording();
-        slot.restart(recording.number)?;
+        let turn = match self.begun.is_multiple_of(self.timed_interval) {
+            true => Turn::Timed,
+            false => Turn::Untimed,
+        };
+        self.begun += 1;
+        slot.restart(recording.number, turn)?;
         Ok(Frame { ring: self, slot: SlotIndex(index), waited, waits: 0, _recording: recording })
     }
 }
@@ -191,13 +217,14 @@ impl Slot {
             timer: None,
             pass_times: Vec::new(),
             is_timed: false,
+            turn: Turn::Timed,
             whole: FrameTimer::default(),
             tick: Tick::ZERO,
         })
     }
 
     /// Makes the slot ready to record; its tick is over.
-    fn restart(&mut self, recording: Recording) -> Result<(), Error> {
+    fn restart(&mut self, recording: Recording, turn: Turn) -> Result<(), Error> {
         let raw = self.device.raw();
         // SAFETY: the slot's tick is over, so nothing of it is in use.
         unsafe {
@@ -212,14 +239,17 @@ impl Slot {
             && std::mem::take(&mut self.is_timed)
         {
             timer.read(&mut self.pass_times);
+        } else if self.turn == Turn::Untimed {
+            self.pass_times.clear();
         }
+        self.turn = turn;
         self.whole.read(self.tick);
         self.uploads.reset()?;
         self.piece = 0;
         let (buffer, descriptors) = self.begin_piece()?;
-        let timer = self.timer.clone();
-        self.commands = Commands::new(&self.device, buffer, recording, descriptors, timer);
-        if let Some(timer) = &self.timer {
+        let timer = self.timer.clone().filter(|_| self.turn == Turn::Timed);
+        self.commands = Commands::new(&self.device, buffer, recording, descriptors, timer.clone());
+        if let Some(timer) = &timer {
             timer.reset(&self.commands);
         }
         Ok(())
@@ -246,6 +276,7 @@ impl Slot {
         self.commands.check()?;
         end_commands(&self.device, self.commands.raw())?;
         self.tick = self.device.submit(Some(self.commands.raw()), order)?;
+        self.commands.submitted(self.tick);
         Ok(self.tick)
     }
 }
@@ -304,7 +335,7 @@ impl Frame<'_> {
     }
 
     /// The GPU times of the last whole frame that used this slot, N frames ago unless frames were given
-    /// up since. Empty without timing.
+    /// up since. Empty without timing, and of a frame whose turn it was not.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.ring.slots[self.slot.0].pass_times
     }
@@ -366,7 +397,8 @@ impl Frame<'_> {
     pub(crate) fn submit_in_order(self, order: &Order<'_>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
         let mut has_stamps = slot.whole.end(&slot.commands);
-        if let Some(timer) = &slot.timer {
+        let timer = slot.timer.as_ref().filter(|_| slot.turn == Turn::Timed);
+        if let Some(timer) = timer {
             timer.read_back(&slot.commands);
             has_stamps = true;
         }
@@ -374,8 +406,9 @@ impl Frame<'_> {
             let visible = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
             slot.commands.barrier(visible);
         }
+        let is_timed = timer.is_some();
         let tick = slot.submit(order)?;
-        slot.is_timed = slot.timer.is_some();
+        slot.is_timed = is_timed;
         slot.whole.submitted();
         self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
         Ok(tick)

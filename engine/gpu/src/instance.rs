@@ -6,6 +6,7 @@ use std::sync::Arc;
 use ash::{ext, khr, vk};
 
 use crate::error::{Called, Error};
+use crate::ownership::OwnerId;
 use crate::validation::ValidationLog;
 use crate::window_system::{WindowFunctions, WindowSystem};
 
@@ -42,6 +43,7 @@ pub struct Instance {
 }
 
 pub(crate) struct InstanceShared {
+    pub(crate) id: OwnerId,
     // Kept alive for its function table: the loader library is unloaded with the last entry.
     pub(crate) entry: ash::Entry,
     pub(crate) raw: ash::Instance,
@@ -108,10 +110,8 @@ impl Instance {
             info = info.push_next(&mut messenger_info);
         }
         // SAFETY: every pointer in `info` lives until the call returns.
-        let raw = match unsafe { entry.create_instance(&info, None) } {
-            Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => return Err(Error::NoDriver),
-            other => other.called("vkCreateInstance")?,
-        };
+        let made = unsafe { entry.create_instance(&info, None) };
+        let raw = made.map_err(|code| refusal("vkCreateInstance", code))?;
         let messenger = if has_debug_utils {
             let debug = ext::debug_utils::Instance::new(&entry, &raw);
             let info = ValidationLog::messenger_info(&log);
@@ -129,12 +129,14 @@ impl Instance {
             None
         };
         let validation = options.validation;
-        let windows = options.windows.map(|_| WindowFunctions {
+        let id = OwnerId::new();
+        let windows = options.windows.map(|system| WindowFunctions {
+            system,
             surface: khr::surface::Instance::new(&entry, &raw),
             present_fences,
         });
         let shared =
-            InstanceShared { entry, raw, messenger, has_debug_utils, windows, log, validation };
+            InstanceShared { id, entry, raw, messenger, has_debug_utils, windows, log, validation };
         Ok(Self { shared: Arc::new(shared) })
     }
 
@@ -187,7 +189,7 @@ fn wanted_layers(entry: &ash::Entry, validation: Validation) -> Result<Vec<*cons
     }
     // SAFETY: no contract beyond a loaded entry.
     let layers = unsafe { entry.enumerate_instance_layer_properties() }
-        .called("vkEnumerateInstanceLayerProperties")?;
+        .map_err(|code| refusal("vkEnumerateInstanceLayerProperties", code))?;
     let there = layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER));
     if there {
         Ok(vec![VALIDATION_LAYER.as_ptr()])
@@ -199,12 +201,19 @@ fn wanted_layers(entry: &ash::Entry, validation: Validation) -> Result<Vec<*cons
 fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
     // SAFETY: no contract beyond a loaded entry.
     let there = unsafe { entry.enumerate_instance_extension_properties(None) };
-    let there = match there {
-        Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED) => {
-            return Err(Error::NoDriver);
-        }
-        other => other.called("vkEnumerateInstanceExtensionProperties")?,
-    };
+    let there = there.map_err(|code| refusal("vkEnumerateInstanceExtensionProperties", code))?;
     let names = there.iter().filter_map(|extension| extension.extension_name_as_c_str().ok());
     Ok(names.map(Into::into).collect())
+}
+
+/// Returns what a loader means that cannot begin. It says that it is out of memory where a manifest of
+/// a driver or a layer is not whole, long before memory matters.
+fn refusal(call: &'static str, code: vk::Result) -> Error {
+    match code {
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
+            Error::NoDriver
+        }
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY => Error::BadManifest { call, code },
+        code => Error::Vulkan { call, code },
+    }
 }

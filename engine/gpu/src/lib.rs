@@ -43,6 +43,8 @@ mod clocks;
 mod commands;
 mod deletion;
 mod device;
+#[cfg(feature = "loaded")]
+mod display_link;
 mod error;
 mod flag_ring;
 mod frames;
@@ -52,6 +54,7 @@ mod label;
 #[cfg(feature = "loaded")]
 mod open;
 mod open_device;
+mod ownership;
 mod part_draws;
 mod pipeline;
 mod pipeline_cache;
@@ -59,6 +62,7 @@ mod predicates;
 mod present_mode;
 mod query_pages;
 mod query_ring;
+mod readback;
 mod recorded;
 mod resample;
 mod shader;
@@ -85,6 +89,8 @@ pub use capabilities::{Capabilities, Optional, Required};
 pub use clocks::Clocks;
 pub use commands::Commands;
 pub use device::{Device, DeviceOptions, WaitCounts};
+#[cfg(feature = "loaded")]
+pub use display_link::DisplayLink;
 pub use error::Error;
 pub use flag_ring::FlagRing;
 pub use frames::{Frame, FrameRing, SlotIndex};
@@ -93,6 +99,7 @@ pub use instance::load_entry;
 pub use instance::{Instance, InstanceOptions, Validation};
 #[cfg(feature = "loaded")]
 pub use open::open;
+pub use ownership::{OfDevice, OwnerId};
 pub use part_draws::{LISTED_DRAWS, PartDraws, Parts, SwitchedOn};
 pub use pipeline::{
     Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
@@ -105,6 +112,7 @@ pub use present_mode::{Fallback, PresentMode};
 pub use query_pages::{Counting, QueryPages};
 pub use query_ring::{QueryIndex, QueryRing};
 pub use raw_window_handle;
+pub use readback::{Pixels, Readback};
 pub use resample::resampled;
 pub use shader::Spirv;
 #[cfg(feature = "shader-compiler")]
@@ -114,7 +122,7 @@ pub use swapchain::{
     Acquired, NotShown, PresentId, PresentTiming, Presented, Shown, Swapchain, SwapchainOptions,
     WindowImage,
 };
-pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Load, Readback, RenderTarget, Target};
+pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Load, RenderTarget, Target};
 pub use texture::Texture;
 pub use texture_array::{MipMaking, TextureArray, TextureArrayInfo, TextureUploads};
 pub use timeline::{Tick, Timeline};

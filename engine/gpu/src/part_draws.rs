@@ -14,6 +14,7 @@ use crate::commands::Commands;
 use crate::device::Device;
 use crate::error::Error;
 use crate::frames::Frame;
+use crate::ownership::{OfDevice, OwnerId};
 use crate::predicates::{DrawRange, IndirectDraw};
 use crate::timeline::Tick;
 
@@ -58,6 +59,14 @@ pub const LISTED_DRAWS: usize = 4095;
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 const LIST_BYTES: u64 = (LISTED_DRAWS as u64 + 1) * 4;
+
+impl<T> OfDevice for PartDraws<T> {
+    const KIND: &'static str = "part draws (`PartDraws`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device.id()
+    }
+}
 
 impl<T: Copy> PartDraws<T> {
     /// For a scene of `draw_count` draws.
@@ -104,6 +113,7 @@ impl<T: Copy> PartDraws<T> {
 
     /// Gives `listed` the list of every frame that is home, oldest first. Never waits.
     pub fn collect(&mut self, completed: Tick, mut listed: impl FnMut(T, SwitchedOn<'_>)) {
+        let completed = self.device.proven(completed);
         loop {
             let home = |slot: &PartSlot<T>| slot.in_flight.filter(|tick| *tick <= completed);
             let oldest = self.slots.iter_mut().filter(|slot| home(slot).is_some());
@@ -122,7 +132,7 @@ impl<T: Copy> PartDraws<T> {
     /// stores and to the draws must follow.
     ///
     /// # Errors
-    /// No memory.
+    /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
     pub fn begin(
         &mut self,
         frame: &mut Frame<'_>,
@@ -130,6 +140,7 @@ impl<T: Copy> PartDraws<T> {
         tested: impl Iterator<Item = DrawRange>,
         draw: impl Fn(u32) -> IndirectDraw,
     ) -> Result<(), Error> {
+        frame.commands().admit(self)?;
         self.recording = frame.slot().0 % self.slots.len();
         let (device, draw_count) = (&self.device, self.draw_count);
         let Some(slot) = self.slots.get_mut(self.recording) else { return Ok(()) };
@@ -195,6 +206,9 @@ impl<T: Copy> PartDraws<T> {
 
     /// Copies the list to mapped memory for [`PartDraws::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         let slot = self.slots.get(self.recording).filter(|slot| slot.is_recording);
         let Some(memory) = slot.and_then(|slot| slot.memory.as_ref()) else {
             return;
@@ -207,6 +221,7 @@ impl<T: Copy> PartDraws<T> {
 
     /// Tells that the frame it recorded for is on its way.
     pub fn submitted(&mut self, tick: Tick) {
+        let tick = self.device.not_before(tick);
         if let Some(slot) = self.slots.get_mut(self.recording)
             && std::mem::take(&mut slot.is_recording)
         {

@@ -6,6 +6,7 @@ use crate::capabilities::Optional;
 use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
+use crate::ownership::of_device;
 use crate::shader::Spirv;
 use crate::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 
@@ -116,6 +117,8 @@ pub(crate) struct PipelineKind {
     pub(crate) texture_arrays: u32,
     pub(crate) push_bytes: u32,
 }
+
+of_device!(PipelineKind: "a pipeline");
 
 impl GraphicsPipeline {
     /// Compiles a pipeline.

@@ -4,7 +4,7 @@
 //! if it is damaged (VUID-VkPipelineCacheCreateInfo-initialDataSize-00769). So the file has a header
 //! of its own, and data reaches a driver only if it is whole and of this very driver and device.
 
-use std::io::Write;
+use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -27,6 +27,9 @@ struct Identity([u8; IDENTITY_BYTES]);
 
 /// Three numbers and three UUIDs.
 const IDENTITY_BYTES: usize = 3 * 4 + 3 * vk::UUID_SIZE;
+
+/// A file that is larger is none of ours: drivers keep some megabytes.
+const MOST_BYTES: u64 = 256 << 20;
 
 /// What the file begins with. The last character is its version.
 const MAGIC: &[u8; 8] = b"antumbr1";
@@ -60,7 +63,8 @@ impl PipelineCache {
         path: Option<PathBuf>,
     ) -> Result<Self, Error> {
         let identity = Identity::read(instance, adapter);
-        let file = path.as_deref().and_then(|path| std::fs::read(path).ok()).unwrap_or_default();
+        let file = path.as_deref().map(|path| read_file(path, MOST_BYTES).unwrap_or_default());
+        let file = file.unwrap_or_default();
         let stored = unseal(identity, &file);
         if stored.is_none() && !file.is_empty() {
             tracing::info!("the stored pipeline cache is damaged or of another driver");
@@ -96,7 +100,7 @@ impl PipelineCache {
 
     fn save(&self, path: &Path, data: &[u8]) {
         let file = seal(self.identity, data);
-        let unchanged = std::fs::read(path).is_ok_and(|stored| stored == file);
+        let unchanged = read_file(path, file.len() as u64).is_ok_and(|stored| stored == file);
         if !unchanged && let Err(error) = replace_file(path, &file) {
             tracing::warn!("the pipeline cache {} was not written: {error}", path.display());
         }
@@ -125,11 +129,32 @@ fn fnv_1a(data: &[u8]) -> u64 {
     data.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
+/// Reads a regular file of at most `most_bytes`. Anything else is refused by what it is: to open a
+/// pipe would be to wait for somebody who writes, and a file of holes is as large as it says.
+fn read_file(path: &Path, most_bytes: u64) -> std::io::Result<Vec<u8>> {
+    let about = std::fs::metadata(path)?;
+    let refuse = |reason| Err(std::io::Error::new(ErrorKind::InvalidData, reason));
+    if !about.is_file() {
+        return refuse("it is no regular file");
+    }
+    if about.len() > most_bytes {
+        return refuse("it is too large");
+    }
+    let mut bytes = Vec::with_capacity(about.len() as usize);
+    // It may grow meanwhile.
+    std::fs::File::open(path)?.take(most_bytes).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
 /// Writes beside the file and renames: another process sees the old file or the new one, whole, and
 /// so does the next run after a power cut.
 fn replace_file(path: &Path, data: &[u8]) -> std::io::Result<()> {
     /// Devices of one process may close at the same time.
     static WRITTEN: AtomicU64 = AtomicU64::new(0);
+    // A pipe or a device is not ours to replace.
+    if std::fs::metadata(path).is_ok_and(|about| !about.is_file()) {
+        return Err(std::io::Error::new(ErrorKind::InvalidInput, "it is no regular file"));
+    }
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;
     }
@@ -184,6 +209,27 @@ mod tests {
             assert_eq!(unseal(OURS, &wrong), None, "zeros from {length} on");
         }
         assert_eq!(unseal(OURS, &[&file[..], &[0]].concat()), None);
+    }
+
+    #[test]
+    fn only_regular_files_of_bounded_size_are_read_and_replaced() {
+        let folder = std::env::temp_dir().join(format!("antumbra-read-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (file, sparse, pipe) =
+            (folder.join("file"), folder.join("sparse"), folder.join("pipe"));
+        std::fs::write(&file, [7; 100]).unwrap();
+        assert_eq!(read_file(&file, 100).unwrap(), [7; 100]);
+        assert!(read_file(&file, 99).is_err() && read_file(&folder, 100).is_err());
+        std::fs::File::create(&sparse).unwrap().set_len(3 << 30).unwrap();
+        assert!(read_file(&sparse, MOST_BYTES).is_err());
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+        assert!(made.success());
+        assert!(read_file(&pipe, MOST_BYTES).is_err());
+        for other in [&pipe, Path::new("/dev/null")] {
+            assert!(replace_file(other, b"first").is_err(), "{}", other.display());
+            assert!(!std::fs::metadata(other).unwrap().is_file());
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

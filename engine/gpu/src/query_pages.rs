@@ -16,6 +16,7 @@ use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::frames::SlotIndex;
+use crate::ownership::of_device;
 use crate::query_ring::{NEVER_RECORDED, QueryIndex, RECORDED_TWICE};
 use crate::recorded::Recorded;
 
@@ -49,6 +50,8 @@ struct Page {
 const PAGE: u32 = 256;
 const WORD_BYTES: u64 = 4;
 
+of_device!(QueryPages: "query pages (`QueryPages`)");
+
 impl QueryPages {
     /// None yet, for `frames_in_flight` frames.
     pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Self {
@@ -70,8 +73,9 @@ impl QueryPages {
     /// Takes `count` more queries, to be used in this piece. Outside of rendering.
     ///
     /// # Errors
-    /// No memory, or a failed call.
+    /// [`Error::Foreign`] for commands of another device, which fail; no memory, or a failed call.
     pub fn take(&mut self, commands: &Commands, count: u32) -> Result<Range<u32>, Error> {
+        commands.admit(self)?;
         let used = self.recorded.count();
         let taken = used..used.saturating_add(count);
         let Some(pages) = self.slots.get_mut(self.recording) else { return Ok(taken) };
@@ -100,6 +104,9 @@ impl QueryPages {
         counting: Counting,
         record: impl FnOnce(&Commands),
     ) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         match self.page(query.0) {
             Some(_) if !self.recorded.note(query.0) => {
                 commands.fail(Failure::Wrong(RECORDED_TWICE));
@@ -115,6 +122,9 @@ impl QueryPages {
     /// Copies the results of `queries`, all of them recorded in this frame, or the recording fails, to
     /// mapped memory. Outside of rendering.
     pub fn read_back(&self, commands: &Commands, queries: Range<u32>) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         if !self.recorded.has_all(queries.clone()) {
             commands.fail(Failure::Wrong(NEVER_RECORDED));
             return;

@@ -17,6 +17,7 @@ use crate::deletion::{Garbage, Recording};
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::frames::Frame;
+use crate::ownership::{OfDevice, OwnerId};
 use crate::query_pages::Counting;
 use crate::recorded::Recorded;
 use crate::timeline::Tick;
@@ -59,6 +60,14 @@ pub(crate) const RECORDED_TWICE: &str = "a query is used twice in a frame";
 pub(crate) const NEVER_RECORDED: &str = "the result is wanted of a query that was not recorded";
 const WORD_BYTES: u64 = 4;
 
+impl<T> OfDevice for QueryRing<T> {
+    const KIND: &'static str = "a query ring (`QueryRing`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device.id()
+    }
+}
+
 impl<T: Copy> QueryRing<T> {
     /// A ring for `frames_in_flight` frames. Slots grow as frames ask for more queries.
     ///
@@ -90,6 +99,7 @@ impl<T: Copy> QueryRing<T> {
     /// Gives `answer` every result that is home: the tag and the number of samples that passed
     /// (only zero or not zero means something, unless the ring [counts](QueryRing::counting) them). `completed` is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(T, u32)) {
+        let completed = self.device.proven(completed);
         loop {
             let home = |slot: &QuerySlot<T>| slot.in_flight.filter(|tick| *tick <= completed);
             // Oldest first: the history should see answers in the order of their frames.
@@ -112,8 +122,9 @@ impl<T: Copy> QueryRing<T> {
     /// Answers of this slot that nobody collected are forgotten.
     ///
     /// # Errors
-    /// No memory, or a failed call.
+    /// [`Error::Foreign`] for a frame of another device, which fails; no memory, or a failed call.
     pub fn begin(&mut self, frame: &mut Frame<'_>, tags: &[T]) -> Result<(), Error> {
+        frame.commands().admit(self)?;
         let slot_index = frame.slot().0 % self.slots.len();
         self.recording = slot_index;
         let Some(slot) = self.slots.get_mut(slot_index) else {
@@ -200,7 +211,7 @@ impl<T: Copy> QueryRing<T> {
 
     /// Copies all words to mapped memory for [`QueryRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
-        let Some((queries, tags)) = self.current() else {
+        let (Some((queries, tags)), Ok(())) = (self.current(), commands.admit(self)) else {
             return;
         };
         let used_bytes = tags.len() as u64 * WORD_BYTES;
@@ -214,12 +225,14 @@ impl<T: Copy> QueryRing<T> {
 
     /// Tells the ring that the frame it recorded for is on its way.
     pub fn submitted(&mut self, tick: Tick) {
+        let tick = self.device.not_before(tick);
         if let Some(slot) = self.slots.get_mut(self.recording) {
             slot.in_flight = Some(tick);
         }
     }
 
     fn begun(&self, commands: &Commands) -> Option<(&Queries, &Recorded)> {
+        commands.admit(self).ok()?;
         let slot = self.slots.get(self.recording)?;
         let is_begun = slot.recording == commands.recording();
         Some((slot.queries.as_ref().filter(|_| is_begun)?, &slot.recorded))

@@ -39,11 +39,12 @@ impl Spirv {
         self.words.iter().flat_map(|word| word.to_le_bytes()).collect()
     }
 
-    /// The same shader with these values for its specialisation constants of 32 bits, by id. Pipelines
-    /// are compiled for them: what they switch off costs nothing.
+    /// Returns the shader with these values, too, for specialisation constants of 32 bits, each id once.
+    /// Pipelines are compiled for them: what they switch off costs nothing. An id that the shader lacks
+    /// has no effect.
     #[must_use]
     pub fn specialised(&self, constants: &[(u32, u32)]) -> Self {
-        Self { constants: constants.to_vec(), ..self.clone() }
+        Self { constants: [&self.constants, constants].concat(), ..self.clone() }
     }
 
     /// Hands the module, with its constants, to `make` and destroys it after: pipelines do not need it

@@ -10,6 +10,7 @@ use crate::capabilities::Optional;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::instance::{Instance, InstanceShared};
+use crate::ownership;
 use crate::present_mode::PresentMode;
 use crate::window_system::{
     WindowFunctions, WindowSystem, display_for_drivers, window_for_drivers,
@@ -43,7 +44,8 @@ impl Surface {
     ///
     /// # Errors
     /// [`Error::NoDisplay`] where the window or its connection is gone; [`Error::NoWindows`] for an
-    /// instance that is not for windows; a failed call.
+    /// instance that is not for windows; [`Error::Foreign`] for a window of another window system
+    /// than the instance was made for; a failed call.
     pub fn new(instance: &Instance, window: Arc<dyn Window>) -> Result<Self, Error> {
         Self::with_shared(&instance.shared, window)
     }
@@ -55,8 +57,12 @@ impl Surface {
 
     fn with_shared(instance: &Arc<InstanceShared>, window: Arc<dyn Window>) -> Result<Self, Error> {
         let gone = |error: raw_window_handle::HandleError| Error::NoDisplay(error.to_string());
-        let functions = functions(instance)?.surface.clone();
-        let system = WindowSystem::of(&window)?;
+        let WindowFunctions { surface: functions, system: wanted, .. } = functions(instance)?;
+        let (functions, system) = (functions.clone(), WindowSystem::of(&window)?);
+        if system != *wanted {
+            let (thing, user, owner) = ("a window", "an instance", "WindowSystem");
+            return Err(Error::Foreign { thing, user, owner });
+        }
         let display = display_for_drivers(window.display_handle().map_err(gone)?.as_raw());
         let handle = window_for_drivers(window.window_handle().map_err(gone)?.as_raw(), display);
         // SAFETY: the window is kept until the surface is destroyed, and with it both handles; the
@@ -79,8 +85,10 @@ impl Surface {
     /// The present modes that `device` has for this window.
     ///
     /// # Errors
-    /// A failed call; among them a window that is gone.
+    /// [`Error::Foreign`] for a device of another instance; a failed call; among them a window that
+    /// is gone.
     pub fn present_modes(&self, device: &Device) -> Result<Vec<PresentMode>, Error> {
+        self.check(device)?;
         let physical = device.adapter().physical;
         // SAFETY: device and surface are of one instance.
         let modes = unsafe {
@@ -88,6 +96,12 @@ impl Surface {
         };
         let modes = modes.called("vkGetPhysicalDeviceSurfacePresentModesKHR")?;
         Ok(modes.into_iter().filter_map(PresentMode::from_raw).collect())
+    }
+
+    /// Refuses a device of another instance.
+    pub(crate) fn check(&self, device: &Device) -> Result<(), Error> {
+        let ids = (self.shared.instance.id, device.instance().id);
+        ownership::check(ids.0, ids.1, "a surface (`Surface`)", "a device", "Instance")
     }
 
     pub(crate) fn formats(&self, device: &Device) -> Result<Vec<vk::SurfaceFormatKHR>, Error> {
@@ -173,12 +187,15 @@ impl Instance {
     /// Like [`Instance::pick_adapter`], of those that can show pictures in the window of `surface`.
     ///
     /// # Errors
-    /// As there; [`Error::CannotPresent`] when the one wanted, or none, can present to the window.
+    /// As there; [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] when
+    /// the one wanted, or none, can present to the window.
     pub fn pick_adapter_for(
         &self,
         surface: &Surface,
         wanted: Option<&str>,
     ) -> Result<Adapter, Error> {
+        let ids = (surface.shared.instance.id, self.shared.id);
+        ownership::check(ids.0, ids.1, "a surface (`Surface`)", "an instance", "Instance")?;
         if wanted.is_some() {
             let adapter = self.pick_adapter(wanted)?;
             return surface.presenting(&adapter)?.map_err(Error::CannotPresent);

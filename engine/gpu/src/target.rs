@@ -1,16 +1,18 @@
-//! An offscreen target: colour and depth to draw to, and buffers to read the picture back.
+//! An offscreen target: colour and depth to draw to.
 
 mod window_copy;
 
 use ash::vk;
 
 use crate::access::{Access, LayoutChange};
-use crate::buffer::{Buffer, BufferSlice, Place};
-use crate::commands::Commands;
+use crate::buffer::BufferSlice;
+use crate::commands::{Commands, Failure};
 use crate::deletion::Recording;
 use crate::device::Device;
 use crate::error::Error;
 use crate::image::Image;
+use crate::ownership::{OfDevice, OwnerId, of_device};
+use crate::readback::Readback;
 
 /// Colour: eight bits a channel, sRGB-encoded by the hardware.
 pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
@@ -22,6 +24,7 @@ pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// A colour and a depth image of one size.
 pub struct Target {
+    device: Device,
     colour: Image,
     depth: Image,
     size: [u32; 2],
@@ -33,15 +36,10 @@ pub struct Target {
     is_submitted: bool,
 }
 
-/// A picture on its way to the CPU.
-pub struct Readback {
-    buffer: Buffer,
-    size: [u32; 2],
-}
-
 /// What a render pass draws to.
 #[derive(Debug, Clone, Copy)]
 pub struct RenderTarget {
+    device: OwnerId,
     pub(crate) colour: vk::ImageView,
     pub(crate) depth: vk::ImageView,
     pub(crate) origin: [u32; 2],
@@ -61,6 +59,16 @@ pub enum Load<T> {
     Clear(T),
     /// Anything: nothing is drawn to it, and nobody reads what the rendering leaves.
     Forget,
+}
+
+of_device!(Target: "a target (`Target`)");
+
+impl OfDevice for RenderTarget {
+    const KIND: &'static str = "a target (`RenderTarget`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device
+    }
 }
 
 impl RenderTarget {
@@ -122,6 +130,7 @@ impl Target {
             Image::new(device, &format!("{name} {what}"), size, formats, usage, aspect)
         };
         Ok(Self {
+            device: device.clone(),
             colour: image("colour", [COLOUR_BYTES, COLOUR_FORMAT], colour_usage, colour)?,
             depth: image("depth", [DEPTH_FORMAT; 2], depth_usage, depth)?,
             size,
@@ -139,8 +148,11 @@ impl Target {
 
     /// Makes both images ready to be drawn to, after whatever they were used for before. Between
     /// two renderings too: dynamic rendering orders nothing by itself. What they hold lasts for one
-    /// frame: the first rendering of each must clear.
+    /// frame: the first rendering of each must clear. Commands of another device fail.
     pub fn prepare(&mut self, commands: &Commands) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         let (colour, depth) = (vk::ImageAspectFlags::COLOR, vk::ImageAspectFlags::DEPTH);
         self.is_submitted = false;
         let is_first = self.recording.replace(commands.recording()) != Some(commands.recording());
@@ -166,6 +178,7 @@ impl Target {
     pub fn render_target(&self, clear: Option<[f32; 4]>) -> RenderTarget {
         const FAR: f32 = 0.0; // reversed depth
         RenderTarget {
+            device: self.device.id(),
             colour: self.colour.view,
             depth: self.depth.view,
             origin: [0, 0],
@@ -195,6 +208,9 @@ impl Target {
         if bytes == 0 || to.size_bytes < bytes || !fits(0) || !fits(1) {
             return;
         }
+        if commands.admit(self).is_err() || commands.admit(&to).is_err() {
+            return;
+        }
         let aspect = vk::ImageAspectFlags::DEPTH;
         let change = self.depth.change(aspect, self.depth_access, Access::CopyRead);
         commands.change_layouts([change]);
@@ -220,8 +236,17 @@ impl Target {
         }
     }
 
-    /// Copies the colour image to `readback`. The last use of the target in a frame.
+    /// Copies the colour image to `readback`, of the same size, or the recording fails. The last use
+    /// of the target in a frame.
     pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        if readback.size() != self.size {
+            commands.fail(Failure::Wrong("a picture is copied to a `Readback` of another size"));
+            return;
+        }
+        let Some(to) = readback.begin_copy(commands) else { return };
         let change =
             self.colour.change(vk::ImageAspectFlags::COLOR, self.colour_access, Access::CopyRead);
         commands.change_layouts([change]);
@@ -234,18 +259,15 @@ impl Target {
                 ..Default::default()
             })
             .image_extent(vk::Extent3D { width, height, depth: 1 });
-        let to = readback.buffer.whole();
-        if readback.size == self.size {
-            // SAFETY: the buffer holds exactly this image; it is in the layout named.
-            unsafe {
-                commands.device().raw().cmd_copy_image_to_buffer(
-                    commands.raw(),
-                    self.colour.raw,
-                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                    to.raw,
-                    &[region],
-                );
-            }
+        // SAFETY: the buffer holds exactly this image; it is in the layout named.
+        unsafe {
+            commands.device().raw().cmd_copy_image_to_buffer(
+                commands.raw(),
+                self.colour.raw,
+                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                to.raw,
+                &[region],
+            );
         }
         let home = crate::access::MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
         commands.barrier(home);
@@ -261,28 +283,5 @@ impl Target {
     /// Whether the GPU has, or will have, a picture here.
     pub(crate) fn has_picture(&self) -> bool {
         self.is_submitted
-    }
-}
-
-impl Readback {
-    /// Room for one picture of `size` pixels.
-    ///
-    /// # Errors
-    /// No memory.
-    pub fn new(device: &Device, size: [u32; 2]) -> Result<Self, Error> {
-        let size_bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
-        let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let buffer = Buffer::new(device, "picture", size_bytes, usage, Place::ReadBack)?;
-        Ok(Self { buffer, size })
-    }
-
-    /// Its size in pixels.
-    pub fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
-    /// The picture: rows from the top, four bytes a pixel, sRGB. Once the frame's tick is over.
-    pub fn rgba8(&self) -> &[u8] {
-        self.buffer.read(0..self.size[0] as usize * self.size[1] as usize * 4)
     }
 }

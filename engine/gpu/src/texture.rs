@@ -9,6 +9,7 @@ use crate::deletion::{Garbage, Recording};
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::image::Image;
+use crate::ownership::of_device;
 
 /// What the bytes mean is for the shader to say.
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
@@ -33,6 +34,8 @@ enum State {
     /// It was submitted.
     Known,
 }
+
+of_device!(Texture: "a texture (`Texture`)");
 
 impl Texture {
     /// A texture of `size` pixels.
@@ -72,7 +75,7 @@ impl Texture {
     /// Writes `size` pixels from `origin` on (from the upper left) out of `pixels`: four bytes each,
     /// rows from the top without gaps. What was never written is transparent black. Outside of
     /// rendering; later draws of the same recording see it. An area outside of the texture or a slice
-    /// of another size fails the recording.
+    /// of another size fails the recording, as does what is of another device.
     pub fn write(
         &mut self,
         commands: &Commands,
@@ -85,6 +88,9 @@ impl Texture {
             u64::from(origin[side]) + u64::from(size[side]) <= u64::from(self.size[side])
         };
         let bytes = u64::from(width) * u64::from(height) * 4;
+        if commands.admit(self).is_err() || commands.admit(&pixels).is_err() {
+            return;
+        }
         if bytes == 0 || pixels.size_bytes != bytes || !fits(0) || !fits(1) {
             commands.fail(Failure::Wrong("a texture is written outside of its area"));
             return;
@@ -140,7 +146,7 @@ impl Texture {
     /// Makes it ready to be sampled, outside of rendering: transparent black, if nothing was ever
     /// written to it.
     pub fn prepare(&mut self, commands: &Commands) {
-        if self.is_known_to(commands) {
+        if commands.admit(self).is_err() || self.is_known_to(commands) {
             return;
         }
         let colour = vk::ImageAspectFlags::COLOR;

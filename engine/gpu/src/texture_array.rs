@@ -11,6 +11,7 @@ use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
 use crate::image::Image;
+use crate::ownership::of_device;
 use crate::resample::resampled;
 
 /// Images go to the GPU in pieces of at most this many bytes.
@@ -77,6 +78,8 @@ pub struct TextureUploads {
     device: Device,
     staging: Buffer,
 }
+
+of_device!(TextureArray: "a texture array (`TextureArray`)");
 
 impl TextureArray {
     /// Empty layers.
@@ -260,7 +263,8 @@ impl TextureUploads {
     ///
     /// # Errors
     /// [`Error::WrongCommands`] for a layer that is not there, for bytes that are no whole rows or more than
-    /// are left, and for an array of another device; a failed call. What was written before stays.
+    /// are left; [`Error::Foreign`] for an array of another device; a failed call. What was written
+    /// before stays.
     pub fn write_rows(
         &mut self,
         array: &mut TextureArray,
@@ -277,9 +281,7 @@ impl TextureUploads {
         {
             return Err(Error::WrongCommands("what is written to a layer is no rows of it"));
         }
-        if !self.device.is(&array.device) {
-            return Err(Error::WrongCommands("a texture is written through another device"));
-        }
+        self.device.check(array, "texture uploads (`TextureUploads`)")?;
         let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
         for piece in rgba8.chunks(piece_rows * row_bytes) {
             self.write_piece(array, layer, piece)?;

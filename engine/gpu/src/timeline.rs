@@ -5,6 +5,7 @@ use ash::vk;
 use crate::deletion::Garbage;
 use crate::device::Device;
 use crate::error::{Called, Error};
+use crate::ownership::of_device;
 
 /// A value of a timeline. Ticks of one device are numbered from 1 in the order of its submits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -38,10 +39,6 @@ impl Timeline {
         Ok(Self { device: device.clone(), raw })
     }
 
-    pub(crate) fn is_of(&self, device: &Device) -> bool {
-        self.device.is(device)
-    }
-
     /// Signals `tick` from the CPU. Ticks must rise.
     ///
     /// # Errors
@@ -52,6 +49,8 @@ impl Timeline {
         unsafe { self.device.raw().signal_semaphore(&info) }.called("vkSignalSemaphore")
     }
 }
+
+of_device!(Timeline: "a timeline (`Timeline`)");
 
 impl Drop for Timeline {
     fn drop(&mut self) {

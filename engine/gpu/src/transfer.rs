@@ -64,8 +64,11 @@ impl Device {
             .inspect_err(|_| self.retire(Garbage::CommandPool(pool)))?;
         let recording = self.open_recording();
         let recorded = record_once(self, pool, name, recording.number, descriptors, record);
-        let submitted =
-            recorded.and_then(|commands| self.submit(Some(commands), &Order::default()));
+        let submitted = recorded.and_then(|commands| {
+            let tick = self.submit(Some(commands.raw()), &Order::default())?;
+            commands.submitted(tick);
+            Ok(tick)
+        });
         drop(recording);
         // The commands go with their pool once the tick of the submit is over.
         self.retire(Garbage::CommandPool(pool));
@@ -122,12 +125,12 @@ fn record_once(
     recording: Recording,
     descriptors: vk::DescriptorPool,
     record: impl FnOnce(&Commands),
-) -> Result<vk::CommandBuffer, Error> {
+) -> Result<Commands, Error> {
     let buffer = allocate_commands(device, pool, name)?;
     begin_commands(device, buffer)?;
     let commands = Commands::new(device, buffer, recording, descriptors, None);
     record(&commands);
     commands.check()?;
     end_commands(device, buffer)?;
-    Ok(buffer)
+    Ok(commands)
 }

@@ -13,6 +13,7 @@ pub struct WindowSystem(&'static CStr);
 
 /// What an instance for windows is asked with.
 pub(crate) struct WindowFunctions {
+    pub(crate) system: WindowSystem,
     pub(crate) surface: khr::surface::Instance,
     /// The extensions that give devices present fences, where the instance has its half of them.
     pub(crate) present_fences: Vec<&'static CStr>,

@@ -8,7 +8,9 @@ use gltf::json::Root;
 use crate::Limits;
 use crate::elements::BufferBytes;
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
 use crate::uri::{self, Wanted};
+use crate::verdict::Verdict;
 
 /// How many bytes beside the file may still be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,23 +44,24 @@ impl Budget {
     }
 }
 
-/// Finds the bytes of all buffers; those of placeholders are zeros.
+/// Finds the bytes of the buffers that are used; those of placeholders are zeros.
 pub(crate) fn resolve(
     root: &Root,
-    binary: Option<&Range<usize>>,
-    placeholders: &[bool],
+    (binary, placeholders): (Option<&Range<usize>>, &[bool]),
     folder: Option<&Path>,
-    budget: &mut Budget,
+    (budget, verdict): (&mut Budget, &mut Verdict),
 ) -> Result<Vec<BufferBytes>, Fault> {
     let mut buffers = Vec::with_capacity(root.buffers.len());
     for (index, buffer) in root.buffers.iter().enumerate() {
         let length = buffer.byte_length.0;
-        if placeholders.get(index) == Some(&true) {
-            let bytes = budget.zeros(length).at(|| format!("buffer {index}"))?;
-            buffers.push(BufferBytes::Apart(bytes));
-            continue;
-        }
+        let element = Kind::Buffer.at(index);
+        let is_used = verdict.is_used(element);
         let bytes = match (&buffer.uri, binary) {
+            _ if placeholders.get(index) == Some(&true) => {
+                let length = if is_used { length } else { 0 };
+                budget.zeros(length).map(BufferBytes::Apart)
+            }
+            (Some(_), _) if !is_used => Ok(BufferBytes::Apart(Vec::new())),
             (Some(uri), _) => {
                 budget.fetch(uri, folder, Wanted::First(length)).map(BufferBytes::Apart)
             }
@@ -67,7 +70,8 @@ pub(crate) fn resolve(
                 Err(Reason::malformed("it has no URI, and there is no binary chunk for it"))
             }
         };
-        buffers.push(bytes.at(|| format!("buffer {index}"))?);
+        let bytes = verdict.judge(element, bytes.at(|| element.to_string()))?;
+        buffers.push(bytes.unwrap_or(BufferBytes::Apart(Vec::new())));
     }
     Ok(buffers)
 }

@@ -3,6 +3,7 @@
 mod accessors;
 mod animations;
 mod attributes;
+mod bounds;
 mod budget;
 mod extensions;
 mod instancing;
@@ -18,27 +19,34 @@ use gltf::json::Root;
 use gltf::json::mesh::Primitive;
 
 pub(crate) use accessors::views_and_accessors;
+pub(crate) use bounds::check as bounds;
 pub(crate) use extensions::required;
+pub(crate) use instancing::accessors as instance_accessors;
+pub(crate) use materials::lights;
 pub(crate) use values::indices_and_joints;
 
 use crate::error::{Fault, Reason};
 use crate::source::Instancing;
-use crate::{Limits, SUPPORTED_EXTENSIONS};
+use crate::verdict::Verdict;
+use crate::{Limits, SUPPORTED_EXTENSIONS, prune};
 
-/// Checks all that the JSON alone can tell beyond views and accessors.
+/// Checks all that the JSON alone can tell beyond views and accessors. Leaves only roots in the scene that is
+/// shown.
 ///
 /// Finds where meshes are instanced, by their nodes.
 pub(crate) fn structure(
-    root: &Root,
+    root: &mut Root,
     limits: &Limits,
+    verdict: &mut Verdict,
 ) -> Result<BTreeMap<usize, Instancing>, Fault> {
-    materials::check(root)?;
-    meshes::check(root)?;
-    nodes::check(root, limits)?;
-    skins::check(root)?;
-    animations::check(root)?;
-    let instancing = instancing::check(root)?;
-    budget::check(root, &instancing, limits)?;
+    materials::check(root, verdict)?;
+    meshes::check(root, verdict)?;
+    let parents = nodes::check(root, limits, verdict)?;
+    skins::check(root, &parents, verdict)?;
+    prune::scene_roots(root, &parents, verdict);
+    animations::check(root, verdict)?;
+    let instancing = instancing::check(root, verdict)?;
+    budget::check(root, &instancing, (limits, verdict))?;
     Ok(instancing)
 }
 

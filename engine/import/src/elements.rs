@@ -95,10 +95,31 @@ pub(crate) fn for_each_floats<const N: usize>(
     accessor: usize,
     visit: impl FnMut([f32; N]),
 ) -> Option<()> {
+    let is_normalised = root.accessors.get(accessor)?.normalized;
+    for_each_number((root, store), accessor, is_normalised, visit)
+}
+
+/// Calls `visit` with each element of an accessor as the numbers that are stored, also where they are normalised;
+/// `None` and no call if it has not `N` components.
+pub(crate) fn for_each_raw<const N: usize>(
+    root: &Root,
+    store: &Store,
+    accessor: usize,
+    visit: impl FnMut([f32; N]),
+) -> Option<()> {
+    for_each_number((root, store), accessor, false, visit)
+}
+
+fn for_each_number<const N: usize>(
+    (root, store): (&Root, &Store),
+    accessor: usize,
+    is_normalised: bool,
+    visit: impl FnMut([f32; N]),
+) -> Option<()> {
     let accessor = root.accessors.get(accessor)?;
     let layout = Layout::of(accessor).ok().filter(|layout| layout.components == N)?;
     let elements = Elements { root, store, accessor, layout };
-    match (layout.component, accessor.normalized) {
+    match (layout.component, is_normalised) {
         (ComponentType::F32, _) => elements.for_each(float, visit),
         (ComponentType::U8, false) => elements.for_each(|b| unsigned8(b) as f32, visit),
         (ComponentType::U16, false) => elements.for_each(|b| unsigned16(b) as f32, visit),

@@ -23,6 +23,8 @@ pub enum Cause {
     NotScene,
     /// It breaks a rule of glTF 2.0 or of an extension.
     Malformed,
+    /// It has compressed bytes that cannot be decoded, at which the glTF validator does not look.
+    Damaged,
     /// It needs something that is not implemented here.
     Unsupported,
     /// It reaches for something outside of its folder.
@@ -42,6 +44,9 @@ impl Cause {
             Self::Malformed => {
                 "the file is damaged or its exporter is wrong: export it again, or see what the \
                  glTF validator says"
+            }
+            Self::Damaged => {
+                "the file is damaged or its exporter is wrong: copy or export it again"
             }
             Self::Unsupported => {
                 "export it again as glTF 2.0, without extensions that are named here, and with \
@@ -66,6 +71,10 @@ pub(crate) struct Reason {
 impl Reason {
     pub(crate) fn malformed(text: impl Into<String>) -> Self {
         Self { cause: Cause::Malformed, text: text.into() }
+    }
+
+    pub(crate) fn damaged(text: impl Into<String>) -> Self {
+        Self { cause: Cause::Damaged, text: text.into() }
     }
 
     pub(crate) fn not_scene(text: impl Into<String>) -> Self {
@@ -120,6 +129,16 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
+    /// Returns the object and the text of the reason.
+    pub(crate) fn into_parts(self) -> (String, String) {
+        (self.object, self.reason.text)
+    }
+
+    /// Returns whether it refuses the file even where the scene could do without the object.
+    pub(crate) fn is_final(&self) -> bool {
+        matches!(self.reason.cause, Cause::TooLarge | Cause::GivenUp)
+    }
+
     pub(crate) fn in_file(self, file: &str) -> ImportError {
         ImportError {
             file: file.to_owned(),

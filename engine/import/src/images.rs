@@ -4,6 +4,7 @@ mod gate;
 mod jpeg;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -19,57 +20,90 @@ use render::scene::Image;
 use crate::Limits;
 use crate::buffers::Budget;
 use crate::elements::Store;
-use crate::error::{At, Fault, Reason};
+use crate::error::{At, Fault, Reason, quoted};
+use crate::reach::Kind;
 use crate::source::Told;
-use crate::textures;
 use crate::uri::Wanted;
+use crate::verdict::Verdict;
 use gate::Gate;
 
 /// More threads than that gain little and take memory.
 const MAX_THREADS: usize = 8;
 
-/// Decodes the images that materials show; the others stay `None`.
+/// Images that are shown.
+pub(crate) struct Images {
+    /// As many as the file has; `None` where nothing shows it.
+    pub(crate) list: Vec<Option<Image>>,
+    /// The indices of those that could not be read.
+    pub(crate) placeholders: BTreeSet<usize>,
+}
+
+/// Decodes the images that materials show; the others stay `None`. Those that cannot be read are placeholders, which
+/// is noted.
+///
+/// # Errors
+/// Images beyond the limits; that nobody waits for them any more.
 pub(crate) fn decode(
     root: &Root,
     store: &Store,
     (texture_images, folder): (&[Option<usize>], Option<&Path>),
-    budget: &mut Budget,
-    limits: &Limits,
-    tell: &mut Told<'_>,
-) -> Result<Vec<Option<Image>>, Fault> {
-    let mut is_used = vec![false; root.images.len()];
-    let shown = textures::shown(root).filter_map(|texture| *texture_images.get(texture)?);
-    for image in shown {
-        if let Some(used) = is_used.get_mut(image) {
-            *used = true;
-        }
-    }
+    (budget, limits): (&mut Budget, &Limits),
+    (verdict, tell): (&mut Verdict, &mut Told<'_>),
+) -> Result<Images, Fault> {
+    let used: BTreeSet<usize> = texture_images.iter().flatten().copied().collect();
+    let mut list = vec![None; root.images.len()];
     let mut jobs = Vec::new();
     let mut total: u64 = 0;
-    for (index, _) in is_used.iter().enumerate().filter(|(_, used)| **used) {
-        let at = || format!("image {index}");
-        let encoded = encoded(root, store, index, folder, budget).at(at)?;
-        let job = Job::new(index, encoded, limits).at(at)?;
+    for &index in &used {
+        let element = Kind::Image.at(index);
+        if verdict.fault_of(root, element).is_some() {
+            continue;
+        }
+        let job = encoded(root, store, index, folder, budget)
+            .and_then(|encoded| Job::new(index, encoded, limits))
+            .at(|| element.to_string());
+        let Some(job) = verdict.judge(element, job)? else { continue };
         total = total.saturating_add(job.pixel_bytes());
         if total > limits.image_bytes {
-            return Err(
-                Reason::too_large("bytes of pixels up to it", total, limits.image_bytes).of(at())
-            );
+            let reason = Reason::too_large("bytes of pixels up to it", total, limits.image_bytes);
+            return Err(reason.of(element.to_string()));
         }
         jobs.push(job);
     }
-    let mut images = vec![None; root.images.len()];
     for (job, pixels) in jobs.iter().zip(decode_all(&jobs, limits, tell)) {
-        let rgba8 = pixels.at(|| format!("image {}", job.index))?;
-        let json = root.images.get(job.index);
-        let name = json
-            .and_then(|json| json.name.clone())
-            .unwrap_or_else(|| format!("image {}", job.index));
-        if let Some(image) = images.get_mut(job.index) {
+        let element = Kind::Image.at(job.index);
+        let rgba8 = verdict.judge(element, pixels.at(|| element.to_string()))?;
+        let name = root.images.get(job.index).and_then(|image| image.name.clone());
+        let name = name.unwrap_or_else(|| element.to_string());
+        if let Some((image, rgba8)) = list.get_mut(job.index).zip(rgba8) {
             *image = Some(Image { name, size: job.size, rgba8 });
         }
     }
-    Ok(images)
+    let mut placeholders = BTreeSet::new();
+    for &index in &used {
+        let fault = verdict.fault_of(root, Kind::Image.at(index)).cloned();
+        if let Some((image, fault)) = list.get_mut(index).zip(fault) {
+            *image = Some(placeholder(index));
+            placeholders.insert(index);
+            let shown = root.images.get(index).and_then(|image| image.uri.as_deref());
+            let shown = shown.filter(|uri| !uri.starts_with("data:")).map(quoted);
+            let shown = shown.map(|uri| format!(" ({uri})")).unwrap_or_default();
+            let text = format!("checkers are shown for image {index}{shown}");
+            verdict.note_left_out(fault, &text);
+        }
+    }
+    Ok(Images { list, placeholders })
+}
+
+/// A picture that nobody takes for one of the scene: checkers of magenta and black.
+fn placeholder(index: usize) -> Image {
+    const SIDE: u32 = 16;
+    let texel = |place: u32| {
+        let is_dark = (place % SIDE / 4 + place / SIDE / 4).is_multiple_of(2);
+        if is_dark { [0, 0, 0, 255] } else { [255, 0, 255, 255] }
+    };
+    let rgba8 = (0..SIDE * SIDE).flat_map(texel).collect();
+    Image { name: format!("image {index} (missing)"), size: [SIDE; 2], rgba8 }
 }
 
 /// The bytes of an image as it is in the file.
@@ -154,7 +188,7 @@ impl<'a> Job<'a> {
         if self.pixels(&other, limits).as_ref() == Ok(&pixels) {
             return Ok(pixels);
         }
-        Err(Reason::malformed("it is a JPEG that is cut off"))
+        Err(Reason::damaged("it is a JPEG that is cut off"))
     }
 
     fn pixels(&self, encoded: &[u8], limits: &Limits) -> Result<Vec<u8>, Reason> {
@@ -165,7 +199,7 @@ impl<'a> Job<'a> {
                 .map(DynamicImage::into_rgba8)
                 .map_err(|error| undecodable(&error))
         }));
-        let pixels = decoded.unwrap_or_else(|_| Err(Reason::malformed("its decoder gave up")))?;
+        let pixels = decoded.unwrap_or_else(|_| Err(Reason::damaged("its decoder gave up")))?;
         if pixels.dimensions() != (self.size[0], self.size[1]) {
             return Err(Reason::malformed("its size is not what its head says"));
         }
@@ -201,7 +235,7 @@ fn undecodable(error: &image::ImageError) -> Reason {
     let text = format!("it cannot be decoded: {}", said.trim());
     match error {
         image::ImageError::Limits(_) => Reason::beyond_limits(text),
-        _ => Reason::malformed(text),
+        _ => Reason::damaged(text),
     }
 }
 

@@ -7,6 +7,8 @@ use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Vec3};
 use render::scene::{BlendedId, DeformerId, LightId, Scene};
 
+use crate::Note;
+
 /// A camera of the file. It looks along its node's -z, up is y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -14,12 +16,47 @@ pub struct Camera {
     pub name: String,
     /// Where it is.
     pub node: NodeId,
-    /// The full vertical angle of sight, in radians.
+    /// The full vertical angle of sight, in radians, in pictures that are no narrower than
+    /// [`Camera::aspect_ratio`].
     pub fov_y_rad: f32,
+    /// How much wider than high its picture is; `None` where the file leaves that to the viewer.
+    pub aspect_ratio: Option<f32>,
     /// Distance of the near plane, in metres.
     pub near_m: f32,
     /// How far behind its node the eye is, in metres: 0 but for what stands for an orthographic camera.
     pub behind_m: f32,
+}
+
+impl Camera {
+    /// The widest angle of sight, in radians.
+    const WIDEST_RAD: f32 = std::f32::consts::PI - 0.1;
+
+    /// Returns the full vertical angle of sight, in radians, for pictures of `size` pixels: wider in those
+    /// that are narrower than the camera's own, so that nothing that it sees is cut off at the sides.
+    pub fn fov_y_rad_in(&self, size: [u32; 2]) -> f32 {
+        let [width, height] = size.map(|side| side.max(1) as f32);
+        let narrower = self.aspect_ratio.unwrap_or_default() * height / width;
+        if narrower > 1.0 {
+            let tangent = (self.fov_y_rad * 0.5).tan() * narrower;
+            (2.0 * tangent.atan()).clamp(self.fov_y_rad, Self::WIDEST_RAD.max(self.fov_y_rad))
+        } else {
+            self.fov_y_rad
+        }
+    }
+
+    /// Returns what the camera sees in pictures of `size` pixels while its node is at `world`.
+    pub(crate) fn seen_from(&self, world: &Affine3A, size: [u32; 2]) -> cull::Camera {
+        let forward = Vec3::from(-world.matrix3.z_axis).try_normalize().unwrap_or(Vec3::NEG_Z);
+        // Whatever is done to its node, a camera's picture is upright.
+        let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
+        cull::Camera {
+            eye: Vec3::from(world.translation) - forward * self.behind_m,
+            forward,
+            up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
+            fov_y: self.fov_y_rad_in(size),
+            near: self.near_m,
+        }
+    }
 }
 
 /// What hangs on a node.
@@ -77,8 +114,8 @@ pub struct Imported {
     pub placements: Vec<Placement>,
     /// Its cameras.
     pub cameras: Vec<Camera>,
-    /// What was in the file that is not shown, for people.
-    pub notes: Vec<String>,
+    /// The deviations of the file that were tolerated, and what of it is not shown, for people.
+    pub notes: Vec<Note>,
 }
 
 impl Placement {
@@ -96,24 +133,44 @@ impl Imported {
         crate::convert::bounds(self)
     }
 
-    /// What the first camera of the file sees at rest; without one a view of the whole scene, three
-    /// quarters from the front and somewhat from above.
-    pub fn default_camera(&self) -> cull::Camera {
+    /// What the first camera of the file sees at rest in pictures of `size` pixels; without one a view of the
+    /// whole scene, three quarters from the front and somewhat from above.
+    pub fn default_camera(&self, size: [u32; 2]) -> cull::Camera {
         let Some(camera) = self.cameras.first() else {
             return crate::convert::overview(&self.bounds());
         };
         let mut worlds = Vec::new();
         self.rig.world(&Pose::new(&self.rig), &mut worlds);
         let world = worlds.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
-        let axis = |axis: glam::Vec3A| Vec3::from(axis).try_normalize();
-        let forward = axis(-world.matrix3.z_axis).unwrap_or(Vec3::NEG_Z);
-        let up = axis(world.matrix3.y_axis).filter(|up| up.cross(forward).length() > 1e-3);
-        cull::Camera {
-            eye: Vec3::from(world.translation) - forward * camera.behind_m,
-            forward,
-            up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
-            fov_y: camera.fov_y_rad,
-            near: camera.near_m,
+        camera.seen_from(&world, size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_narrower_than_a_camera_are_higher_and_as_wide() {
+        let camera = Camera {
+            name: String::new(),
+            node: NodeId(0),
+            fov_y_rad: 0.8,
+            aspect_ratio: Some(1.5),
+            near_m: 0.1,
+            behind_m: 0.0,
+        };
+        let across = |camera: &Camera, size: [u32; 2]| {
+            (camera.fov_y_rad_in(size) * 0.5).tan() * size[0] as f32 / size[1] as f32
+        };
+        assert_eq!(camera.fov_y_rad_in([300, 200]), 0.8);
+        assert_eq!(camera.fov_y_rad_in([900, 200]), 0.8, "wider pictures show more at the sides");
+        let own = (0.4_f32).tan() * 1.5;
+        for size in [[200, 200], [200, 900]] {
+            assert!((across(&camera, size) / own - 1.0).abs() < 1e-5, "{size:?}");
         }
+        assert!(camera.fov_y_rad_in([1, 16_384]) < std::f32::consts::PI);
+        let any = Camera { aspect_ratio: None, ..camera };
+        assert_eq!(any.fov_y_rad_in([200, 900]), 0.8);
     }
 }

@@ -1,37 +1,72 @@
-//! The JSON of a file: weighed, read, and where `gltf` is stricter than glTF, brought into the form it reads.
+//! The JSON of a file: weighed, read, and where `gltf` does not take all of it, read element by element.
 
+mod lenient;
 mod weight;
 mod wide;
+mod words;
 
+use gltf::Semantic;
 use gltf::json::Root;
 use serde_json::Value;
 use serde_path_to_error::Segment;
 
 use crate::Limits;
 use crate::error::{Fault, Reason, quoted};
-use crate::notes::Notes;
+use crate::notes::{Note, Notes};
+use crate::reach::Element;
+
+/// A root whose elements are in order, or blank and at fault.
+pub(crate) struct Parsed {
+    pub(crate) root: Root,
+    /// Why elements of its lists are blank.
+    pub(crate) faults: Vec<(Element, Fault)>,
+}
 
 /// Reads the JSON of a file. What was left out of it is noted.
-pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<Root, Fault> {
+///
+/// # Errors
+/// What is no JSON, needs another version, or is wrong outside of the lists of elements.
+pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<Parsed, Fault> {
     // RFC 8259 lets a reader ignore a byte order mark, and chunks of a GLB may be padded.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
     let json = json.get(..end).unwrap_or_default();
 
     weight::check(json, limits).map_err(|reason| reason.of("JSON"))?;
-    if wide::may_be_in(json)
-        && let Ok(value) = serde_json::from_slice::<Value>(json)
-    {
-        wide::check(&value)?;
-    }
-    let mut root = match serde_json::from_slice(json) {
-        Ok(root) => root,
-        Err(error) if error.is_data() => repaired(json, notes)?,
-        Err(error) => return Err(Reason::malformed(error.to_string()).of("JSON")),
+    let mut parsed = match serde_json::from_slice(json) {
+        Ok(root) if !wide::may_be_in(json) => Parsed { root, faults: Vec::new() },
+        Err(error) if !error.is_data() => return Err(syntax(&error).of("JSON")),
+        read => {
+            if read.is_err_and(|error| error.to_string().starts_with("duplicate field")) {
+                notes
+                    .add(|| Note::new("JSON", "a name occurs twice in an object: the last counts"));
+            }
+            by_elements(json, notes)?
+        }
     };
-    check_version(&root)?;
-    strip(&mut root, notes);
-    Ok(root)
+    check_version(&parsed.root)?;
+    strip(&mut parsed.root, notes);
+    Ok(parsed)
+}
+
+/// Says where JSON cannot be read.
+fn syntax(error: &serde_json::Error) -> Reason {
+    let (line, column) = (error.line(), error.column());
+    if error.is_eof() {
+        return Reason::malformed(format!("it ends too early, in line {line}, column {column}"));
+    }
+    let text = error.to_string();
+    let what = text.split(" at line ").next().unwrap_or_default();
+    Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
+}
+
+/// Returns a number that is an index or a count, also where it is written like `1.0`.
+pub(crate) fn index(value: &Value) -> Option<usize> {
+    let whole =
+        |float: f64| float.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&float);
+    let number =
+        value.as_u64().or_else(|| value.as_f64().filter(|it| whole(*it)).map(|it| it as u64));
+    number.and_then(|number| usize::try_from(number).ok())
 }
 
 fn check_version(root: &Root) -> Result<(), Fault> {
@@ -39,55 +74,24 @@ fn check_version(root: &Root) -> Result<(), Fault> {
     if wanted == "2.0" || (root.asset.min_version.is_none() && wanted.starts_with("2.")) {
         return Ok(());
     }
-    let reason = format!("it needs glTF {}, only 2.0 is known", quoted(wanted));
-    Err(Reason::unsupported(reason).of("asset"))
+    Err(other_version(wanted))
 }
 
-/// Reads JSON again that `gltf` did not take, without what it is too strict about.
-fn repaired(json: &[u8], notes: &mut Notes) -> Result<Root, Fault> {
-    let mut value: Value = serde_json::from_slice(json)
-        .map_err(|error| Reason::malformed(error.to_string()).of("JSON"))?;
-    if let Some(version) = value.pointer("/asset/version").and_then(Value::as_str)
-        && version.starts_with("1.")
-    {
-        let reason = format!("it needs glTF {}, only 2.0 is known", quoted(version));
-        return Err(Reason::unsupported(reason).of("asset"));
-    }
-    name_nodes_of_scenes(&mut value);
-    drop_channels_without_node(&mut value, notes);
-    serde_path_to_error::deserialize(value).map_err(|error| {
-        let object = object_name(error.path());
-        Reason::malformed(error.into_inner().to_string()).of(object)
-    })
+fn other_version(wanted: &str) -> Fault {
+    Reason::unsupported(format!("it needs glTF {}, only 2.0 is known", quoted(wanted))).of("asset")
 }
 
-fn name_nodes_of_scenes(root: &mut Value) {
-    let scenes = root.get_mut("scenes").and_then(Value::as_array_mut);
-    for scene in scenes.into_iter().flatten().filter_map(Value::as_object_mut) {
-        scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+/// Reads JSON again that `gltf` did not take, or of which it may have taken only a part of a number.
+fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
+    let value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
+    let version = value.pointer("/asset/version").and_then(Value::as_str);
+    if let Some(version) = version.filter(|version| version.starts_with("1.")) {
+        return Err(other_version(version));
     }
-}
-
-/// A target without a node is valid where an extension says what it animates.
-fn drop_channels_without_node(root: &mut Value, notes: &mut Notes) {
-    let animations = root.get_mut("animations").and_then(Value::as_array_mut);
-    for (index, animation) in animations.into_iter().flatten().enumerate() {
-        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
-            continue;
-        };
-        let before = channels.len();
-        // Whatever is no object stays, and is refused for that.
-        channels.retain(|channel| match channel.get("target").and_then(Value::as_object) {
-            Some(target) => target.get("node").is_some_and(|node| !node.is_null()),
-            None => true,
-        });
-        if channels.len() < before {
-            let dropped = before - channels.len();
-            notes.add(|| {
-                format!("animation {index}: {dropped} channels without a node are not played")
-            });
-        }
-    }
+    let Value::Object(object) = value else {
+        return Err(Reason::malformed("it must be an object").of("JSON"));
+    };
+    lenient::parse(object, notes)
 }
 
 /// Removes what is allowed but means nothing here, and would make `gltf` panic.
@@ -96,10 +100,20 @@ fn strip(root: &mut Root, notes: &mut Notes) {
     for (mesh_index, mesh) in root.meshes.iter_mut().enumerate() {
         for (index, primitive) in mesh.primitives.iter_mut().enumerate() {
             if primitive.attributes.remove(&Checked::Invalid).is_some() {
-                notes.add(|| {
-                    format!("mesh {mesh_index}, primitive {index}: an attribute of unknown name")
+                notes.count("an attribute of unknown name is ignored", 1, || {
+                    format!("mesh {mesh_index}, primitive {index}")
                 });
             }
+            let is_own =
+                |name: &Checked<Semantic>| matches!(name, Checked::Valid(Semantic::Extras(_)));
+            primitive.attributes.retain(|name, _| !is_own(name));
+        }
+    }
+    for (index, node) in root.nodes.iter_mut().enumerate() {
+        if node.mesh.is_none() && (node.skin.is_some() || node.weights.is_some()) {
+            (node.skin, node.weights) = (None, None);
+            let what = "it has a skin or weights, but no mesh: they are ignored";
+            notes.count(what, 1, || format!("node {index}"));
         }
     }
     for image in &mut root.images {
@@ -109,9 +123,8 @@ fn strip(root: &mut Root, notes: &mut Notes) {
     }
 }
 
-/// "mesh 3, primitive 0, indices" for `meshes[3].primitives[0].indices`.
-fn object_name(path: &serde_path_to_error::Path) -> String {
-    let mut name = String::new();
+/// "mesh 3, primitive 0, indices" for `primitives[0].indices` in "mesh 3".
+fn object_name(mut name: String, path: &serde_path_to_error::Path) -> String {
     for segment in path.iter() {
         let part = match segment {
             Segment::Map { key } => shown_key(key),

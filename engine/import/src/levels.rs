@@ -3,6 +3,8 @@
 use ::meshopt::{SimplifyOptions, VertexDataAdapter};
 use render::scene::{Alpha, Level, Mesh, Scene, SurfaceMesh, SurfaceVertex};
 
+use crate::Note;
+use crate::error::quoted;
 use crate::imported::Imported;
 
 /// How coarser forms are made.
@@ -39,7 +41,7 @@ impl Imported {
 }
 
 /// Answers a note if meshes are [crowded](is_crowded).
-fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<String> {
+fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<Note> {
     let mut crowded = Vec::new();
     let surfaces = scene.surfaces.as_mut()?;
     let mut is_fixed = vec![false; scene.meshes.len()];
@@ -66,10 +68,9 @@ fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<String> {
         })
         .collect();
     let first = crowded.first()?;
-    Some(format!(
-        "{} meshes have no coarser forms, since too many of their triangles meet in a corner; the first is \"{first}\"",
-        crowded.len(),
-    ))
+    let reason = "it has no coarser forms, since too many of its triangles meet in a corner";
+    let object = format!("mesh {}", quoted(first));
+    Some(Note { count: crowded.len() as u64, ..Note::new(object, reason) })
 }
 
 /// A corner of a mesh meets at most so many triangles, in the mean over all corners of triangles. A disc of
@@ -232,7 +233,7 @@ mod tests {
         let meshes = vec![on_fan.clone(), on_fine, on_fan];
         scene.surfaces = Some(Surfaces { meshes, ..Surfaces::default() });
         let note = make_levels(&mut scene, &LevelOptions::default()).unwrap();
-        assert!(note.starts_with("2 meshes have no coarser forms"), "{note}");
+        assert!(note.reason.starts_with("it has no coarser forms") && note.count == 2, "{note}");
         let levels = scene.surfaces.as_ref().unwrap().levels.clone();
         assert!(levels[0].is_empty() && levels[1].len() >= 3 && levels[2].is_empty());
         scene.surfaces.as_mut().unwrap().meshes.clear();

@@ -1,6 +1,7 @@
 //! Scenes out of glTF 2.0 files, which are hostile until proven otherwise.
 #![forbid(unsafe_code)]
 
+mod blank;
 mod buffers;
 mod check;
 mod convert;
@@ -17,14 +18,18 @@ mod load;
 mod meshopt;
 mod notes;
 mod performance;
+mod prune;
+mod reach;
 mod source;
 mod textures;
 mod uri;
+mod verdict;
 
 pub use error::{Cause, ImportError};
 pub use imported::{Camera, Imported, Placed, Placement};
 pub use levels::LevelOptions;
 pub use limits::Limits;
 pub use load::{Listener, LoadOptions, Progress, Stage, load, load_bytes};
+pub use notes::Note;
 pub use performance::{BlendedMove, Changes, Deformation, LightMove, ObjectMove, Performance};
 pub use source::{Instancing, SUPPORTED_EXTENSIONS, Source, open, read};

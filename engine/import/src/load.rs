@@ -14,11 +14,15 @@ pub struct LoadOptions {
     /// lie side by side, of at most a quarter as many triangles, each an object. `None` leaves all whole.
     /// Default: 65,536.
     pub cut_above_triangles: Option<usize>,
+    /// Factor of all light before tone mapping, as
+    /// [`Surfaces::exposure`](render::scene::Surfaces::exposure). `None`, the default, is 1; lights that would
+    /// leave most of what they shine on white are dimmed then, which is noted.
+    pub exposure: Option<f32>,
 }
 
 impl Default for LoadOptions {
     fn default() -> Self {
-        Self { limits: Limits::default(), cut_above_triangles: Some(1 << 16) }
+        Self { limits: Limits::default(), cut_above_triangles: Some(1 << 16), exposure: None }
     }
 }
 

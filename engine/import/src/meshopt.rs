@@ -1,26 +1,31 @@
-//! Views that are compressed: `EXT_meshopt_compression`. They are decompressed into their buffers, so that
-//! nobody after this knows that they were.
+//! Views that are compressed: `EXT_meshopt_compression` and `KHR_meshopt_compression`. They are decompressed into
+//! their buffers, so that nobody after this knows that they were.
 
-mod attributes;
-mod filters;
-mod indices;
-mod stream;
-mod triangles;
+mod decode;
 
 use gltf::json::Root;
 use gltf::json::buffer::View;
 use serde_json::{Map, Value};
 
-use crate::Limits;
 use crate::elements::{BufferBytes, Store};
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
+use crate::{Limits, json};
 
-const EXTENSION: &str = "EXT_meshopt_compression";
+/// The extensions; the second one has a newer form of attributes and one filter more.
+const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Which of the extensions something has, and what that says.
+fn extension(others: &Map<String, Value>) -> Option<(&'static str, &Value)> {
+    NAMES.into_iter().find_map(|name| Some((name, others.get(name)?)))
+}
 
 /// A view whose bytes are compressed in another buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Compressed {
     view: usize,
+    extension: &'static str,
     from_buffer: usize,
     from_byte: usize,
     bytes: usize,
@@ -42,6 +47,7 @@ enum Filter {
     Octahedral,
     Quaternion,
     Exponential,
+    Colour,
 }
 
 /// Checks all views that say they are compressed, and lists those whose bytes are nowhere else.
@@ -49,26 +55,27 @@ enum Filter {
 pub(crate) fn compressed(
     root: &Root,
     placeholders: &[bool],
-    limits: &Limits,
+    (limits, verdict): (&Limits, &mut Verdict),
 ) -> Result<Vec<Compressed>, Fault> {
     let mut all = Vec::new();
     let mut total: u64 = 0;
     for (index, view) in root.buffer_views.iter().enumerate() {
-        let at = || format!("buffer view {index}, {EXTENSION}");
-        let Some(extension) = view.extensions.as_ref().and_then(|all| all.others.get(EXTENSION))
-        else {
+        let Some((name, extension)) = extension_of(view) else { continue };
+        let at = || format!("buffer view {index}, {name}");
+        let element = Kind::View.at(index);
+        let compressed = of_view(root, (index, view), (name, extension)).and_then(|compressed| {
+            let from = compressed.from_buffer;
+            let is_into_placeholder = placeholders.get(view.buffer.value()) == Some(&true);
+            if is_into_placeholder && placeholders.get(from) == Some(&true) {
+                let text = format!("its buffer {from} has no bytes of its own");
+                return Err(Reason::malformed(text));
+            }
+            Ok(Some(compressed).filter(|_| is_into_placeholder))
+        });
+        let compressed = verdict.judge(element, compressed.at(at))?.flatten();
+        let Some(compressed) = compressed.filter(|_| verdict.is_used(element)) else {
             continue;
         };
-        let extension =
-            extension.as_object().ok_or_else(|| Reason::malformed("it is no object").of(at()))?;
-        let compressed = of_view(root, index, view, extension).at(at)?;
-        if placeholders.get(view.buffer.value()) != Some(&true) {
-            continue;
-        }
-        if placeholders.get(compressed.from_buffer) == Some(&true) {
-            let text = format!("its buffer {} has no bytes of its own", compressed.from_buffer);
-            return Err(Reason::malformed(text).of(at()));
-        }
         // A few bytes can stand for many, and many views for the same.
         total = total.saturating_add(view.byte_length.0);
         if total > limits.buffer_bytes {
@@ -88,16 +95,16 @@ pub(crate) fn compressed(
 pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
     let mut is_compressed_into = vec![false; root.buffers.len()];
     for view in &root.buffer_views {
-        let is_compressed =
-            view.extensions.as_ref().is_some_and(|all| all.others.contains_key(EXTENSION));
+        let is_compressed = extension_of(view).is_some();
         if let Some(slot) = is_compressed_into.get_mut(view.buffer.value()) {
             *slot |= is_compressed;
         }
     }
     let buffers = root.buffers.iter().zip(is_compressed_into).enumerate();
     let is_placeholder = buffers.map(|(index, (buffer, is_compressed_into))| {
-        let extension = buffer.extensions.as_ref().and_then(|all| all.others.get(EXTENSION));
-        let is_marked = extension.and_then(|it| it.get("fallback")) == Some(&Value::Bool(true));
+        let extension = buffer.extensions.as_ref().and_then(|all| extension(&all.others));
+        let fallback = extension.and_then(|(_, it)| it.get("fallback"));
+        let is_marked = fallback == Some(&Value::Bool(true));
         let is_binary_chunk = index == 0 && has_binary;
         // Without a view that is compressed into it, a buffer without bytes is a mistake.
         is_marked || (buffer.uri.is_none() && !is_binary_chunk && is_compressed_into)
@@ -105,26 +112,36 @@ pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
     is_placeholder.collect()
 }
 
+/// What a view says of its compression.
+fn extension_of(view: &View) -> Option<(&'static str, &Value)> {
+    view.extensions.as_ref().and_then(|all| extension(&all.others))
+}
+
+/// Returns the buffer that a view is compressed in.
+pub(crate) fn source_buffer(view: &View) -> Option<usize> {
+    extension_of(view).and_then(|(_, it)| it.get("buffer")).and_then(json::index)
+}
+
 fn of_view(
     root: &Root,
-    index: usize,
-    view: &View,
-    json: &Map<String, Value>,
+    (index, view): (usize, &View),
+    (extension, said): (&'static str, &Value),
 ) -> Result<Compressed, Reason> {
+    let json = said.as_object().ok_or_else(|| Reason::malformed("it is no object"))?;
     let number = |key: &str| -> Result<usize, Reason> {
         let value = json.get(key).ok_or_else(|| Reason::malformed(format!("it has no {key}")))?;
-        let number = value.as_u64().and_then(|number| usize::try_from(number).ok());
-        number.ok_or_else(|| Reason::malformed(format!("its {key} is no whole number")))
+        json::index(value).ok_or_else(|| Reason::malformed(format!("its {key} is no whole number")))
     };
     let from_byte = if json.contains_key("byteOffset") { number("byteOffset")? } else { 0 };
     let found = Compressed {
         view: index,
+        extension,
         from_buffer: number("buffer")?,
         from_byte,
         bytes: number("byteLength")?,
         stride: number("byteStride")?,
         count: number("count")?,
-        mode: mode(json)?,
+        mode: mode(json, extension)?,
     };
     let buffer = root
         .buffers
@@ -145,12 +162,17 @@ fn of_view(
     Ok(found)
 }
 
-fn mode(json: &Map<String, Value>) -> Result<Mode, Reason> {
+fn mode(json: &Map<String, Value>, extension: &str) -> Result<Mode, Reason> {
     let filter = match json.get("filter").map(Value::as_str) {
         None | Some(Some("NONE")) => Filter::None,
         Some(Some("OCTAHEDRAL")) => Filter::Octahedral,
         Some(Some("QUATERNION")) => Filter::Quaternion,
         Some(Some("EXPONENTIAL")) => Filter::Exponential,
+        Some(Some("COLOR")) if extension == NAMES[1] => Filter::Colour,
+        Some(Some("COLOR")) => {
+            let text = format!("its filter COLOR is one of {}, not of {extension}", NAMES[1]);
+            return Err(Reason::malformed(text));
+        }
         Some(_) => return Err(Reason::malformed("its filter does not exist")),
     };
     match (json.get("mode").and_then(Value::as_str), filter) {
@@ -169,7 +191,7 @@ impl Compressed {
             Mode::Attributes(filter) => {
                 let fits_filter = match filter {
                     Filter::None | Filter::Exponential => true,
-                    Filter::Octahedral => stride == 4 || stride == 8,
+                    Filter::Octahedral | Filter::Colour => stride == 4 || stride == 8,
                     Filter::Quaternion => stride == 8,
                 };
                 fits_filter && stride.is_multiple_of(4) && (4..=256).contains(&stride)
@@ -183,33 +205,25 @@ impl Compressed {
         let text = format!("its mode allows no {} elements of {stride} bytes", self.count);
         Err(Reason::malformed(text))
     }
-
-    fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
-        match self.mode {
-            Mode::Attributes(filter) => {
-                let mut bytes = attributes::decode(encoded, self.count, self.stride)?;
-                match filter {
-                    Filter::None => {}
-                    Filter::Octahedral if self.stride == 4 => filters::octahedral8(&mut bytes),
-                    Filter::Octahedral => filters::octahedral16(&mut bytes),
-                    Filter::Quaternion => filters::quaternion(&mut bytes),
-                    Filter::Exponential => filters::exponential(&mut bytes),
-                }
-                Ok(bytes)
-            }
-            Mode::Triangles => triangles::decode(encoded, self.count, self.stride),
-            Mode::Indices => indices::decode(encoded, self.count, self.stride),
-        }
-    }
 }
 
 /// Decompresses these views into their buffers.
-pub(crate) fn decompress(root: &Root, all: &[Compressed], store: &mut Store) -> Result<(), Fault> {
+pub(crate) fn decompress(
+    root: &Root,
+    all: &[Compressed],
+    store: &mut Store,
+    verdict: &mut Verdict,
+) -> Result<(), Fault> {
     for compressed in all {
-        let at = || format!("buffer view {}, {EXTENSION}", compressed.view);
+        let at = || format!("buffer view {}, {}", compressed.view, compressed.extension);
         let encoded = store.buffer(compressed.from_buffer).get(compressed.from_byte..);
         let encoded = encoded.and_then(|bytes| bytes.get(..compressed.bytes)).unwrap_or_default();
-        let bytes = compressed.decode(encoded).at(at)?;
+        let element = Kind::View.at(compressed.view);
+        let decoded = match verdict.is_kept(root, element) {
+            true => compressed.decode(encoded).at(at),
+            false => continue,
+        };
+        let Some(bytes) = verdict.judge(element, decoded)? else { continue };
         let Some(view) = root.buffer_views.get(compressed.view) else { continue };
         let start = view.byte_offset.unwrap_or_default().0 as usize;
         if let Some(BufferBytes::Apart(buffer)) = store.buffers.get_mut(view.buffer.value())

@@ -1,21 +1,115 @@
-//! What is said to people about a file that is used although not all of it is understood.
+//! Notes: what of a file is shown otherwise than it says, for people. What happens a thousand times is noted
+//! once, with its number.
 
-/// Notes, of which a file can only cause so many.
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A deviation of a file that is tolerated, for people: an object of the file, and the reason.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// The object, like "mesh 3, primitive 0"; the first one if there are several.
+    pub object: String,
+    /// The deviation, and what is shown instead.
+    pub reason: String,
+    /// How often it occurs in the file, at least 1.
+    pub count: u64,
+}
+
+impl Note {
+    pub(crate) fn new(object: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self { object: object.into(), reason: reason.into(), count: 1 }
+    }
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.object, self.reason)?;
+        if self.count > 1 { write!(f, " ({} times, first here)", self.count) } else { Ok(()) }
+    }
+}
+
+/// Collects notes, of which a file can only cause so many.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Notes {
-    texts: Vec<String>,
+    listed: Vec<Note>,
+    counted: BTreeMap<&'static str, Note>,
+    left_out: u64,
 }
 
 impl Notes {
+    /// The most notes that are listed one by one.
     const MOST: usize = 64;
 
-    pub(crate) fn add(&mut self, text: impl FnOnce() -> String) {
-        if self.texts.len() < Self::MOST {
-            self.texts.push(text());
+    /// Goes on after the notes of an earlier stage.
+    pub(crate) fn after(listed: Vec<Note>) -> Self {
+        Self { listed, ..Self::default() }
+    }
+
+    /// Adds a note, which is made only if there is room for it.
+    pub(crate) fn add(&mut self, note: impl FnOnce() -> Note) {
+        if self.listed.len() < Self::MOST {
+            self.listed.push(note());
+        } else {
+            self.left_out += 1;
         }
     }
 
-    pub(crate) fn into_texts(self) -> Vec<String> {
-        self.texts
+    /// Adds a note about the scene as a whole.
+    pub(crate) fn say(&mut self, reason: impl Into<String>) {
+        self.add(|| Note::new("scene", reason));
+    }
+
+    /// Counts `count` occurrences of a deviation; the note names the first object.
+    pub(crate) fn count(
+        &mut self,
+        reason: &'static str,
+        count: usize,
+        object: impl FnOnce() -> String,
+    ) {
+        if count > 0 {
+            self.count_as(reason, count, || Note::new(object(), reason));
+        }
+    }
+
+    /// Counts occurrences of a sort of deviation, of which only the first makes its note.
+    pub(crate) fn count_as(
+        &mut self,
+        sort: &'static str,
+        count: usize,
+        note: impl FnOnce() -> Note,
+    ) {
+        let entry = self.counted.entry(sort).or_insert_with(|| Note { count: 0, ..note() });
+        entry.count += count as u64;
+    }
+
+    /// Returns all of them. What had no room is counted in the last one.
+    pub(crate) fn finish(self) -> Vec<Note> {
+        let Self { mut listed, counted, left_out } = self;
+        listed.extend(counted.into_values());
+        if left_out > 0 {
+            listed.push(Note::new("notes", format!("{left_out} more are left out")));
+        }
+        listed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn notes_are_bounded_and_those_left_out_are_counted() {
+        let mut notes = Notes::default();
+        for index in 0..100 {
+            notes.add(|| Note::new(format!("node {index}"), "is odd"));
+        }
+        notes.count("is bent", 2, || "mesh 3".to_owned());
+        notes.count("is bent", 5, || "mesh 4".to_owned());
+        notes.count("is whole", 0, || "mesh 5".to_owned());
+        let texts: Vec<String> = notes.finish().iter().map(Note::to_string).collect();
+        assert_eq!(texts.len(), 66);
+        assert_eq!(texts[0], "node 0: is odd");
+        assert_eq!(texts[64], "mesh 3: is bent (7 times, first here)");
+        assert_eq!(texts[65], "notes: 36 more are left out");
     }
 }

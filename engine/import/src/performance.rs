@@ -5,6 +5,7 @@
 //! which boxes hold, when other clips begin to play.
 
 mod changes;
+mod extent;
 mod parts;
 mod playing;
 mod show;
@@ -14,9 +15,10 @@ mod tests;
 use std::collections::HashSet;
 
 use animation::{Clip, NodeId, Pose, Rig};
-use glam::{Affine3A, Vec3};
+use glam::Affine3A;
 use render::scene::{PunctualLight, Scene};
 
+use crate::Note;
 use crate::imported::{Camera, Imported, Placed};
 use parts::Parts;
 use playing::Playing;
@@ -56,7 +58,7 @@ pub struct Performance {
 impl Performance {
     /// Takes what lives from a file that was loaded; its scene, its cameras and what there is to tell of it
     /// are for others. Nothing plays at first.
-    pub fn of(imported: Imported) -> (Scene, Self, Vec<Camera>, Vec<String>) {
+    pub fn of(imported: Imported) -> (Scene, Self, Vec<Camera>, Vec<Note>) {
         let Imported { scene, rig, clips, skins, placements, cameras, notes } = imported;
         let pose = Pose::new(&rig);
         let mut world = Vec::new();
@@ -97,17 +99,24 @@ impl Performance {
 
     /// The clip that moves a camera: of several the one that is called like it, else the first.
     pub fn clip_of(&self, camera: &Camera) -> Option<usize> {
-        let parent = |id: &NodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
-        let above: HashSet<NodeId> = std::iter::successors(Some(camera.node), parent).collect();
-        let moves = |clip: &Clip| {
-            let mut moved = clip.channels.iter().filter(|channel| channel.is_transform());
-            moved.any(|channel| above.contains(&channel.node))
-        };
-        let mut moving = self.clips.iter().enumerate().filter(|(_, clip)| moves(clip));
+        let above = self.above(camera.node);
+        let mut moving = self.clips.iter().enumerate().filter(|(_, clip)| moves_any(clip, &above));
         let (first, clip) = moving.next()?;
         let named = |(_, clip): &(usize, &Clip)| clip.name == camera.name;
         let other = if named(&(first, clip)) { None } else { moving.find(named) };
         Some(other.map_or(first, |(place, _)| place))
+    }
+
+    /// Whether one of these clips moves a camera.
+    pub fn drive(&self, clips: &[usize], camera: &Camera) -> bool {
+        let above = self.above(camera.node);
+        clips.iter().filter_map(|clip| self.clips.get(*clip)).any(|clip| moves_any(clip, &above))
+    }
+
+    /// A node and all that it hangs on.
+    fn above(&self, node: NodeId) -> HashSet<NodeId> {
+        let parent = |id: &NodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
+        std::iter::successors(Some(node), parent).collect()
     }
 
     /// Whether `node` is moved by the clips that play.
@@ -127,19 +136,10 @@ impl Performance {
         playing::compatible(&self.clips, first)
     }
 
-    /// What a camera sees at the moment that was posed last.
-    pub fn seen_by(&self, camera: &Camera) -> cull::Camera {
+    /// What a camera sees in pictures of `size` pixels at the moment that was posed last.
+    pub fn seen_by(&self, camera: &Camera, size: [u32; 2]) -> cull::Camera {
         let world = self.world.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
-        let forward = Vec3::from(-world.matrix3.z_axis).try_normalize().unwrap_or(Vec3::NEG_Z);
-        // Whatever is done to its node, a camera's picture is upright.
-        let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
-        cull::Camera {
-            eye: Vec3::from(world.translation) - forward * camera.behind_m,
-            forward,
-            up: up.unwrap_or_else(|| forward.any_orthonormal_vector()),
-            fov_y: camera.fov_y_rad,
-            near: camera.near_m,
-        }
+        camera.seen_from(&world, size)
     }
 
     /// Plays these clips from now on, each in a loop from the time 0 on; they take `fade_s` seconds from
@@ -192,6 +192,16 @@ impl Performance {
         &self.changes
     }
 
+    /// Forgets what was shown.
+    fn begin_anew(&mut self, scene: &Scene) {
+        self.rig.world(&Pose::new(&self.rig), &mut self.world);
+        self.parts.begin_anew(&self.world);
+        let lights = scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights);
+        self.lights = lights.copied().collect();
+        self.is_new = true;
+        self.find_movers();
+    }
+
     fn find_movers(&mut self) {
         let clips = self.playing.concerned().filter_map(|clip| self.clips.get(clip));
         self.moving = self.rig.moved_by(clips);
@@ -214,4 +224,10 @@ impl Performance {
         });
         self.movers = self.parts.movers(&playing, &self.is_moving, self.is_new);
     }
+}
+
+/// Whether a clip moves one of these nodes.
+fn moves_any(clip: &Clip, nodes: &HashSet<NodeId>) -> bool {
+    let mut moved = clip.channels.iter().filter(|channel| channel.is_transform());
+    moved.any(|channel| nodes.contains(&channel.node))
 }

@@ -1,6 +1,6 @@
 //! A file that was read and checked: what may be relied on without looking again.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -10,9 +10,12 @@ use render::scene::Image;
 use crate::buffers::{self, Budget};
 use crate::elements::{self, Store};
 use crate::error::{Fault, Reason};
-use crate::notes::Notes;
+use crate::images::Images;
+use crate::notes::{Note, Notes};
+use crate::reach::Reach;
 use crate::uri::{self, Wanted};
-use crate::{Cause, ImportError, Limits, check, glb, images, json, meshopt, textures};
+use crate::verdict::{Verdict, note_broken_animations};
+use crate::{Cause, ImportError, Limits, check, glb, images, json, meshopt, prune, textures};
 
 /// The extensions that a file may require. Others that it requires are refused by name, others that it
 /// merely uses are noted.
@@ -24,6 +27,7 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 ];
 
@@ -48,19 +52,25 @@ pub struct Instancing {
 /// A glTF file that was read and checked.
 ///
 /// # What holds
-/// For the whole of `document`, whether it is used by a scene or not:
+/// The scene that is shown is the one that the file names, else its first one, else all nodes without a parent.
+/// Elements of the document's lists that it does not reach are *empty*: they keep their index, refer to nothing
+/// (an empty view to the first buffer, if there is one), and are not described below. What is wrong with them is in
+/// the notes. So are animations that are broken, which are empty too, and images that cannot be read, for which
+/// placeholders stand. For all that is not empty:
 /// - **Indices.** Every index of core glTF 2.0 and of [`SUPPORTED_EXTENSIONS`] is in range: accessors,
 ///   views, buffers, nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images,
 ///   scenes, targets and samplers of animations. So the methods of `gltf` that look them up do not panic.
 ///   No enumerated value is unknown, every camera has the values of its type, every spot light its cone.
-///   Attributes whose names glTF does not know (and that do not begin with `_`) were removed, and so were
-///   animation channels without a node.
-/// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of scenes are
-///   roots. It can be 100,000 deep: do not walk it by recursion. All numbers of nodes, cameras, lights and
+///   Attributes whose names glTF does not know were removed, those of applications (`_NAME`) too, and so were
+///   animation channels without a node, or of a node that is not shown. Skins and weights of nodes without a mesh
+///   were removed. Joints may be nodes that are empty.
+/// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of the scene are
+///   roots (files may name others: the notes say which). It can be 100,000 deep: do not walk it by recursion. All numbers of nodes, cameras, lights and
 ///   materials in the JSON are finite; what they mean is not checked (a matrix may be singular, a scale 0, a
 ///   rotation of length 0, a field of view 0).
 /// - **Accessors** have at least one element and, where they have a view, lie within it and the view within
 ///   its buffer, sparse ones with both their parts; sparse indices are increasing and below the count.
+///   Where an accessor has bounds (`min`, `max`) they hold its elements, normalised ones as integers.
 ///   An accessor may have no view (zeros), a sparse one no base. The readers of `gltf` get some of these
 ///   wrong: read them by [`Source::floats`] and [`Source::integers`], which read all.
 ///   Views that were compressed are not any more.
@@ -75,7 +85,7 @@ pub struct Instancing {
 ///   is drawn with.
 /// - **Animations.** Inputs are float scalars; outputs have the type of the target's path, and as many
 ///   elements as the interpolation and the number of morph targets demand.
-/// - **Limits.** What the scene would be made of is within the limits. Vertices are counted as the
+/// - **Limits.** What the scene is made of is within the limits. Vertices are counted as the
 ///   lesser of a primitive's vertices and its indices, so drop those that no index refers to; once for each
 ///   mesh, but once for each *node* where it is deformed (by a skin or morph targets).
 ///   A point, and a segment of a line, counts as a box.
@@ -88,15 +98,17 @@ pub struct Source {
     pub file: String,
     /// Its JSON.
     pub document: gltf::Document,
-    /// As many as the document has images; `None` where no material shows it.
+    /// As many as the document has images; `None` where no material that is shown names it.
     pub images: Vec<Option<Image>>,
-    /// As many as the document has textures: the index of its image, which is there; `None` for those whose
-    /// image is in a format that is not supported, which are noted.
+    /// The indices of images that could not be read: a checkered picture stands for each.
+    pub placeholders: BTreeSet<usize>,
+    /// As many as the document has textures: the index of its image, which is there; `None` for those that are
+    /// not shown, and for those whose image is in a format that is not supported, which are noted.
     pub texture_images: Vec<Option<usize>>,
     /// For each node whose mesh is instanced, where.
     pub instancing: BTreeMap<usize, Instancing>,
-    /// What was in the file that is not understood, for people.
-    pub notes: Vec<String>,
+    /// The deviations that were tolerated so far, for people.
+    pub notes: Vec<Note>,
     pub(crate) store: Store,
 }
 
@@ -185,15 +197,15 @@ fn read_named(
     limits: &Limits,
     tell: &mut Told<'_>,
 ) -> Result<Source, ImportError> {
-    let mut notes = Notes::default();
-    match check_and_decode(bytes, folder, limits, &mut notes, tell) {
+    match check_and_decode(bytes, folder, limits, tell) {
         Ok(parts) => Ok(Source {
             file,
             document: gltf::Document::from_json_without_validation(parts.root),
-            images: parts.images,
+            placeholders: parts.images.placeholders,
+            images: parts.images.list,
             texture_images: parts.texture_images,
             instancing: parts.instancing,
-            notes: notes.into_texts(),
+            notes: parts.notes,
             store: parts.store,
         }),
         Err(fault) => Err(fault.in_file(&file)),
@@ -202,10 +214,11 @@ fn read_named(
 
 struct Parts {
     root: Root,
-    images: Vec<Option<Image>>,
+    images: Images,
     texture_images: Vec<Option<usize>>,
     instancing: BTreeMap<usize, Instancing>,
     store: Store,
+    notes: Vec<Note>,
 }
 
 /// That it may be a scene at all, by its first bytes.
@@ -224,7 +237,6 @@ fn check_and_decode(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
-    notes: &mut Notes,
     tell: &mut Told<'_>,
 ) -> Result<Parts, Fault> {
     let length = bytes.len() as u64;
@@ -232,29 +244,42 @@ fn check_and_decode(
         return Err(Reason::too_large("bytes", length, limits.file_bytes).of("file"));
     }
     check_kind(&bytes).map_err(|reason| reason.of("file"))?;
-    let (root, binary) = if glb::is_glb(&bytes) {
+    let mut notes = Notes::default();
+    let (parsed, binary) = if glb::is_glb(&bytes) {
         let parts = glb::split(&bytes)?;
-        (json::parse(bytes.get(parts.json).unwrap_or_default(), limits, notes)?, parts.binary)
+        let json = bytes.get(parts.json).unwrap_or_default();
+        (json::parse(json, limits, &mut notes)?, parts.binary)
     } else {
-        (json::parse(&bytes, limits, notes)?, None)
+        (json::parse(&bytes, limits, &mut notes)?, None)
     };
+    let json::Parsed { mut root, faults } = parsed;
     // What the JSON takes is known to be bounded now, so all of it is checked before any file is opened.
-    check::required(&root, notes)?;
-    check::views_and_accessors(&root, limits)?;
-    let instancing = check::structure(&root, limits)?;
+    check::required(&root, &mut notes)?;
+    let verdict = &mut Verdict::new(Reach::of(&root), notes);
+    for (element, fault) in faults {
+        verdict.judge::<()>(element, Err(fault))?;
+    }
+    prune::channels(&mut root, verdict);
+    check::views_and_accessors(&root, limits, verdict)?;
+    let instancing = check::structure(&mut root, limits, verdict)?;
 
     let placeholders = meshopt::placeholders(&root, binary.is_some());
-    let compressed = meshopt::compressed(&root, &placeholders, limits)?;
+    let compressed = meshopt::compressed(&root, &placeholders, (limits, verdict))?;
 
     let mut budget = Budget::new(limits);
-    let buffers = buffers::resolve(&root, binary.as_ref(), &placeholders, folder, &mut budget)?;
+    let given = (binary.as_ref(), placeholders.as_slice());
+    let buffers = buffers::resolve(&root, given, folder, (&mut budget, verdict))?;
     let file = if binary.is_some() { bytes } else { Vec::new() };
     let mut store = Store { file, buffers };
-    meshopt::decompress(&root, &compressed, &mut store)?;
-    check::indices_and_joints(&root, &store)?;
+    meshopt::decompress(&root, &compressed, &mut store, verdict)?;
+    check::indices_and_joints(&root, &store, verdict)?;
+    note_broken_animations(&root, verdict);
+    check::bounds(&mut root, &store, verdict);
 
-    let texture_images = textures::images_of(&root, notes);
+    let texture_images = textures::images_of(&root, verdict);
     let used = (texture_images.as_slice(), folder);
-    let images = images::decode(&root, &store, used, &mut budget, limits, tell)?;
-    Ok(Parts { root, images, texture_images, instancing, store })
+    let images = images::decode(&root, &store, used, (&mut budget, limits), (verdict, tell))?;
+    prune::elements(&mut root, verdict);
+    let notes = std::mem::take(&mut verdict.notes).finish();
+    Ok(Parts { root, images, texture_images, instancing, store, notes })
 }

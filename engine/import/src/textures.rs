@@ -1,10 +1,13 @@
 //! Which image each texture takes: of those it offers, one whose format is known.
 
-use gltf::json::{Root, Texture};
+use gltf::json::{Material, Root, Texture};
 use serde_json::Value;
 
 use crate::error::Reason;
-use crate::notes::Notes;
+use crate::json;
+use crate::notes::Note;
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
 const WEBP: &str = "EXT_texture_webp";
 
@@ -21,20 +24,26 @@ pub(crate) fn webp_source(texture: &Texture) -> Result<Option<usize>, Reason> {
     let Some(source) = extension.and_then(|extension| extension.get("source")) else {
         return Ok(None);
     };
-    let index = source.as_u64().and_then(|index| usize::try_from(index).ok());
-    index
+    json::index(source)
         .map(Some)
         .ok_or_else(|| Reason::malformed(format!("the source of its {WEBP} is no index")))
 }
 
-/// The image of each texture. Those without one are noted.
-pub(crate) fn images_of(root: &Root, notes: &mut Notes) -> Vec<Option<usize>> {
+/// Returns the image that is shown for a texture.
+pub(crate) fn image_of(texture: &Texture) -> Option<usize> {
+    webp_source(texture).ok().flatten().or(plain_source(texture))
+}
+
+/// Returns the image of each texture that is shown. Those without one are noted.
+pub(crate) fn images_of(root: &Root, verdict: &mut Verdict) -> Vec<Option<usize>> {
     let mut chosen = Vec::with_capacity(root.textures.len());
     for (index, texture) in root.textures.iter().enumerate() {
-        let image = webp_source(texture).ok().flatten().or(plain_source(texture));
-        if image.is_none() {
-            notes.add(|| {
-                format!("texture {index} has no image that can be read{}", offered(texture))
+        let is_used = verdict.is_used(Kind::Texture.at(index));
+        let image = image_of(texture).filter(|_| is_used);
+        if image.is_none() && is_used {
+            verdict.notes.add(|| {
+                let reason = format!("it has no image that can be read{}", offered(texture));
+                Note::new(format!("texture {index}"), reason)
             });
         }
         chosen.push(image);
@@ -42,21 +51,17 @@ pub(crate) fn images_of(root: &Root, notes: &mut Notes) -> Vec<Option<usize>> {
     chosen
 }
 
-/// The textures that materials show, some of them several times.
-pub(crate) fn shown(root: &Root) -> impl Iterator<Item = usize> {
-    root.materials.iter().flat_map(|material| {
-        let pbr = &material.pbr_metallic_roughness;
-        [
-            pbr.base_color_texture.as_ref().map(|it| it.index),
-            pbr.metallic_roughness_texture.as_ref().map(|it| it.index),
-            material.normal_texture.as_ref().map(|it| it.index),
-            material.occlusion_texture.as_ref().map(|it| it.index),
-            material.emissive_texture.as_ref().map(|it| it.index),
-        ]
-        .into_iter()
-        .flatten()
-        .map(|texture| texture.value())
-    })
+/// Returns the textures that a material shows, some of them perhaps several times.
+pub(crate) fn shown(material: &Material) -> impl Iterator<Item = usize> {
+    let pbr = &material.pbr_metallic_roughness;
+    let slots = [
+        pbr.base_color_texture.as_ref().map(|it| it.index),
+        pbr.metallic_roughness_texture.as_ref().map(|it| it.index),
+        material.normal_texture.as_ref().map(|it| it.index),
+        material.occlusion_texture.as_ref().map(|it| it.index),
+        material.emissive_texture.as_ref().map(|it| it.index),
+    ];
+    slots.into_iter().flatten().map(|texture| texture.value())
 }
 
 /// By which extensions a texture offers images.

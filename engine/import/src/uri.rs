@@ -154,6 +154,15 @@ fn below(
     read_file(&path, &shown, wanted, limit)
 }
 
+/// How a file begins that stands for one that Git LFS has elsewhere.
+const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+
+fn lfs_pointer(shown: &str) -> Reason {
+    Reason::unreadable(format!(
+        "{shown} is a Git LFS pointer, not the file itself: run `git lfs pull` in its folder"
+    ))
+}
+
 /// Reads a regular file, which errors call `shown`; a pipe or a device would never end.
 pub(crate) fn read_file(
     path: &Path,
@@ -169,7 +178,19 @@ pub(crate) fn read_file(
         return Err(Reason::unreadable(format!("{shown} is not a file, but {what}")));
     }
     let count = match wanted {
-        Wanted::First(count) if about.len() < count => return Err(shorter(about.len(), count)),
+        Wanted::First(count) if about.len() < count => {
+            let mut start = Vec::new();
+            let most = LFS_POINTER.len() as u64;
+            File::open(path)
+                .map_err(unreadable)?
+                .take(most)
+                .read_to_end(&mut start)
+                .map_err(unreadable)?;
+            return Err(match start == LFS_POINTER {
+                true => lfs_pointer(shown),
+                false => shorter(about.len(), count),
+            });
+        }
         Wanted::First(count) => count,
         Wanted::All => about.len(),
     };
@@ -183,5 +204,8 @@ pub(crate) fn read_file(
         .take(count)
         .read_to_end(&mut bytes)
         .map_err(unreadable)?;
+    if bytes.starts_with(LFS_POINTER) {
+        return Err(lfs_pointer(shown));
+    }
     cut(bytes, wanted)
 }

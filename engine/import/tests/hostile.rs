@@ -14,6 +14,8 @@ mod chain;
 mod compressed;
 #[path = "hostile/containers.rs"]
 mod containers;
+#[path = "hostile/deviations.rs"]
+mod deviations;
 #[path = "hostile/disk.rs"]
 mod disk;
 #[path = "hostile/files.rs"]
@@ -26,3 +28,7 @@ mod mutations;
 mod refused;
 #[path = "hostile/target.rs"]
 mod target;
+#[path = "hostile/tolerated.rs"]
+mod tolerated;
+#[path = "hostile/unused.rs"]
+mod unused;

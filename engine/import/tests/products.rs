@@ -91,6 +91,22 @@ fn instances_and_lights(count: usize) -> Scene {
     scene
 }
 
+/// So many points, all in one place or each somewhere else.
+fn points(count: usize, are_apart: bool) -> Scene {
+    let mut scene = Scene::triangle();
+    let mut places = json!({ "componentType": F32, "type": "VEC3", "count": count });
+    if are_apart {
+        let numbers: Vec<u8> = (0..3 * count)
+            .flat_map(|number| ((number * 7919 % 1_000_003) as f32).to_le_bytes())
+            .collect();
+        places["bufferView"] = json!(scene.view(&numbers));
+    }
+    let places = scene.push("accessors", places);
+    let primitive = json!({ "attributes": { "POSITION": places }, "mode": 0 });
+    scene.set("/meshes/0/primitives", json!([primitive]));
+    scene
+}
+
 #[test]
 fn pairs_cost_what_their_parts_cost() {
     for (what, scene, most_bytes) in [
@@ -102,6 +118,9 @@ fn pairs_cost_what_their_parts_cost() {
         ("300 skins on chains of 20,000", chains::chains(2, 10_000, 300, 300), 640 * MIB),
         ("1,000 meshes, 4,000 joints and clips", skins_and_channels(2000, 1000), 64 * MIB),
         ("20,000 instances, 20,000 lights", instances_and_lights(20_000), 128 * MIB),
+        // Solids took gigabytes.
+        ("2,000,000 points in one place", points(2_000_000, false), 160 * MIB),
+        ("1,000,000 points", points(1_000_000, true), 160 * MIB),
     ] {
         let before = ALLOCATOR.current_usage();
         ALLOCATOR.reset_peak_usage();

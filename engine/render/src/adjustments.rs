@@ -14,6 +14,7 @@ use crate::passes::{
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
 use crate::shaders::ShaderSet;
 use crate::shading::Shading;
+use crate::surfaces::SurfaceResources;
 
 impl Renderer {
     /// Draws pictures of `size` pixels from now on. A bird's-eye view that does not fit into them is no
@@ -61,8 +62,8 @@ impl Renderer {
             return Ok(());
         }
         let mut frames = FrameRing::new(&self.device, slots)?;
-        if self.frames.is_timing_passes() {
-            frames.time_passes()?;
+        if let Some(interval) = self.frames.timed_interval() {
+            frames.time_passes_of_one_in(interval)?;
         }
         if self.learns {
             frames.time_frames()?;
@@ -71,6 +72,28 @@ impl Renderer {
         self.pass_times.clear();
         self.passes.predicates.set_frames_in_flight(slots);
         Ok(())
+    }
+
+    /// Measures the GPU time of every pass from now on; [`Renderer::pass_times`] has them.
+    ///
+    /// # Errors
+    /// A device without timestamps.
+    pub fn time_passes(&mut self) -> Result<(), Error> {
+        self.time_passes_of_one_in(1)
+    }
+
+    /// Measures the GPU time of the passes of one in `frames` frames from now on, 0 counting as 1. On a
+    /// software driver a frame with timestamps takes a tenth longer, which few such frames hide.
+    ///
+    /// # Errors
+    /// A device without timestamps.
+    pub fn time_passes_of_one_in(&mut self, frames: u64) -> Result<(), Error> {
+        Ok(self.frames.time_passes_of_one_in(frames)?)
+    }
+
+    /// Returns of how many frames one has the GPU time of its passes measured; `None` of none.
+    pub fn timed_interval(&self) -> Option<u64> {
+        self.frames.timed_interval()
     }
 
     /// Measures the GPU time of passes no more.
@@ -85,6 +108,9 @@ impl Renderer {
     /// A shader that does not fit its pass, a failed call. Nothing has changed then.
     pub fn reload(&mut self, shaders: ShaderSet) -> Result<(), Error> {
         let (device, size) = (&self.device, self.size());
+        let surfaces = self.passes.geometry.surfaces.as_ref();
+        let has_sprites = surfaces.is_some_and(SurfaceResources::has_sprites);
+        let shaders = if has_sprites { shaders.with_sprites() } else { shaders };
         let opaque = OpaquePass::new(device, &shaders)?;
         let proxies = ProxyPass::new(device, &shaders)?;
         let scatter = ScatterPass::new(device, &shaders)?;
@@ -100,7 +126,6 @@ impl Renderer {
         let pyramid = again(self.pyramid.as_ref(), || self.pyramid_frame(&shaders))?;
         let deforming = self.passes.deformers.as_ref().map(|deformers| &deformers.pass);
         let deforming = again(deforming, || DeformPass::new(device, &shaders))?;
-        let surfaces = self.passes.geometry.surfaces.as_ref();
         let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
         let shading = shading.transpose()?;
         let blending = match (surfaces, &self.passes.blended) {

@@ -2,12 +2,14 @@
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
 use cull::{Aabb, Camera, Hierarchy, Strategy, View};
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use gpu::{Frame, Readback, Tick};
 
 use crate::error::Error;
 use crate::moment::Moment;
+use crate::palette::{FRUSTUM, Swatch, level_colour};
 use crate::passes::{OverlayIo, OverlayPass, OverlayVertex};
+use crate::pick::record_outline;
 use crate::renderer::Renderer;
 use crate::scene::pack_unorm;
 use crate::views::finish_picture;
@@ -21,14 +23,16 @@ enum Backdrop {
     Sky,
 }
 
-const FRUSTUM_COLOUR: [f32; 4] = [1.0, 0.85, 0.1, 1.0];
+/// The pass that draws a moment from elsewhere.
+pub(crate) const VIEW_FROM_ABOVE: &str = "view from above";
 
 impl Renderer {
     /// Draws `moment` from above into `picture` and waits for it: what was drawn in its own
     /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
     ///
     /// # Errors
-    /// No memory, a shader that does not compile, a failed call.
+    /// A moment of another renderer, a picture of another device or size, no memory, a shader that does
+    /// not compile, a failed call.
     pub fn birds_eye(&mut self, moment: &Moment, picture: &Readback) -> Result<(), Error> {
         let camera = self.above(moment);
         self.draw_moment(moment, camera, Some(picture), Backdrop::Dark)?;
@@ -41,7 +45,7 @@ impl Renderer {
     /// above.
     ///
     /// # Errors
-    /// A picture of another size, no memory, a failed call.
+    /// A moment of another renderer, a picture of another device or size, no memory, a failed call.
     pub fn render_moment(
         &mut self,
         moment: &Moment,
@@ -58,16 +62,21 @@ impl Renderer {
         picture: Option<&Readback>,
         backdrop: Backdrop,
     ) -> Result<Tick, Error> {
+        self.check_renderer(moment.renderer, "a moment (`Moment`)")?;
         picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         if self.birds_eye.is_none() {
             self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
         }
         let view = self.view_of(&camera);
         let sketch = Sketch::of(moment, self.reach(moment));
+        let outlined = match backdrop {
+            Backdrop::Dark => None,
+            Backdrop::Sky => self.outlined_bounds(),
+        };
         let Self { frames, passes, hierarchy, scatter, birds_eye, flat_overlay, .. } = self;
         let (clear, explainer) = match backdrop {
             Backdrop::Dark => (BACKGROUND, None),
-            Backdrop::Sky => (passes.light.sky, self.explainer.as_ref()),
+            Backdrop::Sky => (passes.sky(), self.explainer.as_ref()),
         };
         let mut frame = frames.begin()?;
         passes.bring(&mut frame, hierarchy, scatter)?;
@@ -76,7 +85,7 @@ impl Renderer {
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
         passes.target.prepare(commands);
-        commands.pass("bird's eye", |commands| {
+        commands.pass(VIEW_FROM_ABOVE, |commands| {
             let from = passes.picture_target(&view, clear);
             commands.rendering(from, |commands| {
                 passes.draw_all(commands, &view, draws, clear);
@@ -88,6 +97,9 @@ impl Renderer {
         });
         if let Some(explainer) = explainer {
             explainer.record_moment(&mut frame, passes, hierarchy, &view, (moment, draws))?;
+        }
+        if let (Some(bounds), Some(overlay)) = (outlined, birds_eye.as_ref()) {
+            record_outline(&mut frame, passes, overlay, (bounds, &view))?;
         }
         finish_picture(&mut frame, &mut passes.target, flat_overlay.as_mut(), picture)?;
         let tick = frame.submit(None)?;
@@ -140,7 +152,7 @@ impl Sketch {
     pub(crate) fn of(moment: &Moment, reach: f32) -> Self {
         let (mut triangles, mut lines) = (Vec::new(), Vec::new());
         for (bounds, level) in &moment.hidden {
-            let colour = level_colour(*level);
+            let colour = level_colour(*level).linear();
             let corners = corners_of(bounds);
             let face_colour = pack_unorm(colour.truncate().extend(0.10).to_array());
             for face in FACES {
@@ -152,15 +164,19 @@ impl Sketch {
             push_edges(&mut lines, &corners, pack_unorm(colour.to_array()));
         }
         let frustum = frustum_corners(&moment.view, reach);
-        push_edges(&mut lines, &frustum, pack_unorm(FRUSTUM_COLOUR));
+        push_edges(&mut lines, &frustum, pack_unorm(FRUSTUM.linear().to_array()));
         Self { triangles, lines, lines_through: Vec::new() }
     }
 
     /// Boxes as they look to the eye itself, through all that hides them.
-    pub(crate) fn through(boxes: impl Iterator<Item = (Aabb, [f32; 4])>) -> Self {
+    pub(crate) fn through(boxes: impl Iterator<Item = (Aabb, Swatch)>) -> Self {
         let mut lines_through = Vec::new();
         for (bounds, colour) in boxes {
-            push_edges(&mut lines_through, &corners_of(&bounds), pack_unorm(colour));
+            push_edges(
+                &mut lines_through,
+                &corners_of(&bounds),
+                pack_unorm(colour.linear().to_array()),
+            );
         }
         Self { triangles: Vec::new(), lines: Vec::new(), lines_through }
     }
@@ -217,22 +233,4 @@ fn push_edges(lines: &mut Vec<OverlayVertex>, corners: &[Vec3; 8], colour: u32) 
 
 fn vertex(position: Vec3, colour: u32) -> OverlayVertex {
     OverlayVertex { position: position.to_array(), colour }
-}
-
-/// Red for the topmost nodes, over yellow and green to blue for the leaves.
-fn level_colour(level: u32) -> Vec4 {
-    let stops = [
-        Vec3::new(0.9, 0.05, 0.05),
-        Vec3::new(0.9, 0.4, 0.02),
-        Vec3::new(0.7, 0.75, 0.05),
-        Vec3::new(0.1, 0.7, 0.15),
-        Vec3::new(0.05, 0.55, 0.75),
-        Vec3::new(0.15, 0.2, 0.9),
-        Vec3::new(0.5, 0.1, 0.8),
-    ];
-    const LEVELS_PER_STOP: f32 = 2.5;
-    let place = level as f32 / LEVELS_PER_STOP;
-    let below = (place as usize).min(stops.len() - 1);
-    let above = (below + 1).min(stops.len() - 1);
-    stops[below].lerp(stops[above], place.fract()).extend(0.9)
 }

@@ -292,7 +292,7 @@ impl FramePasses {
             commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &switched_on));
         }
         self.target.prepare(commands);
-        commands.pass("blended", |commands| {
+        commands.pass("draw blended", |commands| {
             let target = self.target_of(view, None);
             commands.rendering(target, |commands| self.draw_blended(commands, view));
         });

@@ -172,7 +172,7 @@ impl DialogueFrame {
             _ => Counting::Samples,
         };
         passes.target.prepare(commands);
-        commands.pass("batch", |commands| {
+        commands.pass("draw and query", |commands| {
             commands.rendering(target, |commands| {
                 if !batch.draws.is_empty() {
                     match self.depth_first(request.strategy, passes) {
@@ -222,7 +222,7 @@ impl DialogueFrame {
         passes.shade(commands, request.view, |_, commands| commands.draw_indirect(draws));
         if let Some(DepthFirst { colour, .. }) = depth_first {
             passes.target.prepare(commands);
-            commands.pass("shaded", |commands| {
+            commands.pass("shade", |commands| {
                 commands.rendering(passes.target_of(request.view, None), |commands| {
                     colour.bind(commands, &passes.opaque_io(), request.view, &passes.light);
                     commands.draw_indirect(draws);

@@ -25,6 +25,17 @@ pub enum Error {
         /// What to do.
         instead: &'static str,
     },
+    /// Less memory can be had than the scene takes.
+    #[error(
+        "there is no memory for {what} (about {} MiB): use fewer objects, or end other programs",
+        size_bytes >> 20
+    )]
+    NoMemory {
+        /// What the memory was for.
+        what: &'static str,
+        /// How much was asked for.
+        size_bytes: usize,
+    },
     /// The strategy `ideal` without the set of what is visible.
     #[error(
         "the strategy `ideal` draws what is known to be visible: find it with `Renderer::visible_set` first"
@@ -60,11 +71,12 @@ pub enum Error {
     /// A frame without a view.
     #[error("a frame needs a view, or there is nothing to draw: name at least one `Eye`")]
     NoView,
-    /// A view that another renderer made.
-    #[error(
-        "this view was made by another renderer: each renderer draws the views of its own `Renderer::new_view`"
-    )]
-    ForeignView,
+    /// Something was used that another renderer made.
+    #[error("{thing} was made by another renderer: each renderer uses only what it made itself")]
+    ForeignRenderer {
+        /// What was given.
+        thing: &'static str,
+    },
     /// A hierarchy that was not built over the scene's objects.
     #[error(
         "the hierarchy is not that of the scene: object {} is not where the scene has it; build it from `object_bounds`", object.0

@@ -3,11 +3,14 @@
 use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
 
-use crate::birds_eye::{BACKGROUND, Sketch, above, reach};
+use crate::birds_eye::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::error::Error;
+use crate::flat_overlay::{GLYPHS, OVERLAY};
 use crate::frame_passes::FramePasses;
 use crate::moment::Moment;
+use crate::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::passes::{OpaquePass, OverlayPass};
+use crate::pick::OUTLINE;
 use crate::shaders::ShaderSet;
 use crate::view_history::ViewHistory;
 use crate::views::{Area, view_in};
@@ -18,17 +21,16 @@ use crate::views::{Area, view_in};
 pub struct Explanation {
     /// The edges of all triangles that are taken as visible.
     pub has_wires: bool,
-    /// The boxes of the nodes that are tested, seen through everything: blue was hidden when it was last
-    /// asked, violet is answered by the test of another, yellow was never asked, red showed.
+    /// The boxes of the nodes that are tested, seen through everything, coloured by what is known of them
+    /// ([`crate::BOX_HIDDEN`], [`crate::BOX_BEHIND`], [`crate::BOX_UNKNOWN`], [`crate::BOX_SHOWED`]).
     pub has_boxes: bool,
     /// Where in the picture the view from above goes.
     pub birds_eye: Option<Area>,
 }
 
-const HIDDEN: [f32; 4] = [0.1, 0.35, 1.0, 0.8];
-const BEHIND: [f32; 4] = [0.55, 0.25, 0.9, 0.6];
-const UNKNOWN: [f32; 4] = [0.95, 0.8, 0.1, 0.9];
-const SHOWED: [f32; 4] = [0.95, 0.15, 0.1, 0.9];
+const BOXES_AND_WIRES: &str = "boxes and wires";
+/// The labels of the passes that explain or lie flat over pictures: what they take is not the engine's.
+pub const OVERLAY_PASSES: [&str; 5] = [BOXES_AND_WIRES, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
 
 /// An explanation and what draws it.
 pub(crate) struct Explainer {
@@ -61,17 +63,17 @@ impl Explainer {
         let draws = moment.upload(frame, &passes.geometry)?;
         let boxes = history.plan().tests.iter().map(|test| {
             let colour = match (test.tester, history.culler.state(test.tag.node)) {
-                (Tester::Behind(_), _) => BEHIND,
-                (_, NodeState::Hidden) => HIDDEN,
-                (_, NodeState::Unknown) => UNKNOWN,
-                (_, NodeState::Visible) => SHOWED,
+                (Tester::Behind(_), _) => BOX_BEHIND,
+                (_, NodeState::Hidden) => BOX_HIDDEN,
+                (_, NodeState::Unknown) => BOX_UNKNOWN,
+                (_, NodeState::Visible) => BOX_SHOWED,
             };
             (hierarchy.bounds(test.tag.node), colour)
         });
         let boxes = self.explanation.has_boxes.then(|| Sketch::through(boxes).upload(frame));
         let boxes = boxes.transpose()?;
         passes.target.prepare(frame.commands());
-        frame.commands().pass("explanation", |commands| {
+        frame.commands().pass(BOXES_AND_WIRES, |commands| {
             commands.rendering(passes.target_of(view, None), |commands| {
                 if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
                     wires.bind(commands, &passes.opaque_io(), view, &passes.light);
@@ -97,7 +99,7 @@ impl Explainer {
     ) -> Result<(), Error> {
         if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
             passes.target.prepare(frame.commands());
-            frame.commands().pass("explanation", |commands| {
+            frame.commands().pass(BOXES_AND_WIRES, |commands| {
                 commands.rendering(passes.target_of(view, None), |commands| {
                     wires.bind(commands, &passes.opaque_io(), view, &passes.light);
                     passes.predicates.draw_after_counted(commands, draws.0);
@@ -120,7 +122,7 @@ impl Explainer {
         let io = Sketch::of(moment, reach).upload(frame)?;
         let view = &view_in(&self.device, &above(moment, reach), area);
         passes.target.prepare(frame.commands());
-        frame.commands().pass("bird's eye", |commands| {
+        frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(passes.picture_target(view, BACKGROUND), |commands| {
                 passes.draw_all(commands, view, draws, BACKGROUND);
                 self.overlay.record(commands, &io, view);

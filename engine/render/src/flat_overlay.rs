@@ -4,7 +4,12 @@ use gpu::{Device, Frame, Target, Texture};
 
 use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
+use crate::renderer::Renderer;
 use crate::shaders::ShaderSet;
+
+/// The pass that writes the atlas, and the one that draws.
+pub(crate) const GLYPHS: &str = "HUD glyphs";
+pub(crate) const OVERLAY: &str = "HUD";
 
 /// Flat triangles over the scene, and the atlas that they are textured from. Laid out anew whenever
 /// they change ([`FlatOverlay::clear`], [`FlatOverlay::add`]); what is there is drawn over every frame.
@@ -24,6 +29,26 @@ pub struct FlatOverlay {
 struct Patch {
     origin: [u32; 2],
     size: [u32; 2],
+}
+
+impl Renderer {
+    /// What is drawn flat over every picture from now on, made when it is first wanted. It costs nothing
+    /// until then, nor after [`Renderer::drop_flat_overlay`].
+    ///
+    /// # Errors
+    /// A shader that does not compile, a failed call.
+    pub fn flat_overlay(&mut self) -> Result<&mut FlatOverlay, Error> {
+        let overlay = match self.flat_overlay.take() {
+            Some(overlay) => overlay,
+            None => FlatOverlay::new(&self.device, &self.shaders)?,
+        };
+        Ok(self.flat_overlay.insert(overlay))
+    }
+
+    /// Draws nothing flat any more, and frees what it took.
+    pub fn drop_flat_overlay(&mut self) {
+        self.flat_overlay = None;
+    }
 }
 
 impl FlatOverlay {
@@ -122,7 +147,7 @@ impl FlatOverlay {
             let Some((pixels, later)) = rest.split_at_checked(count) else { break };
             rest = later;
             let pixels = frame.uploads().push(pixels)?;
-            frame.commands().pass("atlas", |commands| {
+            frame.commands().pass(GLYPHS, |commands| {
                 atlas.write(commands, patch.origin, patch.size, pixels);
             });
         }
@@ -136,7 +161,7 @@ impl FlatOverlay {
         let io = FlatIo { vertices, indices, atlas };
         let commands = frame.commands();
         target.prepare(commands);
-        commands.pass("flat", |commands| {
+        commands.pass(OVERLAY, |commands| {
             commands.rendering(target.render_target(None), |commands| {
                 self.pass.record(commands, &io, &self.draws, size);
             });

@@ -114,7 +114,7 @@ impl FramePasses {
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
         }
         self.target.prepare(commands);
-        commands.pass("visible", |commands| {
+        commands.pass("draw visible", |commands| {
             commands.rendering(self.first_target(view), |commands| {
                 self.draw_visible(commands, history, view, io);
                 self.draw_proxies(commands, history, view, io, rounds.first());
@@ -128,17 +128,17 @@ impl FramePasses {
             if let (Some(last), None, None) = (known, next, before)
                 && history.questions.is_for_later(last)
             {
-                commands.pass("answers", |commands| {
+                commands.pass("resolve tests", |commands| {
                     history.queries.resolve(commands, last.queries.clone());
                 });
                 break;
             }
             self.test_by_compute(commands, view, io, known);
-            commands.pass("answers", |commands| {
+            commands.pass("resolve tests", |commands| {
                 self.resolve(commands, history, known, before);
             });
             self.target.prepare(commands);
-            commands.pass("revealed", |commands| {
+            commands.pass("draw revealed", |commands| {
                 commands.rendering(self.next_target(view), |commands| {
                     self.draw_revealed(commands, history, view, io, known, before);
                     self.test_leaves(commands, history, view, io, known);
@@ -147,7 +147,7 @@ impl FramePasses {
             });
         }
         self.shade(commands, view, |passes, commands| passes.draw_again(commands, history, io));
-        commands.pass("read back", |commands| {
+        commands.pass("copy results", |commands| {
             history.queries.resolve(commands, 0..history.questions.own_draws);
             history.queries.read_back(commands);
             history.flags.read_back(commands);
@@ -224,7 +224,7 @@ impl FramePasses {
             return;
         };
         let target = &mut self.target;
-        commands.pass("compute test", |commands| {
+        commands.pass("test boxes", |commands| {
             pass.record_grid(commands, target, Area::of(view));
             let count = tests.end - tests.start;
             pass.record_tests(commands, &ComputeTestIo { first: tests.start, count, ..io }, view);

@@ -12,23 +12,31 @@ use crate::detail::{Forms, stretch};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
-use crate::limits::{INSTANCE_BYTES, check_storage};
+use crate::limits::{INSTANCE_BYTES, check_memory, check_storage};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
 use crate::scene::{
     BlendedId, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm,
 };
+use crate::sprites;
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// What the vertex shader knows of an object; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 pub(crate) struct Instance {
-    rows: [[f32; 4]; 3],
-    /// The tint as floats; [`SurfaceResources::instance_tail`] in scenes with surfaces.
-    tail: [u32; 4],
+    pub(crate) rows: [[f32; 4]; 3],
+    /// The tint as floats and 0; [`SurfaceResources::instance_tail`] in scenes with surfaces.
+    pub(crate) tail: [u32; 4],
 }
 
 const _: () = assert!(size_of::<Instance>() == 64);
+
+/// Memory that a renderer takes for each object while it is made (bytes): its instance, by object and
+/// by leaf, its box, its draw, and some numbers; and what of that lies on the device, whose memory may
+/// be the machine's.
+const UPLOAD_BYTES_PER_OBJECT: usize = 3 * size_of::<Instance>()
+    + 2 * (size_of::<ProxyBox>() + size_of::<IndirectDraw>())
+    + size_of::<[u64; 8]>();
 
 /// The mesh of an id without an object.
 const NO_MESH: u32 = u32::MAX;
@@ -84,10 +92,14 @@ impl Geometry {
         scene: &Scene,
         hierarchy: &Hierarchy,
     ) -> Result<Self, Error> {
-        let (vertices, mut indices, mut mesh_draws) = join_meshes(scene);
+        let objects = hierarchy.leaf_objects().len();
+        check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
+        let (mut vertices, mut indices, mut mesh_draws) = join_meshes(scene);
         let forms = Forms::join(scene, &mut indices, &mut mesh_draws);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
+        sprites::check_size(device, scene, leaf_count)?;
+        sprites::add_pattern(scene, &mut vertices, &mut indices, &mut mesh_draws);
         check_storage(
             device,
             "vertices of meshes that change their form",
@@ -106,8 +118,9 @@ impl Geometry {
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
         let leaf_forms: Vec<u32> =
             by_leaf().map(|o| object_meshes.get(o).copied().unwrap_or(NO_MESH)).collect();
-        let instances: Vec<Instance> =
+        let mut instances: Vec<Instance> =
             by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
+        sprites::add_words(scene, &mut instances);
         let leaf_boxes: Vec<ProxyBox> =
             hierarchy.leaf_objects().iter().map(|object| leaf_box(hierarchy, *object)).collect();
         let counts = leaf_forms.iter().map(|mesh| count_of(&mesh_draws, *mesh));
@@ -375,7 +388,10 @@ fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {
 }
 
 fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {
-    let tint = || unpack_unorm(object.tint).map(f32::to_bits);
+    let tint = || {
+        let [red, green, blue, _] = unpack_unorm(object.tint).map(f32::to_bits);
+        [red, green, blue, 0]
+    };
     let tail = surfaces.map_or_else(tint, |surfaces| surfaces.instance_tail(object.mesh, id.0));
     Instance { rows: rows_of(&object.transform), tail }
 }

@@ -24,7 +24,7 @@
 //!     renderer.render(&mut view, &request)?;
 //! }
 //! renderer.drain(&mut view)?;
-//! println!("{} bytes of picture", picture.rgba8().len());
+//! println!("{} bytes of picture", picture.rgba8()?.len());
 //! # Ok(()) }
 //! ```
 #![forbid(unsafe_code)]
@@ -48,7 +48,9 @@ mod leaf_counts;
 mod limits;
 mod moment;
 mod object_bounds;
+mod palette;
 mod passes;
+mod pick;
 mod pyramid_frame;
 mod pyramid_history;
 mod questions;
@@ -57,6 +59,7 @@ mod sample_counts;
 pub mod scene;
 mod shaders;
 mod shading;
+mod sprites;
 mod surfaces;
 mod update;
 mod view_history;
@@ -68,7 +71,7 @@ pub use calibration::Costs;
 pub use compromises::Compromises;
 pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
-pub use explanation::Explanation;
+pub use explanation::{Explanation, OVERLAY_PASSES};
 pub use flat_overlay::FlatOverlay;
 pub use limits::{
     DEFORMED_VERTICES_ANYWHERE, IMAGES_ANYWHERE, LIT_OBJECTS_ANYWHERE, MATERIALS_ANYWHERE,
@@ -76,12 +79,16 @@ pub use limits::{
 };
 pub use moment::Moment;
 pub use object_bounds::object_bounds;
+pub use palette::{
+    BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, FRUSTUM, SELECTED, Swatch, WIRES, level_colour,
+};
 pub use passes::{
     ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
     LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
     ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, SkyPass,
     SurfaceIo, SurfaceKind, SurfacePass, pyramid_levels,
 };
+pub use pick::Pick;
 pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shaders::{SHADERS, Shader, ShaderSet};

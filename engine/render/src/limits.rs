@@ -50,6 +50,18 @@ pub(crate) fn check_storage(
     check(what, count, limit / bytes.max(1), instead)
 }
 
+/// Refuses what there is no memory for, before it is allocated piece by piece: that would end the
+/// program. Asks for all of it and gives it back.
+pub(crate) fn check_memory(
+    what: &'static str,
+    count: usize,
+    bytes_each: usize,
+) -> Result<(), Error> {
+    let size_bytes = count.saturating_mul(bytes_each);
+    let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
+    asked.map_err(|_| Error::NoMemory { what, size_bytes })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,7 +6,7 @@ use gpu::{BufferSlice, Frame, IndirectDraw};
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::renderer::Renderer;
-use crate::view_history::ViewHistory;
+use crate::view_history::{RendererId, ViewHistory};
 
 /// What a view decided and found out in one frame.
 #[derive(Debug, Clone)]
@@ -20,13 +20,15 @@ pub struct Moment {
     pub drawn: Vec<LeafRange>,
     /// The frontier nodes that stayed hidden: box and level in the hierarchy.
     pub hidden: Vec<(Aabb, u32)>,
+    /// The one whose leaves these are.
+    pub(crate) renderer: RendererId,
 }
 
 impl Renderer {
     /// Freezes the newest frame of `history`, which was seen from `view`. Waits for it.
     ///
     /// # Errors
-    /// A lost device, or a frame that takes too long.
+    /// A view of another renderer, a lost device, or a frame that takes too long.
     pub fn moment(&mut self, history: &mut ViewHistory, view: View) -> Result<Moment, Error> {
         self.drain(history)?;
         let plan = history.plan();
@@ -38,6 +40,7 @@ impl Renderer {
             view,
             drawn: taken.chain(queried).collect(),
             hidden: Vec::new(),
+            renderer: self.id,
         };
         let mut showed = Vec::new();
         let of_frame = |answer: &&Answer| history.shows(answer) && answer.tag.frame == plan.frame;
@@ -77,6 +80,7 @@ impl Moment {
             view,
             drawn: taken.chain(queried).collect(),
             hidden: tests.map(|test| (hierarchy.bounds(test.tag.node), test.level)).collect(),
+            renderer: history.renderer,
         }
     }
 

@@ -3,6 +3,7 @@
 use cull::{Aabb, Hierarchy, ObjectId};
 
 use crate::error::Error;
+use crate::limits::check_memory;
 use crate::scene::Scene;
 
 /// The box of each object of `scene` in the world, in their order: what a hierarchy is built over.
@@ -11,6 +12,7 @@ use crate::scene::Scene;
 /// The first mesh or object that cannot be drawn.
 pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
     scene.validate()?;
+    check_memory("the boxes of the objects", scene.objects.len(), size_of::<Aabb>())?;
     Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
 }
 

@@ -175,20 +175,20 @@ impl PyramidFrame {
             leaf_count: self.leaf_count,
             list_kind: self.list_kind,
         };
-        commands.pass("remembered", |commands| {
+        commands.pass("cull remembered", |commands| {
             self.cull.record(commands, &io, request.view, Phase::First);
         });
         passes.target.prepare(commands);
-        commands.pass("visible", |commands| {
+        commands.pass("draw visible", |commands| {
             commands.rendering(passes.first_target(request.view), |commands| {
                 passes.bind_rounds(commands, request.view);
                 self.draw(commands, Phase::First);
             });
         });
-        commands.pass("pyramid", |commands| {
+        commands.pass("depth pyramid", |commands| {
             self.pyramid.record(commands, &mut passes.target, Area::of(request.view));
         });
-        commands.pass("tests", |commands| {
+        commands.pass("test boxes", |commands| {
             // The list of phase 1 has been drawn.
             let between = MemoryBarrier::between;
             commands.barrier(between(&[Access::IndirectRead], &[Access::ComputeWrite]));
@@ -196,7 +196,7 @@ impl PyramidFrame {
             self.cull.record(commands, &io, request.view, Phase::Second);
         });
         passes.target.prepare(commands);
-        commands.pass("revealed", |commands| {
+        commands.pass("draw revealed", |commands| {
             commands.rendering(passes.next_target(request.view), |commands| {
                 passes.bind_rounds(commands, request.view);
                 self.draw(commands, Phase::Second);
@@ -206,7 +206,7 @@ impl PyramidFrame {
             self.draw(commands, Phase::First);
             self.draw(commands, Phase::Second);
         });
-        commands.pass("read back", |commands| {
+        commands.pass("copy results", |commands| {
             kept.read_back(commands, self.counters.whole());
         });
     }

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use cull::{
-    Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, Policy,
-    SceneCosts, Strategy, View,
+    Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId,
+    Policy, SceneCosts, Strategy, View,
 };
 use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
@@ -21,12 +21,14 @@ use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
 use crate::frame_times::FrameTimes;
 use crate::geometry::Geometry;
+use crate::limits::check_memory;
 use crate::object_bounds::{check_hierarchy, object_bounds};
 use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::pyramid_frame::PyramidFrame;
 use crate::scene::Scene;
 use crate::shaders::ShaderSet;
 use crate::shading::Shading;
+use crate::sprites::has_sprites;
 use crate::update::UpdateScratch;
 use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
@@ -110,6 +112,9 @@ pub struct FrameRequest<'a> {
     pub visible: Option<&'a VisibleSet>,
     /// Where to copy the picture, if it is wanted. Read it when the frame is over.
     pub picture: Option<&'a Readback>,
+    /// Where to copy what the scene alone shows, before explanations and the flat overlay are drawn over
+    /// it, if that is wanted.
+    pub scene_picture: Option<&'a Readback>,
     /// The frame starts on the GPU once this tick of a host's timeline is reached.
     pub after: Option<(&'a Timeline, Tick)>,
 }
@@ -117,7 +122,7 @@ pub struct FrameRequest<'a> {
 impl FrameRequest<'_> {
     /// A frame and nothing else.
     pub fn new(strategy: Strategy, camera: Camera) -> Self {
-        Self { strategy, camera, visible: None, picture: None, after: None }
+        Self { strategy, camera, visible: None, picture: None, scene_picture: None, after: None }
     }
 }
 
@@ -126,8 +131,10 @@ impl FrameRequest<'_> {
 pub struct FrameReport {
     /// Its tick.
     pub tick: Tick,
-    /// Time the CPU spent in the engine, without waits.
+    /// Time the CPU spent in the engine, without waits and without [`FrameReport::overlay_cpu`].
     pub cpu: Duration,
+    /// Time the CPU spent on what explains the picture or lies flat over it.
+    pub overlay_cpu: Duration,
     /// Proxies tested, by whatever means.
     pub tests: u32,
     /// Occlusion queries.
@@ -158,6 +165,8 @@ pub struct Renderer {
     pub(crate) passes: FramePasses,
     pub(crate) shaders: ShaderSet,
     pub(crate) birds_eye: Option<OverlayPass>,
+    /// The object whose box is outlined.
+    pub(crate) outlined: Option<ObjectId>,
     pub(crate) flat_overlay: Option<FlatOverlay>,
     pub(crate) explainer: Option<Explainer>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
@@ -190,6 +199,7 @@ impl Renderer {
         let mut bounds = object_bounds(scene)?;
         let count = bounds.len().saturating_add(options.spare_objects);
         Geometry::check_size(device, count)?;
+        check_memory("the boxes of the objects", count, size_of::<Aabb>())?;
         bounds.resize(count, Aabb::EMPTY);
         let hierarchy = Hierarchy::build(&bounds)?;
         Self::with_hierarchy(device, scene, hierarchy, options)
@@ -211,6 +221,7 @@ impl Renderer {
             Some(shaders) => shaders.clone(),
             None => ShaderSet::embedded()?,
         };
+        let shaders = if has_sprites(scene) { shaders.with_sprites() } else { shaders };
         // First what fails on bad input, then what takes long.
         let target = Target::new(device, options.size, "target")?;
         let opaque = OpaquePass::new(device, &shaders)?;
@@ -260,6 +271,7 @@ impl Renderer {
             passes,
             shaders,
             birds_eye: None,
+            outlined: None,
             flat_overlay: None,
             explainer: None,
             seen_leaves: None,
@@ -314,11 +326,6 @@ impl Renderer {
             compute: self.is_exact() && ComputeTest::check(&self.device, self.size()).is_ok(),
             parts: self.passes.leaf_boxes.is_some(),
         }
-    }
-
-    /// Refuses a view of another renderer.
-    pub(crate) fn check_view(&self, history: &ViewHistory) -> Result<(), Error> {
-        if history.renderer == self.id { Ok(()) } else { Err(Error::ForeignView) }
     }
 
     /// Whether the device has what `strategy` needs, for this scene and size.
@@ -385,24 +392,6 @@ impl Renderer {
         self.passes.predicates.predication()
     }
 
-    /// What is drawn flat over every picture from now on, made when it is first wanted. It costs nothing
-    /// until then, nor after [`Renderer::drop_flat_overlay`].
-    ///
-    /// # Errors
-    /// A shader that does not compile, a failed call.
-    pub fn flat_overlay(&mut self) -> Result<&mut FlatOverlay, Error> {
-        let overlay = match self.flat_overlay.take() {
-            Some(overlay) => overlay,
-            None => FlatOverlay::new(&self.device, &self.shaders)?,
-        };
-        Ok(self.flat_overlay.insert(overlay))
-    }
-
-    /// Draws nothing flat any more, and frees what it took.
-    pub fn drop_flat_overlay(&mut self) {
-        self.flat_overlay = None;
-    }
-
     /// Explains the pictures from now on; an explanation of nothing costs nothing.
     ///
     /// # Errors
@@ -415,6 +404,12 @@ impl Renderer {
             is_something.then(|| Explainer::new(&self.device, &self.shaders, explanation));
         self.explainer = explainer.transpose()?;
         Ok(())
+    }
+
+    /// Returns the box that is outlined.
+    pub(crate) fn outlined_bounds(&self) -> Option<Aabb> {
+        let node = self.hierarchy.node_of(self.outlined?)?;
+        Some(self.hierarchy.bounds(node)).filter(|bounds| !bounds.is_empty())
     }
 
     /// What is explained.
@@ -431,16 +426,8 @@ impl Renderer {
         }
     }
 
-    /// Measures the GPU time of every pass from now on; [`Renderer::pass_times`] has them.
-    ///
-    /// # Errors
-    /// A device without timestamps.
-    pub fn time_passes(&mut self) -> Result<(), Error> {
-        Ok(self.frames.time_passes()?)
-    }
-
     /// The GPU time of each pass of the frame that used the slot of the newest one before it: with N
-    /// frames in flight, N frames earlier, whichever view it was of.
+    /// frames in flight, N frames earlier, whichever view it was of. Empty where that was not measured.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.pass_times
     }
@@ -454,16 +441,17 @@ impl Renderer {
     /// and for nothing else, unless the strategy is a dialogue ([`Strategy::is_dialogue`]).
     ///
     /// # Errors
-    /// No memory, a lost device, a frame that takes too long; [`Error::NoVisibleSet`].
+    /// As [`Renderer::render_views`].
     pub fn render(
         &mut self,
         history: &mut ViewHistory,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let area = Area::whole(self.size());
-        let FrameRequest { strategy, camera, visible, picture, after } = *request;
+        let FrameRequest { strategy, camera, visible, picture, scene_picture, after } = *request;
         let eye = Eye { history, camera, visible, area };
-        self.render_views(&mut [eye], &ViewsRequest { strategy, picture, after })
+        let request = ViewsRequest { strategy, picture, after };
+        self.render_eyes(&mut [eye], &request, scene_picture)
     }
 
     /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts

@@ -257,7 +257,7 @@ impl FramePasses {
         let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };
         counts.is_asking = true;
         self.target.prepare(frame.commands());
-        frame.commands().pass("counts", |commands| {
+        frame.commands().pass("count samples", |commands| {
             commands.rendering(self.target_of(view, None), |commands| {
                 self.draw_counted(commands, &counts.asked, queries, &io, view);
             });

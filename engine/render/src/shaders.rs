@@ -87,6 +87,17 @@ impl ShaderSet {
         Err(Error::NoShaderCompiler(folder.display().to_string()))
     }
 
+    /// Returns the set for a scene with sprites: its vertex shaders place them
+    /// (`SPRITES` of `sprites.glsl`), which costs every vertex of the scene.
+    #[must_use]
+    pub(crate) fn with_sprites(mut self) -> Self {
+        const SPRITES: (u32, u32) = (13, 1);
+        for shader in self.loaded.iter_mut().filter(|shader| shader.name.ends_with(".vert")) {
+            *shader = shader.specialised(&[SPRITES]);
+        }
+        self
+    }
+
     pub(crate) fn find(&self, name: &str) -> Result<&Spirv, Error> {
         let found = self.loaded.iter().find(|spirv| spirv.name == name);
         Ok(found.ok_or_else(|| gpu::Error::NotSpirv { name: name.to_owned() })?)

@@ -63,8 +63,15 @@ impl Shading {
 impl FramePasses {
     /// Where the first draws of a view's frame go.
     pub(crate) fn first_target(&self, view: &View) -> RenderTarget {
-        let target = self.picture_target(view, self.light.sky);
+        let target = self.picture_target(view, self.sky());
         if self.shading.is_some() { target.depth_only() } else { target }
+    }
+
+    /// The sky's colour as it is exposed: as light, so that it is no brighter than white.
+    pub(crate) fn sky(&self) -> [f32; 3] {
+        let surfaces = self.geometry.surfaces.as_ref();
+        let exposure = surfaces.map_or(1.0, SurfaceResources::exposure);
+        self.light.sky.map(|part| (part * exposure).min(1.0))
     }
 
     /// Where all others go that decide what is visible.
@@ -114,10 +121,10 @@ impl FramePasses {
         }
         self.prepare_blended(commands);
         self.target.prepare(commands);
-        commands.pass("surfaces", |commands| {
+        commands.pass("shade surfaces", |commands| {
             let target = self.target_of(view, None).cleared_to(DARK);
             commands.rendering(target, |commands| {
-                self.draw_surfaces(commands, view, self.light.sky, |commands| draw(self, commands));
+                self.draw_surfaces(commands, view, self.sky(), |commands| draw(self, commands));
                 self.test_blended(commands, view);
             });
         });

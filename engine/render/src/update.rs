@@ -103,7 +103,10 @@ impl Renderer {
                             free_leaves = left;
                             Ok(found)
                         }
-                        None => Err(HierarchyError::NoFreeLeaf.to_string()),
+                        None => Err(format!(
+                            "{}, which in a renderer is `RendererOptions::spare_objects`",
+                            HierarchyError::NoFreeLeaf
+                        )),
                     })
                 }
             };

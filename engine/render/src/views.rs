@@ -16,11 +16,12 @@ use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FrameIo;
 use crate::frame_times;
 use crate::passes::{ComputeTest, CountPass};
+use crate::pick::record_outline;
 use crate::pyramid_frame::{Lists, PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
 use crate::shaders::ShaderSet;
-use crate::view_history::ViewHistory;
-use crate::visible_set::VisibleSet;
+use crate::view_history::{RendererId, ViewHistory};
+use crate::visible_set::{VISIBLE_SET, VisibleSet};
 
 /// A part of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,12 +95,24 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::NoView`] where there is no eye: such a frame would leave its picture as it is. A
-    /// strategy that the device has not what it takes for; a view of another renderer; an area that
-    /// is not in the picture; a picture of another size; no memory, a lost device, a frame that takes too long.
+    /// strategy that the device has not what it takes for; an area that is not in the picture; a
+    /// picture of another size; a view or visible set of another renderer, a picture or timeline of
+    /// another device; [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a
+    /// frame that takes too long.
     pub fn render_views(
         &mut self,
         eyes: &mut [Eye<'_>],
         request: &ViewsRequest<'_>,
+    ) -> Result<FrameReport, Error> {
+        self.render_eyes(eyes, request, None)
+    }
+
+    /// Renders the same, and copies what the scene alone shows to `scene_picture`.
+    pub(crate) fn render_eyes(
+        &mut self,
+        eyes: &mut [Eye<'_>],
+        request: &ViewsRequest<'_>,
+        scene_picture: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
         if eyes.is_empty() {
             return Err(Error::NoView);
@@ -108,12 +121,19 @@ impl Renderer {
         for eye in eyes.iter_mut() {
             self.check_view(eye.history)?;
             self.check_area(eye.area)?;
+            self.check_visible(request.strategy, eye.visible)?;
             eye.history.follow_ring(self)?;
         }
-        request.picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
+        for picture in request.picture.into_iter().chain(scene_picture) {
+            self.check_picture(picture)?;
+        }
+        if let Some((timeline, _)) = request.after {
+            self.device.check(timeline, "a renderer (`Renderer`)")?;
+        }
         let began = Instant::now();
         self.prepare(request.strategy)?;
         self.prepare_counts(eyes)?;
+        let outlined = self.outlined_bounds();
         let mut frame = self.frames.begin()?;
         self.pass_times.clear();
         self.pass_times.extend_from_slice(frame.pass_times());
@@ -153,10 +173,6 @@ impl Renderer {
                 continue;
             }
             match (request.strategy, *visible) {
-                (Strategy::Ideal, None) => return Err(Error::NoVisibleSet),
-                (Strategy::Ideal, Some(visible)) if !visible.is_of(self.edition) => {
-                    return Err(Error::OldVisibleSet);
-                }
                 (Strategy::Ideal, Some(visible)) => history.decide_known(hierarchy, visible),
                 (strategy, _) => {
                     let geometry = &passes.geometry;
@@ -172,12 +188,23 @@ impl Renderer {
             passes.count_samples(&mut frame, history, hierarchy, view)?;
         }
 
+        if let Some(picture) = scene_picture {
+            let target = &mut passes.target;
+            frame.commands().pass("copy picture", |commands| target.copy_to(commands, picture));
+        }
+        let overlay_began = Instant::now();
         if let (Some(explainer), Some(eye)) = (&self.explainer, eyes.first()) {
             let view = view_in(&self.device, &eye.camera, eye.area);
             explainer.record(&mut frame, passes, hierarchy, (eye.history, &view))?;
         }
+        if let (Some(bounds), Some(overlay), Some(eye)) = (outlined, &self.birds_eye, eyes.first())
+        {
+            let view = view_in(&self.device, &eye.camera, eye.area);
+            record_outline(&mut frame, passes, overlay, (bounds, &view))?;
+        }
         let (target, overlay) = (&mut passes.target, self.flat_overlay.as_mut());
         finish_picture(&mut frame, target, overlay, request.picture)?;
+        report.overlay_cpu = overlay_began.elapsed();
 
         let waited = frame.waited();
         report.waits = frame.waits();
@@ -194,8 +221,19 @@ impl Renderer {
         }
         // What they learn is for the next frame.
         self.frame_times.tell(eyes);
-        report.cpu = began.elapsed().saturating_sub(waited);
+        report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
         Ok(report)
+    }
+
+    /// Refuses a set of another renderer, and an ideal frame without one of the scene as it is now.
+    fn check_visible(&self, strategy: Strategy, visible: Option<&VisibleSet>) -> Result<(), Error> {
+        visible.map_or(Ok(()), |visible| self.check_renderer(visible.renderer(), VISIBLE_SET))?;
+        match visible {
+            _ if strategy != Strategy::Ideal => Ok(()),
+            None => Err(Error::NoVisibleSet),
+            Some(visible) if !visible.is_of(self.edition) => Err(Error::OldVisibleSet),
+            Some(_) => Ok(()),
+        }
     }
 
     /// Makes what only some strategies need, for the first frame that does.
@@ -229,7 +267,23 @@ impl Renderer {
         view_in(&self.device, camera, area)
     }
 
+    /// Refuses a view of another renderer.
+    pub(crate) fn check_view(&self, history: &ViewHistory) -> Result<(), Error> {
+        self.check_renderer(history.renderer, "a view (`ViewHistory`)")
+    }
+
+    /// Refuses what another renderer made.
+    pub(crate) fn check_renderer(
+        &self,
+        maker: RendererId,
+        thing: &'static str,
+    ) -> Result<(), Error> {
+        if maker == self.id { Ok(()) } else { Err(Error::ForeignRenderer { thing }) }
+    }
+
+    /// Refuses a picture of another device or size.
     pub(crate) fn check_picture(&self, picture: &Readback) -> Result<(), Error> {
+        self.device.check(picture, "a renderer (`Renderer`)")?;
         let (wanted, drawn) = (picture.size(), self.size());
         if wanted == drawn { Ok(()) } else { Err(Error::PictureSize { wanted, drawn }) }
     }
@@ -250,7 +304,7 @@ pub(crate) fn finish_picture(
 ) -> Result<(), Error> {
     overlay.map_or(Ok(()), |overlay| overlay.record(frame, target))?;
     if let Some(picture) = picture {
-        frame.commands().pass("picture", |commands| target.copy_to(commands, picture));
+        frame.commands().pass("copy picture", |commands| target.copy_to(commands, picture));
     }
     Ok(())
 }

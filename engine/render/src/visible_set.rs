@@ -5,7 +5,7 @@
 
 use cull::{Camera, LeafIndex, ObjectId, Strategy};
 use glam::Vec3;
-use gpu::{Access, Buffer, Device, MemoryBarrier, Place, vk};
+use gpu::{Access, Buffer, Device, MemoryBarrier, Place, Tick, vk};
 
 use crate::error::Error;
 use crate::passes::{SeenIo, SeenPass};
@@ -24,6 +24,9 @@ pub struct VisibleSet {
     /// The scene as it was then.
     edition: Edition,
 }
+
+/// The set's name in errors.
+pub(crate) const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
 /// Counts the changes of a renderer's scene: what is visible of one edition is not what is of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +51,11 @@ impl VisibleSet {
         &self.leaves
     }
 
+    /// Returns the renderer that found it.
+    pub(crate) fn renderer(&self) -> RendererId {
+        self.edition.renderer
+    }
+
     /// Whether it is of the scene as it is in this edition.
     pub(crate) fn is_of(&self, edition: Edition) -> bool {
         self.edition == edition
@@ -59,10 +67,12 @@ pub(crate) struct SeenLeaves {
     pass: SeenPass,
     words: Buffer,
     readback: Buffer,
+    /// Of the frame whose words come last.
+    newest: Tick,
 }
 
 impl SeenLeaves {
-    fn new(device: &Device, shaders: &ShaderSet, leaves: usize) -> Result<Self, Error> {
+    pub(crate) fn new(device: &Device, shaders: &ShaderSet, leaves: usize) -> Result<Self, Error> {
         let size_bytes = leaves as u64 * 4;
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST
@@ -72,7 +82,19 @@ impl SeenLeaves {
             pass: SeenPass::new(device, shaders)?,
             words: Buffer::new(device, "seen leaves", size_bytes, usage, Place::Device)?,
             readback: Buffer::new(device, "seen leaves home", size_bytes, home, Place::ReadBack)?,
+            newest: Tick::default(),
         })
+    }
+
+    /// Returns true if no frame after that of `tick` writes the words.
+    pub(crate) fn is_newest(&self, tick: Tick) -> bool {
+        self.newest == tick
+    }
+
+    /// Returns true if a leaf owned a pixel of the frame that was read back last.
+    pub(crate) fn is_seen(&self, leaf: LeafIndex) -> bool {
+        let place = leaf.0 as usize;
+        self.readback.read::<u32>(place..place + 1).first().is_some_and(|word| *word != 0)
     }
 }
 
@@ -82,17 +104,15 @@ impl Renderer {
     /// along the path.
     ///
     /// # Errors
-    /// A device whose fragment shaders cannot write to buffers; no memory; a failed call.
+    /// A view of another renderer; a device whose fragment shaders cannot write to buffers; no memory;
+    /// a failed call.
     pub fn visible_set(
         &mut self,
         history: &mut ViewHistory,
         camera: &Camera,
         area: Area,
     ) -> Result<VisibleSet, Error> {
-        if self.seen_leaves.is_none() {
-            let leaves = self.hierarchy.leaf_objects().len();
-            self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
-        }
+        self.check_view(history)?;
         let eye = Eye { history: &mut *history, camera: *camera, visible: None, area };
         // With a threshold ours leaves out what this is to find.
         let strategy = if self.is_exact() { Strategy::Antumbra } else { Strategy::Frustum };
@@ -104,14 +124,14 @@ impl Renderer {
         let drawn: Vec<LeafIndex> = drawn
             .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex))
             .collect();
-        self.draw_seen(&moment.view, &drawn)?;
+        self.submit_seen(&moment.view, &drawn)?;
+        self.device.drain()?;
         let edition = self.edition;
         let Some(seen) = &self.seen_leaves else {
             return Ok(VisibleSet { leaves: Vec::new(), objects: Vec::new(), edition });
         };
-        let words = seen.readback.read::<u32>(0..self.hierarchy.leaf_objects().len());
-        let is_seen = |leaf: &LeafIndex| words.get(leaf.0 as usize).is_some_and(|word| *word != 0);
-        let mut leaves: Vec<LeafIndex> = drawn.into_iter().filter(is_seen).collect();
+        let mut leaves: Vec<LeafIndex> =
+            drawn.into_iter().filter(|leaf| seen.is_seen(*leaf)).collect();
         let eye = camera.eye;
         leaves.sort_by(|a, b| {
             let (near, far) = (self.distance_squared(*a, eye), self.distance_squared(*b, eye));
@@ -125,10 +145,15 @@ impl Renderer {
     /// Makes a set hold again that was found when the scene was as it is now, although it has changed since
     /// then: whoever calls this answers for it that every object is where it was, and has the form that it
     /// had. For measurements in which the same moments come again.
-    pub fn visible_again(&self, set: &mut VisibleSet) {
+    ///
+    /// # Errors
+    /// A set that another renderer found.
+    pub fn visible_again(&self, set: &mut VisibleSet) -> Result<(), Error> {
+        self.check_renderer(set.renderer(), VISIBLE_SET)?;
         set.leaves.clear();
         set.leaves.extend(set.objects.iter().filter_map(|object| self.hierarchy.leaf_of(*object)));
         set.edition = self.edition;
+        Ok(())
     }
 
     /// From `eye` to the box of a leaf.
@@ -138,16 +163,27 @@ impl Renderer {
         node.map_or(0.0, |node| self.hierarchy.bounds(node).distance_squared(eye))
     }
 
-    fn draw_seen(&mut self, view: &cull::View, leaves: &[LeafIndex]) -> Result<(), Error> {
-        let Some(seen) = &self.seen_leaves else { return Ok(()) };
+    /// Submits a frame that notes which of `leaves` own a pixel of `view`.
+    pub(crate) fn submit_seen(
+        &mut self,
+        view: &cull::View,
+        leaves: &[LeafIndex],
+    ) -> Result<Tick, Error> {
+        if self.seen_leaves.is_none() {
+            let leaves = self.hierarchy.leaf_objects().len();
+            self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
+        }
+        let Some(seen) = &self.seen_leaves else { return Ok(Tick::default()) };
         let passes = &mut self.passes;
         let mut frame = self.frames.begin()?;
         let geometry = &passes.geometry;
         let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| geometry.draw(*leaf)))?;
         let commands = frame.commands();
         let words = seen.words.whole();
-        commands.pass("seen", |commands| {
+        commands.pass("find visible", |commands| {
             let between = MemoryBarrier::between;
+            // The frame before may still copy, where nobody waited for it.
+            commands.barrier(between(&[Access::CopyRead, Access::CopyWrite], &[Access::CopyWrite]));
             commands.fill(words, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
@@ -166,7 +202,10 @@ impl Renderer {
             commands.copy_buffer(words, seen.readback.whole());
             commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
         });
-        frame.submit(None)?;
-        Ok(self.device.drain()?)
+        let tick = frame.submit(None)?;
+        if let Some(seen) = &mut self.seen_leaves {
+            seen.newest = tick;
+        }
+        Ok(tick)
     }
 }

@@ -1,23 +1,19 @@
 //! Makes a page with plots, a table and a picture of a folder of walkthrough's reports.
 #![forbid(unsafe_code)]
 
-use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
 use samples::compare::args::Arguments;
 use samples::compare::run;
+use samples::terminal::{self, ending};
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
-        Ok(told) => {
-            // Whoever closed the pipe early has seen what they wanted.
-            let _closed = std::io::stdout().write_all(told.as_bytes());
-            ExitCode::SUCCESS
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
-        }
+    let arguments = match terminal::start::<Arguments>("warn") {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
+    match run(&arguments) {
+        Ok(ending) => ending.exit(),
+        Err(error) => ending::refuse(&error, error.exit_code()),
     }
 }

@@ -46,9 +46,14 @@ impl App {
         window.request_redraw();
         // A hidden window may hold what it was sent: then no frame begins.
         if triangle.2.as_mut().map_or(Ok(true), gpu::Swapchain::is_ready)? {
+            let size: [u32; 2] = window.inner_size().into();
+            // Pictures as large as the window, which may have no pixel.
+            if !size.contains(&0) {
+                triangle.0.resize(size)?;
+            }
             triangle.frame(None)?;
             if let Some(swapchain) = &mut triangle.2 {
-                triangle.0.present(swapchain, window.inner_size().into())?;
+                triangle.0.present(swapchain, size)?;
             }
         }
         Ok(())
@@ -92,8 +97,9 @@ fn headless() -> Result<(), Box<dyn Error>> {
     let picture = gpu::Readback::new(triangle.0.device(), triangle.0.size())?;
     triangle.frame(Some(&picture))?;
     triangle.0.drain(&mut triangle.1)?;
-    let middle = picture.rgba8().len() / 2 + 4 * 640;
-    let colour = &picture.rgba8()[middle..middle + 3];
+    let pixels = picture.rgba8()?;
+    let middle = pixels.len() / 2 + 4 * 640;
+    let colour = &pixels[middle..middle + 3];
     Ok(writeln!(std::io::stdout(), "the middle is {colour:?}")?)
 }
 

@@ -1,67 +1,68 @@
-//! Walks through a scene without a window, measures strategies against each other, tells.
+//! Walks through a scene without a window, measures strategies against each other, prints a table.
 #![forbid(unsafe_code)]
 
-use std::io::Write;
 use std::process::ExitCode;
 
-use clap::Parser;
 use samples::args::Arguments;
 use samples::outputs::Outputs;
-use samples::run::RunError;
-use samples::strategy::Strategy;
-use samples::{progress, run, table, verdict};
-use tracing_subscriber::EnvFilter;
+use samples::run::{self, Blame, RunError, Walked};
+use samples::signals::Signals;
+use samples::terminal::{
+    self, Ending, ending,
+    output::{say, say_wrote},
+    print, style,
+};
+use samples::{progress, strategy, table, verdict};
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn"));
-    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).init();
+    let arguments = match terminal::start::<Arguments>("warn") {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
     match walk(&arguments) {
-        Ok(told) => {
-            // Whoever closed the pipe early has seen what they wanted.
-            let _closed = std::io::stdout().write_all(told.text.as_bytes());
-            match told.complaint {
-                None => ExitCode::SUCCESS,
-                Some(complaint) => {
-                    eprintln!("error: {complaint}");
-                    ExitCode::FAILURE
-                }
-            }
-        }
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
-        }
+        Ok(ending) => ending.exit(),
+        Err(error) => ending::refuse(&error, error.exit_code()),
     }
-}
-
-/// What there is to tell in the end.
-struct Told {
-    /// For standard output.
-    text: String,
-    /// What the walk found that must not be.
-    complaint: Option<String>,
 }
 
 /// Does what the arguments say.
-fn walk(arguments: &Arguments) -> Result<Told, RunError> {
+fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
+    let mut ending = Ending::default();
     if arguments.list_strategies {
-        let text = Strategy::ALL.iter().map(|strategy| format!("{strategy}\n")).collect();
-        return Ok(Told { text, complaint: None });
+        ending.attempt(print(&strategy::list()));
+        return Ok(ending);
     }
     let options = arguments.options()?;
     if arguments.list_devices {
-        let text = run::list_devices()?.iter().map(|line| format!("{line}\n")).collect();
-        return Ok(Told { text, complaint: None });
+        let text: String = run::list_devices()?.iter().map(|line| format!("{line}\n")).collect();
+        ending.attempt(print(&text));
+        return Ok(ending);
     }
-    let outputs = Outputs::prepare(&options)?;
+    let _outputs = Outputs::prepare(&options)?;
+    let signals = Signals::watch()?;
     let progress = progress::for_terminal(arguments.quiet);
-    let result = run::run(&options, progress.as_ref());
+    let result = run::run(&options, progress.as_ref(), &signals);
     progress.finish();
-    let report = result?;
-    if let Some(path) = &options.report {
-        report.write(path).map_err(RunError::machine)?;
+    ending.interrupted(signals.received());
+    let Walked { report, pictures } = match result {
+        Err(error) if error.blame == Blame::Nobody => {
+            say("ended before anything was measured");
+            return Ok(ending);
+        }
+        result => result?,
+    };
+    // The table first: whatever becomes of the files, it is seen.
+    ending.attempt(print(&table::render(&report, style::width())));
+    let mut written = pictures.written;
+    pictures.failures.into_iter().for_each(|failure| ending.fail(failure));
+    if let Some(path) = &options.report
+        && ending.attempt(report.write(path)).is_some()
+    {
+        written.push(path.clone());
     }
-    drop(outputs);
-    Ok(Told { text: table::render(&report), complaint: verdict::complaint(&report) })
+    if !arguments.quiet {
+        written.iter().for_each(|path| say_wrote(path));
+    }
+    verdict::complaint(&report).into_iter().for_each(|complaint| ending.fail(complaint));
+    Ok(ending)
 }

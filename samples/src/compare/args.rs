@@ -21,8 +21,8 @@ Examples:
   compare out/compare/reports --table comparison.md --svg comparison.svg
       Tables and the plot of ratios for a README.
 
-Ends with 0 when all was written, 2 when a report is none or the folder has none, 1 when a file
-cannot be written."
+Exit codes: 0 all was written; 2 a report is none or the folder has none; 1 a file cannot be \
+written."
 )]
 pub struct Arguments {
     /// Folder with reports (*.json) that walkthrough --report wrote, all of one device
@@ -37,6 +37,12 @@ pub struct Arguments {
     /// File for the plot of ratios over scene sizes alone
     #[arg(long, value_name = "FILE.svg")]
     pub svg: Option<PathBuf>,
+    /// Folder with pictures for the page: of the report NAME.json, the first one in its folder NAME
+    #[arg(long, value_name = "DIR")]
+    pub pictures: Option<PathBuf>,
+    /// Print the names of the walks that must be repeated before they can be judged, and end
+    #[arg(long)]
+    pub noisy: bool,
     /// File whose lines say what was left out of the measurement and why, for page and tables
     #[arg(long, value_name = "FILE.txt")]
     pub notes: Option<PathBuf>,

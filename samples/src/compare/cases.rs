@@ -121,7 +121,7 @@ impl<'a> Case<'a> {
     }
 
     /// The reports whose times count: those without compared frames, if there are such.
-    fn timed(&self) -> Vec<&'a Measured> {
+    pub fn timed(&self) -> Vec<&'a Measured> {
         let quiet: Vec<_> = self.reports.iter().copied().filter(|r| !r.is_verified()).collect();
         if quiet.is_empty() { self.reports.clone() } else { quiet }
     }

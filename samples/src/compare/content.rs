@@ -5,9 +5,11 @@ use super::cases::{ANTUMBRA, Cases, FRUSTUM, IDEAL, Place};
 use super::exactness::{self, Book};
 use super::figures::{self, Figure, Verdict};
 use super::input::Measured;
+use super::noise;
 use super::palette;
 use super::plots::{self, Plot};
 use super::spread::{Spread, short, thousands};
+use super::thumbnails::Thumbnail;
 use crate::strategy::Strategy;
 
 /// The paths whose frame times are plotted, with their sizes.
@@ -23,6 +25,8 @@ pub struct MethodRow {
     pub strategy: String,
     /// Frame time in times of the yardstick's, at each of the sizes.
     pub ratios: Vec<Option<Spread>>,
+    /// At each of the sizes, whether it was measured to be faster than the ideal by more than the noise.
+    pub impossible: Vec<bool>,
     /// At the size of the details: CPU time of a frame in milliseconds.
     pub cpu_ms: Option<Spread>,
     /// Draws a frame.
@@ -43,6 +47,10 @@ pub struct Content {
     pub days: String,
     /// Sizes of the timed frames, how many, and how often repeated.
     pub frames: String,
+    /// How steady the machine was, in a sentence without its end.
+    pub steadiness: String,
+    /// Pictures of what was walked through; may be empty.
+    pub thumbnails: Vec<Thumbnail>,
     /// What a reader must be warned of; may be empty.
     pub warnings: Vec<String>,
     /// The strategy that ratios are taken to.
@@ -96,6 +104,8 @@ impl Content {
             }),
             days: days(reports),
             frames: frames(reports),
+            steadiness: noise::verdict(&cases),
+            thumbnails: Vec::new(),
             warnings: warnings(reports),
             yardstick,
             methods: methods(&cases, &ratio_sizes(&cases, &sizes, yardstick), detail_size, &books),
@@ -112,7 +122,7 @@ impl Content {
 
     /// How many figures have each verdict, in words.
     pub fn verdicts(&self) -> Vec<(Verdict, usize)> {
-        [Verdict::Reached, Verdict::ReachedInMedian, Verdict::Missed, Verdict::NotMeasured]
+        Verdict::COUNTED
             .into_iter()
             .map(|verdict| {
                 let same = |figure: &&Figure| figure.verdict() == verdict;
@@ -177,6 +187,9 @@ fn methods(
         let ratio = cases.at(&Place::still("city", "street", size)).ratio(name, yardstick);
         ratio.map(|ratio| ratio.spread)
     };
+    let is_impossible = |name: &str, size: u64| {
+        noise::is_below_ideal(&cases.at(&Place::still("city", "street", size)), name)
+    };
     let wrong = |name: &str| {
         let compared = |book: &&Book| book.strategy == name && book.frames_compared > 0;
         let mut compared = books.iter().filter(compared).peekable();
@@ -185,6 +198,7 @@ fn methods(
     let row = |name: &str| MethodRow {
         strategy: name.to_owned(),
         ratios: sizes.iter().map(|size| ratio(name, *size)).collect(),
+        impossible: sizes.iter().map(|size| is_impossible(name, *size)).collect(),
         cpu_ms: detail.cpu_ms(name),
         draws: detail.count(name, |run| run.draws),
         tests: detail.count(name, |run| run.tests),
@@ -287,6 +301,14 @@ fn warnings(reports: &[Measured]) -> Vec<String> {
             "Made by an older walkthrough, without the times of each frame: {}.",
             few.join(", ")
         ));
+    }
+    let cut: Vec<&str> = reports
+        .iter()
+        .filter(|report| report.cut_short)
+        .map(|report| report.file.as_str())
+        .collect();
+    if !cut.is_empty() {
+        warnings.push(format!("Cut short by a signal, measure again: {}.", cut.join(", ")));
     }
     warnings
 }

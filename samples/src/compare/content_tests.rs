@@ -36,6 +36,17 @@ fn every_method_has_a_row() {
 }
 
 #[test]
+fn what_beats_the_ideal_is_marked() {
+    let times = [("ideal", 1.0), ("antumbra", 1.2), ("coherent", 0.7), ("pyramid", 0.95)];
+    let content = Content::of(&[measured("city", "street", 10_000, &times)]).unwrap();
+    for row in &content.methods {
+        assert_eq!(row.impossible, [row.strategy == "coherent"], "{}", row.strategy);
+    }
+    assert_eq!(super::super::page::render(&content).matches("\"missed\">impossible<").count(), 1);
+    assert_eq!(super::super::markdown::render(&content).matches("(impossible)").count(), 1);
+}
+
+#[test]
 fn what_is_left_out_is_said_with_its_time() {
     let content = Content::of(&example()).unwrap();
     assert_eq!(content.left_out[0], "naive: left out above 2,000 objects: 90.0 ms a frame there");

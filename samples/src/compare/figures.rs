@@ -2,6 +2,7 @@
 
 use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place, Ratio};
 use super::exactness::{self, Setting};
+use super::noise::{self, NOISE_MAX};
 use super::spread::{Spread, objects, short};
 
 /// What `antumbra` may take on `street`, in times of the ideal, by the number of objects.
@@ -30,6 +31,10 @@ pub enum Verdict {
     ReachedInMedian,
     /// The median is not.
     Missed,
+    /// It is below what nobody can be below: the measurement is wrong.
+    Impossible,
+    /// The machine was too busy: its noise hides what there is.
+    TooNoisy,
     /// Something that it needs is missing.
     NotMeasured,
     /// Nothing was asked.
@@ -37,12 +42,24 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Those that are counted: all of what something was asked.
+    pub const COUNTED: [Self; 6] = [
+        Self::Reached,
+        Self::ReachedInMedian,
+        Self::Missed,
+        Self::Impossible,
+        Self::TooNoisy,
+        Self::NotMeasured,
+    ];
+
     /// In words, with a mark that is more than a colour.
     pub fn words(self) -> &'static str {
         match self {
             Self::Reached => "✓ reached",
             Self::ReachedInMedian => "≈ reached in the median, not in every run",
             Self::Missed => "✗ not reached",
+            Self::Impossible => "! impossible: below the ideal by more than the noise",
+            Self::TooNoisy => "~ not judged: the machine was too busy",
             Self::NotMeasured => "– not measured",
             Self::Shown => "· shown",
         }
@@ -62,6 +79,10 @@ pub struct Figure {
     pub found: Option<Spread>,
     /// Part of what the figure needs was not measured: what there is can only speak against it.
     pub is_partial: bool,
+    /// The noise of the machine while it was measured, as a part of the ideal's time, if it is known.
+    pub noise: Option<f64>,
+    /// Something in it was measured to be faster than the ideal, by more than the noise.
+    pub is_impossible: bool,
     /// What a reader must know beside it; may be empty.
     pub note: String,
 }
@@ -79,6 +100,8 @@ impl Figure {
         };
         match (self.asked, holds(found.median())) {
             (Asked::Shown, _) => Verdict::Shown,
+            _ if self.is_impossible => Verdict::Impossible,
+            _ if self.noise.is_some_and(|noise| noise >= NOISE_MAX) => Verdict::TooNoisy,
             (_, false) => Verdict::Missed,
             _ if self.is_partial => Verdict::NotMeasured,
             _ if holds(found.least()) && holds(found.most()) => Verdict::Reached,
@@ -114,7 +137,28 @@ impl Figure {
 
     fn new(case: &str, what: impl Into<String>, asked: Asked, found: Option<Spread>) -> Self {
         let (case, what) = (case.to_owned(), what.into());
-        Self { case, what, asked, found, is_partial: false, note: String::new() }
+        Self {
+            case,
+            what,
+            asked,
+            found,
+            is_partial: false,
+            noise: None,
+            is_impossible: false,
+            note: String::new(),
+        }
+    }
+
+    /// Says in which case it was measured, and of which strategies.
+    fn measured_in(mut self, case: &Case<'_>, strategies: &[&str]) -> Self {
+        self.noise = noise::of_case(case);
+        let least = noise::least_possible(case);
+        let below = |name: &&str| noise::is_below_ideal(case, name);
+        let is_over_ideal = self.what.ends_with("/ ideal");
+        let found = self.found.as_ref().filter(|_| is_over_ideal);
+        self.is_impossible =
+            strategies.iter().any(below) || found.is_some_and(|found| found.median() < least);
+        self
     }
 
     fn noted(mut self, note: impl Into<String>) -> Self {
@@ -134,21 +178,21 @@ pub fn all(cases: &Cases<'_>) -> Vec<Figure> {
     }
     for (rival, times) in [(FRUSTUM, 4.0), ("stop_and_wait", 2.6)] {
         for (size, _) in STREET_GOALS {
-            let ratio = street(cases, size).ratio(rival, ANTUMBRA);
+            let case = street(cases, size);
+            let ratio = case.ratio(rival, ANTUMBRA);
             let what = format!("{rival} / antumbra");
-            figures.push(tied(
-                &case_name("city", "street", size),
-                what,
-                Asked::MoreThan(times),
-                ratio,
-            ));
+            let name = case_name("city", "street", size);
+            let figure = tied(&name, what, Asked::MoreThan(times), ratio);
+            figures.push(figure.measured_in(&case, &[rival, ANTUMBRA]));
         }
     }
     for (size, _) in STREET_GOALS {
-        let found = street(cases, size).p95_ratio(ANTUMBRA, IDEAL);
+        let case = street(cases, size);
+        let found = case.p95_ratio(ANTUMBRA, IDEAL);
         let name = case_name("city", "street", size);
         let what = "95th percentile, antumbra / ideal";
-        figures.push(Figure::new(&name, what, Asked::AtMost(1.4), found));
+        let figure = Figure::new(&name, what, Asked::AtMost(1.4), found);
+        figures.push(figure.measured_in(&case, &[ANTUMBRA]));
     }
     figures.push(ratio_at(cases, "city", "cut", 10_000, IDEAL, 1.4));
     figures.push(after_cut(cases));
@@ -193,9 +237,11 @@ fn ratio_at(
     over: &str,
     most: f64,
 ) -> Figure {
-    let ratio = cases.at(&Place::still(scene, path, size)).ratio(ANTUMBRA, over);
+    let case = cases.at(&Place::still(scene, path, size));
+    let ratio = case.ratio(ANTUMBRA, over);
     let what = format!("antumbra / {over}");
-    tied(&case_name(scene, path, size), what, Asked::AtMost(most), ratio)
+    let figure = tied(&case_name(scene, path, size), what, Asked::AtMost(most), ratio);
+    figure.measured_in(&case, &[ANTUMBRA, over])
 }
 
 /// The nearest of the rivals, in times of `antumbra`.
@@ -220,9 +266,11 @@ fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
         notes.push(format!("not measured: {}", missing.join(", ")));
     }
     let what = "nearest rival / antumbra";
+    let names: Vec<&str> = nearest.iter().map(|(rival, _)| *rival).chain([ANTUMBRA]).collect();
     let found = nearest.map(|(_, spread)| spread);
     let name = case_name("city", "street", size);
     let figure = Figure::new(&name, what, Asked::MoreThan(1.0), found).noted(notes.join("; "));
+    let figure = figure.measured_in(&case, &names);
     Figure { is_partial: !missing.is_empty(), ..figure }
 }
 
@@ -230,7 +278,8 @@ fn after_cut(cases: &Cases<'_>) -> Figure {
     let case = cases.at(&Place::still("city", "cut", 10_000));
     let found = case.after_cut_ratio(ANTUMBRA, IDEAL);
     let what = "frame after a cut, antumbra / ideal";
-    Figure::new(&case_name("city", "cut", 10_000), what, Asked::AtMost(2.5), found)
+    let figure = Figure::new(&case_name("city", "cut", 10_000), what, Asked::AtMost(2.5), found);
+    figure.measured_in(&case, &[ANTUMBRA])
 }
 
 fn cpu_growth(cases: &Cases<'_>) -> Figure {

@@ -47,6 +47,32 @@ fn every_repetition_counts_for_the_mark() {
 }
 
 #[test]
+fn a_busy_machine_is_not_judged_and_the_impossible_neither() {
+    let walk = |[ideal, antumbra]: [f64; 2]| {
+        measured(
+            "city",
+            "street",
+            10_000,
+            &[(ANTUMBRA, antumbra), ("coherent", 4.0), (IDEAL, ideal)],
+        )
+    };
+    let verdicts = |times: &[[f64; 2]]| {
+        let reports: Vec<Measured> = times.iter().copied().map(walk).collect();
+        let figures = figures(&reports);
+        ["antumbra / ideal", "95th"].map(|what| find(&figures, "street 10k", what).verdict())
+    };
+    assert_eq!(verdicts(&[[1.0, 1.1], [1.05, 1.2]]), [Verdict::Reached; 2]);
+    assert_eq!(verdicts(&[[1.0, 1.1], [1.3, 1.4]]), [Verdict::TooNoisy; 2]);
+    assert_eq!(verdicts(&[[1.0, 1.1], [1.3, 1.4], [1.01, 1.1]]), [Verdict::Reached; 2]);
+    // Nobody draws less than the ideal: below it by the noise is the noise, by more a mistake.
+    assert_eq!(verdicts(&[[1.0, 0.97], [1.05, 1.02]]), [Verdict::Reached; 2]);
+    assert_eq!(verdicts(&[[1.0, 0.8], [1.01, 0.8]]), [Verdict::Impossible; 2]);
+    assert_eq!(verdicts(&[[1.0, 0.8]]), [Verdict::Impossible; 2], "also measured once");
+    let words = Verdict::Impossible.words();
+    assert!(words.contains("more than the noise"), "{words}");
+}
+
+#[test]
 fn the_nearest_rival_decides_and_a_missing_one_leaves_it_open() {
     let times = [(ANTUMBRA, 2.0), ("coherent", 3.0), ("pyramid", 2.2), ("stop_and_wait", 9.0)];
     let complete: Vec<_> = times.into_iter().chain([("next_frame", 2.5)]).collect();

@@ -8,14 +8,22 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use thiserror::Error;
 
+use crate::input_file;
 use crate::provenance::Provenance;
 use crate::statistics::Summary;
+use crate::terminal::shown;
+
+/// A larger file is none of ours: a report of a million frames and a dozen strategies is smaller.
+const MOST_BYTES: u64 = 512 << 20;
 
 /// Why there is nothing to compare.
 #[derive(Debug, Error)]
 pub enum InputError {
     /// The folder cannot be read.
-    #[error("cannot read the folder '{}': {reason}; name one that holds reports of walkthrough", folder.display())]
+    #[error(
+        "cannot read the folder '{}': {reason}; name one that holds reports of walkthrough",
+        shown(folder)
+    )]
     Folder {
         /// What was asked for.
         folder: PathBuf,
@@ -23,10 +31,10 @@ pub enum InputError {
         reason: std::io::Error,
     },
     /// The folder has no report.
-    #[error("there is no report in '{}': run ci/compare, or write some there with 'walkthrough --report {}/NAME.json'", .0.display(), .0.display())]
+    #[error("there is no report in '{}': run ci/compare, or write some there with 'walkthrough --report {}/NAME.json'", shown(.0), shown(.0))]
     Empty(PathBuf),
     /// The notes cannot be read.
-    #[error("cannot read the notes '{}': {reason}; name a text file", file.display())]
+    #[error("cannot read the notes '{}': {reason}; name a text file", shown(file))]
     Notes {
         /// Which file.
         file: PathBuf,
@@ -34,7 +42,10 @@ pub enum InputError {
         reason: std::io::Error,
     },
     /// A file is no report.
-    #[error("'{}' is no report of walkthrough: {reason}; remove it or measure it again", file.display())]
+    #[error(
+        "'{}' is no report of walkthrough: {reason}; remove it or measure it again",
+        shown(file)
+    )]
     Broken {
         /// Which file.
         file: PathBuf,
@@ -56,6 +67,8 @@ pub struct Measured {
     pub scene: MeasuredScene,
     /// Name of the camera's path.
     pub path: String,
+    /// Whether a signal ended the walk.
+    pub cut_short: bool,
     /// Timed frames of each strategy.
     pub frames: u32,
     /// Width and height in pixels.
@@ -179,7 +192,7 @@ pub fn read_folder(folder: &Path) -> Result<Vec<Measured>, InputError> {
 /// # Errors
 /// When the file cannot be read.
 pub fn read_notes(file: &Path) -> Result<Vec<String>, InputError> {
-    let text = fs::read_to_string(file)
+    let text = input_file::read_text(file, MOST_BYTES)
         .map_err(|reason| InputError::Notes { file: file.to_owned(), reason })?;
     let mut notes = Vec::new();
     for line in text.lines().map(|line| line.trim().trim_end_matches('.').to_owned()) {
@@ -191,7 +204,7 @@ pub fn read_notes(file: &Path) -> Result<Vec<String>, InputError> {
 }
 
 fn read_report(file: PathBuf) -> Result<Measured, InputError> {
-    let text = match fs::read_to_string(&file) {
+    let text = match input_file::read_text(&file, MOST_BYTES) {
         Ok(text) => text,
         Err(error) => return Err(InputError::Broken { file, reason: error.to_string() }),
     };

@@ -11,6 +11,7 @@ pub fn render(content: &Content) -> String {
         text.push_str(&format!("{headline}\n\n"));
     }
     text.push_str(&format!("{}; {}; {}.\n", content.device, content.frames, content.days));
+    text.push_str(&format!("\n{}.\n", content.steadiness));
     for warning in &content.warnings {
         text.push_str(&format!("\n**{warning}**\n"));
     }
@@ -51,7 +52,10 @@ fn methods(content: &Content) -> String {
         let mut cells = vec![format!("`{}`", method.strategy)];
         let ratio =
             |ratio: &Option<Spread>| ratio.as_ref().map_or("-".to_owned(), Spread::to_string);
-        cells.extend(method.ratios.iter().map(ratio));
+        let marked = |(value, is_impossible): (&Option<Spread>, &bool)| {
+            if *is_impossible { ratio(value) + " (impossible)" } else { ratio(value) }
+        };
+        cells.extend(method.ratios.iter().zip(&method.impossible).map(marked));
         cells.push(shown(&method.cpu_ms, short));
         cells.push(shown(&method.draws, thousands));
         cells.push(shown(&method.tests, thousands));

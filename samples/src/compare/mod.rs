@@ -2,7 +2,7 @@
 //!
 //! [`input`] reads the reports back, [`cases`] puts repetitions and parts together, [`figures`] and
 //! [`exactness`] say what is reached, [`plots`] draws, and [`content`] gathers it all for [`page`]
-//! and [`markdown`].
+//! and [`markdown`]. [`noise`] says whether the machine was steady enough to judge.
 
 pub mod args;
 pub mod axis;
@@ -16,12 +16,14 @@ pub mod input;
 pub mod labels;
 pub mod line_chart;
 pub mod markdown;
+pub mod noise;
 pub mod page;
 pub mod palette;
 pub mod plots;
 pub mod spread;
 #[cfg(test)]
 pub(crate) mod testing;
+pub mod thumbnails;
 
 use std::path::Path;
 
@@ -29,9 +31,11 @@ use thiserror::Error;
 
 use self::args::Arguments;
 use self::canvas::DrawError;
+use self::cases::Cases;
 use self::content::Content;
 use self::input::{InputError, Measured, read_folder, read_notes};
-use crate::outputs::{WriteError, write_file};
+use crate::outputs::write_file;
+use crate::terminal::{Ending, output::say_wrote, print};
 
 /// Why there is no comparison: one sentence that says what is wrong and what to do.
 #[derive(Debug, Error)]
@@ -48,9 +52,6 @@ pub enum CompareError {
     /// A plot failed.
     #[error(transparent)]
     Draw(#[from] DrawError),
-    /// A file cannot be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
 }
 
 impl CompareError {
@@ -58,19 +59,31 @@ impl CompareError {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) | Self::Devices(_) | Self::NoPicture => 2,
-            Self::Draw(_) | Self::Write(_) => 1,
+            Self::Draw(_) => 1,
         }
     }
 }
 
-/// Does what the arguments say; answers with what to print.
+/// Does what the arguments say: prints the result, then writes each file that can be.
 ///
 /// # Errors
-/// When there is nothing to compare, or a file cannot be written. Then none is.
-pub fn run(arguments: &Arguments) -> Result<String, CompareError> {
+/// When there is nothing to compare.
+pub fn run(arguments: &Arguments) -> Result<Ending, CompareError> {
     let reports = read_folder(&arguments.reports)?;
     one_device(&reports)?;
+    let cases = Cases::of(&reports);
+    let mut ending = Ending::default();
+    if arguments.noisy {
+        let names = noise::to_repeat(&cases).into_iter().map(|name| name + "\n");
+        ending.attempt(print(&names.collect::<String>()));
+        return Ok(ending);
+    }
     let mut content = Content::of(&reports)?;
+    if let Some(folder) = &arguments.pictures {
+        let (shown, missing) = thumbnails::thumbnails(folder, &cases);
+        content.thumbnails = shown;
+        content.left_out.extend(missing);
+    }
     if let Some(file) = &arguments.notes {
         content.left_out.extend(read_notes(file)?);
     }
@@ -85,17 +98,18 @@ pub fn run(arguments: &Arguments) -> Result<String, CompareError> {
         let plot = content.ratios.as_ref().ok_or(CompareError::NoPicture)?;
         files.push((file, plot.svg.clone()));
     }
-    for (file, text) in &files {
-        write_file(file, text.as_bytes())?;
-    }
     let mut told: String = content.headline().map(|headline| headline + "\n").unwrap_or_default();
     for (verdict, count) in content.verdicts() {
         told.push_str(&format!("{count:>3} {}\n", verdict.words()));
     }
-    for (file, _) in &files {
-        told.push_str(&format!("wrote {}\n", file.display()));
+    told.push_str(&format!("{}.\n", content.steadiness));
+    ending.attempt(print(&told));
+    for (file, text) in &files {
+        if ending.attempt(write_file(file, text.as_bytes())).is_some() {
+            say_wrote(file);
+        }
     }
-    Ok(told)
+    Ok(ending)
 }
 
 fn one_device(reports: &[Measured]) -> Result<(), CompareError> {

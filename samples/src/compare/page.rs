@@ -8,10 +8,12 @@ use super::figures::{Figure, Verdict};
 use super::palette;
 use super::plots::Plot;
 use super::spread::{Spread, objects, short, thousands};
+use super::thumbnails::Thumbnail;
 
 /// The page.
 pub fn render(content: &Content) -> String {
     let mut body = head(content);
+    body.push_str(&scenes(&content.thumbnails));
     if let Some(plot) = &content.ratios {
         body.push_str(&figure(plot));
     }
@@ -55,6 +57,7 @@ fn head(content: &Content) -> String {
         escaped(&content.frames),
         escaped(&content.days)
     ));
+    text.push_str(&format!("<p class=\"steadiness\">{}.</p>\n", escaped(&content.steadiness)));
     for warning in &content.warnings {
         text.push_str(&format!("<p class=\"warning\">{}</p>\n", escaped(warning)));
     }
@@ -64,6 +67,8 @@ fn head(content: &Content) -> String {
             Verdict::Reached => "figures reached",
             Verdict::ReachedInMedian => "reached in the median",
             Verdict::Missed => "not reached",
+            Verdict::Impossible => "impossible",
+            Verdict::TooNoisy => "not judged: machine too busy",
             _ => "not measured",
         };
         let class = class_of(verdict);
@@ -85,6 +90,19 @@ fn head(content: &Content) -> String {
         ));
     }
     text + "</div>\n"
+}
+
+/// A picture of each scene and path, side by side.
+fn scenes(thumbnails: &[Thumbnail]) -> String {
+    let figure = |Thumbnail { caption, size: [width, height], uri }: &Thumbnail| {
+        let caption = escaped(caption);
+        format!(
+            "<figure><img alt=\"{caption}\" width=\"{width}\" height=\"{height}\" src=\"{uri}\">\
+             <figcaption>{caption}</figcaption></figure>\n"
+        )
+    };
+    let figures: String = thumbnails.iter().map(figure).collect();
+    if figures.is_empty() { figures } else { format!("<div class=\"scenes\">\n{figures}</div>\n") }
 }
 
 fn figure(plot: &Plot) -> String {
@@ -146,8 +164,11 @@ fn methods(content: &Content) -> String {
 fn method(row: &MethodRow) -> String {
     let class = if row.strategy == ANTUMBRA { " class=\"ours\"" } else { "" };
     let mut text = format!("<tr{class}><td>{}</td>", swatch(&row.strategy));
-    for ratio in &row.ratios {
-        text.push_str(&ratio_cell(ratio.as_ref()));
+    for (ratio, is_impossible) in row.ratios.iter().zip(&row.impossible) {
+        let cell = ratio_cell(ratio.as_ref());
+        let mark =
+            if *is_impossible { "<span class=\"missed\">impossible</span></td>" } else { "</td>" };
+        text.push_str(&cell.replace("</td>", mark));
     }
     text.push_str(&number(row.cpu_ms.as_ref(), |ms| short(ms.median())));
     text.push_str(&number(row.draws.as_ref(), |count| thousands(count.median())));
@@ -163,7 +184,8 @@ fn class_of(verdict: Verdict) -> &'static str {
         Verdict::Reached => "reached",
         Verdict::ReachedInMedian => "nearly",
         Verdict::Missed => "missed",
-        Verdict::NotMeasured | Verdict::Shown => "open",
+        Verdict::Impossible => "missed",
+        Verdict::TooNoisy | Verdict::NotMeasured | Verdict::Shown => "open",
     }
 }
 
@@ -290,7 +312,7 @@ mod tests {
         ] {
             assert!(page.contains(text), "{text} is missing");
         }
-        for outside in ["http-equiv", "<script", "<link", "src=", "href=", "@import", "url("] {
+        for outside in ["http-equiv", "<script", "<link", "src=\"h", "href=", "@import", "url("] {
             assert!(!page.contains(outside), "{outside} needs something else");
         }
         for tag in ["svg", "table", "figure", "td", "tr", "p", "div", "span", "details", "pre"] {

@@ -1,12 +1,15 @@
 //! What deeds do to a session. Those that are about a window do nothing here.
 
 use super::deeds::Deed;
+use super::menu;
 use super::session::Session;
 use super::world::World;
+use crate::hud::HudLevel;
 use crate::options::MAX_FRAMES_IN_FLIGHT;
 use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
 use crate::strategy::Strategy;
+use crate::terminal::{output::say_wrote, shown};
 
 const GPU_KNOWS: &str =
     "only the GPU knows what pyramid draws: choose another strategy to see its decisions";
@@ -26,6 +29,8 @@ impl Session {
             }
             Deed::FramesInFlight(count) => self.set_frames_in_flight(count)?,
             Deed::Freeze => self.freeze()?,
+            Deed::Identify(pixel) => self.identify(pixel),
+            Deed::Compare => self.toggle_comparison()?,
             Deed::BirdsEye => {
                 self.has_birds_eye = !self.has_birds_eye;
                 self.explain()?;
@@ -40,15 +45,39 @@ impl Session {
             Deed::TimePasses => self.toggle_times(),
             Deed::Screenshot => self.wants_screenshot = true,
             Deed::Record => self.toggle_recording(),
-            Deed::Hud => self.has_hud = !self.has_hud,
+            Deed::Hud => self.hud_level = self.hud_level.next(),
             Deed::Pause => self.answer(World::toggle_pause),
             Deed::Step => self.answer(World::step),
             Deed::NextClip => self.answer(World::next_clip),
             Deed::AllClips => self.answer(World::all_clips),
             Deed::Camera(number) => self.answer(|world| world.look_through(number)),
-            Deed::NextPresentMode | Deed::PresentMode(_) | Deed::Quit => {}
+            Deed::ListStrategies => {
+                let can = |strategy| self.renderer.supports(strategy).is_ok();
+                self.menu = Some(menu::strategies(can, self.strategy));
+            }
+            Deed::Help => self.has_help = !self.has_help,
+            Deed::Escape => self.close_page(),
+            Deed::NextPresentMode
+            | Deed::PresentMode(_)
+            | Deed::ListScenes
+            | Deed::OpenPath
+            | Deed::FullScreen
+            | Deed::CaptureMouse
+            | Deed::Quit => {}
         }
         Ok(())
+    }
+
+    /// Returns true while a page is open over the picture.
+    pub fn has_page(&self) -> bool {
+        self.has_help || self.menu.is_some()
+    }
+
+    /// Closes the page over the picture.
+    pub fn close_page(&mut self) {
+        if self.menu.take().is_none() {
+            self.has_help = false;
+        }
     }
 
     /// Says what became of something that was asked of the world.
@@ -131,6 +160,7 @@ impl Session {
             self.refuse(GPU_KNOWS.to_owned());
             return Ok(());
         }
+        self.finish_comparison()?;
         let view = self.renderer.view_of(&self.seen_from);
         self.frozen = Some(self.renderer.moment(&mut self.history, view)?);
         let boxes = match self.explanation.has_boxes {
@@ -152,11 +182,16 @@ impl Session {
     fn toggle_times(&mut self) {
         if self.is_timing_passes {
             self.is_timing_passes = false;
-            self.renderer.stop_timing_passes();
             return;
         }
         match self.renderer.time_passes() {
-            Ok(()) => self.is_timing_passes = true,
+            Ok(()) => {
+                self.is_timing_passes = true;
+                // There they are listed.
+                if self.hud_level == HudLevel::Compact {
+                    self.hud_level = HudLevel::Detailed;
+                }
+            }
             Err(error) => self.refuse(error.to_string()),
         }
     }
@@ -183,12 +218,16 @@ impl Session {
             return Ok(());
         }
         let path = self.folder.join(format!("path_{:05}.txt", self.frame));
-        if let Err(error) = recorded.write(&path) {
-            self.recording = Some(recorded);
-            return Err(RunError::machine(error));
+        match recorded.write(&path) {
+            Ok(path) => {
+                say_wrote(&path);
+                self.tell(format!("{} frames in {}", recorded.frames().len(), shown(&path)));
+                Ok(())
+            }
+            Err(error) => {
+                self.recording = Some(recorded);
+                Err(RunError::machine(error))
+            }
         }
-        let frames = recorded.frames().len();
-        self.tell(format!("{frames} frames in {}", path.display()));
-        Ok(())
     }
 }

@@ -2,21 +2,13 @@
 
 use clap::Parser;
 
+use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::Source;
 use crate::args::{parse_made, parse_path, parse_scene, usage};
 use crate::options::UsageError;
 
-/// Flies through a city in a window, and shows what the engine thinks.
-///
-/// The keys are listed on the screen. The same program runs without a window: --headless.
-#[derive(Clone, Debug, Parser)]
-#[command(
-    name = "city",
-    version,
-    allow_negative_numbers = true,
-    args_override_self = true,
-    after_help = "\
+const EXAMPLES: &str = "\
 Examples:
   city
       Fly: W A S D, Q and E, look with a mouse button held.
@@ -27,9 +19,20 @@ Examples:
   city --path my-path.txt --trace trace.json
       A path recorded with the key R, and a trace for ui.perfetto.dev.
 
-Ends with 0 when all went well, 2 when something in the command line is wrong, 1 when the machine
-cannot do it or a file cannot be written, 130 or 143 when Ctrl-C or SIGTERM ended it: that writes what
-there is, and a second one ends it at once."
+Exit codes: 0 all went well; 2 the command line is wrong; 1 the machine cannot do it or a file \
+cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM ended it: that writes what \
+there is, and a second one ends it at once.";
+
+/// Flies through a city in a window, and shows what the engine thinks.
+///
+/// The keys are listed on the screen. The same program runs without a window: --headless.
+#[derive(Clone, Debug, Parser)]
+#[command(
+    name = "city",
+    version,
+    allow_negative_numbers = true,
+    args_override_self = true,
+    after_help = help_with_keys(EXAMPLES, &[])
 )]
 pub struct CityArguments {
     /// What to fly through: city or field
@@ -77,6 +80,7 @@ impl CityArguments {
 mod tests {
     use super::*;
     use crate::choices::CameraPath;
+    use crate::hud::HudLevel;
     use crate::options::PathChoice;
     use crate::strategy::Strategy;
 
@@ -98,10 +102,13 @@ mod tests {
     #[test]
     fn nothing_said_opens_a_window() {
         let options = parse(&[]).unwrap();
-        assert_eq!((options.is_headless, options.has_hud, options.frames), (false, true, None));
+        assert_eq!(
+            (options.is_headless, options.hud, options.frames),
+            (false, HudLevel::Compact, None)
+        );
         assert_eq!((options.strategy, path_of(&[])), (Strategy::Antumbra, None));
         let options = parse(&["--headless"]).unwrap();
-        assert_eq!((options.has_hud, options.frames), (false, Some(120)));
+        assert_eq!((options.hud, options.frames), (HudLevel::Off, Some(120)));
     }
 
     #[test]
@@ -138,7 +145,7 @@ mod tests {
             (["--present-mode", "vsync"], "fifo_relaxed, mailbox"),
             (["--frame-limit", "0"], "0.1 to 10000"),
             (["--frame-limit", "NaN"], "not 'NaN'"),
-            (["--hud", "maybe"], "on or off"),
+            (["--hud", "maybe"], "on, details or off"),
             (["--costs", "ignore"], "did you mean 'ignored'?"),
             (["--path", "stret"], "did you mean 'street'?"),
             (["--scene", "a.glb"], "`viewer a.glb`"),

@@ -1,13 +1,11 @@
 //! Scenes that come while the window is open: the one it was opened for, and files dropped into it.
 
-use std::path::Path;
-
 use gpu::Device;
 
 use super::loading::Loading;
 use super::session::Session;
 use super::show::ShowOptions;
-use super::source::{FileSource, Source};
+use super::source::Source;
 use super::stage::Stage;
 use crate::run::RunError;
 
@@ -38,9 +36,7 @@ impl Arrivals {
             Source::File { .. } | Source::Nothing { .. } => Stage::empty(device, options, size)?,
         };
         let loading = match source {
-            Source::File { file, settings } => {
-                Some(Loading::start(device, file, settings.clone(), options, size)?)
-            }
+            Source::File { .. } => Some(Loading::start(device, source, options, size)?),
             Source::Made { .. } | Source::Nothing { .. } => None,
         };
         let is_first = loading.is_some();
@@ -58,20 +54,19 @@ impl Arrivals {
         self.loading.is_some()
     }
 
-    /// Begins to load another file, in place of any other that is on its way.
+    /// Begins to load or make another scene, in place of any other that is on its way.
     ///
     /// # Errors
     /// When the system has no thread for it.
     pub fn load(
         &mut self,
         device: &Device,
-        file: &Path,
-        settings: FileSource,
+        source: &Source,
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<(), RunError> {
         self.loading = None;
-        self.loading = Some(Loading::start(device, file, settings, options, size)?);
+        self.loading = Some(Loading::start(device, source, options, size)?);
         self.is_first = false;
         Ok(())
     }
@@ -92,7 +87,9 @@ impl Arrivals {
         session.await_scene(None);
         let is_first = std::mem::take(&mut self.is_first);
         match (shown, self.loading.take()) {
-            (Err(error), Some(loading)) if !is_first => session.refuse_file(loading.file(), &error),
+            (Err(error), Some(loading)) if !is_first => {
+                session.refuse_source(loading.source(), &error)
+            }
             (shown, _) => shown?,
         }
         Ok(true)

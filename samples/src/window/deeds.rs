@@ -23,6 +23,10 @@ pub enum Deed {
     PresentMode(PresentMode),
     /// The culling stands still while the camera flies on, or goes on.
     Freeze,
+    /// Frames with and without culling in turn, and the pixels that differ.
+    Compare,
+    /// What the object at a pixel is, or that in the middle, and why it is drawn or not.
+    Identify(Option<[u32; 2]>),
     /// The view from above in a corner.
     BirdsEye,
     /// The boxes that are tested, coloured by what is known of them.
@@ -47,24 +51,46 @@ pub enum Deed {
     AllClips,
     /// The camera of the scene's file with this number, from 1 on.
     Camera(u32),
+    /// The list of strategies.
+    ListStrategies,
+    /// The list of scenes.
+    ListScenes,
+    /// The field for the path of a file.
+    OpenPath,
+    /// The page of all keys.
+    Help,
+    /// The whole screen, or a window again.
+    FullScreen,
+    /// The mouse looks around without a button held, or is free again.
+    CaptureMouse,
+    /// Closes what is open, frees the mouse, or quits the second time.
+    Escape,
     /// The end.
     Quit,
 }
 
 /// The keys: how they are called, what they do, as text and as a deed.
-pub const KEYS: [(&str, &str, Deed); 12] = [
+pub const KEYS: [(&str, &str, Deed); 20] = [
+    ("F1", "all keys", Deed::Help),
+    ("F11", "full screen", Deed::FullScreen),
     ("Tab", "next strategy", Deed::NextStrategy),
+    ("U", "list of strategies", Deed::ListStrategies),
+    ("O", "list of scenes", Deed::ListScenes),
+    ("Ctrl+O", "open a file by its path", Deed::OpenPath),
     ("F", "frames in flight", Deed::NextFramesInFlight),
     ("P", "present mode", Deed::NextPresentMode),
     ("C", "freeze the culling", Deed::Freeze),
+    ("V", "compare with no culling", Deed::Compare),
+    ("I", "what is in the middle", Deed::Identify(None)),
     ("B", "bird's-eye view", Deed::BirdsEye),
     ("X", "boxes that are tested", Deed::Boxes),
     ("G", "wires", Deed::Wires),
     ("T", "GPU time of passes", Deed::TimePasses),
     ("K", "screenshot", Deed::Screenshot),
     ("R", "record the path", Deed::Record),
-    ("H", "all this text", Deed::Hud),
-    ("Esc", "quit", Deed::Quit),
+    ("H", "more text, or none", Deed::Hud),
+    ("M", "capture the mouse", Deed::CaptureMouse),
+    ("Esc", "free the mouse; twice: quit", Deed::Escape),
 ];
 
 /// More keys, for scenes out of files. Numbers look through their cameras.
@@ -79,15 +105,17 @@ pub const FILE_KEYS: [(&str, &str, Deed); 4] = [
 pub const CAMERA_KEYS: (&str, &str) = ("1 to 9", "cameras of the file");
 
 /// What the camera is steered with.
-pub const STEERING: [(&str, &str); 4] = [
+pub const STEERING: [(&str, &str); 5] = [
     ("WASD QE", "fly, down, up"),
     ("Shift", "faster"),
     ("Wheel", "how fast"),
-    ("Mouse", "look, a button held"),
+    ("Click", "what is that, and why is it drawn"),
+    ("Mouse", "look, a button held; right click: capture"),
 ];
 
 impl Deed {
-    /// What the key of that name does: `Tab`, `Esc`, `Space`, a digit, or a letter of any case.
+    /// Returns what the key of that name does: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a digit, or a letter of
+    /// any case.
     pub fn of_key(name: &str) -> Option<Self> {
         let same = |(key, _, _): &&(&str, &str, Deed)| key.eq_ignore_ascii_case(name);
         if let Some(number) = name.parse().ok().filter(|number| (1..=9).contains(number)) {
@@ -121,6 +149,9 @@ impl Deed {
                 ("present_mode", None) => Self::NextPresentMode,
                 ("present_mode", Some(name)) => Self::PresentMode(present_mode(name)?),
                 ("freeze", None) => Self::Freeze,
+                ("compare", None) => Self::Compare,
+                ("identify", None) => Self::Identify(None),
+                ("identify", Some(pixel)) => Self::Identify(Some(parse_pixel(pixel)?)),
                 ("birds_eye", None) => Self::BirdsEye,
                 ("boxes", None) => Self::Boxes,
                 ("wires", None) => Self::Wires,
@@ -136,6 +167,13 @@ impl Deed {
                     number.parse().map_err(|_| "camera takes its number, from 1 on".to_owned())?,
                 ),
                 ("camera", None) => return Err("camera takes its number, from 1 on".to_owned()),
+                ("list_strategies", None) => Self::ListStrategies,
+                ("list_scenes", None) => Self::ListScenes,
+                ("open_path", None) => Self::OpenPath,
+                ("help", None) => Self::Help,
+                ("full_screen", None) => Self::FullScreen,
+                ("capture_mouse", None) => Self::CaptureMouse,
+                ("escape", None) => Self::Escape,
                 ("quit", None) => Self::Quit,
                 (name, Some(value)) if NAMES.contains(&name) => {
                     return Err(format!("{name} takes no '{value}'"));
@@ -148,11 +186,13 @@ impl Deed {
     }
 }
 
-const NAMES: [&str; 17] = [
+const NAMES: [&str; 26] = [
     "strategy",
     "frames_in_flight",
     "present_mode",
     "freeze",
+    "compare",
+    "identify",
     "birds_eye",
     "boxes",
     "wires",
@@ -165,8 +205,24 @@ const NAMES: [&str; 17] = [
     "next_clip",
     "all_clips",
     "camera",
+    "list_strategies",
+    "list_scenes",
+    "open_path",
+    "help",
+    "full_screen",
+    "capture_mouse",
+    "escape",
     "quit",
 ];
+
+/// Parses a pixel, `X,Y` from the upper left.
+fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(',').map(|(x, y)| [x.parse().ok(), y.parse().ok()]);
+    match sides {
+        Some([Some(x), Some(y)]) => Ok([x, y]),
+        _ => Err(format!("identify takes a pixel, as in 'identify 160,90', not '{text}'")),
+    }
+}
 
 /// The present mode of that name.
 ///
@@ -191,11 +247,27 @@ mod tests {
         }
         assert_eq!(Deed::of_key("3"), Some(Deed::Camera(3)));
         assert_eq!((Deed::of_key("0"), Deed::of_key("12")), (None, None));
-        for name in NAMES.into_iter().filter(|name| *name != "camera") {
+        // Esc quits in two steps, a script in one.
+        for name in NAMES.into_iter().filter(|name| !["camera", "quit"].contains(name)) {
             let deed = Deed::parse(name).unwrap();
             assert_eq!(keys().filter(|(_, _, of_key)| *of_key == deed).count(), 1, "{name}");
         }
         assert_eq!(Deed::of_key("w"), None);
+    }
+
+    /// What the window has, the README has.
+    #[test]
+    fn the_readme_lists_every_key() {
+        let readme = include_str!("../../../README.md");
+        let table: String = readme.lines().filter(|line| line.starts_with("| ")).collect();
+        for (key, _, _) in KEYS {
+            let words = table.split(['|', ',', ' ']).any(|word| word == key);
+            assert!(words, "{key} is not in the table of keys of README.md");
+        }
+        for (key, _, _) in FILE_KEYS {
+            let is_there = readme.split([' ', ',', ';', '(', '`', '\n']).any(|word| word == key);
+            assert!(is_there, "{key} is not in README.md");
+        }
     }
 
     #[test]
@@ -203,6 +275,7 @@ mod tests {
         assert_eq!(Deed::parse("strategy pyramid"), Ok(Deed::Strategy(Strategy::Pyramid)));
         assert_eq!(Deed::parse("frames_in_flight 4"), Ok(Deed::FramesInFlight(4)));
         assert_eq!(Deed::parse("camera 2"), Ok(Deed::Camera(2)));
+        assert_eq!(Deed::parse("identify 3,40"), Ok(Deed::Identify(Some([3, 40]))));
         assert_eq!(Deed::parse("present_mode fifo"), Ok(Deed::PresentMode(PresentMode::Fifo)));
         for (text, reason) in [
             ("strategy pyramide", "did you mean 'pyramid'?"),
@@ -211,6 +284,8 @@ mod tests {
             ("hud off", "hud takes no 'off'"),
             ("camera", "takes its number"),
             ("camera walk", "takes its number"),
+            ("identify 160", "takes a pixel"),
+            ("identify -1,2", "takes a pixel"),
             ("jump", "unknown deed 'jump'"),
             ("", "unknown deed ''"),
             ("strategy pyramid now", "'now' is one word too many"),

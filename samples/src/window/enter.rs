@@ -5,12 +5,14 @@ use std::path::Path;
 use render::FrameReport;
 
 use super::fly_camera::FlyCamera;
-use super::frame_times::FrameTimes;
+use super::identify::Selection;
 use super::loading::Progress;
 use super::session::Session;
+use super::source::Source;
 use super::stage::Stage;
 use crate::run::RunError;
 use crate::strategy::Strategy;
+use crate::terminal::shown;
 
 impl Session {
     /// Shows `stage` from now on, from its first frame. What it replaces goes when the GPU is through.
@@ -37,18 +39,22 @@ impl Session {
         };
         let notes = std::mem::take(&mut world.notes);
         self.stop_recording()?;
+        self.finish_comparison()?;
         (self.renderer, self.history, self.strategy) = (renderer, history, strategy);
         self.fly = FlyCamera::new(world.start, world.speed_m);
         (self.seen_from, self.world) = (world.start, world);
+        self.selection = Selection::default();
         // The letters of the text are on the old renderer.
         self.hud = None;
         (self.frame, self.frozen, self.outcome) = (0, None, None);
-        (self.report, self.times) = (FrameReport::default(), FrameTimes::default());
+        self.report = FrameReport::default();
+        self.scene += 1;
+        self.viewed.clear();
         if let Some(trace) = &mut self.trace {
             trace.forget_submitted();
         }
         for note in &notes {
-            tracing::warn!("{}: {note}", self.world.name);
+            tracing::warn!("{}: {note}", shown(Path::new(&self.world.name)));
         }
         self.tell_notes(&notes);
         self.explain()
@@ -75,9 +81,8 @@ impl Session {
         self.notice.keep_telling(text);
     }
 
-    /// Says for as long as nothing else is said that `file` cannot be shown, and why.
-    pub fn refuse_file(&mut self, file: &Path, error: &RunError) {
-        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
-        self.notice.keep_telling(format!("{name} cannot be shown: {error}"));
+    /// Says for as long as nothing else is said that a source cannot be shown, and why.
+    pub fn refuse_source(&mut self, source: &Source, error: &RunError) {
+        self.notice.keep_telling(format!("{} cannot be shown: {error}", source.name()));
     }
 }

@@ -1,41 +1,44 @@
-//! How evenly frames came in the present mode that is in use: another mode begins anew.
+//! How evenly frames came under the conditions that hold: others start anew.
 
-use gpu::PresentMode;
 use pacing::{FrameId, FrameStatistics, FrameTiming, HitchRule, PacingError, Summary};
+
+use super::conditions::Conditions;
 
 /// Statistics are over so many frames.
 const FRAMES: usize = 600;
 
-/// The newest frames of one present mode.
+/// The newest frames under the same conditions.
 #[derive(Debug)]
 pub struct Evenness {
     statistics: FrameStatistics,
-    mode: PresentMode,
-    /// The first frame of the mode.
-    first: FrameId,
+    conditions: Option<Conditions>,
+    /// The first frame under these conditions. Its time is from a frame under others to it.
+    first: Option<FrameId>,
 }
 
 impl Evenness {
-    /// No frame was shown yet.
+    /// Creates statistics over no frame.
     ///
     /// # Errors
     /// None that can come with the number of frames that is built in.
-    pub fn new(mode: PresentMode) -> Result<Self, PacingError> {
+    pub fn new() -> Result<Self, PacingError> {
         let statistics = FrameStatistics::new(FRAMES, HitchRule::default())?;
-        Ok(Self { statistics, mode, first: FrameId(0) })
+        Ok(Self { statistics, conditions: None, first: None })
     }
 
-    /// From the frame `next` on they are shown in this mode. Those of another one are forgotten.
-    pub fn follow(&mut self, mode: PresentMode, next: FrameId) {
-        if std::mem::replace(&mut self.mode, mode) != mode {
+    /// Takes that the frame `next` and later ones come under `conditions`. Frames under others are
+    /// forgotten.
+    pub fn follow(&mut self, conditions: Conditions, next: FrameId) {
+        if self.conditions != Some(conditions) {
             self.statistics.clear();
-            self.first = next;
+            self.first = self.conditions.replace(conditions).map(|_| next);
         }
     }
 
-    /// Takes a frame in, unless it was shown in the mode before: of some that is known only later.
+    /// Takes a frame in, unless its time says anything about the conditions before: of some frames that
+    /// is known only later.
     pub fn record(&mut self, frame: FrameId, timing: FrameTiming) {
-        if frame >= self.first {
+        if self.first.is_none_or(|first| frame > first) {
             self.statistics.record(timing);
         }
     }
@@ -48,8 +51,12 @@ impl Evenness {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::time::Duration;
+
+    use gpu::PresentMode;
+
+    use super::*;
+    use crate::strategy::Strategy;
 
     fn record(evenness: &mut Evenness, frames: std::ops::Range<u64>, interval_ms: u64) {
         for frame in frames {
@@ -65,20 +72,38 @@ mod tests {
     }
 
     #[test]
-    fn another_mode_begins_anew() {
-        let mut evenness = Evenness::new(PresentMode::Fifo).unwrap();
-        record(&mut evenness, 0..10, 16);
-        evenness.follow(PresentMode::Fifo, FrameId(12));
-        assert_eq!(evenness.summary().missed_refreshes, Some(10));
-        evenness.follow(PresentMode::Immediate, FrameId(12));
-        assert_eq!(evenness.summary(), Summary::default());
-        record(&mut evenness, 10..12, 16);
-        assert_eq!(evenness.summary().frames, 0, "these were shown in the mode before");
-        record(&mut evenness, 12..15, 2);
-        let summary = evenness.summary();
-        assert_eq!((summary.frames, summary.missed_refreshes), (3, Some(3)));
-        let worst = Duration::from_millis(2);
-        assert_eq!(summary.present_intervals.unwrap().worst, worst);
-        assert_eq!(summary.latencies.unwrap().worst, worst);
+    fn other_conditions_start_anew() {
+        let old = Conditions {
+            strategy: Strategy::Antumbra,
+            size: [640, 360],
+            frames_in_flight: 2,
+            present_mode: Some(PresentMode::Fifo),
+            scene: 0,
+            is_comparing: false,
+        };
+        for new in [
+            Conditions { strategy: Strategy::Frustum, ..old },
+            Conditions { size: [640, 361], ..old },
+            Conditions { frames_in_flight: 3, ..old },
+            Conditions { present_mode: Some(PresentMode::Immediate), ..old },
+            Conditions { scene: 1, ..old },
+            Conditions { is_comparing: true, ..old },
+        ] {
+            let mut evenness = Evenness::new().unwrap();
+            evenness.follow(old, FrameId(0));
+            record(&mut evenness, 0..10, 16);
+            evenness.follow(old, FrameId(12));
+            assert_eq!(evenness.summary().missed_refreshes, Some(10));
+            evenness.follow(new, FrameId(12));
+            assert_eq!(evenness.summary(), Summary::default(), "{new:?}");
+            record(&mut evenness, 10..13, 16);
+            assert_eq!(evenness.summary().frames, 0, "these began under the conditions before");
+            record(&mut evenness, 13..16, 2);
+            let summary = evenness.summary();
+            assert_eq!((summary.frames, summary.missed_refreshes), (3, Some(3)));
+            let worst = Duration::from_millis(2);
+            assert_eq!(summary.present_intervals.unwrap().worst, worst);
+            assert_eq!(summary.latencies.unwrap().worst, worst);
+        }
     }
 }

@@ -28,6 +28,20 @@ pub struct Steering {
     pub hurries: bool,
 }
 
+impl Steering {
+    /// Returns both together: two hands are no faster than one.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        let sum = |a: f32, b: f32| (a + b).clamp(-1.0, 1.0);
+        Self {
+            ahead: sum(self.ahead, other.ahead),
+            right: sum(self.right, other.right),
+            up: sum(self.up, other.up),
+            hurries: self.hurries || other.hurries,
+        }
+    }
+}
+
 /// A camera in flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlyCamera {
@@ -68,6 +82,11 @@ impl FlyCamera {
             let times = self.times * NOTCH.powf(notches.clamp(-9.0, 9.0));
             self.times = times.clamp(MOST_TIMES.recip(), MOST_TIMES);
         }
+    }
+
+    /// Returns the speed in metres a second, without hurry.
+    pub fn speed_m(&self) -> f32 {
+        self.speed_m * self.times
     }
 
     /// What it sees.

@@ -1,42 +1,176 @@
-//! How long the last frames took, from start to start.
+//! The newest frames: how long they took, and what of that went where.
 
+use gpu::PassTime;
 use pacing::Time;
+use render::{FrameReport, OVERLAY_PASSES};
 
+use super::conditions::Conditions;
+
+/// As many frames as a graph shows.
 const KEPT: usize = 130;
+/// What the CPU needs is over so many frames, and what the GPU needs over so many that were timed.
+const CPU_FRAMES: usize = 32;
+const GPU_FRAMES: usize = 5;
+/// The rate is over so much time, if there are as many frames (milliseconds).
+const RATE_MS: f32 = 1000.0;
 
-/// The newest frames, as many as a graph shows. Allocates nothing once it was made.
+/// The newest numbers of one kind. Allocates nothing.
 #[derive(Clone, Debug)]
-pub struct FrameTimes {
-    ring: [f32; KEPT],
+struct Recent<const COUNT: usize> {
+    ring: [f32; COUNT],
     count: usize,
-    last: Option<Time>,
 }
 
-impl Default for FrameTimes {
+impl<const COUNT: usize> Default for Recent<COUNT> {
     fn default() -> Self {
-        Self { ring: [0.0; KEPT], count: 0, last: None }
+        Self { ring: [0.0; COUNT], count: 0 }
     }
+}
+
+impl<const COUNT: usize> Recent<COUNT> {
+    fn push(&mut self, number: f32) {
+        self.ring[self.count % COUNT] = number;
+        self.count += 1;
+    }
+
+    /// Returns the numbers, oldest first.
+    fn iter(&self) -> impl DoubleEndedIterator<Item = f32> {
+        let first = self.count.saturating_sub(COUNT);
+        (first..self.count).map(|place| self.ring[place % COUNT])
+    }
+
+    /// Returns the number in the middle: that of no frame that is an exception.
+    fn median(&self) -> Option<f32> {
+        let mut sorted = self.ring;
+        let sorted = &mut sorted[..self.count.min(COUNT)];
+        sorted.sort_unstable_by(f32::total_cmp);
+        sorted.get(sorted.len() / 2).copied()
+    }
+
+    fn mean(&self) -> Option<f32> {
+        let count = self.count.min(COUNT);
+        (count > 0).then(|| self.iter().sum::<f32>() / count as f32)
+    }
+}
+
+/// The times of the newest frames under the same conditions.
+#[derive(Clone, Debug, Default)]
+pub struct FrameTimes {
+    conditions: Option<Conditions>,
+    intervals: Recent<KEPT>,
+    last: Option<Time>,
+    cpu: Recent<CPU_FRAMES>,
+    overlay_cpu: Recent<CPU_FRAMES>,
+    gpu: Recent<GPU_FRAMES>,
+    overlay_gpu: Recent<GPU_FRAMES>,
+    /// Since the newest frame.
+    layout_ms: f32,
+    passes: Vec<PassTime>,
+    /// So many frames that were sent off under other conditions are not back yet.
+    foreign: usize,
 }
 
 impl FrameTimes {
-    /// A frame started.
-    pub fn push(&mut self, started: Time) {
-        if let Some(last) = self.last.replace(started) {
-            self.ring[self.count % KEPT] = started.since(last).as_secs_f32() * 1e3;
-            self.count += 1;
+    /// Forgets everything where `conditions` are not those of the frames before.
+    pub fn follow(&mut self, conditions: Conditions) {
+        if self.conditions != Some(conditions) {
+            let foreign = self.conditions.map_or(0, |before| before.frames_in_flight);
+            *self = Self { conditions: Some(conditions), foreign, ..Self::default() };
         }
     }
 
-    /// Milliseconds a frame, oldest first.
-    pub fn newest_ms(&self) -> impl Iterator<Item = f32> {
-        let first = self.count.saturating_sub(KEPT);
-        (first..self.count).map(|place| self.ring[place % KEPT])
+    /// Takes that a frame started.
+    pub fn push(&mut self, started: Time) {
+        if let Some(last) = self.last.replace(started) {
+            self.intervals.push(started.since(last).as_secs_f32() * 1e3);
+        }
     }
+
+    /// Takes that the CPU needed `ms` to lay out the overlay of the next frames.
+    pub fn laid_out(&mut self, ms: f32) {
+        self.layout_ms += ms;
+    }
+
+    /// Takes what a frame cost; `passes` are of an earlier frame, if its passes were timed.
+    pub fn take(&mut self, report: &FrameReport, passes: &[PassTime]) {
+        let overlay_ms = std::mem::take(&mut self.layout_ms);
+        self.cpu.push(report.cpu.as_secs_f32() * 1e3);
+        self.overlay_cpu.push(report.overlay_cpu.as_secs_f32() * 1e3 + overlay_ms);
+        if self.foreign > 0 {
+            self.foreign -= 1;
+        } else if !passes.is_empty() {
+            let (overlay, engine): (Vec<_>, Vec<_>) = passes.iter().partition(is_overlay);
+            let sum = |passes: Vec<&PassTime>| passes.iter().map(|pass| pass.gpu_ms).sum::<f64>();
+            self.gpu.push(sum(engine) as f32);
+            self.overlay_gpu.push(sum(overlay) as f32);
+            self.passes.clear();
+            self.passes.extend_from_slice(passes);
+        }
+    }
+
+    /// Returns the times from frame to frame in milliseconds, oldest first.
+    pub fn newest_ms(&self) -> impl Iterator<Item = f32> {
+        self.intervals.iter()
+    }
+
+    /// Returns the mean time from frame to frame over about the last second, in milliseconds.
+    pub fn mean_ms(&self) -> Option<f32> {
+        let (mut sum_ms, mut count) = (0.0, 0_u32);
+        for interval in self.intervals.iter().rev() {
+            if sum_ms >= RATE_MS {
+                break;
+            }
+            sum_ms += interval;
+            count += 1;
+        }
+        (count > 0).then(|| sum_ms / count as f32)
+    }
+
+    /// Returns the usual time of the engine on the CPU and the mean one of the overlay, which is laid out
+    /// in some frames only, in milliseconds.
+    pub fn cpu_ms(&self) -> [Option<f32>; 2] {
+        [self.cpu.median(), self.overlay_cpu.mean()]
+    }
+
+    /// Returns the usual times of the engine and of the overlay on the GPU, in milliseconds.
+    pub fn gpu_ms(&self) -> [Option<f32>; 2] {
+        [self.gpu.median(), self.overlay_gpu.median()]
+    }
+
+    /// Returns the passes of the newest frame whose passes were timed.
+    pub fn passes(&self) -> &[PassTime] {
+        &self.passes
+    }
+}
+
+/// Whether a pass explains or lies flat over the picture.
+pub fn is_overlay(pass: &&PassTime) -> bool {
+    OVERLAY_PASSES.contains(&pass.label)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
+    use gpu::PresentMode;
+
     use super::*;
+    use crate::strategy::Strategy;
+
+    fn conditions() -> Conditions {
+        Conditions {
+            strategy: Strategy::Antumbra,
+            size: [640, 360],
+            frames_in_flight: 2,
+            present_mode: Some(PresentMode::Fifo),
+            scene: 0,
+            is_comparing: false,
+        }
+    }
+
+    fn pass(label: &'static str, gpu_ms: f64) -> PassTime {
+        PassTime { label, gpu_ms, began_ns: 0 }
+    }
 
     #[test]
     fn the_newest_are_kept_in_their_order() {
@@ -48,5 +182,55 @@ mod tests {
         }
         let kept: Vec<f32> = times.newest_ms().collect();
         assert_eq!((kept.len(), kept[0], kept[KEPT - 1]), (KEPT, 170.0, 299.0));
+        // 299 + 298 + 297 + 296 are more than a second.
+        assert_eq!(times.mean_ms(), Some(297.5));
+    }
+
+    #[test]
+    fn the_overlay_costs_apart_from_the_engine() {
+        let mut times = FrameTimes::default();
+        times.follow(conditions());
+        let report = FrameReport {
+            cpu: Duration::from_millis(3),
+            overlay_cpu: Duration::from_millis(1),
+            ..FrameReport::default()
+        };
+        let passes = [pass("draw visible", 4.0), pass("HUD", 0.5), pass("view from above", 1.5)];
+        for passes in [&passes[..], &[]] {
+            times.laid_out(0.5);
+            times.take(&report, passes);
+        }
+        assert_eq!(times.cpu_ms(), [Some(3.0), Some(1.5)]);
+        assert_eq!(times.gpu_ms(), [Some(4.0), Some(2.0)]);
+        assert_eq!(times.passes(), passes);
+    }
+
+    #[test]
+    fn other_conditions_begin_with_nothing() {
+        let old = conditions();
+        for new in [
+            Conditions { strategy: Strategy::Frustum, ..old },
+            Conditions { size: [640, 361], ..old },
+            Conditions { frames_in_flight: 3, ..old },
+            Conditions { present_mode: Some(PresentMode::Immediate), ..old },
+            Conditions { scene: 1, ..old },
+            Conditions { is_comparing: true, ..old },
+        ] {
+            let mut times = FrameTimes::default();
+            let take = |times: &mut FrameTimes, conditions, frame: u64| {
+                times.follow(conditions);
+                times.push(Time::from_nanos(frame * 10_000_000));
+                let report = FrameReport::default();
+                times.take(&report, &[pass("draw visible", frame as f64)]);
+            };
+            (0..9).for_each(|frame| take(&mut times, old, frame));
+            assert_eq!(times.newest_ms().count(), 8);
+            take(&mut times, new, 9);
+            assert_eq!((times.newest_ms().count(), times.mean_ms()), (0, None), "{new:?}");
+            take(&mut times, new, 10);
+            assert_eq!(times.gpu_ms(), [None; 2], "these passes are of frames before");
+            take(&mut times, new, 11);
+            assert_eq!((times.newest_ms().count(), times.gpu_ms()[0]), (2, Some(11.0)));
+        }
     }
 }

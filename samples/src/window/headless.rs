@@ -1,6 +1,7 @@
 //! The program without a window: the same frames, one a sixtieth of a second, as pictures if wanted.
 
 use std::ops::ControlFlow;
+use std::path::Path;
 use std::rc::Rc;
 
 use gpu::{Device, DeviceOptions, Readback};
@@ -9,13 +10,12 @@ use super::deeds::Deed;
 use super::fly_camera::Steering;
 use super::session::{Files, Session};
 use super::show::ShowOptions;
-use super::signals::Signals;
 use super::source::Source;
 use super::stage::Stage;
-use crate::options::FrameSize;
-use crate::picture::write_png;
 use crate::progress::LoadingBar;
 use crate::run::{self, RunError};
+use crate::signals::Signals;
+use crate::terminal::shown;
 
 const FRAME_SECONDS: f32 = 1.0 / 60.0;
 /// The text changes every so many frames.
@@ -66,7 +66,7 @@ fn draw(
         Source::Nothing { .. } => Stage::empty(device, options, size)?,
     };
     for note in &stage.world.notes {
-        tracing::warn!("{}: {note}", stage.world.name);
+        tracing::warn!("{}: {note}", shown(Path::new(&stage.world.name)));
     }
     let mut session = Session::new(device, options, files, stage)?;
     let drawn = draw_frames(device, &mut session, options, signals);
@@ -95,16 +95,16 @@ fn draw_frames(
             session.act(deed)?;
             has_acted = true;
         }
-        if has_acted || frame % HUD_FRAMES == 0 {
+        if session.take_stale_page() || has_acted || frame % HUD_FRAMES == 0 {
             session.lay_out(None, 1.0)?;
         }
         let seconds = if frame == 0 { 0.0 } else { FRAME_SECONDS };
         session.draw(&Steering::default(), seconds, picture.as_ref())?;
         if let (Some(picture), Some(folder)) = (&picture, &options.out) {
             device.drain()?;
-            let size = FrameSize { width: size[0], height: size[1] };
             let path = folder.join(format!("frame_{frame:05}.png"));
-            write_png(&path, size, picture.rgba8()).map_err(RunError::machine)?;
+            // What is lost is an error in the end; the next one may have a place.
+            let _kept = session.screenshots.write(picture, &path);
         }
         session.after_frame()?;
     }

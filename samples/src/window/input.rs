@@ -1,10 +1,11 @@
 //! The keys that are held, and what those that are struck do.
 
 use winit::event::{ElementState, KeyEvent};
-use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
+use winit::keyboard::{KeyCode, ModifiersState, PhysicalKey};
 
 use super::deeds::Deed;
 use super::fly_camera::Steering;
+use super::menu::MenuKey;
 
 /// Keys that steer, by their place on the keyboard: what they mean in a layout does not matter.
 const HELD: [KeyCode; 8] = [
@@ -18,31 +19,113 @@ const HELD: [KeyCode; 8] = [
     KeyCode::ShiftRight,
 ];
 
-/// What hands do.
+/// Keys that do something, by their place on a US keyboard, and their names in the key table. The
+/// place counts, not the character: in a Cyrillic or Greek layout no letter has a Latin character.
+const NAMED: [(KeyCode, &str); 43] = [
+    (KeyCode::Tab, "Tab"),
+    (KeyCode::Escape, "Esc"),
+    (KeyCode::Space, "Space"),
+    (KeyCode::Period, "."),
+    (KeyCode::F1, "F1"),
+    (KeyCode::F11, "F11"),
+    (KeyCode::Enter, "Enter"),
+    (KeyCode::NumpadEnter, "Enter"),
+    (KeyCode::KeyA, "A"),
+    (KeyCode::KeyB, "B"),
+    (KeyCode::KeyC, "C"),
+    (KeyCode::KeyD, "D"),
+    (KeyCode::KeyE, "E"),
+    (KeyCode::KeyF, "F"),
+    (KeyCode::KeyG, "G"),
+    (KeyCode::KeyH, "H"),
+    (KeyCode::KeyI, "I"),
+    (KeyCode::KeyJ, "J"),
+    (KeyCode::KeyK, "K"),
+    (KeyCode::KeyL, "L"),
+    (KeyCode::KeyM, "M"),
+    (KeyCode::KeyN, "N"),
+    (KeyCode::KeyO, "O"),
+    (KeyCode::KeyP, "P"),
+    (KeyCode::KeyQ, "Q"),
+    (KeyCode::KeyR, "R"),
+    (KeyCode::KeyS, "S"),
+    (KeyCode::KeyT, "T"),
+    (KeyCode::KeyU, "U"),
+    (KeyCode::KeyV, "V"),
+    (KeyCode::KeyW, "W"),
+    (KeyCode::KeyX, "X"),
+    (KeyCode::KeyY, "Y"),
+    (KeyCode::KeyZ, "Z"),
+    (KeyCode::Digit1, "1"),
+    (KeyCode::Digit2, "2"),
+    (KeyCode::Digit3, "3"),
+    (KeyCode::Digit4, "4"),
+    (KeyCode::Digit5, "5"),
+    (KeyCode::Digit6, "6"),
+    (KeyCode::Digit7, "7"),
+    (KeyCode::Digit8, "8"),
+    (KeyCode::Digit9, "9"),
+];
+
+/// The keys that are held.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Input {
     held: [bool; HELD.len()],
-    /// Whether the mouse looks around.
-    pub is_looking: bool,
+    modifiers: ModifiersState,
 }
 
 impl Input {
-    /// A key went down or up; answers what is to be done.
+    /// Takes a key that went down or up; returns what is to be done.
     pub fn key(&mut self, event: &KeyEvent) -> Option<Deed> {
+        let PhysicalKey::Code(code) = event.physical_key else { return None };
         let is_down = event.state == ElementState::Pressed;
-        if let PhysicalKey::Code(code) = event.physical_key {
+        // A key that was held before Ctrl went down must not stay held for ever.
+        if !is_down || !self.has_command_modifier() {
             self.hold(code, is_down);
         }
-        if !is_down || event.repeat {
+        if is_down && !event.repeat { self.deed_of(code) } else { None }
+    }
+
+    /// Returns what a key does while a list or field is open.
+    pub fn menu_key(&self, event: &KeyEvent) -> Option<MenuKey> {
+        if event.state != ElementState::Pressed {
             return None;
         }
-        match &event.logical_key {
-            Key::Named(NamedKey::Tab) => Deed::of_key("Tab"),
-            Key::Named(NamedKey::Escape) => Deed::of_key("Esc"),
-            Key::Named(NamedKey::Space) => Deed::of_key("Space"),
-            Key::Character(letter) => Deed::of_key(letter),
-            _ => None,
+        let PhysicalKey::Code(code) = event.physical_key else { return None };
+        if self.modifiers.control_key() {
+            return (code == KeyCode::KeyV).then_some(MenuKey::Paste);
         }
+        match code {
+            KeyCode::ArrowUp => Some(MenuKey::Up),
+            KeyCode::ArrowDown => Some(MenuKey::Down),
+            KeyCode::Home => Some(MenuKey::First),
+            KeyCode::End => Some(MenuKey::Last),
+            KeyCode::Enter | KeyCode::NumpadEnter => Some(MenuKey::Enter),
+            KeyCode::Backspace => Some(MenuKey::Backspace),
+            // What a layout writes matters here, and only here.
+            _ => event.text.as_ref().map(|text| MenuKey::Text(text.to_string())),
+        }
+    }
+
+    /// Takes the modifiers that are held now.
+    pub fn set_modifiers(&mut self, modifiers: ModifiersState) {
+        self.modifiers = modifiers;
+    }
+
+    /// Returns true while a modifier is held that makes another key a command of the desktop.
+    fn has_command_modifier(&self) -> bool {
+        self.modifiers
+            .intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER)
+    }
+
+    fn deed_of(&self, code: KeyCode) -> Option<Deed> {
+        let (_, name) = NAMED.iter().find(|(named, _)| *named == code)?;
+        if !self.has_command_modifier() {
+            return Deed::of_key(name);
+        }
+        let is_control =
+            self.modifiers.difference(ModifiersState::SHIFT) == ModifiersState::CONTROL;
+        if is_control { Deed::of_key(&format!("Ctrl+{name}")) } else { None }
     }
 
     fn hold(&mut self, code: KeyCode, is_down: bool) {
@@ -51,7 +134,7 @@ impl Input {
         }
     }
 
-    /// Nothing is held any more: what happens elsewhere is not told.
+    /// Forgets what is held: events of keys that are released elsewhere never come.
     pub fn release(&mut self) {
         *self = Self::default();
     }
@@ -73,6 +156,7 @@ impl Input {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::deeds::{FILE_KEYS, KEYS};
 
     #[test]
     fn what_is_held_steers() {
@@ -87,5 +171,32 @@ mod tests {
         assert_eq!(input.steering(), Steering { ahead: 0.0, ..steering });
         input.release();
         assert_eq!(input.steering(), Steering::default());
+    }
+    /// The layout changes what a key writes, never which key it is.
+    #[test]
+    fn every_key_of_the_tables_has_a_place_on_the_keyboard() {
+        let input = Input::default();
+        for (name, _, deed) in KEYS.iter().chain(&FILE_KEYS) {
+            let (modifiers, plain) = match name.strip_prefix("Ctrl+") {
+                Some(plain) => (ModifiersState::CONTROL, plain),
+                None => (ModifiersState::empty(), *name),
+            };
+            let input = Input { modifiers, ..input };
+            let place = NAMED.iter().find(|(_, named)| *named == plain);
+            let (code, _) = place.unwrap_or_else(|| panic!("{name} is on no keyboard"));
+            assert_eq!(input.deed_of(*code), Some(*deed), "{name}");
+        }
+        assert_eq!(input.deed_of(KeyCode::Digit3), Some(Deed::Camera(3)));
+        assert_eq!(input.deed_of(KeyCode::F24), None);
+    }
+
+    #[test]
+    fn commands_of_the_desktop_are_left_to_it() {
+        for modifiers in [ModifiersState::ALT, ModifiersState::SUPER, ModifiersState::CONTROL] {
+            let input = Input { modifiers, ..Input::default() };
+            assert_eq!(input.deed_of(KeyCode::Tab), None, "{modifiers:?}");
+        }
+        let input = Input { modifiers: ModifiersState::SHIFT, ..Input::default() };
+        assert_eq!(input.deed_of(KeyCode::Tab), Some(Deed::NextStrategy));
     }
 }

@@ -1,7 +1,6 @@
-//! A file on its way from the disk to the device, on a thread of its own: the frame loop goes on.
+//! A scene on its way to the device, on a thread of its own: the frame loop goes on.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -9,9 +8,10 @@ use std::thread::{self, JoinHandle};
 use gpu::Device;
 
 use super::show::ShowOptions;
-use super::source::FileSource;
+use super::source::Source;
 use super::stage::Stage;
 use crate::run::RunError;
+use crate::scene_file::{self, Told};
 
 /// How far it has come.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,47 +29,56 @@ struct Shared {
     is_given_up: AtomicBool,
 }
 
-/// A file that is being loaded. Dropped, it is given up, which is waited for: the device outlives it.
+/// A scene that is being loaded or made. Dropped, it is given up, which is waited for: the device outlives it.
 pub struct Loading {
-    file: PathBuf,
+    source: Source,
     shared: Arc<Shared>,
     thread: Option<JoinHandle<Result<Stage, RunError>>>,
 }
 
 impl Loading {
-    /// Begins to load `file` for frames of `size`.
+    /// Begins to load or make what `source` says for frames of `size`.
     ///
     /// # Errors
     /// When the system has no thread for it.
     pub fn start(
         device: &Device,
-        file: &Path,
-        settings: FileSource,
+        source: &Source,
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<Self, RunError> {
         let shared = Arc::new(Shared::default());
-        let (device, options, own) = (device.clone(), options.clone(), file.to_owned());
+        let (device, options, own) = (device.clone(), options.clone(), source.clone());
         let theirs = Arc::clone(&shared);
         let load = move || {
-            Stage::of_file(&device, (&own, &settings), &options, size, &mut |told| {
+            let mut tell = |told: Told<'_>| {
                 let progress = Progress { what: told.what.to_owned(), fraction: told.fraction };
                 *theirs.progress.lock().unwrap_or_else(PoisonError::into_inner) = progress;
                 match theirs.is_given_up.load(Ordering::Relaxed) {
                     true => ControlFlow::Break(()),
                     false => ControlFlow::Continue(()),
                 }
-            })
+            };
+            match &own {
+                Source::Made { made, path } => {
+                    scene_file::tell(&mut tell, "making the scene", None)?;
+                    Stage::made(&device, made, path.as_ref(), &options, size)
+                }
+                Source::File { file, settings } => {
+                    Stage::of_file(&device, (file, settings), &options, size, &mut tell)
+                }
+                Source::Nothing { .. } => Stage::empty(&device, &options, size),
+            }
         };
         let thread = thread::Builder::new().name("loading".to_owned()).spawn(load);
         let thread =
             thread.map_err(|error| RunError::machine(format!("cannot start a thread: {error}")))?;
-        Ok(Self { file: file.to_owned(), shared, thread: Some(thread) })
+        Ok(Self { source: source.clone(), shared, thread: Some(thread) })
     }
 
-    /// What is loaded.
-    pub fn file(&self) -> &Path {
-        &self.file
+    /// Returns what is loaded.
+    pub fn source(&self) -> &Source {
+        &self.source
     }
 
     /// How far it has come.
@@ -80,7 +89,7 @@ impl Loading {
     /// What became of it, once that is known.
     pub fn finished(&mut self) -> Option<Result<Stage, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
-        let crashed = |_| RunError::machine(format!("loading {} failed", self.file.display()));
+        let crashed = |_| RunError::machine(format!("loading {} failed", self.source.name()));
         Some(thread.join().unwrap_or_else(|panic| Err(crashed(panic))))
     }
 }

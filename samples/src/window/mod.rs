@@ -11,28 +11,45 @@ pub mod app;
 pub mod args;
 mod arrivals;
 pub mod capture;
+mod clipboard;
 pub mod clock;
+mod comparing;
+pub mod comparison;
+pub mod conditions;
 pub mod deeds;
+pub mod differences;
+pub mod display;
 mod enter;
 pub mod evenness;
 pub mod fly_camera;
 pub mod frame_times;
+pub mod gamepad;
+mod hands;
 pub mod headless;
+mod identify;
 pub mod input;
+mod keys_help;
+pub mod leaving;
+pub mod legends;
 pub mod loading;
+pub mod menu;
 pub mod notice;
+mod object_text;
+mod opened;
 pub mod page;
 mod page_text;
+pub mod pointer;
 pub mod profiler;
+mod scene_files;
 pub mod screen;
 pub mod screenshots;
 pub mod script;
 pub mod session;
 pub mod shader_watch;
 pub mod show;
-pub mod signals;
 pub mod source;
 pub mod stage;
+pub mod title;
 pub mod trace;
 pub mod viewer_args;
 pub mod world;
@@ -43,9 +60,10 @@ use gpu::ValidationLog;
 
 use crate::outputs::Outputs;
 use crate::run::{Blame, RunError};
+use crate::signals::{Signal, Signals};
+use crate::terminal::{Ending, ending};
 use session::Files;
 use show::ShowOptions;
-use signals::{Signal, Signals};
 use source::Source;
 
 /// Runs as the options say, to the end; answers the signal, if one brought it about.
@@ -69,14 +87,12 @@ pub fn run(source: &Source, options: &ShowOptions) -> Result<Option<Signal>, Run
 
 /// Runs what the command line asks for, says what went wrong, and what the program ends with.
 pub fn end(options: Result<(Source, ShowOptions), RunError>) -> ExitCode {
+    let mut ending = Ending::default();
     match options.and_then(|(source, options)| run(&source, &options)) {
-        Ok(None) => ExitCode::SUCCESS,
-        Ok(Some(signal)) => ExitCode::from(signal.exit_code()),
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
-        }
+        Ok(signal) => ending.interrupted(signal),
+        Err(error) => return ending::refuse(&error, error.exit_code()),
     }
+    ending.exit()
 }
 
 /// The first error, which is the cause; the others are told on the log.

@@ -1,29 +1,38 @@
 //! The page of the HUD of a session.
 
+use std::time::Duration;
+
+use cull::{Camera, FrameId};
+use pacing::Time;
+
+use super::comparison::Comparison;
+use super::conditions::Conditions;
 use super::deeds::{CAMERA_KEYS, FILE_KEYS, KEYS, STEERING};
+use super::legends;
 use super::page_text::Known;
 use super::screen::ScreenFacts;
 use super::session::Session;
-use crate::hud::HudPage;
+use crate::hud::{Help, HudLevel, HudPage, Legend, Sign};
+use crate::run::RunError;
+
+/// While the HUD is shown, one in so many frames has its passes timed.
+const TIMED_INTERVAL_FRAMES: u64 = 8;
+/// A screenshot is shown for so long.
+const FLASH: Duration = Duration::from_millis(800);
+/// So many frames are remembered until their answers are home.
+const MOST_VIEWED: usize = 64;
 
 impl Session {
-    /// Lays the HUD out anew, or without one only what cannot be or went wrong; `scale` pixels are a
-    /// point. Where there is nothing to write, nothing is kept for it.
+    /// Lays the HUD out, or without one only what cannot be or went wrong, and signs; `scale` pixels are
+    /// a point. Where there is nothing to draw, nothing is kept for it.
     ///
     /// # Errors
     /// When the device fails.
-    pub fn lay_out(
-        &mut self,
-        screen: Option<&ScreenFacts>,
-        scale: f32,
-    ) -> Result<(), crate::run::RunError> {
-        let page = if self.has_hud {
-            self.page(screen)
-        } else {
-            // Without a screen nobody watches, and pictures stay what they are; the log has it.
-            let notice = screen.and_then(|_| self.notice.refused_at(self.clock.now()));
-            HudPage { notice, progress: self.progress(), ..HudPage::default() }
-        };
+    pub fn lay_out(&mut self, screen: Option<&ScreenFacts>, scale: f32) -> Result<(), RunError> {
+        let began = self.clock.now();
+        self.time_passes()?;
+        let page = self.page(screen);
+        self.log_selection();
         if page == HudPage::default() {
             if self.hud.take().is_some() {
                 self.renderer.drop_flat_overlay();
@@ -34,47 +43,156 @@ impl Session {
         let size = self.renderer.size();
         let laid_out = hud.lay_out(&page, size, scale, self.renderer.flat_overlay()?);
         self.hud = Some(hud);
+        self.times.laid_out(self.clock.now().since(began).as_secs_f32() * 1e3);
         Ok(laid_out?)
     }
 
+    /// Times passes as often as is wanted: of all frames for who asks, of some for the HUD.
+    fn time_passes(&mut self) -> Result<(), RunError> {
+        let has_timestamps = self.renderer.device().capabilities().has(gpu::Optional::Timestamps);
+        let wanted = match (self.is_timing_passes, self.hud_level) {
+            (true, _) => Some(1),
+            (false, HudLevel::Off) => None,
+            (false, _) => has_timestamps.then_some(TIMED_INTERVAL_FRAMES),
+        };
+        if wanted != self.renderer.timed_interval() {
+            match wanted {
+                Some(frames) => self.renderer.time_passes_of_one_in(frames)?,
+                None => self.renderer.stop_timing_passes(),
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the conditions of the next frame.
+    pub fn conditions(&self) -> Conditions {
+        Conditions {
+            strategy: self.strategy,
+            size: self.renderer.size(),
+            frames_in_flight: self.renderer.frames_in_flight(),
+            present_mode: self.present_mode,
+            scene: self.scene,
+            is_comparing: self.comparison.is_some(),
+        }
+    }
+
+    /// Takes what the newest frame cost, and remembers what it was seen from until its answers are home.
+    pub(super) fn measure(&mut self, camera: Camera) {
+        self.times.take(&self.report, self.renderer.pass_times());
+        if self.viewed.len() == MOST_VIEWED {
+            self.viewed.pop_front();
+        }
+        self.viewed.push_back((self.history.plan().frame, camera));
+    }
+
+    /// Counts the objects in the frustum of a frame.
+    fn in_frustum(&self, frame: FrameId) -> Option<u64> {
+        let (_, camera) = self.viewed.iter().find(|(viewed, _)| *viewed == frame)?;
+        let view = self.renderer.view_of(camera);
+        Some(self.renderer.hierarchy().objects_in_frustum(&view).into())
+    }
+
     fn page(&self, screen: Option<&ScreenFacts>) -> HudPage {
+        let now = self.clock.now();
+        let signs = match (screen, self.hud_level) {
+            // Without a screen nobody watches, and pictures stay what they are.
+            (None, HudLevel::Off) => Vec::new(),
+            _ => self.signs(now),
+        };
+        let progress = self.awaited.as_ref().map(|it| (it.what.clone(), it.fraction));
+        let help = self.has_help.then(|| self.help());
+        let marks = self.comparison.as_ref().map(|comparison| comparison.marks(now).to_vec());
+        let marks = marks.unwrap_or_default();
+        if self.hud_level == HudLevel::Off {
+            let refused = screen.and_then(|_| self.notice.refused_at(now));
+            let notice = join_lines(screen.and_then(|_| self.asked_for()), refused);
+            return HudPage { notice, progress, signs, help, marks, ..HudPage::default() };
+        }
         let device = self.renderer.device();
         let known = Known {
             frame: self.frame,
+            scene: &self.world.name,
             report: &self.report,
             outcome: self.outcome.as_ref(),
-            passes: self.renderer.pass_times(),
+            objects: self.renderer.hierarchy().object_count().into(),
+            in_frustum: self.outcome.and_then(|outcome| self.in_frustum(outcome.frame)),
+            times: &self.times,
             lists_passes: self.is_timing_passes,
             used_bytes: device.memory_bytes().1,
             device: &device.adapter().name,
             size: self.renderer.size(),
-            strategy: self.strategy.name(),
+            strategy: self.strategy,
             is_frozen: self.frozen.is_some(),
             is_recording: self.recording.is_some(),
             predicates: self.renderer.predication().name(),
             frames_in_flight: self.renderer.frames_in_flight(),
+            compared: self.comparison.as_ref().map(Comparison::tally),
             screen,
         };
-        let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
-        let of_files = self.world.is_alive().then_some(FILE_KEYS).into_iter().flatten();
-        let keys = KEYS.into_iter().chain(of_files).map(|(key, deed, _)| (key, deed));
-        let keys = keys.chain(self.world.is_alive().then_some(CAMERA_KEYS)).chain(STEERING);
-        let mut facts = known.facts();
-        if let Some(of_world) = self.world.facts() {
-            facts.insert(1, of_world);
-        }
+        let (hint, details) = match self.hud_level {
+            HudLevel::Detailed => ("F1 help, H no text", known.details()),
+            _ => ("F1 help, H details", Vec::new()),
+        };
+        let of_world = self.world.facts().filter(|_| self.hud_level == HudLevel::Detailed);
         HudPage {
-            frames_ms: self.times.newest_ms().collect(),
-            budget_ms: screen.and_then(|screen| screen.refresh).map(|d| d.as_secs_f32() * 1e3),
-            facts,
-            keys: keys.map(own).collect(),
-            notice: self.notice.at(self.clock.now()),
-            progress: self.progress(),
+            overview: Some(known.overview(hint)),
+            details: of_world.into_iter().chain(details).collect(),
+            legends: self.legends(),
+            marks,
+            signs,
+            help,
+            notice: join_lines(self.asked_for(), self.notice.at(now)),
+            progress,
         }
     }
 
-    /// What is told of a scene that is on its way.
-    fn progress(&self) -> Option<(String, Option<f32>)> {
-        self.awaited.as_ref().map(|awaited| (awaited.what.clone(), awaited.fraction))
+    /// Returns what was asked for and is answered in words: the list or field that is open, or else what
+    /// a comparison found and what is said of the selected object.
+    fn asked_for(&self) -> Option<String> {
+        if let Some(menu) = &self.menu {
+            return Some(menu.text());
+        }
+        let card = self.card().into_iter().map(|(name, value)| format!("{name}: {value}"));
+        let lines: Vec<String> = self.comparison_text().into_iter().chain(card).collect();
+        (!lines.is_empty()).then(|| lines.join("\n"))
     }
+
+    /// Returns the meanings of the colours that are shown.
+    fn legends(&self) -> Vec<Legend> {
+        let selected = (!self.card().is_empty()).then(legends::of_selection);
+        let explained = legends::of(self.renderer.explanation(), self.frozen.is_some());
+        selected.into_iter().chain(explained).collect()
+    }
+
+    /// Returns what must be seen without reading.
+    fn signs(&self, now: Time) -> Vec<Sign> {
+        let is_new = |taken: Time| now.since(taken) < FLASH;
+        // A screenshot does not show that one was taken.
+        let photographed = self.photographed.filter(|_| !self.wants_screenshot);
+        let signs = [
+            (self.frozen.is_some(), Sign::Frozen),
+            (self.recording.is_some(), Sign::Recording),
+            (photographed.is_some_and(is_new), Sign::Screenshot),
+        ];
+        signs.into_iter().filter_map(|(is_on, sign)| is_on.then_some(sign)).collect()
+    }
+
+    /// Returns all keys.
+    fn help(&self) -> Help {
+        let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
+        let keys = KEYS.into_iter().map(|(key, deed, _)| own((key, deed))).collect();
+        let mut groups = vec![("Camera", STEERING.map(own).to_vec()), ("Keys", keys)];
+        if self.world.is_alive() {
+            let of_file = FILE_KEYS.into_iter().map(|(key, deed, _)| (key, deed));
+            let of_file = of_file.chain([CAMERA_KEYS]).map(own).collect();
+            groups.push(("Scene out of a file", of_file));
+        }
+        Help { groups }
+    }
+}
+
+/// Puts one text below the other, as far as there are any.
+fn join_lines(above: Option<String>, below: Option<String>) -> Option<String> {
+    let lines: Vec<String> = above.into_iter().chain(below).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }

@@ -6,7 +6,11 @@ use gpu::PassTime;
 use pacing::Distribution;
 use render::{FrameOutcome, FrameReport};
 
+use super::comparison::Tally;
+use super::frame_times::{FrameTimes, is_overlay};
 use super::screen::ScreenFacts;
+use crate::hud::{Figure, Overview, Split, Verdict, grouped};
+use crate::strategy::Strategy;
 
 const UNKNOWN: &str = "-";
 /// Passes beyond this many are summed up.
@@ -20,13 +24,19 @@ pub type Facts = Vec<(String, String)>;
 pub struct Known<'a> {
     /// The number of the next frame.
     pub frame: u32,
+    /// The name of the scene.
+    pub scene: &'a str,
     /// Of the newest frame, if there is one.
     pub report: &'a FrameReport,
     /// Of the newest frame whose answers are home.
     pub outcome: Option<&'a FrameOutcome>,
-    /// The passes of a frame, where they are timed.
-    pub passes: &'a [PassTime],
-    /// Whether they are listed one by one.
+    /// Objects of the scene.
+    pub objects: u64,
+    /// Objects in the frustum of the frame of the outcome.
+    pub in_frustum: Option<u64>,
+    /// What the newest frames took.
+    pub times: &'a FrameTimes,
+    /// Whether passes are listed one by one.
     pub lists_passes: bool,
     /// GPU memory in use.
     pub used_bytes: u64,
@@ -34,8 +44,8 @@ pub struct Known<'a> {
     pub device: &'a str,
     /// Of the picture, in pixels.
     pub size: [u32; 2],
-    /// The strategy's name.
-    pub strategy: &'a str,
+    /// The strategy.
+    pub strategy: Strategy,
     /// Whether the culling stands still.
     pub is_frozen: bool,
     /// Whether the path is recorded.
@@ -44,30 +54,94 @@ pub struct Known<'a> {
     pub predicates: &'a str,
     /// How many frames are under way at once.
     pub frames_in_flight: usize,
+    /// What a comparison with and without culling found, while it goes on.
+    pub compared: Option<Tally>,
     /// Where pictures are shown, if they are.
     pub screen: Option<&'a ScreenFacts>,
 }
 
 impl Known<'_> {
-    /// The groups of facts, the most important first.
-    pub fn facts(&self) -> Vec<Facts> {
-        let mut facts = vec![self.what_it_takes(), self.what_draws(), self.what_is_drawn()];
-        facts.extend(self.screen.map(what_is_shown));
+    /// Returns the numbers that a person looks for first.
+    pub fn overview(&self, hint: &str) -> Overview {
+        let mean_ms = self.times.mean_ms().map(f64::from);
+        let rate = mean_ms.map_or(UNKNOWN.to_owned(), |mean_ms| match 1e3 / mean_ms.max(1e-3) {
+            hz if hz < 9.95 => format!("{hz:.1}"),
+            hz => format!("{hz:.0}"),
+        });
+        let drawn = self.outcome.map(|outcome| outcome.draws);
+        let number = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), short);
+        let figure = |value: String, name| Figure { value, name };
+        let [cpu, _] = self.times.cpu_ms();
+        let [gpu, _] = self.times.gpu_ms();
+        let budget = self.screen.and_then(|screen| screen.refresh);
+        Overview {
+            scene: self.scene.to_owned(),
+            strategy: self.strategy_and_states(),
+            rate: figure(rate, "frames/s"),
+            frame_time: figure(mean_ms.map_or(UNKNOWN.to_owned(), digits), "ms a frame"),
+            frames_ms: self.times.newest_ms().collect(),
+            budget_ms: budget.map(|budget| budget.as_secs_f32() * 1e3),
+            objects: [
+                figure(short(self.objects), "objects"),
+                figure(number(self.in_frustum), "in frustum"),
+                figure(number(drawn), "drawn"),
+            ],
+            split: self.in_frustum.zip(drawn).map(|(all, drawn)| {
+                // Objects that moved since may be in the frustum no more.
+                Split { drawn, culled: all.saturating_sub(drawn) }
+            }),
+            times: [figure(in_ms(gpu), "GPU"), figure(in_ms(cpu), "CPU")],
+            verdict: self.verdict(),
+            hint: hint.to_owned(),
+        }
+    }
+
+    /// Returns the groups of facts below the overview, the most important first.
+    pub fn details(&self) -> Vec<Facts> {
+        let mut facts = vec![self.what_is_drawn()];
         facts.extend(self.lists_passes.then(|| self.pass_rows()));
+        facts.push(self.what_draws());
+        facts.push(self.overlay());
+        facts.extend(self.screen.map(what_is_shown));
         facts
+    }
+
+    fn strategy_and_states(&self) -> String {
+        let states = [(self.is_frozen, "frozen"), (self.is_recording, "recording")];
+        let states = states.into_iter().filter_map(|(is_so, name)| is_so.then_some(name));
+        let all: Vec<&str> = std::iter::once(self.strategy.name()).chain(states).collect();
+        all.join(", ")
+    }
+
+    fn verdict(&self) -> Verdict {
+        let neglected = self.outcome.map_or(0, |outcome| outcome.neglected_samples);
+        if let Some(tally) = self.compared.filter(|tally| tally.frames > 0) {
+            return match tally.differing {
+                0 => Verdict::Exact(tally.text()),
+                _ => Verdict::Inexact(tally.text()),
+            };
+        }
+        match self.strategy {
+            _ if self.frame == 0 => Verdict::Unknown,
+            _ if neglected > 0 => {
+                Verdict::Inexact(format!("inexact: {} px at most", grouped(neglected)))
+            }
+            Strategy::Frustum => Verdict::Exact("exact: the reference picture".to_owned()),
+            exact if exact.is_exact() => {
+                Verdict::Exact("exact: only hidden objects left out".to_owned())
+            }
+            _ => Verdict::Inexact("inexact: objects appear late".to_owned()),
+        }
     }
 
     fn what_draws(&self) -> Facts {
         let [width, height] = self.size;
-        let states = [(self.is_frozen, "frozen"), (self.is_recording, "recording")];
-        let states = states.into_iter().filter_map(|(is_so, name)| is_so.then_some(name));
-        let strategy: Vec<&str> = std::iter::once(self.strategy).chain(states).collect();
         vec![
             fact("device", self.device),
             fact("picture", format!("{width} x {height}")),
-            fact("strategy", strategy.join(", ")),
             fact("predicates", self.predicates),
             fact("frames in flight", self.frames_in_flight.to_string()),
+            fact("GPU memory", format!("{} MiB", self.used_bytes >> 20)),
         ]
     }
 
@@ -81,7 +155,7 @@ impl Known<'_> {
             0 => UNKNOWN.to_owned(),
             _ => grouped(number.into()),
         };
-        let age = match (report.youngest_answer_frames, report.oldest_answer_frames) {
+        let latency = match (report.youngest_answer_frames, report.oldest_answer_frames) {
             (Some(1), Some(1)) => "1 frame".to_owned(),
             (Some(youngest), Some(oldest)) if youngest == oldest => format!("{oldest} frames"),
             (Some(youngest), Some(oldest)) => format!("{youngest} to {oldest} frames"),
@@ -89,31 +163,26 @@ impl Known<'_> {
         };
         vec![
             fact("frame", self.frame.to_string()),
-            fact("draws", of_outcome(|outcome| outcome.draws)),
-            fact("triangles", of_outcome(|outcome| outcome.triangles)),
-            fact("revealed", of_outcome(|outcome| outcome.revealed)),
-            fact("tests", of_report(report.tests)),
+            fact("triangles drawn", of_outcome(|outcome| outcome.triangles)),
+            fact("revealed in this frame", of_outcome(|outcome| outcome.revealed)),
+            fact("proxy tests", of_report(report.tests)),
             fact("queries", of_report(report.queries)),
-            fact("waits", of_report(report.waits)),
-            fact("age of results", age),
+            fact("waits for the GPU", of_report(report.waits)),
+            fact("latency of results", latency),
         ]
     }
 
-    fn what_it_takes(&self) -> Facts {
-        let gpu = self.passes.iter().map(|pass| pass.gpu_ms);
-        let gpu = (!self.passes.is_empty()).then(|| gpu.sum());
-        let cpu = (self.frame > 0).then_some(self.report.cpu.as_secs_f64() * 1e3);
-        vec![
-            fact("CPU", ms(cpu)),
-            fact("GPU", ms(gpu)),
-            fact("GPU memory", format!("{} MiB", self.used_bytes >> 20)),
-        ]
+    /// What all this text costs, beside the engine's own numbers.
+    fn overlay(&self) -> Facts {
+        let ([_, cpu], [_, gpu]) = (self.times.cpu_ms(), self.times.gpu_ms());
+        vec![fact("this overlay, CPU", in_ms(cpu)), fact("this overlay, GPU", in_ms(gpu))]
     }
 
     /// The GPU time by label, in the order of the frame.
     fn pass_rows(&self) -> Facts {
         let mut sums: Vec<(&str, f64)> = Vec::new();
-        for pass in self.passes {
+        let engine = self.times.passes().iter().filter(|pass: &&PassTime| !is_overlay(pass));
+        for pass in engine {
             match sums.iter_mut().find(|(label, _)| *label == pass.label) {
                 Some((_, sum)) => *sum += pass.gpu_ms,
                 None => sums.push((pass.label, pass.gpu_ms)),
@@ -127,11 +196,22 @@ impl Known<'_> {
 }
 
 fn what_is_shown(screen: &ScreenFacts) -> Vec<(String, String)> {
-    let summary = &screen.summary;
     let mode = match screen.fallback {
         Some(wanted) => format!("{} (no {wanted})", screen.mode),
         None => screen.mode.to_string(),
     };
+    let mut facts = vec![
+        fact("present mode", mode),
+        fact("images", screen.images.to_string()),
+        fact("refresh", ms(screen.refresh.map(|refresh| refresh.as_secs_f64() * 1e3))),
+    ];
+    facts.extend(how_evenly(screen));
+    facts
+}
+
+/// How evenly the newest frames came.
+fn how_evenly(screen: &ScreenFacts) -> Facts {
+    let summary = &screen.summary;
     let of = |times: Option<Distribution>, pick: fn(&Distribution) -> Duration| {
         ms(times.as_ref().map(|times| pick(times).as_secs_f64() * 1e3))
     };
@@ -140,27 +220,25 @@ fn what_is_shown(screen: &ScreenFacts) -> Vec<(String, String)> {
     let intervals = summary.present_intervals.or(summary.start_intervals);
     let hitches = summary.hitches.or(summary.start_hitches);
     vec![
-        fact("present mode", mode),
-        fact("images", screen.images.to_string()),
-        fact("refresh", ms(screen.refresh.map(|refresh| refresh.as_secs_f64() * 1e3))),
         fact("frame, median", of(intervals, |times| times.median)),
-        fact("95 %, 99 %", format!("{}, {}", of(intervals, |t| t.p95), of(intervals, |t| t.p99))),
-        fact("99.9 %", of(intervals, |times| times.p99_9)),
-        fact("slowest 1 %", of(intervals, |times| times.slowest_percent)),
-        fact("latency", of(summary.latencies, |times| times.median)),
+        fact("frame, 95 %", of(intervals, |times| times.p95)),
+        fact("frame, 99 %", of(intervals, |times| times.p99)),
+        fact("frame, 99.9 %", of(intervals, |times| times.p99_9)),
+        fact("slowest 1 %, mean", of(intervals, |times| times.slowest_percent)),
+        fact("latency to the screen", of(summary.latencies, |times| times.median)),
         fact("missed refreshes", count(summary.missed_refreshes)),
         fact("hitches", count(hitches.map(u64::from))),
     ]
 }
 
-/// How evenly the newest frames came, in one line.
+/// Returns how evenly the newest frames came, in one line.
 pub fn in_short(screen: &ScreenFacts) -> String {
-    let facts = what_is_shown(screen).into_iter().skip(3);
-    let facts: Vec<String> = facts.map(|(name, value)| format!("{name} {value}")).collect();
+    let facts: Vec<String> =
+        how_evenly(screen).into_iter().map(|(name, value)| format!("{name} {value}")).collect();
     format!("of the last {} frames: {}", screen.summary.frames, facts.join("; "))
 }
 
-/// A name and a value.
+/// Returns a name and a value.
 pub fn fact(name: &str, value: impl Into<String>) -> (String, String) {
     (name.to_owned(), value.into())
 }
@@ -169,17 +247,26 @@ fn ms(ms: Option<f64>) -> String {
     ms.map_or(UNKNOWN.to_owned(), |ms| format!("{ms:.2} ms"))
 }
 
-/// A number with its thousands apart.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() * 4 / 3);
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
+/// Three digits that matter, and the unit.
+fn in_ms(ms: Option<f32>) -> String {
+    ms.map_or(UNKNOWN.to_owned(), |ms| format!("{} ms", digits(ms.into())))
+}
+
+/// Three digits that matter.
+fn digits(ms: f64) -> String {
+    match ms {
+        _ if ms < 9.995 => format!("{ms:.2}"),
+        _ if ms < 99.95 => format!("{ms:.1}"),
+        _ => format!("{ms:.0}"),
     }
-    text
+}
+
+/// A number that fits a column: of millions, three digits that matter.
+fn short(number: u64) -> String {
+    match number {
+        0..1_000_000 => grouped(number),
+        _ => format!("{} M", digits(number as f64 / 1e6)),
+    }
 }
 
 #[cfg(test)]

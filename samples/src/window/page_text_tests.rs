@@ -4,12 +4,13 @@ use std::time::Duration;
 
 use cull::FrameId;
 use gpu::PresentMode;
-use pacing::Summary;
+use pacing::{Summary, Time};
 
 use super::*;
+use crate::window::conditions::Conditions;
 
 /// A distribution whose numbers all differ, in hundredths of a millisecond from `first` on.
-fn times(first: u64) -> Distribution {
+fn distribution(first: u64) -> Distribution {
     let at = |step: u64| Duration::from_micros((first + step) * 10);
     Distribution {
         samples: 5,
@@ -30,7 +31,7 @@ fn pass(label: &'static str, gpu_ms: f64) -> PassTime {
 /// One line a fact, an empty line between groups.
 fn text(known: &Known<'_>) -> String {
     let line = |(name, value): &(String, String)| format!("{name}: {value}\n");
-    let groups = known.facts();
+    let groups = known.details();
     let groups = groups.iter().map(|facts| facts.iter().map(line).collect::<String>());
     groups.collect::<Vec<_>>().join("\n")
 }
@@ -48,6 +49,7 @@ fn outcome() -> FrameOutcome {
 fn report() -> FrameReport {
     FrameReport {
         cpu: Duration::from_micros(1_250),
+        overlay_cpu: Duration::from_micros(500),
         tests: 55,
         queries: 66,
         waits: 7,
@@ -66,9 +68,9 @@ fn screen() -> ScreenFacts {
         refresh: Some(Duration::from_micros(16_670)),
         summary: Summary {
             frames: 9,
-            present_intervals: Some(times(1_000)),
-            start_intervals: Some(times(2_000)),
-            latencies: Some(times(3_000)),
+            present_intervals: Some(distribution(1_000)),
+            start_intervals: Some(distribution(2_000)),
+            latencies: Some(distribution(3_000)),
             missed_refreshes: Some(4_004),
             hitches: Some(5_005),
             start_hitches: Some(6_006),
@@ -77,97 +79,148 @@ fn screen() -> ScreenFacts {
     }
 }
 
-fn known<'a>(report: &'a FrameReport, screen: &'a ScreenFacts) -> Known<'a> {
+fn times(report: &FrameReport, passes: &[PassTime]) -> FrameTimes {
+    let mut times = FrameTimes::default();
+    times.follow(Conditions {
+        strategy: Strategy::Antumbra,
+        size: [640, 360],
+        frames_in_flight: 2,
+        present_mode: None,
+        scene: 0,
+        is_comparing: false,
+    });
+    for frame in 0..5 {
+        times.push(Time::from_nanos(frame * 16_000_000));
+    }
+    times.laid_out(0.25);
+    times.take(report, passes);
+    times
+}
+
+fn known<'a>(report: &'a FrameReport, screen: &'a ScreenFacts, times: &'a FrameTimes) -> Known<'a> {
     Known {
         frame: 0,
+        scene: "city",
         report,
         outcome: None,
-        passes: &[],
+        objects: 10_000,
+        in_frustum: None,
+        times,
         lists_passes: true,
         used_bytes: 5 << 20,
         device: "a GPU",
         size: [640, 360],
-        strategy: "antumbra",
+        strategy: Strategy::Antumbra,
         is_frozen: false,
         is_recording: false,
         predicates: "flags",
         frames_in_flight: 2,
+        compared: None,
         screen: Some(screen),
+    }
+}
+
+const PASSES: [(&str, f64); 7] = [
+    ("draw visible", 1.5),
+    ("resolve tests", 0.25),
+    ("draw revealed", 0.5),
+    ("resolve tests", 0.125),
+    ("draw revealed", 4.0),
+    ("HUD", 0.75),
+    ("view from above", 0.25),
+];
+
+#[test]
+fn what_a_person_looks_for_is_said_first() {
+    let (report, screen, outcome) = (report(), screen(), outcome());
+    let times = times(&report, &PASSES.map(|(label, ms)| pass(label, ms)));
+    let known = Known {
+        frame: 12,
+        outcome: Some(&outcome),
+        in_frustum: Some(2_055),
+        is_frozen: true,
+        is_recording: true,
+        ..known(&report, &screen, &times)
+    };
+    let figure = |value: &str, name| Figure { value: value.to_owned(), name };
+    let overview = known.overview("keys");
+    assert_eq!(overview.strategy, "antumbra, frozen, recording");
+    assert_eq!(overview.rate, figure("62", "frames/s"));
+    assert_eq!(overview.frame_time, figure("16.0", "ms a frame"));
+    assert_eq!(
+        overview.objects,
+        [figure("10,000", "objects"), figure("2,055", "in frustum"), figure("1,001", "drawn")]
+    );
+    assert_eq!(overview.split, Some(Split { drawn: 1_001, culled: 1_054 }));
+    // What the overlay takes is none of the engine's.
+    assert_eq!(overview.times, [figure("6.38 ms", "GPU"), figure("1.25 ms", "CPU")]);
+    let verdict = Verdict::Inexact("inexact: 44 px at most".to_owned());
+    assert_eq!(overview.verdict, verdict, "a threshold neglected samples");
+    let exact = FrameOutcome { neglected_samples: 0, ..outcome };
+    let of = |strategy| Known { outcome: Some(&exact), strategy, ..known }.overview("").verdict;
+    for strategy in Strategy::ALL {
+        let is_exact = matches!(of(strategy), Verdict::Exact(_));
+        assert_eq!(is_exact, strategy.is_exact(), "{strategy}: {:?}", of(strategy));
     }
 }
 
 #[test]
 fn everything_known_is_said_where_it_belongs() {
     let (report, screen, outcome) = (report(), screen(), outcome());
-    let passes = [
-        pass("visible", 1.5),
-        pass("answers", 0.25),
-        pass("revealed", 0.5),
-        pass("answers", 0.125),
-        pass("revealed", 4.0),
-    ];
-    let known = Known {
-        frame: 12,
-        outcome: Some(&outcome),
-        passes: &passes,
-        is_frozen: true,
-        is_recording: true,
-        ..known(&report, &screen)
-    };
+    let times = times(&report, &PASSES.map(|(label, ms)| pass(label, ms)));
+    let known = Known { frame: 12, outcome: Some(&outcome), ..known(&report, &screen, &times) };
     let expected = "\
-CPU: 1.25 ms
-GPU: 6.38 ms
-GPU memory: 5 MiB
+frame: 12
+triangles drawn: 2,002,002
+revealed in this frame: 33
+proxy tests: 55
+queries: 66
+waits for the GPU: 7
+latency of results: 2 to 4 frames
+
+draw visible: 1.50 ms
+resolve tests: 0.38 ms
+draw revealed: 4.50 ms
 
 device: a GPU
 picture: 640 x 360
-strategy: antumbra, frozen, recording
 predicates: flags
 frames in flight: 2
+GPU memory: 5 MiB
 
-frame: 12
-draws: 1,001
-triangles: 2,002,002
-revealed: 33
-tests: 55
-queries: 66
-waits: 7
-age of results: 2 to 4 frames
+this overlay, CPU: 0.75 ms
+this overlay, GPU: 1.00 ms
 
 present mode: fifo
 images: 3
 refresh: 16.67 ms
 frame, median: 10.01 ms
-95 %, 99 %: 10.02 ms, 10.03 ms
-99.9 %: 10.04 ms
-slowest 1 %: 10.06 ms
-latency: 30.01 ms
+frame, 95 %: 10.02 ms
+frame, 99 %: 10.03 ms
+frame, 99.9 %: 10.04 ms
+slowest 1 %, mean: 10.06 ms
+latency to the screen: 30.01 ms
 missed refreshes: 4,004
 hitches: 5,005
-
-visible: 1.50 ms
-answers: 0.38 ms
-revealed: 4.50 ms
 ";
     assert_eq!(text(&known), expected);
 }
 
 #[test]
 fn of_a_screen_that_tells_nothing_the_starts_of_frames_are_said() {
-    let report = report();
-    let told = screen();
+    let (report, known_screen, times) = (report(), screen(), FrameTimes::default());
     let screen = ScreenFacts {
         fallback: Some(PresentMode::Mailbox),
         refresh: None,
-        summary: Summary { present_intervals: None, hitches: None, ..told.summary },
-        ..told
+        summary: Summary { present_intervals: None, hitches: None, ..known_screen.summary },
+        ..known_screen
     };
-    let said = text(&known(&report, &screen));
+    let said = text(&known(&report, &screen, &times));
     for line in [
         "present mode: fifo (no mailbox)",
         "refresh: -",
         "frame, median: 20.01 ms",
-        "95 %, 99 %: 20.02 ms, 20.03 ms",
+        "frame, 95 %: 20.02 ms",
         "hitches: 6,006",
     ] {
         assert!(said.lines().any(|said| said == line), "{line}: {said}");
@@ -176,7 +229,7 @@ fn of_a_screen_that_tells_nothing_the_starts_of_frames_are_said() {
 
 #[test]
 fn nothing_known_is_no_number() {
-    let report = FrameReport::default();
+    let (report, times) = (FrameReport::default(), FrameTimes::default());
     let screen = ScreenFacts {
         mode: PresentMode::Immediate,
         fallback: None,
@@ -184,39 +237,14 @@ fn nothing_known_is_no_number() {
         refresh: None,
         summary: Summary::default(),
     };
-    let expected = "\
-CPU: -
-GPU: -
-GPU memory: 5 MiB
-
-device: a GPU
-picture: 640 x 360
-strategy: antumbra
-predicates: flags
-frames in flight: 2
-
-frame: 0
-draws: -
-triangles: -
-revealed: -
-tests: -
-queries: -
-waits: -
-age of results: -
-
-present mode: immediate
-images: 0
-refresh: -
-frame, median: -
-95 %, 99 %: -, -
-99.9 %: -
-slowest 1 %: -
-latency: -
-missed refreshes: -
-hitches: -
-
-";
-    assert_eq!(text(&known(&report, &screen)), expected);
+    let known = known(&report, &screen, &times);
+    let unknown = known.details().concat().into_iter().filter(|(_, value)| value == "-").count();
+    assert_eq!(unknown, 6 + 2 + 9, "{:?}", known.details());
+    let overview = known.overview("");
+    let values = [&overview.rate, &overview.frame_time, &overview.times[0], &overview.times[1]];
+    assert!(values.iter().all(|figure| figure.value == "-"), "{overview:?}");
+    assert_eq!(overview.objects.map(|figure| figure.value), ["10,000", "-", "-"]);
+    assert_eq!((overview.split, overview.verdict), (None, Verdict::Unknown));
 }
 
 #[test]
@@ -225,18 +253,22 @@ fn passes_beyond_the_eighth_are_summed_up() {
     let passes: Vec<PassTime> =
         labels.iter().zip(1..).map(|(label, ms)| pass(label, f64::from(ms))).collect();
     let (report, screen) = (report(), screen());
-    let known = Known { passes: &passes, ..known(&report, &screen) };
-    let rows = known.facts().pop().unwrap();
+    let times = times(&report, &passes);
+    let rows = known(&report, &screen, &times).pass_rows();
     assert_eq!(rows.len(), 9);
     assert_eq!(rows[7], ("h".to_owned(), "8.00 ms".to_owned()));
     assert_eq!(rows[8], ("others".to_owned(), "19.00 ms".to_owned()));
 }
 
 #[test]
-fn numbers_are_readable() {
-    let cases = [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")];
-    for (number, text) in cases {
-        assert_eq!(grouped(number), text);
+fn numbers_fit_their_columns() {
+    for (number, text) in
+        [(0, "0"), (999_999, "999,999"), (2_000_000, "2.00 M"), (45_678_901, "45.7 M")]
+    {
+        assert_eq!(short(number), text);
+    }
+    for (time, text) in [(0.123, "0.12"), (9.999, "10.0"), (45.67, "45.7"), (151.4, "151")] {
+        assert_eq!(digits(time), text);
     }
     assert_eq!((ms(None), ms(Some(1.234))), ("-".to_owned(), "1.23 ms".to_owned()));
 }

@@ -13,6 +13,7 @@ use pacing::{
 use render::Renderer;
 
 use super::clock::Clock;
+use super::conditions::Conditions;
 use super::evenness::Evenness;
 use super::show::ShowOptions;
 use crate::run::RunError;
@@ -57,8 +58,6 @@ pub struct Screen {
     pacer: Pacer,
     evenness: Evenness,
     queued: VecDeque<Queued>,
-    /// The one after the newest that was queued.
-    next: FrameId,
     reports: PresentReports,
     refresh: Refresh,
     /// Which swapchain the pacer knows of: its mode, its images, how often it was replaced.
@@ -113,9 +112,8 @@ impl Screen {
             device: device.clone(),
             clock: Clock,
             pacer: Pacer::new(pacer_options, presentation).map_err(RunError::machine)?,
-            evenness: Evenness::new(options.present_mode).map_err(RunError::machine)?,
+            evenness: Evenness::new().map_err(RunError::machine)?,
             queued: VecDeque::with_capacity(MOST_QUEUED),
-            next: FrameId(0),
             wanted: options.present_mode,
             reports,
             refresh,
@@ -171,7 +169,6 @@ impl Screen {
         }
         let (id, tick) = (presented.id, presented.tick);
         self.queued.push_back(Queued { frame, id, tick, is_finished: false, is_shown: false });
-        self.next = FrameId(frame.0 + 1);
         Ok(Shown::Presented(presented))
     }
 
@@ -221,6 +218,11 @@ impl Screen {
         }
     }
 
+    /// Takes the conditions of the frame `next`: statistics over others start anew.
+    pub fn follow(&mut self, conditions: Conditions, next: FrameId) {
+        self.evenness.follow(conditions, next);
+    }
+
     /// The swapchain.
     pub fn swapchain(&self) -> &Swapchain {
         &self.swapchain
@@ -242,7 +244,6 @@ impl Screen {
             self.refresh = Refresh::About(period);
         }
         self.queued.clear();
-        self.evenness.follow(now.0, self.next);
         let presentation = Presentation {
             mode: pacers(now.0),
             images: u32::try_from(now.1).unwrap_or(u32::MAX).min(pacing::MAX_IMAGES),

@@ -1,6 +1,6 @@
 //! Pictures on their way to files: nobody waits for the GPU to have drawn them.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use gpu::{Device, Readback, Tick};
@@ -8,6 +8,7 @@ use gpu::{Device, Readback, Tick};
 use crate::options::FrameSize;
 use crate::picture::write_png;
 use crate::run::RunError;
+use crate::terminal::output::say_wrote;
 
 /// A picture that the GPU draws.
 struct Pending {
@@ -48,18 +49,33 @@ impl Screenshots {
         let completed = device.completed()?;
         let is_there = |pending: &mut Pending| pending.tick <= completed;
         let mut failed = None;
-        for Pending { picture, path, .. } in self.pending.extract_if(.., is_there) {
-            let [width, height] = picture.size();
-            match write_png(&path, FrameSize { width, height }, picture.rgba8()) {
-                Ok(()) => newest = Some(path),
-                Err(error) => {
-                    let reason = error.to_string();
-                    self.lost.get_or_insert(Lost { count: 0, reason }).count += 1;
-                    failed = Some(RunError::machine(error));
-                }
+        let finished: Vec<Pending> = self.pending.extract_if(.., is_there).collect();
+        for Pending { picture, path, .. } in finished {
+            match self.write(&picture, &path) {
+                Ok(path) => newest = Some(path),
+                Err(error) => failed = Some(error),
             }
         }
         failed.map_or(Ok(newest), Err)
+    }
+
+    /// Writes a picture that is there, under a name that is free. Returns its path.
+    ///
+    /// # Errors
+    /// A file that cannot be written: that is also an error in the [end](Self::finish).
+    pub fn write(&mut self, picture: &Readback, path: &Path) -> Result<PathBuf, RunError> {
+        let [width, height] = picture.size();
+        let written = picture.rgba8().map_err(RunError::from).and_then(|pixels| {
+            write_png(path, FrameSize { width, height }, &pixels).map_err(RunError::machine)
+        });
+        match &written {
+            Ok(path) => say_wrote(path),
+            Err(error) => {
+                let reason = error.to_string();
+                self.lost.get_or_insert(Lost { count: 0, reason }).count += 1;
+            }
+        }
+        written
     }
 
     /// Waits for the rest and writes it.
@@ -72,7 +88,7 @@ impl Screenshots {
         match &self.lost {
             Some(Lost { count: 1, reason }) => Err(RunError::machine(reason)),
             Some(Lost { count, reason }) => {
-                Err(RunError::machine(format!("{count} screenshots are lost; the first: {reason}")))
+                Err(RunError::machine(format!("{count} pictures are lost; the first: {reason}")))
             }
             None => written.map(|_| ()),
         }

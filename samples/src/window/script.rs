@@ -3,11 +3,12 @@
 //! A line is the number of a frame and a [`Deed`]: `60 strategy pyramid`. Frames count from 0, and
 //! do not go back. Empty lines and lines that begin with `#` mean nothing.
 
-use std::fs;
 use std::path::Path;
 
 use super::deeds::Deed;
+use crate::input_file;
 use crate::options::UsageError;
+use crate::terminal::shown;
 
 /// A larger file is no script.
 const MOST_BYTES: u64 = 16 << 20;
@@ -25,15 +26,11 @@ impl Script {
     /// # Errors
     /// A file that cannot be read, or the first line that cannot be, with its number.
     pub fn read(path: &Path) -> Result<Self, UsageError> {
-        let shown = path.display();
+        let shown = shown(path);
         let refuse = |reason: &dyn std::fmt::Display| {
             UsageError(format!("cannot read the script '{shown}': {reason}"))
         };
-        let size = fs::metadata(path).map_err(|error| refuse(&error))?.len();
-        if size > MOST_BYTES {
-            return Err(refuse(&"it is too long"));
-        }
-        let text = fs::read_to_string(path).map_err(|error| refuse(&error))?;
+        let text = input_file::read_text(path, MOST_BYTES).map_err(|error| refuse(&error))?;
         Self::parse(&text).map_err(|(line, reason)| UsageError(format!("{shown}:{line}: {reason}")))
     }
 

@@ -1,20 +1,24 @@
 //! The program without its window: a world, a camera, and one frame after the other, whoever shows them.
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-use cull::Camera;
-use gpu::{Device, Readback, Tick};
+use cull::{Camera, FrameId};
+use gpu::{Device, PresentMode, Readback, Tick};
+use pacing::Time;
 use render::{
-    Area, Explanation, FrameOutcome, FrameReport, FrameRequest, Moment, Renderer, ShaderSet,
-    ViewHistory,
+    Area, Explanation, FrameOutcome, FrameReport, Moment, Renderer, ShaderSet, ViewHistory,
 };
 
 use super::capture::Capture;
 use super::clock::Clock;
+use super::comparison::Comparison;
 use super::fly_camera::{FlyCamera, Steering};
 use super::frame_times::FrameTimes;
+use super::identify::Selection;
 use super::loading::Progress;
+use super::menu::Menu;
 use super::notice::Notice;
 use super::profiler::{Profiler, Scope};
 use super::screenshots::Screenshots;
@@ -25,10 +29,11 @@ use super::source::Source;
 use super::stage::Stage;
 use super::trace::Trace;
 use super::world::World;
-use crate::hud::Hud;
+use crate::hud::{Hud, HudLevel};
 use crate::recorded_path::RecordedPath;
 use crate::run::RunError;
 use crate::strategy::Strategy;
+use crate::terminal::{output::say_wrote, shown};
 
 /// A flight.
 pub struct Session {
@@ -46,12 +51,29 @@ pub struct Session {
     /// What the newest frame was seen from.
     pub(super) seen_from: Camera,
     pub(super) explanation: Explanation,
+    /// While frames with and without culling are compared.
+    pub(super) comparison: Option<Comparison>,
+    pub(super) selection: Selection,
+    /// The list or field that is open.
+    pub(super) menu: Option<Menu>,
     pub(super) has_birds_eye: bool,
-    pub(super) has_hud: bool,
+    pub(super) hud_level: HudLevel,
+    /// The page of all keys is open.
+    pub(super) has_help: bool,
+    /// What is written over the picture is no longer true.
+    pub(super) is_page_stale: bool,
     /// While there is something to write over the picture.
     pub(super) hud: Option<Hud>,
     pub(super) notice: Notice,
     pub(super) times: FrameTimes,
+    /// How pictures follow each other in the window.
+    pub(super) present_mode: Option<PresentMode>,
+    /// The number of the scene.
+    pub(super) scene: u32,
+    /// What the newest frames were seen from, oldest first.
+    pub(super) viewed: VecDeque<(FrameId, Camera)>,
+    /// When the newest screenshot was taken.
+    pub(super) photographed: Option<Time>,
     pub(super) report: FrameReport,
     pub(super) outcome: Option<FrameOutcome>,
     pub(super) is_timing_passes: bool,
@@ -96,11 +118,20 @@ impl Session {
             frozen: None,
             seen_from: start,
             explanation: Explanation::default(),
+            comparison: None,
+            selection: Selection::default(),
+            menu: None,
             has_birds_eye: false,
-            has_hud: options.has_hud,
+            hud_level: options.hud,
+            has_help: false,
+            is_page_stale: false,
             hud: None,
             notice: Notice::default(),
             times: FrameTimes::default(),
+            present_mode: None,
+            scene: 0,
+            viewed: VecDeque::new(),
+            photographed: None,
             report: FrameReport::default(),
             outcome: None,
             is_timing_passes: options.times_passes,
@@ -123,6 +154,11 @@ impl Session {
         self.frame
     }
 
+    /// Returns the names of the scene and of the strategy.
+    pub fn subject(&self) -> (&str, &'static str) {
+        (&self.world.name, self.strategy.name())
+    }
+
     /// What draws.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
@@ -131,6 +167,11 @@ impl Session {
     /// The next deed that the script has for the next frame.
     pub fn next_scripted(&mut self) -> Option<super::deeds::Deed> {
         self.script.next_before(self.frame)
+    }
+
+    /// Returns true once if what is written over the picture is no longer true.
+    pub fn take_stale_page(&mut self) -> bool {
+        std::mem::take(&mut self.is_page_stale)
     }
 
     /// Looks elsewhere, as the mouse moved; the camera's own way ends.
@@ -142,6 +183,7 @@ impl Session {
     /// Flies faster, or more slowly, by so many notches of a wheel.
     pub fn hasten(&mut self, notches: f32) {
         self.fly.hasten(notches);
+        self.tell(format!("speed {:.2} m/s", self.fly.speed_m()));
     }
 
     /// From here on somebody steers.
@@ -165,7 +207,7 @@ impl Session {
         if *steering != (Steering { hurries: steering.hurries, ..Steering::default() }) {
             self.take_over();
         }
-        if let Some(camera) = self.world.camera(self.frame) {
+        if let Some(camera) = self.world.camera(self.frame, self.renderer.size()) {
             return camera;
         }
         self.fly.fly(steering, seconds);
@@ -186,6 +228,7 @@ impl Session {
     ) -> Result<Tick, RunError> {
         let scope = self.begin_scope("render");
         let began = scope.began;
+        self.follow_selection()?;
         // What was decided stays decided while the culling stands still, so all else does, too.
         if self.frozen.is_none() {
             self.world.advance(&mut self.renderer, seconds)?;
@@ -204,6 +247,8 @@ impl Session {
         let screenshot = self.screenshot(picture)?;
         let own = screenshot.as_ref().map(|(picture, _)| picture);
         let wanted = picture.or(own).map(Rc::as_ref);
+        self.times.follow(self.conditions());
+        self.times.push(began);
         let tick = match &self.frozen {
             Some(moment) => {
                 let tick = self.renderer.render_moment(moment, camera, wanted)?;
@@ -211,19 +256,16 @@ impl Session {
                 tick
             }
             None => {
-                let request =
-                    FrameRequest { picture: wanted, ..FrameRequest::new(self.strategy, camera) };
-                self.report = self.renderer.render(&mut self.history, &request)?;
-                self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
+                let tick = self.render(camera, seconds, wanted)?;
+                self.measure(camera);
                 self.trace_submit(scope, true)?;
-                self.report.tick
+                tick
             }
         };
         if let Some((picture, path)) = screenshot {
             self.screenshots.push(picture, tick, path);
         }
         self.seen_from = camera;
-        self.times.push(began);
         self.frame += 1;
         Ok(tick)
     }
@@ -241,6 +283,7 @@ impl Session {
             Some(picture) => Rc::clone(picture),
             None => Rc::new(Readback::new(self.renderer.device(), self.renderer.size())?),
         };
+        self.photographed = Some(self.clock.now());
         let name = format!("{}_{:05}.png", self.world.name, self.frame);
         Ok(Some((picture, self.folder.join(name))))
     }
@@ -280,7 +323,7 @@ impl Session {
         }
         match self.screenshots.write_finished(self.renderer.device()) {
             Ok(None) => {}
-            Ok(Some(path)) => self.notice.tell(now, format!("wrote {}", path.display())),
+            Ok(Some(path)) => self.notice.tell(now, format!("wrote {}", shown(&path))),
             Err(error) => self.notice.keep_telling(error.to_string()),
         }
         if let Some(watch) = &mut self.watch
@@ -314,13 +357,16 @@ impl Session {
     /// # Errors
     /// When a file cannot be written, or a screenshot could not be before.
     pub fn finish(mut self, options: &ShowOptions) -> Result<(), RunError> {
+        let compared = self.finish_comparison();
         let recording = self.stop_recording();
         let screenshots = self.screenshots.finish(self.renderer.device());
         let trace = match (&self.trace, &options.trace) {
-            (Some(trace), Some(path)) => trace.write(path).map_err(RunError::machine),
+            (Some(trace), Some(path)) => {
+                trace.write(path).map(|()| say_wrote(path)).map_err(RunError::machine)
+            }
             _ => Ok(()),
         };
-        super::first_error([recording, screenshots, trace])
+        super::first_error([compared, recording, screenshots, trace])
     }
 }
 

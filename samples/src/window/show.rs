@@ -8,6 +8,7 @@ use gpu::PresentMode;
 use super::deeds::present_mode;
 use crate::args::{named, parse_device, parse_in_range, parse_size, usage};
 use crate::choices::{Costs, DeviceChoice, Validation};
+use crate::hud::HudLevel;
 use crate::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, UsageError};
 use crate::strategy::Strategy;
 
@@ -47,8 +48,9 @@ pub struct ShowArguments {
     /// Open no window
     #[arg(long, help_heading = "Frames")]
     pub headless: bool,
-    /// Whether there is text over the picture at the start [default: on in a window]
-    #[arg(long, value_name = "on|off", help_heading = "Frames")]
+    /// How much text is over the picture at the start: the most important numbers, all that have room,
+    /// or none [default: on in a window]
+    #[arg(long, value_name = "on|details|off", help_heading = "Frames")]
     pub hud: Option<String>,
     /// Measure the GPU time of every pass from the start
     #[arg(long, help_heading = "Frames")]
@@ -99,8 +101,8 @@ pub struct ShowOptions {
     pub frames: Option<u32>,
     /// Whether there is no window.
     pub is_headless: bool,
-    /// Whether there is text at the start.
-    pub has_hud: bool,
+    /// How much text there is at the start.
+    pub hud: HudLevel,
     /// Whether passes are timed at the start.
     pub times_passes: bool,
     /// Which device draws.
@@ -162,11 +164,14 @@ impl ShowArguments {
             frame_limit_hz: limit.transpose()?,
             frames: frames.or(self.headless.then_some(HEADLESS_FRAMES)),
             is_headless: self.headless,
-            has_hud: match self.hud.as_deref() {
-                None => !self.headless,
-                Some("on") => true,
-                Some("off") => false,
-                Some(text) => return usage(format!("--hud takes on or off, not '{text}'")),
+            hud: match self.hud.as_deref() {
+                None if self.headless => HudLevel::Off,
+                None | Some("on") => HudLevel::Compact,
+                Some("details") => HudLevel::Detailed,
+                Some("off") => HudLevel::Off,
+                Some(text) => {
+                    return usage(format!("--hud takes on, details or off, not '{text}'"));
+                }
             },
             times_passes: self.time_passes || self.trace.is_some(),
             device: parse_device(self.device.as_deref())?,

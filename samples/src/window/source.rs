@@ -38,6 +38,25 @@ impl Source {
         }
     }
 
+    /// Returns the file, if it comes out of one.
+    pub fn file(&self) -> Option<&PathBuf> {
+        match self {
+            Self::File { file, .. } => Some(file),
+            Self::Made { .. } | Self::Nothing { .. } => None,
+        }
+    }
+
+    /// Returns its name, for people.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Made { made, .. } => made.scene.to_string(),
+            Self::File { file, .. } => {
+                file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned()
+            }
+            Self::Nothing { .. } => "nothing".to_owned(),
+        }
+    }
+
     /// The same settings for another file, which has other cameras.
     pub fn settings_for_another(&self) -> FileSource {
         match self {
@@ -50,20 +69,14 @@ impl Source {
 }
 
 /// How a file is shown.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileSource {
     /// The camera to begin with; the first one if none is named.
     pub camera: Option<String>,
     /// The recorded path along which the camera goes.
     pub recorded: Option<PathBuf>,
-    /// What all light is multiplied with.
-    pub exposure: f32,
+    /// What all light is multiplied with; `None` is 1, with lights dimmed that are too bright for that.
+    pub exposure: Option<f32>,
     /// By how many pixels surfaces may be off where objects take coarser forms; `None` has the finest.
     pub detail_pixels: Option<f32>,
-}
-
-impl Default for FileSource {
-    fn default() -> Self {
-        Self { camera: None, recorded: None, exposure: 1.0, detail_pixels: None }
-    }
 }

@@ -10,8 +10,9 @@ use render::{Costs, Renderer, RendererOptions, ShaderSet};
 use super::show::ShowOptions;
 use super::source::FileSource;
 use super::world::World;
-use crate::choices;
+use crate::choices::{self, Named};
 use crate::course::Course;
+use crate::hud::{HudLevel, PANEL_SHARE};
 use crate::options::{MadeScene, PathChoice};
 use crate::run::RunError;
 use crate::scene_file::{self, Told};
@@ -67,7 +68,10 @@ impl Stage {
             None => start(&scene)?.camera(0),
         };
         let renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
-        Ok(Self { renderer, world: World::still("city", start).with_course(course) })
+        Ok(Self {
+            renderer,
+            world: World::still(made.scene.name(), start).with_names(&scene).with_course(course),
+        })
     }
 
     /// Loads a file, tells how far that has come, and gives up when it is told to.
@@ -81,8 +85,7 @@ impl Stage {
         size: [u32; 2],
         told: &mut dyn FnMut(Told<'_>) -> ControlFlow<()>,
     ) -> Result<Self, RunError> {
-        let mut imported = scene_file::load(file, told)?;
-        scene_file::expose(&mut imported, settings.exposure);
+        let mut imported = scene_file::load(file, settings.exposure, told)?;
         if settings.detail_pixels.is_some() {
             scene_file::tell(told, "making coarser forms", None)?;
             imported.make_levels(&import::LevelOptions::default());
@@ -93,7 +96,8 @@ impl Stage {
         let renderer =
             Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)
                 .map_err(|error| RunError::from(error).about(file))?;
-        let mut world = World::of_file(file, imported, settings, size)?;
+        let covered = if options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
+        let mut world = World::of_file(file, imported, settings, (size, covered))?;
         world.notes.extend(renderer.compromises().texts());
         Ok(Self { renderer, world })
     }

@@ -4,10 +4,25 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
+use super::deeds::FILE_KEYS;
+use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::{FileSource, Source};
 use crate::args::{path_file, usage};
 use crate::options::UsageError;
+
+const EXAMPLES: &str = "\
+Examples:
+  viewer rooms.glb
+      Look around: W A S D, Q and E; look with a mouse button held.
+  viewer rooms.glb --camera walk --strategy frustum
+      Begins with the camera \"walk\" of the file, without occlusion culling.
+  viewer rooms.glb --headless --frames 60 --camera walk --out pictures
+      The first second as pictures, without a window.
+
+Exit codes: 0 all went well; 2 the command line or the file is wrong; 1 the machine cannot do it or a file \
+cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM ended it: that writes what \
+there is, and a second one ends it at once.";
 
 /// Shows the scene of a glTF file in a window, alive, with occlusion culling.
 ///
@@ -19,18 +34,7 @@ use crate::options::UsageError;
     version,
     allow_negative_numbers = true,
     args_override_self = true,
-    after_help = "\
-Examples:
-  viewer rooms.glb
-      Look around: W A S D, Q and E, look with a mouse button held, the wheel for speed.
-  viewer rooms.glb --camera walk --strategy frustum
-      Begins with the camera \"walk\" of the file, without occlusion culling.
-  viewer rooms.glb --headless --frames 60 --camera walk --out pictures
-      The first second as pictures, without a window.
-
-Ends with 0 when all went well, 2 when something in the command line or in the file is wrong, 1 when
-the machine cannot do it or a file cannot be written, 130 or 143 when Ctrl-C or SIGTERM ended it: that
-writes what there is, and a second one ends it at once."
+    after_help = help_with_keys(EXAMPLES, &FILE_KEYS)
 )]
 pub struct ViewerArguments {
     /// The scene: glTF 2.0, as .glb or .gltf; a window can do without until a file is dropped into it
@@ -43,9 +47,10 @@ pub struct ViewerArguments {
     /// The camera goes along a path that was recorded, whose name ends in .txt or has a slash
     #[arg(long, visible_alias = "replay", value_name = "FILE", help_heading = "World")]
     pub path: Option<String>,
-    /// What all light is multiplied with before it is brought to the screen
-    #[arg(long, value_name = "FACTOR", default_value = "1", help_heading = "World")]
-    pub exposure: String,
+    /// What all light is multiplied with before it is brought to the screen [default: 1, with the lights
+    /// dimmed where they would leave nothing but white]
+    #[arg(long, value_name = "FACTOR", help_heading = "World")]
+    pub exposure: Option<String>,
     /// Objects take coarser forms where that moves no surface by more than so many pixels [default: never]
     #[arg(long, value_name = "PIXELS", help_heading = "World")]
     pub detail: Option<String>,
@@ -61,7 +66,8 @@ impl ViewerArguments {
     /// The first argument that cannot be.
     pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
         let show = self.show.options()?;
-        let exposure = positive("--exposure", &self.exposure)?;
+        let exposure = self.exposure.as_deref();
+        let exposure = exposure.map(|text| positive("--exposure", text)).transpose()?;
         let detail_pixels = self.detail.as_deref();
         let detail_pixels = detail_pixels.map(|text| positive("--detail", text)).transpose()?;
         let recorded = match &self.path {
@@ -107,6 +113,8 @@ mod tests {
     use super::*;
     use clap::CommandFactory;
 
+    use crate::hud::HudLevel;
+
     fn parse(line: &[&str]) -> Result<(Source, ShowOptions), UsageError> {
         ViewerArguments::try_parse_from([&["viewer"], line].concat()).unwrap().options()
     }
@@ -121,7 +129,7 @@ mod tests {
         let (source, show) = parse(&["a.glb"]).unwrap();
         let settings = FileSource::default();
         assert_eq!(source, Source::File { file: "a.glb".into(), settings: settings.clone() });
-        assert!(!show.is_headless && show.has_hud);
+        assert_eq!((show.is_headless, show.hud), (false, HudLevel::Compact));
         assert_eq!(parse(&[]).unwrap().0, Source::Nothing { settings });
     }
 
@@ -140,7 +148,7 @@ mod tests {
         let settings = FileSource {
             camera: Some("walk".into()),
             recorded: None,
-            exposure: 0.5,
+            exposure: Some(0.5),
             detail_pixels: Some(2.0),
         };
         assert_eq!(source, Source::File { file: "a.glb".into(), settings });

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use cull::{Camera, DetailPolicy};
+use cull::{Camera, DetailPolicy, ObjectId};
 use import::{Imported, Performance};
 use render::Renderer;
+use render::scene::Scene;
 
 use super::page_text::{Facts, fact};
 use super::source::FileSource;
@@ -31,6 +32,8 @@ enum Guide {
     Course(Course),
     /// A camera of the file, by its place.
     Camera(usize),
+    /// A view of everything.
+    Overview,
 }
 
 /// What is around a scene.
@@ -44,7 +47,27 @@ pub struct World {
     /// What there is to tell about it once.
     pub notes: Vec<String>,
     guide: Guide,
+    names: MeshNames,
+    /// From where all of a file is seen.
+    overview: Camera,
     life: Option<Life>,
+}
+
+/// The names of the meshes of a scene, for people.
+#[derive(Default)]
+struct MeshNames {
+    names: Vec<String>,
+    /// The mesh of each object.
+    meshes: Vec<u32>,
+}
+
+impl MeshNames {
+    fn of(scene: &Scene) -> Self {
+        Self {
+            names: scene.meshes.iter().map(|mesh| mesh.name.clone()).collect(),
+            meshes: scene.objects.iter().map(|object| object.mesh.0).collect(),
+        }
+    }
 }
 
 /// What moves in a scene out of a file.
@@ -73,8 +96,22 @@ impl World {
             speed_m: WALKING_M,
             notes: Vec::new(),
             guide: Guide::Nobody,
+            names: MeshNames::default(),
+            overview: start,
             life: None,
         }
+    }
+
+    /// The same, and the meshes of `scene` have names.
+    pub fn with_names(mut self, scene: &Scene) -> Self {
+        self.names = MeshNames::of(scene);
+        self
+    }
+
+    /// Returns the name of an object's mesh; `None` for objects that came later.
+    pub fn mesh_name(&self, object: ObjectId) -> Option<&str> {
+        let mesh = *self.names.meshes.get(object.0 as usize)?;
+        self.names.names.get(mesh as usize).map(String::as_str)
     }
 
     /// The same, and the camera goes its own way.
@@ -83,7 +120,8 @@ impl World {
         self
     }
 
-    /// What a file brought, seen on pictures of that size at first.
+    /// What a file brought, seen on pictures of that size at first, whose left is covered up to a share of
+    /// the width.
     ///
     /// # Errors
     /// A camera that the file does not have; a recorded path that is none.
@@ -91,25 +129,30 @@ impl World {
         file: &Path,
         imported: Imported,
         settings: &FileSource,
-        size: [u32; 2],
+        (size, covered): ([u32; 2], f32),
     ) -> Result<Self, RunError> {
-        let bounds = imported.bounds();
-        let shown = file.display();
+        let names = MeshNames::of(&imported.scene);
+        let shown = crate::terminal::shown(file);
         let wanted = settings.camera.as_deref();
         let camera = film::find_camera(&imported.cameras, wanted, &shown)?;
         let recorded = settings.recorded.as_deref().map(RecordedPath::read).transpose()?;
-        let (_, mut performance, cameras, mut notes) = Performance::of(imported);
-        let clips = Clips::all(&performance, None);
+        let (scene, mut performance, cameras, notes) = Performance::of(imported);
+        let mut notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
+        let own = camera.and_then(|place| performance.clip_of(cameras.get(place)?));
+        let clips = Clips::all(&performance, own);
         notes.extend(clips.conflicts(&performance));
         performance.play(clips.playing(), 0.0, 0.0);
-        let around = film::portrait(&bounds, size);
+        let bounds = performance.bounds_playing(&scene);
+        performance.pose(0.0);
+        let around = film::portrait(&bounds, size, covered);
         let (start, guide) = match (recorded, camera) {
             (Some(path), _) => {
                 let start = path.camera(0).unwrap_or(around);
                 (start, Guide::Course(Course::Recorded(path, around)))
             }
             (None, Some(place)) => {
-                let start = cameras.get(place).map_or(around, |camera| performance.seen_by(camera));
+                let start =
+                    cameras.get(place).map_or(around, |camera| performance.seen_by(camera, size));
                 (start, Guide::Camera(place))
             }
             (None, None) => (around, Guide::Nobody),
@@ -121,6 +164,8 @@ impl World {
             speed_m: if crossing_m.is_normal() { crossing_m } else { WALKING_M },
             notes,
             guide,
+            names,
+            overview: around,
             life: Some(Life {
                 performance,
                 cameras,
@@ -132,13 +177,14 @@ impl World {
         })
     }
 
-    /// Where the camera is by itself in a frame; nowhere where somebody steers.
-    pub fn camera(&self, frame: u32) -> Option<Camera> {
+    /// Where the camera is by itself in a frame of `size` pixels; nowhere where somebody steers.
+    pub fn camera(&self, frame: u32, size: [u32; 2]) -> Option<Camera> {
         match (&self.guide, &self.life) {
             (Guide::Course(course), _) => Some(course.camera(frame)),
             (Guide::Camera(place), Some(life)) => {
-                Some(life.performance.seen_by(life.cameras.get(*place)?))
+                Some(life.performance.seen_by(life.cameras.get(*place)?, size))
             }
+            (Guide::Overview, _) => Some(self.overview),
             _ => None,
         }
     }
@@ -201,7 +247,9 @@ impl World {
     pub fn next_clip(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.clips = life.clips.next(&life.performance);
-        Ok(life.change_clips())
+        let told = life.change_clips();
+        self.leave_standing_camera();
+        Ok(told)
     }
 
     /// Plays all clips at once.
@@ -211,7 +259,20 @@ impl World {
     pub fn all_clips(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.clips = Clips::all(&life.performance, None);
-        Ok(life.change_clips())
+        let told = life.change_clips();
+        self.leave_standing_camera();
+        Ok(told)
+    }
+
+    /// Looks at everything where the clip plays no more that moves the camera: without it that is where
+    /// nobody looks from, often inside of something.
+    fn leave_standing_camera(&mut self) {
+        let (Guide::Camera(place), Some(life)) = (&self.guide, &self.life) else { return };
+        let Some(camera) = life.cameras.get(*place) else { return };
+        let is_driven = life.performance.clip_of(camera).is_some();
+        if is_driven && !life.performance.drive(life.clips.playing(), camera) {
+            self.guide = Guide::Overview;
+        }
     }
 
     /// Looks through a camera of the file, counted from 1.
@@ -220,7 +281,7 @@ impl World {
     /// Why that cannot be.
     pub fn look_through(&mut self, number: u32) -> Result<String, String> {
         let place = (number as usize).saturating_sub(1);
-        let Some(life) = &self.life else { return Err(NO_FILE.to_owned()) };
+        let Some(life) = &mut self.life else { return Err(NO_FILE.to_owned()) };
         let Some(camera) = life.cameras.get(place) else {
             return Err(match life.cameras.len() {
                 0 => "the file has no camera".to_owned(),
@@ -229,6 +290,11 @@ impl World {
             });
         };
         let told = format!("camera {}", camera.name);
+        let own = life.performance.clip_of(camera);
+        if own.is_some_and(|clip| !life.clips.playing().contains(&clip)) {
+            life.clips = Clips::all(&life.performance, own);
+            life.change_clips();
+        }
         self.guide = Guide::Camera(place);
         Ok(told)
     }
@@ -239,6 +305,7 @@ impl World {
         let camera = match self.guide {
             Guide::Camera(place) => life.cameras.get(place).map(|camera| camera.name.clone()),
             Guide::Course(_) => Some("along the path".to_owned()),
+            Guide::Overview => Some("over everything".to_owned()),
             Guide::Nobody => None,
         };
         let time = match life.is_paused {

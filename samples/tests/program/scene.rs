@@ -72,6 +72,16 @@ pub fn small() -> Vec<u8> {
 
 /// The same with other cameras.
 pub fn small_seen_by(camera: &Value) -> Vec<u8> {
+    small_with(Some(camera))
+}
+
+/// The same with all of its nodes and clips, and no camera.
+#[allow(dead_code, reason = "not all tests need it")]
+pub fn small_without_cameras() -> Vec<u8> {
+    small_with(None)
+}
+
+fn small_with(camera: Option<&Value>) -> Vec<u8> {
     let mut bytes = Bytes::default();
     let (positions, normals, indices) = cube();
     let positions = bytes.floats("VEC3", 3, &positions);
@@ -108,6 +118,11 @@ pub fn small_seen_by(camera: &Value) -> Vec<u8> {
             "channels": [{"sampler": 0, "target": {"node": node, "path": "translation"}}],
         })
     };
+    if camera.is_none() {
+        nodes.iter_mut().filter_map(Value::as_object_mut).for_each(|node| {
+            node.remove("camera");
+        });
+    }
     let document = json!({
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -115,7 +130,7 @@ pub fn small_seen_by(camera: &Value) -> Vec<u8> {
         "nodes": nodes,
         "meshes": [primitive(0), primitive(1), primitive(2)],
         "materials": [material([0.7, 0.7, 0.6, 1.0]), material([0.8, 0.2, 0.1, 1.0]), material([0.1, 0.3, 0.8, 1.0])],
-        "cameras": [camera],
+        "cameras": camera.into_iter().collect::<Vec<_>>(),
         "animations": [clip("walk", 3, ends, walked), clip("door", 2, keys, slides)],
         "accessors": bytes.accessors,
         "bufferViews": bytes.views,

@@ -6,9 +6,11 @@ use tests::xvfb::Xvfb;
 use x11rb::CURRENT_TIME;
 use x11rb::connection::Connection;
 use x11rb::protocol::Event;
+pub use x11rb::protocol::xproto::{BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT};
 use x11rb::protocol::xproto::{
-    ClientMessageEvent, ConfigureWindowAux, ConnectionExt, CreateWindowAux, EventMask, ImageFormat,
-    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MapState, PropMode, SELECTION_NOTIFY_EVENT,
+    ChangeWindowAttributesAux, ClientMessageEvent, ConfigureWindowAux, ConnectionExt,
+    CreateWindowAux, EventMask, GrabMode, GrabStatus, ImageFormat, InputFocus, KEY_PRESS_EVENT,
+    KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, MapState, PropMode, SELECTION_NOTIFY_EVENT,
     SelectionNotifyEvent, WindowClass,
 };
 use x11rb::protocol::xtest::ConnectionExt as _;
@@ -78,21 +80,142 @@ impl Seen {
 
     /// Holds a key for a while.
     pub fn press(&self, symbol: u32, time: Duration) {
+        self.press_code(self.code_of(symbol), time);
+    }
+
+    /// Returns the place of the key that has a symbol in the server's layout.
+    pub fn code_of(&self, symbol: u32) -> u8 {
         let setup = self.connection.setup();
         let (least, most) = (setup.min_keycode, setup.max_keycode);
         let mapping = self.connection.get_keyboard_mapping(least, most - least + 1);
         let mapping = mapping.unwrap().reply().unwrap();
         let per_code = usize::from(mapping.keysyms_per_keycode);
         let place = mapping.keysyms.chunks(per_code).position(|of_code| of_code[0] == symbol);
-        let code = least + u8::try_from(place.expect("a key with that symbol")).unwrap();
+        least + u8::try_from(place.expect("a key with that symbol")).unwrap()
+    }
+
+    /// Holds the key at a place for a while.
+    pub fn press_code(&self, code: u8, time: Duration) {
         // Nobody gives the window the focus where no window manager is.
+        self.focus();
+        for event in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
+            self.fake(event, code, [0, 0]);
+            std::thread::sleep(time);
+        }
+    }
+
+    /// Strikes a key while another is held.
+    pub fn press_with(&self, held: u32, symbol: u32) {
+        let held = self.code_of(held);
+        self.focus();
+        self.fake(KEY_PRESS_EVENT, held, [0, 0]);
+        self.strike(symbol);
+        self.fake(KEY_RELEASE_EVENT, held, [0, 0]);
+    }
+
+    /// Gives the window the focus.
+    pub fn focus(&self) {
         self.connection.set_input_focus(InputFocus::PARENT, self.window, 0_u32).unwrap();
         self.settle();
         std::thread::sleep(Duration::from_millis(20));
-        for event in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
-            self.connection.xtest_fake_input(event, code, 0, self.root, 0, 0, 0).unwrap();
+    }
+
+    /// Sends an input event as a device would.
+    fn fake(&self, event: u8, detail: u8, [x, y]: [i16; 2]) {
+        self.connection.xtest_fake_input(event, detail, 0, self.root, x, y, 0).unwrap();
+        self.settle();
+    }
+
+    /// Presses a button of the mouse, or releases it.
+    pub fn button(&self, number: u8, event: u8) {
+        self.fake(event, number, [0, 0]);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+
+    /// Presses and releases a button of the mouse.
+    pub fn click(&self, number: u8) {
+        self.button(number, BUTTON_PRESS_EVENT);
+        self.button(number, BUTTON_RELEASE_EVENT);
+    }
+
+    /// Puts the mouse at a place of the screen.
+    pub fn point_at(&self, place: [i16; 2]) {
+        self.fake(MOTION_NOTIFY_EVENT, 0, place);
+        std::thread::sleep(Duration::from_millis(20));
+    }
+
+    /// Moves the mouse, in small steps as a hand does.
+    pub fn move_by(&self, steps: u16, [x, y]: [i16; 2]) {
+        const RELATIVE: u8 = 1;
+        for _ in 0..steps {
+            self.fake(MOTION_NOTIFY_EVENT, RELATIVE, [x, y]);
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Returns true if somebody else may grab the pointer.
+    pub fn is_pointer_free(&self) -> bool {
+        let (root, mode) = (self.root, GrabMode::ASYNC);
+        let grab = self.connection.grab_pointer(
+            false,
+            root,
+            EventMask::NO_EVENT,
+            mode,
+            mode,
+            0_u32,
+            0_u32,
+            CURRENT_TIME,
+        );
+        let is_free = grab.unwrap().reply().unwrap().status == GrabStatus::SUCCESS;
+        if is_free {
+            self.connection.ungrab_pointer(CURRENT_TIME).unwrap();
             self.settle();
-            std::thread::sleep(time);
+        }
+        is_free
+    }
+
+    /// Waits until the window's title is as it should be.
+    pub fn await_title(&self, is_right: impl Fn(&str) -> bool) {
+        let atom = |name: &[u8]| self.connection.intern_atom(false, name).unwrap();
+        let name = atom(b"_NET_WM_NAME").reply().unwrap().atom;
+        let text = atom(b"UTF8_STRING").reply().unwrap().atom;
+        let began = Instant::now();
+        loop {
+            let title = self.connection.get_property(false, self.window, name, text, 0, 256);
+            let title = String::from_utf8(title.unwrap().reply().unwrap().value).unwrap();
+            if is_right(&title) {
+                return;
+            }
+            assert!(began.elapsed() < Duration::from_secs(60), "the title stays {title}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Listens to what programs ask of a window manager.
+    pub fn manage(&self) {
+        let aux = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
+        self.connection.change_window_attributes(self.root, &aux).unwrap();
+        self.settle();
+    }
+
+    /// Waits until the window asks for the full screen (true), or for its size again (false).
+    pub fn await_full_screen(&self) -> bool {
+        let atom = |name: &[u8]| self.connection.intern_atom(false, name).unwrap();
+        let state = atom(b"_NET_WM_STATE").reply().unwrap().atom;
+        let full = atom(b"_NET_WM_STATE_FULLSCREEN").reply().unwrap().atom;
+        let began = Instant::now();
+        loop {
+            match self.connection.poll_for_event().unwrap() {
+                Some(Event::ClientMessage(asked)) if asked.type_ == state => {
+                    let [action, which, ..] = asked.data.as_data32();
+                    if which == full {
+                        return action == 1;
+                    }
+                }
+                Some(_) => {}
+                None => std::thread::sleep(Duration::from_millis(5)),
+            }
+            assert!(began.elapsed() < Duration::from_secs(60), "it asks for no full screen");
         }
     }
 

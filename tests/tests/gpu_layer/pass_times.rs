@@ -60,3 +60,26 @@ fn a_pass_within_a_pass_is_timed_with_it() {
         assert!(frame.pass_times().iter().all(|time| (0.0..60_000.0).contains(&time.gpu_ms)));
     });
 }
+
+#[test]
+fn of_several_frames_one_is_timed() {
+    run_on_all(|device| {
+        let mut ring = FrameRing::new(device, 2).unwrap();
+        assert_eq!(ring.timed_interval(), None);
+        ring.time_passes_of_one_in(3).unwrap();
+        assert_eq!(ring.timed_interval(), Some(3));
+        let mut timed = Vec::new();
+        for _ in 0..12 {
+            let frame = ring.begin().unwrap();
+            timed.push(!frame.pass_times().is_empty());
+            frame.commands().pass("pass", nothing);
+            frame.submit(None).unwrap();
+        }
+        // Frames 0, 3, 6 and 9 are, which is known when their slots come round: two frames later.
+        let expected: Vec<bool> = (0..12).map(|frame| frame >= 2 && (frame - 2) % 3 == 0).collect();
+        assert_eq!(timed, expected);
+        ring.stop_timing_passes();
+        assert_eq!(ring.timed_interval(), None);
+        assert!(ring.begin().unwrap().pass_times().is_empty());
+    });
+}

@@ -130,7 +130,7 @@ fn picture(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
         FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, path.camera(3)) };
     renderer.render(&mut history, &request).unwrap();
     renderer.drain(&mut history).unwrap();
-    picture.rgba8().to_vec()
+    picture.rgba8().unwrap().to_vec()
 }
 
 #[test]

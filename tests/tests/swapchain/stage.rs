@@ -93,7 +93,7 @@ impl Painter {
         let copy = Readback::new(&self.device, self.target.size()).unwrap();
         self.paint(seed, Some(&copy));
         self.device.drain().unwrap();
-        copy.rgba8().chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+        copy.rgba8().unwrap().chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
     }
 }
 

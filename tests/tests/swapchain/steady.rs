@@ -49,8 +49,8 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         };
         renderer.render(&mut headless, &request).unwrap();
         renderer.drain(&mut headless).unwrap();
-        let pixels = picture.rgba8().chunks_exact(4);
-        let expected: Vec<_> = pixels.map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        let pixel = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2]];
+        let expected: Vec<_> = picture.rgba8().unwrap().chunks_exact(4).map(pixel).collect();
         await_picture(&expected, seen);
         // A picture that was read back is shown as well, and again, and larger.
         for _ in 0..2 {

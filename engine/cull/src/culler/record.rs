@@ -40,6 +40,11 @@ impl Stamp {
         Some(Self(frames.get()))
     }
 
+    /// Returns the frames since the epoch; `None` for never.
+    pub(super) fn frames(self) -> Option<u64> {
+        (self != Self::NEVER).then_some(self.0.into())
+    }
+
     pub(super) const fn plus(self, frames: u32) -> Self {
         Self(self.0.saturating_add(frames))
     }

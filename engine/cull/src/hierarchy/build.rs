@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 use super::topology::{Split, Topology};
-use super::{HierarchyError, MAX_OBJECTS, check};
+use super::{BUILD_BYTES_PER_OBJECT, HierarchyError, MAX_OBJECTS, check};
 use crate::bounds::Aabb;
 use crate::ids::ObjectId;
 use crate::rng::SplitMix64;
@@ -24,6 +24,7 @@ const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
 /// together in a balanced subtree beside the rest, the last of the leaves.
 pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     check_count(boxes.len())?;
+    check_memory(boxes.len())?;
     let mut occupied = Vec::with_capacity(boxes.len());
     let mut free = Vec::new();
     for (object, bounds) in boxes.iter().enumerate() {
@@ -104,6 +105,14 @@ fn check_count(count: usize) -> Result<(), HierarchyError> {
         return Err(HierarchyError::TooMany { count });
     }
     Ok(())
+}
+
+/// Asks for all the memory at once, and gives it back: what is allocated piece by piece ends the
+/// program where there is none.
+fn check_memory(count: usize) -> Result<(), HierarchyError> {
+    let wanted_bytes = count.saturating_mul(BUILD_BYTES_PER_OBJECT);
+    let asked = Vec::<u8>::new().try_reserve_exact(wanted_bytes);
+    asked.map_err(|_| HierarchyError::NoMemory { count })
 }
 
 /// The boxes moved into the unit cube and made different from each other.

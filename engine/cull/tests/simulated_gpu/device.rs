@@ -77,6 +77,12 @@ impl Device {
         home
     }
 
+    /// The answers to `frame` that are still under way, those of nodes before those of their parts.
+    pub fn answers_of(&self, frame: u64) -> Vec<Answer> {
+        let all = self.under_way.iter().map(|(_, answer)| *answer);
+        all.filter(|answer| answer.tag.frame.0 == frame).collect()
+    }
+
     /// A frame, in the order that a plan asks for.
     pub fn execute(
         &mut self,

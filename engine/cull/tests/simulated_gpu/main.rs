@@ -10,8 +10,10 @@
 mod device;
 mod dialogue;
 mod exactness;
+mod explain;
 mod governor;
 mod image;
+mod in_frustum;
 mod invariants;
 mod knowledge;
 mod learning;

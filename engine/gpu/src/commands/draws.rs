@@ -46,6 +46,9 @@ impl Commands {
 
     /// Draws the indexed indirect commands in `draws`, which holds nothing else.
     pub fn draw_indirect(&self, draws: BufferSlice) {
+        if self.admit(&draws).is_err() {
+            return;
+        }
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count.max(1));
         let mut left = draws.size_bytes / u64::from(stride);
@@ -69,7 +72,7 @@ impl Commands {
 
     /// Draws the one indirect command in `draw` (`VkDrawIndirectCommand`), without indices.
     pub(crate) fn draw_unindexed_indirect(&self, draw: BufferSlice) {
-        if self.is_sound() {
+        if self.admit(&draw).is_ok() && self.is_sound() {
             // SAFETY: the slice holds one command and lies in its buffer.
             unsafe {
                 self.device.raw().cmd_draw_indirect(self.raw, draw.raw, draw.offset_bytes, 1, 16);
@@ -79,7 +82,7 @@ impl Commands {
 
     /// Draws the one command in `draw` (`VkDrawIndirectCommand`) unless the word in `count` is 0.
     pub(crate) fn draw_unindexed_indirect_count(&self, draw: BufferSlice, count: BufferSlice) {
-        if !self.is_sound() {
+        if !self.admit_all([&draw, &count]) || !self.is_sound() {
             return;
         }
         // SAFETY: drawIndirectCount was checked when this way was chosen; the slices hold one
@@ -110,7 +113,7 @@ impl Commands {
         if most > self.device.adapter().limits.max_draw_indirect_count {
             self.fail(Failure::Wrong("more draws under one count than the device takes"));
         }
-        if !self.is_sound() {
+        if !self.admit_all([&draws, &count]) || !self.is_sound() {
             return;
         }
         // SAFETY: drawIndirectCount is there; both slices lie in their buffers.

@@ -1,8 +1,9 @@
 //! Recording: the few commands the engine uses, each in one place.
 
+mod admission;
 mod draws;
 
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
 use std::sync::Arc;
 
 use ash::vk;
@@ -13,15 +14,17 @@ use crate::buffer::BufferSlice;
 use crate::capabilities::Optional;
 use crate::deletion::Recording;
 use crate::device::Device;
-use crate::error::{Called, Error};
 use crate::label::LabelName;
 use crate::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
 use crate::query_pages::Counting;
 use crate::query_ring::QueryIndex;
+use crate::readback::Ticket;
 use crate::target::{Load, RenderTarget};
 use crate::texture::Texture;
 use crate::texture_array::TextureArray;
+use crate::timeline::Tick;
 use crate::timing::PassTimer;
+pub(crate) use admission::Failure;
 
 /// A command buffer being recorded.
 pub struct Commands {
@@ -31,15 +34,8 @@ pub struct Commands {
     descriptors: vk::DescriptorPool,
     timer: Option<Arc<PassTimer>>,
     failed: Cell<Option<Failure>>,
-}
-
-/// Why a recording goes nowhere.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Failure {
-    /// A call failed.
-    Call(&'static str, vk::Result),
-    /// What was to be recorded is invalid.
-    Wrong(&'static str),
+    /// Learns the tick, for pictures that these commands copy.
+    ticket: OnceCell<Arc<Ticket>>,
 }
 
 impl Commands {
@@ -51,7 +47,8 @@ impl Commands {
         timer: Option<Arc<PassTimer>>,
     ) -> Self {
         let device = device.clone();
-        Self { device, raw, recording, descriptors, timer, failed: Cell::new(None) }
+        let (failed, ticket) = (Cell::new(None), OnceCell::new());
+        Self { device, raw, recording, descriptors, timer, failed, ticket }
     }
 
     /// Goes on with the same recording in another command buffer, once this one is sent off.
@@ -75,26 +72,16 @@ impl Commands {
         &self.device
     }
 
-    /// The first failure while recording, which [`crate::Frame::submit`] reports.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        match self.failed.get() {
-            None => Ok(()),
-            Some(Failure::Call(call, code)) => Err(code).called(call),
-            Some(Failure::Wrong(what)) => Err(Error::WrongCommands(what)),
-        }
+    /// Returns what will hold the tick of these commands once they are submitted.
+    pub(crate) fn ticket(&self) -> Arc<Ticket> {
+        Arc::clone(self.ticket.get_or_init(Arc::default))
     }
 
-    /// Makes [`Commands::check`] fail. Only the first failure counts: others may come of it.
-    pub(crate) fn fail(&self, failure: Failure) {
-        if self.is_sound() {
-            self.failed.set(Some(failure));
+    /// Notes that these commands were submitted.
+    pub(crate) fn submitted(&self, tick: Tick) {
+        if let Some(ticket) = self.ticket.get() {
+            ticket.submitted(tick);
         }
-    }
-
-    /// Whether nothing has failed. What could not be bound must not be drawn with; the recording goes
-    /// nowhere then, [`Commands::check`] sees to that.
-    fn is_sound(&self) -> bool {
-        self.failed.get().is_none()
     }
 
     /// A pass: one label for the debugger and the log, and one timestamp pair when timing is on.
@@ -155,8 +142,12 @@ impl Commands {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Draws to a colour and a depth image; viewport and scissor cover all of the target's area.
+    /// Draws to a colour and a depth image; viewport and scissor cover all of the target's area. A
+    /// target of another device fails the recording, and `record` is not called.
     pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
+        if self.admit(&target).is_err() {
+            return;
+        }
         let (colour_load, colour_store, colour_clear) = load_ops(target.colour_load);
         let (depth_load, depth_store, depth_clear) = load_ops(target.depth_load);
         let colour = [vk::RenderingAttachmentInfo::default()
@@ -241,6 +232,13 @@ impl Commands {
         textures: &[&Texture],
         arrays: &[&TextureArray],
     ) {
+        let are_ours = self.admit(pipeline).is_ok()
+            && self.admit_all(storage)
+            && self.admit_all(textures.iter().copied())
+            && self.admit_all(arrays.iter().copied());
+        if !are_ours {
+            return;
+        }
         let raw = self.device.raw();
         if storage.len() != pipeline.buffers as usize {
             self.fail(Failure::Wrong("a pipeline is bound with too many or too few buffers"));
@@ -334,6 +332,9 @@ impl Commands {
         constants: &T,
     ) {
         let bytes = bytemuck::bytes_of(constants);
+        if self.admit(pipeline).is_err() {
+            return;
+        }
         if bytes.is_empty() || bytes.len() != pipeline.push_bytes as usize {
             self.fail(Failure::Wrong("the push constants have another size than the pipeline's"));
             return;
@@ -346,6 +347,9 @@ impl Commands {
 
     /// Binds a vertex buffer and, if there is one, a buffer of 32-bit indices.
     pub fn bind_geometry(&self, vertices: BufferSlice, indices: Option<BufferSlice>) {
+        if !self.admit_all([&vertices].into_iter().chain(&indices)) {
+            return;
+        }
         let raw = self.device.raw();
         // SAFETY: both buffers live at least until this frame is over.
         unsafe {
@@ -361,6 +365,9 @@ impl Commands {
     /// Binds two vertex buffers, side by side as in [`VertexLayout::beside`](crate::VertexLayout::beside),
     /// and a buffer of 32-bit indices.
     pub fn bind_geometry_beside(&self, vertices: [BufferSlice; 2], indices: BufferSlice) {
+        if !self.admit_all(vertices.iter().chain([&indices])) {
+            return;
+        }
         let buffers = vertices.map(|slice| slice.raw);
         let offsets = vertices.map(|slice| slice.offset_bytes);
         let (raw, kind) = (self.device.raw(), vk::IndexType::UINT32);
@@ -390,7 +397,7 @@ impl Commands {
     /// Sets every 32-bit word of `slice` to `word`: an [`crate::Access::CopyWrite`].
     pub fn fill(&self, slice: BufferSlice, word: u32) {
         let size = slice.size_bytes & !3;
-        if size > 0 {
+        if size > 0 && self.admit(&slice).is_ok() {
             // SAFETY: the slice lies in its buffer, which is a destination of transfers; slices
             // begin at multiples of 4.
             unsafe {
@@ -412,7 +419,7 @@ impl Commands {
             dst_offset: to.offset_bytes,
             size: from.size_bytes.min(to.size_bytes),
         };
-        if region.size > 0 {
+        if region.size > 0 && self.admit_all([&from, &to]) {
             // SAFETY: both slices lie in their buffers.
             unsafe { self.device.raw().cmd_copy_buffer(self.raw, from.raw, to.raw, &[region]) };
         }

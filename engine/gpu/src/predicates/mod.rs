@@ -24,6 +24,7 @@ use crate::commands::Commands;
 use crate::device::Device;
 use crate::error::Error;
 use crate::frames::Frame;
+use crate::ownership::of_device;
 use crate::pipeline::{ComputePipeline, StorageLayout};
 use crate::shader::Spirv;
 use choice::choose;
@@ -166,6 +167,8 @@ struct Decisions {
     threshold: u32,
 }
 
+of_device!(Predicates: "predicates (`Predicates`)");
+
 impl Predicates {
     /// Uploads `draws` and prepares `predication` (if `None`, the device's best for so many).
     ///
@@ -262,7 +265,7 @@ impl Predicates {
     /// frame, without words if it writes none: what is unknown is drawn.
     ///
     /// # Errors
-    /// No memory.
+    /// [`Error::Foreign`] for a frame or words of another device, and the frame fails; no memory.
     pub fn begin(
         &mut self,
         frame: &mut Frame<'_>,
@@ -270,6 +273,8 @@ impl Predicates {
         words: Option<BufferSlice>,
         decided: impl ExactSizeIterator<Item = Predicated>,
     ) -> Result<(), Error> {
+        frame.commands().admit(self)?;
+        words.map_or(Ok(()), |words| frame.commands().admit(&words))?;
         let counts = self.predication == Predication::Counts;
         let device = &self.device;
         let Some(lane) = self.lanes.get_mut(source as usize) else { return Ok(()) };
@@ -286,6 +291,9 @@ impl Predicates {
     /// Makes the words decide that were just written: for each source, a range of its decisions.
     /// Outside of rendering; after writing the words and before anything is drawn by them.
     pub fn resolve(&self, commands: &Commands, written: &[(WordSource, Range<u32>)]) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         let between = MemoryBarrier::between;
         let mut from: Vec<Access> = written.iter().map(|(source, _)| source.access()).collect();
         let Some(writer) = &self.writer else {
@@ -337,6 +345,9 @@ impl Predicates {
     /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in
     /// the command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         match self.predication {
             Predication::Counts => self.draw_after_counted(commands, draws),
             _ => commands.draw_indirect(draws),
@@ -345,6 +356,9 @@ impl Predicates {
 
     /// The same where others may have drawn by a count before, whatever the executor.
     pub fn draw_after_counted(&self, commands: &Commands, draws: BufferSlice) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         let counts = self.device.capabilities().has(Optional::DrawIndirectCount);
         let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
         match counts && draws.size_bytes / DRAW_BYTES <= limit {
@@ -377,6 +391,9 @@ impl Predicates {
         decision: u32,
         all_draws: BufferSlice,
     ) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         let lane = self.lane(source);
         let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
             return;
@@ -399,6 +416,9 @@ impl Predicates {
     /// Draws [`BOX_VERTICES`] vertices for each draw in the range of a decision, as the instance of
     /// the draw's own number, if the word is not zero.
     pub fn draw_boxes(&self, commands: &Commands, source: WordSource, decision: u32) {
+        if commands.admit(self).is_err() {
+            return;
+        }
         let lane = self.lane(source);
         let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
             return;

@@ -91,7 +91,8 @@ impl Swapchain {
     /// a window without a pixel is no error.
     ///
     /// # Errors
-    /// [`Error::CannotPresent`] for a device that cannot show pictures in this window; a failed call.
+    /// [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] for a device
+    /// that cannot show pictures in this window; a failed call.
     pub fn new(
         device: &Device,
         surface: &Surface,
@@ -144,11 +145,13 @@ impl Swapchain {
     }
 
     /// Shows the picture of `target` in a window of `window_size` pixels; scaled, if its size is
-    /// another. [`Swapchain::acquire`] and [`WindowImage::show`] in one.
+    /// another, and between black borders, if its shape is. [`Swapchain::acquire`] and [`WindowImage::show`] in one.
     ///
     /// # Errors
     /// As these.
     pub fn show(&mut self, target: &Target, window_size: [u32; 2]) -> Result<Shown, Error> {
+        // Before the wait for an image.
+        self.screen.device.check(target, "a window (`Swapchain`)")?;
         match self.acquire(window_size)? {
             Acquired::Image(image) => image.show(target),
             Acquired::Not(not_shown) => Ok(Shown::Not(not_shown)),
@@ -233,12 +236,12 @@ impl WindowImage<'_> {
     }
 
     /// Copies the picture of `target` to the image, byte for byte where their sizes are equal, and
-    /// has it shown. A frame that waits for a [`crate::Timeline`] is shown after the signal it waits
+    /// has it shown. A picture of another shape keeps its proportions, between black borders. A frame that waits for a [`crate::Timeline`] is shown after the signal it waits
     /// for, not before (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
     ///
     /// # Errors
-    /// [`Error::WrongCommands`] for a target whose picture was not [submitted](Target::submitted); what
-    /// has no name in [`NotShown`].
+    /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for one whose
+    /// picture was not [submitted](Target::submitted); what has no name in [`NotShown`].
     pub fn show(self, target: &Target) -> Result<Shown, Error> {
         let Self { frame, screen, slot_wait, acquire_wait } = self;
         match screen.show(frame, target, [slot_wait, acquire_wait]) {

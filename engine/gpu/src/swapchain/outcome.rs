@@ -16,7 +16,7 @@ pub struct Presented {
     pub id: PresentId,
     /// It is drawn when this tick is over; on the screen it is later.
     pub tick: Tick,
-    /// The size of the window's image in pixels; another picture was scaled to it.
+    /// The size of the window's image in pixels; a picture of another size was scaled to fit in it.
     pub size: [u32; 2],
     /// How long the CPU first waited for the GPU: for the picture that used the same slot before.
     pub slot_wait: Duration,

@@ -65,6 +65,7 @@ impl Screen {
         surface: &Surface,
         options: &SwapchainOptions,
     ) -> Result<Self, Error> {
+        surface.check(device)?;
         let lacking = || {
             let name = &device.adapter().name;
             Error::CannotPresent(format!(

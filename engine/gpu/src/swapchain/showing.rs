@@ -24,13 +24,14 @@ impl Screen {
         let (Some(held), Some(chain)) = (self.held, &mut self.chain) else {
             return Err(Error::WrongCommands("an image is shown that was not acquired"));
         };
+        self.device.check(target, "a window (`Swapchain`)")?;
         if !target.has_picture() {
             return Err(Error::WrongCommands(
                 "what is shown was drawn in no frame that was submitted",
             ));
         }
         let (size, image) = (chain.size, chain.image(held.index)?);
-        frame.commands().pass("present", |commands| {
+        frame.commands().pass("copy to window", |commands| {
             target.copy_to_window(commands, image.raw, size);
         });
         let order =

@@ -9,17 +9,28 @@ use super::in_range;
 use crate::Limits;
 use crate::error::{At, Fault, Reason};
 use crate::layout::{self, Layout};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
-/// Checks every view and every accessor; the values of sparse indices are left to
+/// Checks every view and every accessor; limits count those that are used. The values of sparse indices are left to
 /// [`Source`](crate::Source)'s reader of them.
-pub(crate) fn views_and_accessors(root: &Root, limits: &Limits) -> Result<(), Fault> {
+pub(crate) fn views_and_accessors(
+    root: &Root,
+    limits: &Limits,
+    verdict: &mut Verdict,
+) -> Result<(), Fault> {
     for (index, view) in root.buffer_views.iter().enumerate() {
-        check_view(root, view).at(|| format!("buffer view {index}"))?;
+        let checked = check_view(root, view).at(|| format!("buffer view {index}"));
+        verdict.judge(Kind::View.at(index), checked)?;
     }
     let mut elements: u64 = 0;
     for (index, accessor) in root.accessors.iter().enumerate() {
         let at = || format!("accessor {index}");
-        check_accessor(root, accessor).at(at)?;
+        let element = Kind::Accessor.at(index);
+        let checked = check_accessor(root, accessor).at(at);
+        if verdict.judge(element, checked)?.is_none() || !verdict.is_used(element) {
+            continue;
+        }
         elements = elements.saturating_add(accessor.count.0);
         if elements > limits.elements {
             return Err(Reason::too_large("elements up to it", elements, limits.elements).of(at()));

@@ -8,17 +8,27 @@ use gltf::json::{Accessor, Animation, Index, Root};
 use super::attributes::{self, FLOATS, FRACTIONS};
 use super::{in_range, meshes};
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
-pub(super) fn check(root: &Root) -> Result<(), Fault> {
-    for (animation_index, animation) in root.animations.iter().enumerate() {
-        for (index, sampler) in animation.samplers.iter().enumerate() {
+pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
+    for (index, animation) in root.animations.iter().enumerate() {
+        let checked = check_animation(root, index, animation);
+        verdict.judge(Kind::Animation.at(index), checked)?;
+    }
+    Ok(())
+}
+
+/// Checks the channels of an animation, and the samplers that these name.
+fn check_animation(root: &Root, number: usize, animation: &Animation) -> Result<(), Fault> {
+    for (index, channel) in animation.channels.iter().enumerate() {
+        let sampler = channel.sampler.value();
+        if let Some(sampler) = animation.samplers.get(sampler) {
             check_sampler(root, sampler)
-                .at(|| format!("animation {animation_index}, sampler {index}"))?;
+                .at(|| format!("animation {number}, sampler {}", channel.sampler.value()))?;
         }
-        for (index, channel) in animation.channels.iter().enumerate() {
-            check_channel(root, animation, channel)
-                .at(|| format!("animation {animation_index}, channel {index}"))?;
-        }
+        check_channel(root, animation, channel)
+            .at(|| format!("animation {number}, channel {index}"))?;
     }
     Ok(())
 }

@@ -128,7 +128,28 @@ fn matches<'a>(
     if fits {
         return Ok(());
     }
-    let normalised = if is_normalised { " normalised" } else { "" };
-    let text = format!("it may not be {kind:?} of{normalised} {component:?}{hint}");
-    Err(Reason::malformed(text))
+    let elements = shown(kind, component, is_normalised);
+    Err(Reason::malformed(format!("its elements may not be {elements}{hint}")))
+}
+
+/// Returns the elements of an accessor in words, like "vectors of 3 floats".
+fn shown(kind: Type, component: ComponentType, is_normalised: bool) -> String {
+    let normalised = if is_normalised { "normalised " } else { "" };
+    let numbers = match component {
+        ComponentType::I8 => "signed 8-bit integers",
+        ComponentType::U8 => "unsigned 8-bit integers",
+        ComponentType::I16 => "signed 16-bit integers",
+        ComponentType::U16 => "unsigned 16-bit integers",
+        ComponentType::U32 => "unsigned 32-bit integers",
+        ComponentType::F32 => "floats",
+    };
+    match kind {
+        Type::Scalar => format!("{normalised}{numbers}"),
+        Type::Vec2 => format!("vectors of 2 {normalised}{numbers}"),
+        Type::Vec3 => format!("vectors of 3 {normalised}{numbers}"),
+        Type::Vec4 => format!("vectors of 4 {normalised}{numbers}"),
+        Type::Mat2 => format!("2 x 2 matrices of {normalised}{numbers}"),
+        Type::Mat3 => format!("3 x 3 matrices of {normalised}{numbers}"),
+        Type::Mat4 => format!("4 x 4 matrices of {normalised}{numbers}"),
+    }
 }

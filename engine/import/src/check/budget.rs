@@ -10,9 +10,12 @@ use super::meshes;
 use crate::Limits;
 use crate::error::{Fault, Reason};
 use crate::layout::Layout;
+use crate::reach::Kind;
 use crate::source::Instancing;
+use crate::verdict::Verdict;
 
-/// A point or a segment of a line may become a box.
+/// A point or a segment of a line that changes its form becomes a box; others have two ends at most.
+const SPRITE_VERTICES: u64 = 2;
 const BOX_VERTICES: u64 = 8;
 const BOX_CORNERS: u64 = 36;
 
@@ -50,21 +53,30 @@ impl Cost {
     }
 }
 
-/// Fails at the first object with which a limit is exceeded. Everything else of the JSON was checked.
+/// Fails at the first object that is shown with which a limit is exceeded. Everything else of the JSON was
+/// checked.
 pub(super) fn check(
     root: &Root,
     instancing: &BTreeMap<usize, Instancing>,
-    limits: &Limits,
+    (limits, verdict): (&Limits, &Verdict),
 ) -> Result<(), Fault> {
-    let costs: Vec<Cost> = root.meshes.iter().map(|mesh| cost_of(root, mesh)).collect();
-    check_single(root, limits)?;
+    let is_shown = |kind: Kind, index: usize| verdict.is_required(kind.at(index));
+    let cost = |(index, mesh): (usize, &Mesh)| {
+        if is_shown(Kind::Mesh, index) { cost_of(root, mesh) } else { Cost::default() }
+    };
+    let costs: Vec<Cost> = root.meshes.iter().enumerate().map(cost).collect();
+    check_single(root, limits, verdict)?;
     let mut total = Cost::default();
     for (index, &cost) in costs.iter().enumerate() {
         total.add(Cost { primitives: 0, morph_values: 0, ..cost });
         within(&total, limits).map_err(|reason| reason.of(format!("mesh {index}")))?;
     }
-    let mut joints: u64 = root.skins.iter().map(|skin| skin.joints.len() as u64).sum();
+    let skins = root.skins.iter().enumerate().filter(|(index, _)| is_shown(Kind::Skin, *index));
+    let mut joints: u64 = skins.map(|(_, skin)| skin.joints.len() as u64).sum();
     for (index, node) in root.nodes.iter().enumerate() {
+        if !is_shown(Kind::Node, index) {
+            continue;
+        }
         let Some(mesh) = node.mesh else { continue };
         let cost = costs.get(mesh.value()).copied().unwrap_or_default();
         let instances = instancing.get(&index).map_or(1, |instancing| instancing.count);
@@ -80,8 +92,11 @@ pub(super) fn check(
 }
 
 /// However few of its vertices a primitive uses, reading an attribute takes memory for all of them.
-fn check_single(root: &Root, limits: &Limits) -> Result<(), Fault> {
+fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), Fault> {
     for (mesh_index, mesh) in root.meshes.iter().enumerate() {
+        if !verdict.is_required(Kind::Mesh.at(mesh_index)) {
+            continue;
+        }
         for (index, primitive) in mesh.primitives.iter().enumerate() {
             let vertices = super::vertex_count(root, primitive).unwrap_or(0);
             below("vertices", vertices, limits.vertices)
@@ -133,6 +148,11 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
     let (vertices, corners) = match primitive.mode {
         Checked::Valid(Mode::Triangles) | Checked::Invalid => (used, drawn),
         Checked::Valid(Mode::TriangleStrip | Mode::TriangleFan) => (used, drawn.saturating_mul(3)),
+        Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
+            if !is_deformed(primitive) =>
+        {
+            (drawn.saturating_mul(SPRITE_VERTICES), 0)
+        }
         Checked::Valid(Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) => {
             (drawn.saturating_mul(BOX_VERTICES), drawn.saturating_mul(BOX_CORNERS))
         }
@@ -146,6 +166,12 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
     let morph_values = morph_values.saturating_add(vertices.saturating_mul(sets.saturating_mul(8)));
     let listed_vertices = all.saturating_mul(sets.max(1));
     Cost { primitives: 1, vertices, listed_vertices, corners, morph_values }
+}
+
+/// Whether joints or targets may move its vertices.
+fn is_deformed(primitive: &Primitive) -> bool {
+    let has_joints = primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)));
+    has_joints || primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty())
 }
 
 fn check_keys(root: &Root, limits: &Limits) -> Result<(), Fault> {

@@ -4,22 +4,91 @@ use gltf::json::Root;
 
 use crate::SUPPORTED_EXTENSIONS;
 use crate::error::{Fault, Reason, quoted};
-use crate::notes::Notes;
+use crate::notes::{Note, Notes};
+
+/// What a picture lacks without an extension.
+const LACKING: &[(&str, &str)] = &[
+    ("AGI_articulations", "articulated parts stay as they are"),
+    ("CESIUM_primitive_outline", "outlines are not drawn"),
+    ("EXT_lights_ies", "lights shine evenly within their cones"),
+    ("EXT_lights_image_based", "the surroundings give even light from above and below"),
+    ("EXT_mesh_features", NOTHING),
+    ("EXT_mesh_manifold", NOTHING),
+    ("EXT_structural_metadata", NOTHING),
+    ("EXT_texture_avif", PLAIN_TEXTURES),
+    ("FB_geometry_metadata", NOTHING),
+    ("KHR_animation_pointer", "only nodes and morph targets move"),
+    ("KHR_audio_emitter", "nothing is heard"),
+    ("KHR_draco_mesh_compression", "compressed meshes are shown by their plain copies"),
+    ("KHR_lights_image_based", "the surroundings give even light from above and below"),
+    ("KHR_materials_anisotropy", "highlights of brushed surfaces are round"),
+    ("KHR_materials_clearcoat", "clear coats do not shine"),
+    ("KHR_materials_diffuse_transmission", "no light shines through thin surfaces"),
+    ("KHR_materials_dispersion", "glass does not split light into colours"),
+    ("KHR_materials_ior", "all surfaces mirror as with an index of refraction of 1.5"),
+    ("KHR_materials_iridescence", "thin films have no colours of their own"),
+    (
+        "KHR_materials_pbrSpecularGlossiness",
+        "materials without metallic-roughness values are white and matt",
+    ),
+    ("KHR_materials_sheen", "cloth has no sheen"),
+    ("KHR_materials_specular", "highlights have their usual strength and colour"),
+    ("KHR_materials_transmission", "glass is opaque unless it is also blended"),
+    ("KHR_materials_variants", "the materials are the file's default ones"),
+    ("KHR_materials_volume", "glass neither bends nor colours the light within it"),
+    ("KHR_node_hoverability", NOTHING),
+    ("KHR_node_selectability", NOTHING),
+    ("KHR_node_visibility", "nodes that are hidden are shown"),
+    ("KHR_physics_rigid_bodies", "nothing falls or collides"),
+    ("KHR_texture_basisu", PLAIN_TEXTURES),
+    ("KHR_xmp", NOTHING),
+    ("KHR_xmp_json_ld", NOTHING),
+    ("MSFT_lod", "the finest form is always shown"),
+    ("MSFT_packing_normalRoughnessMetallic", PLAIN_TEXTURES),
+    ("MSFT_packing_occlusionRoughnessMetallic", PLAIN_TEXTURES),
+    ("MSFT_texture_dds", PLAIN_TEXTURES),
+];
+
+const NOTHING: &str = "the picture lacks nothing without it";
+const PLAIN_TEXTURES: &str = "textures are shown by their plain copies";
 
 /// Refuses a file that requires what is not supported; notes what it merely uses.
 pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
-    let unknown = |list: &[String]| {
-        let names = list.iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str()));
-        names.map(|name| quoted(name)).take(16).collect::<Vec<_>>().join(", ")
-    };
-    let required = unknown(&root.extensions_required);
+    let is_unknown = |name: &&String| !SUPPORTED_EXTENSIONS.contains(&name.as_str());
+    let required = root.extensions_required.iter().filter(is_unknown);
+    let required = required.map(|name| quoted(name)).take(16).collect::<Vec<_>>().join(", ");
     if !required.is_empty() {
         let reason = format!("it cannot be shown without {required}, which is not supported");
         return Err(Reason::unsupported(reason).of("extensionsRequired"));
     }
-    let used = unknown(&root.extensions_used);
-    if !used.is_empty() {
-        notes.add(|| format!("extensions that are ignored: {used}"));
+    for name in root.extensions_used.iter().filter(is_unknown) {
+        notes.add(|| Note::new(format!("extension {}", quoted(name)), lacking(name)));
     }
     Ok(())
+}
+
+/// What a picture lacks without an extension, for people.
+fn lacking(name: &str) -> String {
+    match LACKING.binary_search_by_key(&name, |(known, _)| known) {
+        Ok(place) => {
+            LACKING.get(place).map_or(String::new(), |(_, text)| format!("ignored: {text}"))
+        }
+        Err(_) => "unknown, ignored".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_extension_that_is_ignored_says_what_the_picture_lacks() {
+        assert!(LACKING.is_sorted_by_key(|(name, _)| name), "or it is not found");
+        assert_eq!(lacking("KHR_materials_sheen"), "ignored: cloth has no sheen");
+        assert_eq!(lacking("AGI_articulations"), "ignored: articulated parts stay as they are");
+        assert_eq!(lacking("ACME_sheen"), "unknown, ignored");
+        for (name, _) in LACKING {
+            assert!(!SUPPORTED_EXTENSIONS.contains(name), "{name}");
+        }
+    }
 }

@@ -9,20 +9,36 @@ use serde_json::{Map, Value};
 use super::attributes::{self, FLOATS, FRACTIONS};
 use super::uses;
 use crate::error::{At, Fault, Reason};
+use crate::json;
+use crate::reach::Kind;
 use crate::source::Instancing;
+use crate::verdict::Verdict;
 
 const EXTENSION: &str = "EXT_mesh_gpu_instancing";
 
-pub(super) fn check(root: &Root) -> Result<BTreeMap<usize, Instancing>, Fault> {
+pub(super) fn check(
+    root: &Root,
+    verdict: &mut Verdict,
+) -> Result<BTreeMap<usize, Instancing>, Fault> {
     if !uses(root, EXTENSION) {
         return Ok(BTreeMap::new());
     }
     let mut all = BTreeMap::new();
     for (index, node) in root.nodes.iter().enumerate() {
-        let found = of_node(root, node).at(|| format!("node {index}, {EXTENSION}"))?;
-        all.extend(found.map(|found| (index, found)));
+        let element = Kind::Node.at(index);
+        let found = of_node(root, node).at(|| format!("node {index}, {EXTENSION}"));
+        let found = verdict.judge(element, found)?.flatten();
+        all.extend(found.filter(|_| verdict.is_used(element)).map(|found| (index, found)));
     }
     Ok(all)
+}
+
+/// Returns the indices of the accessors that place the instances of a node.
+pub(crate) fn accessors(node: &Node) -> impl Iterator<Item = usize> {
+    let extension = node.extensions.as_ref().and_then(|it| it.others.get(EXTENSION));
+    let attributes = extension.and_then(|it| it.get("attributes")).and_then(Value::as_object);
+    let indices = attributes.into_iter().flat_map(|attributes| attributes.values());
+    indices.filter_map(json::index)
 }
 
 fn of_node(root: &Root, node: &Node) -> Result<Option<Instancing>, Reason> {
@@ -70,7 +86,7 @@ fn accessor<'a>(
     name: &str,
     value: &Value,
 ) -> Result<(usize, &'a Accessor), Reason> {
-    let index = value.as_u64().and_then(|index| usize::try_from(index).ok());
+    let index = json::index(value);
     let found = index.and_then(|index| Some((index, root.accessors.get(index)?)));
     found.ok_or_else(|| {
         let name = crate::error::quoted(name);

@@ -8,31 +8,34 @@ use gltf::json::{Camera, Image, Index, Material, Root, Texture, texture};
 
 use super::{finite, in_range};
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
-pub(super) fn check(root: &Root) -> Result<(), Fault> {
-    for (index, material) in root.materials.iter().enumerate() {
-        check_material(root, material).at(|| format!("material {index}"))?;
-    }
-    for (index, texture) in root.textures.iter().enumerate() {
-        check_texture(root, texture).at(|| format!("texture {index}"))?;
-    }
-    for (index, sampler) in root.samplers.iter().enumerate() {
-        check_sampler(sampler).at(|| format!("sampler {index}"))?;
-    }
-    for (index, image) in root.images.iter().enumerate() {
-        check_image(root, image).at(|| format!("image {index}"))?;
-    }
-    for (index, camera) in root.cameras.iter().enumerate() {
-        check_camera(camera).at(|| format!("camera {index}"))?;
-    }
-    for (index, light) in lights(root).iter().enumerate() {
-        check_light(light).at(|| format!("light {index}"))?;
+pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
+    each(&root.materials, Kind::Material, verdict, |material| check_material(root, material))?;
+    each(&root.textures, Kind::Texture, verdict, |texture| check_texture(root, texture))?;
+    each(&root.samplers, Kind::Sampler, verdict, check_sampler)?;
+    each(&root.images, Kind::Image, verdict, |image| check_image(root, image))?;
+    each(&root.cameras, Kind::Camera, verdict, check_camera)?;
+    each(lights(root), Kind::Light, verdict, check_light)
+}
+
+/// Judges each element of a list.
+fn each<T>(
+    list: &[T],
+    kind: Kind,
+    verdict: &mut Verdict,
+    check: impl Fn(&T) -> Result<(), Reason>,
+) -> Result<(), Fault> {
+    for (index, element) in list.iter().enumerate() {
+        let at = kind.at(index);
+        verdict.judge(at, check(element).at(|| at.to_string()))?;
     }
     Ok(())
 }
 
 /// The lights of `KHR_lights_punctual`.
-pub(super) fn lights(root: &Root) -> &[Light] {
+pub(crate) fn lights(root: &Root) -> &[Light] {
     let extension =
         root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     extension.map_or(&[], |extension| &extension.lights)
@@ -111,7 +114,8 @@ fn check_sampler(sampler: &texture::Sampler) -> Result<(), Reason> {
 fn check_image(root: &Root, image: &Image) -> Result<(), Reason> {
     match image.buffer_view {
         Some(view) => in_range("buffer view", view.value(), root.buffer_views.len()),
-        None => Ok(()),
+        None if image.uri.is_some() => Ok(()),
+        None => Err(Reason::malformed("it has neither a URI nor a buffer view")),
     }
 }
 

@@ -9,17 +9,24 @@ use gltf::json::{Accessor, Index, Mesh, Root};
 use super::attributes::{self, INDICES};
 use super::{finite, in_range, uses};
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
-pub(super) fn check(root: &Root) -> Result<(), Fault> {
+pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
     let is_quantised = uses(root, "KHR_mesh_quantization");
-    for (mesh_index, mesh) in root.meshes.iter().enumerate() {
-        for (index, primitive) in mesh.primitives.iter().enumerate() {
-            let checker = Checker { root, primitive, is_quantised };
-            checker.check(&|| format!("mesh {mesh_index}, primitive {index}"))?;
-        }
-        check_targets(mesh).at(|| format!("mesh {mesh_index}"))?;
+    for (index, mesh) in root.meshes.iter().enumerate() {
+        let checked = check_mesh(root, index, mesh, is_quantised);
+        verdict.judge(Kind::Mesh.at(index), checked)?;
     }
     Ok(())
+}
+
+fn check_mesh(root: &Root, number: usize, mesh: &Mesh, is_quantised: bool) -> Result<(), Fault> {
+    for (index, primitive) in mesh.primitives.iter().enumerate() {
+        let checker = Checker { root, primitive, is_quantised };
+        checker.check(&|| format!("mesh {number}, primitive {index}"))?;
+    }
+    check_targets(mesh).at(|| format!("mesh {number}"))
 }
 
 /// How many morph targets a mesh has.

@@ -5,22 +5,50 @@ use gltf::json::{Node, Root};
 use super::{finite, in_range, meshes};
 use crate::Limits;
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
-pub(super) fn check(root: &Root, limits: &Limits) -> Result<(), Fault> {
+/// Checks all nodes and scenes. Returns the parents of the nodes that are shown, which are a forest.
+pub(super) fn check(
+    root: &Root,
+    limits: &Limits,
+    verdict: &mut Verdict,
+) -> Result<Vec<Option<u32>>, Fault> {
     let count = root.nodes.len();
     if count as u64 > limits.nodes {
         return Err(Reason::too_large("nodes", count as u64, limits.nodes).of("nodes"));
     }
-    let mut parents: Vec<Option<u32>> = vec![None; count];
-    // There may be very many: all that is asked of a node is asked while it is at hand.
     for (index, node) in root.nodes.iter().enumerate() {
-        check_references(root, node)
+        let checked = check_references(root, node)
             .and_then(|()| check_numbers(node))
-            .at(|| format!("node {index}"))?;
+            .and_then(|()| check_children(node, count))
+            .at(|| format!("node {index}"));
+        verdict.judge(Kind::Node.at(index), checked)?;
+    }
+    let parents = forest(root, |node| verdict.is_required(Kind::Node.at(node)))?;
+    if let Err(fault) = forest(root, |_| true) {
+        verdict.note_left_out(fault, "not all of that is shown");
+    }
+    check_scenes(root, verdict)?;
+    Ok(parents)
+}
+
+/// Returns the parents of nodes by those of their parents that are `counted`.
+///
+/// # Errors
+/// A node with two parents, or that is its own ancestor.
+fn forest(root: &Root, counted: impl Fn(usize) -> bool) -> Result<Vec<Option<u32>>, Fault> {
+    let mut parents: Vec<Option<u32>> = vec![None; root.nodes.len()];
+    for (index, node) in root.nodes.iter().enumerate().filter(|(index, _)| counted(*index)) {
         adopt_children(&mut parents, index, node)?;
     }
     check_ancestors(&parents)?;
-    check_scenes(root, &parents)
+    Ok(parents)
+}
+
+fn check_children(node: &Node, count: usize) -> Result<(), Reason> {
+    let mut children = node.children.iter().flatten();
+    children.try_for_each(|child| in_range("child node", child.value(), count))
 }
 
 fn check_references(root: &Root, node: &Node) -> Result<(), Reason> {
@@ -53,14 +81,11 @@ fn check_numbers(node: &Node) -> Result<(), Reason> {
 
 /// Notes the parent of a node's children, of which each has one at most.
 fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Result<(), Fault> {
-    let count = parents.len();
     for child in node.children.iter().flatten().map(|child| child.value()) {
-        let at = || format!("node {index}, children");
-        let parent =
-            parents.get_mut(child).ok_or_else(|| Reason::out_of_range("node", child, count));
-        if let Some(other) = parent.at(at)?.replace(index as u32) {
+        let Some(parent) = parents.get_mut(child) else { continue };
+        if let Some(other) = parent.replace(index as u32) {
             let text = format!("node {child} is a child of node {other} already");
-            return Err(Reason::malformed(text).of(at()));
+            return Err(Reason::malformed(text).of(format!("node {index}, children")));
         }
     }
     Ok(())
@@ -88,33 +113,24 @@ fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
     Ok(())
 }
 
-fn check_scenes(root: &Root, parents: &[Option<u32>]) -> Result<(), Fault> {
+fn check_scenes(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
     if let Some(scene) = root.scene {
         in_range("scene", scene.value(), root.scenes.len()).at(|| "default scene".to_owned())?;
     }
     // The last scene that each node was seen in.
-    let mut seen_in: Vec<Option<u32>> = vec![None; parents.len()];
+    let mut seen_in: Vec<Option<u32>> = vec![None; root.nodes.len()];
     for (index, scene) in root.scenes.iter().enumerate() {
-        for node in scene.nodes.iter().map(|node| node.value()) {
-            check_scene_root(node, parents)
-                .and_then(|()| match seen_in[node].replace(index as u32) {
-                    Some(scene) if scene as usize == index => {
-                        Err(Reason::malformed(format!("node {node} is in it twice")))
-                    }
-                    _ => Ok(()),
-                })
-                .at(|| format!("scene {index}"))?;
-        }
+        let mut nodes = scene.nodes.iter().map(|node| node.value());
+        let checked = nodes.try_for_each(|node| {
+            in_range("node", node, root.nodes.len())?;
+            match seen_in[node].replace(index as u32) {
+                Some(scene) if scene as usize == index => {
+                    Err(Reason::malformed(format!("node {node} is in it twice")))
+                }
+                _ => Ok(()),
+            }
+        });
+        verdict.judge(Kind::Scene.at(index), checked.at(|| format!("scene {index}")))?;
     }
     Ok(())
-}
-
-fn check_scene_root(node: usize, parents: &[Option<u32>]) -> Result<(), Reason> {
-    in_range("node", node, parents.len())?;
-    match parents[node] {
-        Some(parent) => {
-            Err(Reason::malformed(format!("node {node} is no root, but a child of node {parent}")))
-        }
-        None => Ok(()),
-    }
 }

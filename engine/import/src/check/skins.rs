@@ -6,12 +6,56 @@ use gltf::json::{Root, Skin};
 use super::attributes::{self, FLOATS};
 use super::in_range;
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
-pub(super) fn check(root: &Root) -> Result<(), Fault> {
+/// Checks all skins; `parents` are those of the nodes that are shown.
+pub(super) fn check(
+    root: &Root,
+    parents: &[Option<u32>],
+    verdict: &mut Verdict,
+) -> Result<(), Fault> {
+    let mut tops = None;
     for (index, skin) in root.skins.iter().enumerate() {
-        check_skin(root, skin).at(|| format!("skin {index}"))?;
+        let element = Kind::Skin.at(index);
+        let checked = check_skin(root, skin).at(|| element.to_string());
+        if verdict.judge(element, checked)?.is_none() || !verdict.is_used(element) {
+            continue;
+        }
+        let tops = tops.get_or_insert_with(|| tops_of(parents));
+        let mut tops = skin.joints.iter().map(|joint| tops.get(joint.value()));
+        let first = tops.next();
+        if tops.any(|top| Some(top) != first) {
+            let what = "its joints have no common root: each is moved by its own parents";
+            verdict.notes.count(what, 1, || element.to_string());
+        }
     }
     Ok(())
+}
+
+/// Returns the topmost ancestor of each node of a forest.
+fn tops_of(parents: &[Option<u32>]) -> Vec<usize> {
+    let mut tops = vec![usize::MAX; parents.len()];
+    let mut way = Vec::new();
+    for start in 0..parents.len() {
+        let mut at = start;
+        let top = loop {
+            match (tops.get(at), parents.get(at).copied().flatten()) {
+                (Some(&top), _) if top != usize::MAX => break top,
+                (_, None) => break at,
+                (_, Some(parent)) => {
+                    way.push(at);
+                    at = parent as usize;
+                }
+            }
+        };
+        for node in way.drain(..).chain([at]) {
+            if let Some(slot) = tops.get_mut(node) {
+                *slot = top;
+            }
+        }
+    }
+    tops
 }
 
 fn check_skin(root: &Root, skin: &Skin) -> Result<(), Reason> {

@@ -10,13 +10,21 @@ use gltf::json::{Accessor, Index, Root};
 
 use crate::elements::{self, Store};
 use crate::error::{At, Fault, Reason};
+use crate::reach::Kind;
+use crate::verdict::Verdict;
 
-/// Checks all of them. The JSON was checked before.
-pub(crate) fn indices_and_joints(root: &Root, store: &Store) -> Result<(), Fault> {
+/// Checks those that are used. The JSON was checked before.
+pub(crate) fn indices_and_joints(
+    root: &Root,
+    store: &Store,
+    verdict: &mut Verdict,
+) -> Result<(), Fault> {
     for (index, accessor) in root.accessors.iter().enumerate() {
-        if let Some(sparse) = &accessor.sparse {
-            check_sparse(root, store, sparse, accessor.count.0)
-                .at(|| format!("accessor {index}, sparse indices"))?;
+        let element = Kind::Accessor.at(index);
+        if let Some(sparse) = accessor.sparse.as_ref().filter(|_| verdict.is_kept(root, element)) {
+            let checked = check_sparse(root, store, sparse, accessor.count.0)
+                .at(|| format!("accessor {index}, sparse indices"));
+            verdict.judge(element, checked)?;
         }
     }
     let (known, followed) = (HashMap::new(), HashMap::new());
@@ -24,6 +32,10 @@ pub(crate) fn indices_and_joints(root: &Root, store: &Store) -> Result<(), Fault
     let mut joints_of_meshes = Vec::with_capacity(root.meshes.len());
     for (mesh_index, mesh) in root.meshes.iter().enumerate() {
         let mut joints = None;
+        if !verdict.is_required(Kind::Mesh.at(mesh_index)) {
+            joints_of_meshes.push(joints);
+            continue;
+        }
         for (index, primitive) in mesh.primitives.iter().enumerate() {
             greatest
                 .check_indices(primitive)
@@ -32,7 +44,7 @@ pub(crate) fn indices_and_joints(root: &Root, store: &Store) -> Result<(), Fault
         }
         joints_of_meshes.push(joints);
     }
-    check_skinned(&mut greatest, &joints_of_meshes)
+    check_skinned(&mut greatest, &joints_of_meshes, verdict)
 }
 
 fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Result<(), Reason> {
@@ -54,10 +66,12 @@ fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Resu
 fn check_skinned(
     greatest: &mut Greatest<'_>,
     joints_of_meshes: &[Option<u32>],
+    verdict: &Verdict,
 ) -> Result<(), Fault> {
     let root = greatest.root;
     let mut weighed: HashMap<usize, Option<u32>> = HashMap::new();
-    for (index, node) in root.nodes.iter().enumerate() {
+    let nodes = root.nodes.iter().enumerate();
+    for (index, node) in nodes.filter(|(index, _)| verdict.is_required(Kind::Node.at(*index))) {
         let (Some(mesh), Some(skin)) = (node.mesh, node.skin) else { continue };
         let joints = root.get(skin).map_or(0, |skin| skin.joints.len());
         let is_beyond = |joint: &u32| *joint as usize >= joints;

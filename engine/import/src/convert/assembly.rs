@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use animation::{Clip, NodeId};
 use cull::{Aabb, ObjectId};
 use glam::Affine3A;
-use render::scene::{BlendedId, Mesh, MeshId, Object, Scene, SurfaceMesh, Surfaces};
+use render::scene::{BlendedId, Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces};
 
 use super::budget::Budget;
 use super::forms::Forms;
@@ -13,7 +13,6 @@ use super::geometry::Geometry;
 use super::instancing;
 use super::materials::{MaterialUse, Materials};
 use super::nodes::Tree;
-use super::notes::Notes;
 use super::numbers::keeps_areas;
 use super::pack::pack;
 use super::primitives::Primitive;
@@ -21,6 +20,7 @@ use super::shared::Plan;
 use super::sight::Sight;
 use super::skins::Skins;
 use crate::imported::{Placed, Placement};
+use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
 /// White: the material says it all.
@@ -157,6 +157,21 @@ impl<'a> Assembly<'a> {
     ) -> MeshId {
         let (mesh, surface) = pack(geometry, name, material.id, material.base_colour);
         self.push_mesh(mesh, surface)
+    }
+
+    /// Adds a mesh of sprites to the scene.
+    pub(super) fn add_sprites(
+        &mut self,
+        sprites: Sprites,
+        material: &MaterialUse,
+        name: String,
+    ) -> MeshId {
+        let (vertices, indices) = (Vec::new(), Vec::new());
+        let mesh = Mesh { name, vertices, indices, bounds: sprites.bounds() };
+        let surface = SurfaceMesh { vertices: Vec::new(), material: material.id };
+        let mesh = self.push_mesh(mesh, surface);
+        self.surfaces.sprites.push(Sprites { mesh, ..sprites });
+        mesh
     }
 
     fn push_mesh(&mut self, mesh: Mesh, surface: SurfaceMesh) -> MeshId {

@@ -10,10 +10,10 @@ use glam::{Affine3A, Vec3};
 use gltf::json;
 
 use super::nodes::Tree;
-use super::notes::Notes;
 use crate::Source;
 use crate::error::quoted;
 use crate::imported::Camera;
+use crate::notes::Notes;
 
 /// The narrowest and the widest angle of sight, in radians.
 const ANGLES_RAD: [f32; 2] = [0.01, PI - 0.1];
@@ -41,21 +41,32 @@ pub(super) enum Lens {
     },
 }
 
-/// All cameras of the scene's nodes, in their order, each with its lens.
+/// What of a camera's projection cannot be is replaced, so that each shows something.
+mod faults {
+    pub(super) const ANGLE: &str =
+        "cameras whose yfov is not between 0 and 180 degrees, shown with 60";
+    pub(super) const HEIGHT: &str = "orthographic cameras without a height, shown as high as wide";
+    pub(super) const NEAR: &str = "cameras whose zfar is not beyond znear or whose znear is not above 0, shown from the nearer one on";
+}
+
+/// All cameras of the scene's nodes in the order of the file's list of cameras, each with its lens.
 pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<Camera>, Vec<Lens>) {
     let json = source.document.as_json();
     let (mut cameras, mut lenses) = (Vec::new(), Vec::new());
-    for &(node, camera) in &tree.cameras {
+    let mut in_order = tree.cameras.clone();
+    in_order.sort_by_key(|(_, camera)| *camera);
+    for (node, camera) in in_order {
         let Some(given) = json.cameras.get(camera) else { continue };
         let node_name = tree.node(node).map(|node| node.name.clone());
         let names = [node_name, given.name.clone()].into_iter().flatten();
         let name = names.into_iter().find(|name| !name.is_empty());
-        let name = name.unwrap_or_else(|| format!("camera {}", cameras.len()));
+        let name = name.unwrap_or_else(|| format!("camera {camera}"));
         let (lens, fov_y_rad, near_m) = lens(given, &name, notes);
         cameras.push(Camera {
             name,
             node,
             fov_y_rad: fov_y_rad.clamp(ANGLES_RAD[0], ANGLES_RAD[1]),
+            aspect_ratio: aspect_ratio(given),
             near_m: near_m.clamp(NEAR_M[0], NEAR_M[1]),
             behind_m: 0.0,
         });
@@ -67,18 +78,38 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<C
 /// How it sees, its vertical angle of sight in radians, and the distance of the near plane.
 fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32) {
     let perspective = |angle_rad: f32, near_m| (Lens::Perspective { angle_rad }, angle_rad, near_m);
+    let place = || format!("camera {}", quoted(name));
     if let Some(given) = &given.perspective {
-        return perspective(given.yfov.abs(), given.znear);
+        let is_angle = given.yfov.abs() > 0.0 && given.yfov.abs() < PI;
+        notes.count(faults::ANGLE, usize::from(!is_angle), place);
+        let angle_rad = if is_angle { given.yfov.abs() } else { render::scene::FOV_Y_RAD };
+        let zfar = given.zfar.unwrap_or(f32::INFINITY);
+        let near_m = if given.znear > 0.0 { given.znear.min(zfar) } else { zfar.min(0.0) };
+        let is_in_order = given.znear > 0.0 && zfar > given.znear;
+        notes.count(faults::NEAR, usize::from(!is_in_order), place);
+        return perspective(angle_rad, if near_m > 0.0 { near_m } else { render::scene::NEAR_M });
     }
     let Some(parallel) = &given.orthographic else {
         return perspective(render::scene::FOV_Y_RAD, render::scene::NEAR_M);
     };
-    notes.count("orthographic cameras, shown by a narrow view from far away", 1, || {
-        format!("camera {}", quoted(name))
-    });
-    let half_height_m = parallel.ymag.abs().clamp(HALF_HEIGHTS_M[0], HALF_HEIGHTS_M[1]);
-    let lens = Lens::Parallel { half_height_m, near_m: parallel.znear };
-    (lens, ANGLES_RAD[0], parallel.znear)
+    notes.count("orthographic cameras, shown by a narrow view from far away", 1, place);
+    let has_height = parallel.ymag != 0.0;
+    notes.count(faults::HEIGHT, usize::from(!has_height), place);
+    let half_height_m = if has_height { parallel.ymag.abs() } else { parallel.xmag.abs() };
+    let half_height_m = half_height_m.clamp(HALF_HEIGHTS_M[0], HALF_HEIGHTS_M[1]);
+    notes.count(faults::NEAR, usize::from(parallel.zfar <= parallel.znear), place);
+    let near_m = parallel.znear.min(parallel.zfar);
+    (Lens::Parallel { half_height_m, near_m }, ANGLES_RAD[0], near_m)
+}
+
+/// How much wider than high a camera's picture is, where the file says that.
+fn aspect_ratio(given: &json::Camera) -> Option<f32> {
+    let ratio = match (&given.perspective, &given.orthographic) {
+        (Some(perspective), _) => perspective.aspect_ratio,
+        (None, Some(parallel)) => Some((parallel.xmag / parallel.ymag).abs()),
+        (None, None) => None,
+    };
+    ratio.filter(|ratio| ratio.is_normal() && *ratio > 0.0)
 }
 
 /// Puts the eye of an orthographic camera, which is at a node, as far behind that as it must be.
@@ -102,24 +133,44 @@ mod tests {
     use super::*;
 
     #[test]
+    fn projections_that_cannot_be_are_replaced_and_noted() {
+        let default = render::scene::FOV_Y_RAD;
+        for (projection, angle_rad, near_m, noted) in [
+            (r#""yfov": 0.5, "znear": 0.25, "zfar": 9"#, 0.5, 0.25, None),
+            (r#""yfov": 0, "znear": 0.25"#, default, 0.25, Some(faults::ANGLE)),
+            (r#""yfov": 3.2, "znear": 0.25"#, default, 0.25, Some(faults::ANGLE)),
+            (r#""yfov": 0.5, "znear": 100, "zfar": 0.5"#, 0.5, 0.5, Some(faults::NEAR)),
+            (r#""yfov": 0.5, "znear": 0"#, 0.5, render::scene::NEAR_M, Some(faults::NEAR)),
+        ] {
+            let text = format!(r#"{{"type": "perspective", "perspective": {{{projection}}}}}"#);
+            let given = json::deserialize::from_str(&text).expect("a camera");
+            let mut notes = Notes::default();
+            let (_, angle, near) = lens(&given, "it", &mut notes);
+            assert_eq!((angle, near), (angle_rad, near_m), "{projection}");
+            let notes = notes.finish();
+            let is_noted = |what: &str| matches!(notes.as_slice(), [note] if note.reason == what);
+            assert!(noted.map_or(notes.is_empty(), is_noted), "{projection}: {notes:?}");
+        }
+    }
+
+    #[test]
     fn orthographic_cameras_see_as_much_at_the_middle_of_the_scene_and_nearly_so_elsewhere() {
         let text = r#"{"type": "orthographic", "name": "plan",
             "orthographic": {"xmag": 3, "ymag": 5, "zfar": 19, "znear": 1}}"#;
         let mut notes = Notes::default();
         let given = json::deserialize::from_str(text).expect("a camera");
         let (lens, angle_rad, _) = lens(&given, "plan", &mut notes);
-        assert_eq!(
-            notes.finish(),
-            [
-                "orthographic cameras, shown by a narrow view from far away: 1, first in camera \"plan\""
-            ]
-        );
+        let texts: Vec<String> = notes.finish().iter().map(ToString::to_string).collect();
+        let note = "camera \"plan\": orthographic cameras, shown by a narrow view from far away";
+        assert_eq!(texts, [note]);
+        assert_eq!(aspect_ratio(&given), Some(0.6));
         let at = Affine3A::from_translation(Vec3::new(0.0, 2.0, 12.0));
         let scene = Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0));
         let mut camera = Camera {
             name: String::new(),
             node: NodeId(0),
             fov_y_rad: angle_rad,
+            aspect_ratio: aspect_ratio(&given),
             near_m: 1.0,
             behind_m: 0.0,
         };

@@ -7,77 +7,79 @@ use gltf::json;
 use gltf::json::validation::Checked;
 
 use super::nodes::Tree;
-use super::notes::Notes;
 use super::numbers::rotation;
+use crate::Source;
 use crate::error::quoted;
-use crate::{Cause, ImportError, Source};
+use crate::notes::{Note, Notes};
 
-/// All animations of the file that do anything in the scene.
-///
-/// # Errors
-/// Times that are negative, not finite or not strictly ascending; values that are not finite.
-pub(super) fn clips(
-    source: &Source,
-    tree: &Tree,
-    notes: &mut Notes,
-) -> Result<Vec<Clip>, ImportError> {
+/// Returns all animations of the file that do anything in the scene. Those with times that are not finite or not
+/// strictly ascending, or with values that are not finite, are left out and noted.
+pub(super) fn clips(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Clip> {
     let mut clips = Vec::new();
     for (number, animation) in source.document.as_json().animations.iter().enumerate() {
+        // Those that are empty were noted.
+        if animation.samplers.is_empty() {
+            continue;
+        }
         let name = animation.name.clone().unwrap_or_default();
         let name = if name.is_empty() { format!("animation {number}") } else { name };
-        let mut channels = Vec::with_capacity(animation.channels.len());
-        let mut known = std::collections::HashSet::new();
-        for given in &animation.channels {
-            let at = || format!("animation {number} ({})", quoted(&name));
-            let Some(node) = tree.id_of(given.target.node.value()) else {
-                notes.count(
-                    "animation channels of nodes that are not in the scene, left out",
-                    1,
-                    at,
-                );
-                continue;
-            };
-            let Checked::Valid(property) = given.target.path else {
-                continue;
-            };
-            if !known.insert((node, property as u8)) {
-                notes.count(
-                    "animation channels that move what another of them moves, left out",
-                    1,
-                    at,
-                );
-                continue;
+        let place = || format!("animation {number} ({})", quoted(&name));
+        let reader = Reader { source, animation, tree, place: &place };
+        match reader.channels(notes) {
+            Ok(channels) if channels.is_empty() => {
+                let what = "animations that move nothing in the scene, left out";
+                notes.count(what, 1, || quoted(&name));
             }
-            let reader = Reader { source, animation, sampler: given.sampler.value(), place: &at };
-            if let Some(track) = reader.track(property, tree, node, notes)? {
-                channels.push(Channel { node, track });
-            }
-        }
-        if channels.is_empty() {
-            notes.count("animations that move nothing in the scene, left out", 1, || quoted(&name));
-        } else {
-            clips.push(Clip { name, channels });
+            Ok(channels) => clips.push(Clip { name, channels }),
+            Err((sampler, error)) => notes.add(|| {
+                let object = format!("{}, sampler {sampler}", place());
+                Note::new(object, format!("{error}; the animation is not played"))
+            }),
         }
     }
-    Ok(clips)
+    clips
 }
 
 struct Reader<'a> {
     source: &'a Source,
     animation: &'a json::Animation,
-    sampler: usize,
+    tree: &'a Tree,
     place: &'a dyn Fn() -> String,
 }
 
 impl Reader<'_> {
+    /// Reads all channels.
+    ///
+    /// # Errors
+    /// A sampler that is no track.
+    fn channels(&self, notes: &mut Notes) -> Result<Vec<Channel>, (usize, TrackError)> {
+        let mut channels = Vec::with_capacity(self.animation.channels.len());
+        let mut known = std::collections::HashSet::new();
+        for given in &self.animation.channels {
+            let Some(node) = self.tree.id_of(given.target.node.value()) else { continue };
+            let Checked::Valid(property) = given.target.path else { continue };
+            if !known.insert((node, property as u8)) {
+                let what = "animation channels that move what another of them moves, left out";
+                notes.count(what, 1, self.place);
+                continue;
+            }
+            let sampler = given.sampler.value();
+            let track = self.track(sampler, property, node, notes);
+            if let Some(track) = track.map_err(|error| (sampler, error))? {
+                channels.push(Channel { node, track });
+            }
+        }
+        Ok(channels)
+    }
+
     fn track(
         &self,
+        sampler: usize,
         property: Property,
-        tree: &Tree,
         node: NodeId,
         notes: &mut Notes,
-    ) -> Result<Option<Track>, ImportError> {
-        let Some(sampler) = self.animation.samplers.get(self.sampler) else {
+    ) -> Result<Option<Track>, TrackError> {
+        let Some(sampler) = self.animation.samplers.get(sampler) else {
             return Ok(None);
         };
         let interpolation = match sampler.interpolation {
@@ -87,7 +89,7 @@ impl Reader<'_> {
                 Interpolation::Linear
             }
         };
-        let targets = tree.node(node).map_or(0, |node| node.weights.len());
+        let targets = self.tree.node(node).map_or(0, |node| node.weights.len());
         let output = sampler.output.value();
         let values = match property {
             Property::Translation => Values::Translation(self.vectors(output)),
@@ -102,7 +104,10 @@ impl Reader<'_> {
             ),
         };
         let times_s = self.source.floats::<1>(sampler.input.value()).unwrap_or_default();
-        match Track::new(interpolation, times_s.into_flattened(), values, targets) {
+        let times_s = times_s.into_flattened();
+        let early = times_s.iter().filter(|time_s| **time_s < 0.0).count();
+        notes.count("keys before 0 s, which is where playing begins", early, self.place);
+        match Track::new(interpolation, times_s, values, targets) {
             Ok(track) => Ok(Some(track)),
             // glTF allows them.
             Err(TrackError::TooLarge { .. } | TrackError::TooLate { .. }) => {
@@ -110,10 +115,7 @@ impl Reader<'_> {
                 notes.count(what, 1, self.place);
                 Ok(None)
             }
-            Err(error) => {
-                let place = format!("{}, sampler {}", (self.place)(), self.sampler);
-                Err(self.source.error(Cause::Malformed, place, error.to_string()))
-            }
+            Err(error) => Err(error),
         }
     }
 

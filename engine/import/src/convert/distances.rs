@@ -13,10 +13,10 @@ use cull::{Aabb, MAX_COORDINATE};
 use render::scene::{Scene, Surfaces};
 
 use super::nodes::Tree;
-use super::notes::Notes;
 use super::skins::used_joints;
 use crate::error::quoted;
 use crate::imported::{Camera, Placed, Placement};
+use crate::notes::Notes;
 
 /// Of clips, by their numbers.
 type Boxes = Arc<[(usize, Aabb)]>;

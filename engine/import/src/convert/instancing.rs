@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use glam::{Affine3A, Quat, Vec3};
 
-use super::notes::Notes;
 use super::numbers::rotation;
+use crate::notes::Notes;
 use crate::{Instancing, Source};
 
 /// From each instance's space to its node's.

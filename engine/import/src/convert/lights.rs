@@ -9,9 +9,9 @@ use gltf::json::validation::Checked;
 use render::scene::{Light, LightKind, PunctualLight};
 
 use super::nodes::Tree;
-use super::notes::Notes;
 use super::numbers::direction;
 use crate::Source;
+use crate::notes::Notes;
 
 /// The brightest light, in lux or candela: a hundred suns.
 const LARGEST_INTENSITY: f32 = 1e7;
@@ -46,7 +46,6 @@ pub(super) fn lights(
         }
     }
     if lights.is_empty() {
-        notes.say("the file has no light: one from above was added");
         lights.push((from_above(), None));
     }
     lights

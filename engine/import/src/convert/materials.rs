@@ -7,12 +7,12 @@ use gltf::json::validation::Checked;
 use gltf::material::AlphaMode;
 use render::scene::{Alpha, Encoding, Image, Material, MaterialId, Texture, TextureUse};
 
-use super::notes::Notes;
 use super::sidedness::Backs;
 use super::tangents::NormalUvs;
 use super::textures::{Named, Textures};
 use crate::Source;
 use crate::error::quoted;
+use crate::notes::Notes;
 
 /// The strongest emission: what half-precision numbers can hold.
 const LARGEST_EMISSION: f32 = 65504.0;
@@ -36,6 +36,8 @@ pub(super) struct MaterialUse {
     pub(super) normal: Option<NormalUvs>,
     pub(super) backs: Backs,
     pub(super) is_blended: bool,
+    /// Whether it is neither blended nor masked, and has no textures.
+    pub(super) is_plain: bool,
     pub(super) base_colour: [f32; 4],
 }
 
@@ -87,6 +89,7 @@ impl Materials {
                 (true, true) => Backs::First,
             },
             is_blended,
+            is_plain: material.alpha == Alpha::Opaque && slots.sets == [None, None],
             base_colour: material.base_colour,
         };
         self.list.push(material);

@@ -7,6 +7,7 @@ mod clips;
 mod components;
 mod deformed;
 mod distances;
+mod exposure;
 mod forms;
 mod framing;
 mod geometry;
@@ -15,7 +16,6 @@ mod lights;
 mod materials;
 mod nodes;
 mod normals;
-mod notes;
 mod numbers;
 mod pack;
 mod pieces;
@@ -26,6 +26,7 @@ mod sidedness;
 mod sight;
 mod skins;
 mod solids;
+mod sprites;
 mod tangents;
 mod textures;
 mod topology;
@@ -41,11 +42,11 @@ use self::assembly::{Assembly, rigid};
 use self::budget::Budget;
 use self::materials::Materials;
 use self::nodes::Tree;
-use self::notes::Notes;
 use self::sight::Sight;
 use self::skins::Skins;
 use crate::imported::{Imported, Placed};
 use crate::load::{LoadOptions, Stage, Teller};
+use crate::notes::Notes;
 use crate::{ImportError, Source};
 
 pub(crate) use self::framing::overview;
@@ -60,7 +61,7 @@ pub(crate) fn convert(
 ) -> Result<Imported, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&mut source, &mut notes)?;
-    let mut clips = clips::clips(&source, &tree, &mut notes)?;
+    let mut clips = clips::clips(&source, &tree, &mut notes);
     let (mut cameras, lenses) = cameras::cameras(&source, &tree, &mut notes);
     let first = cameras.first().map(|camera| camera.node).zip(lenses.first().copied());
     let sight = Sight::of(&source, &tree, first);
@@ -120,6 +121,10 @@ pub(crate) fn convert(
     distances::refuse_far(moved, &mut clips, &mut placements, made, &cameras, &mut notes);
     if scene.objects.is_empty() && surfaces.blended.is_empty() {
         notes.say("there is nothing to see in the scene");
+    }
+    match options.exposure {
+        Some(exposure) => surfaces.exposure = exposure,
+        None => exposure::dim(&scene, &mut surfaces, &mut notes),
     }
     scene.surfaces = Some(surfaces);
     let skins = skins.list;

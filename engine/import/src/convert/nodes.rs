@@ -1,14 +1,15 @@
 //! Nodes: those of one scene of the file, parents before children, and where they are at rest.
 
 use animation::{Node, NodeId, Rest, Rig, Trs};
-use glam::{Affine3A, Mat4, Quat, Vec3};
+use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
 use gltf::animation::Property;
 use gltf::json;
 use gltf::json::validation::Checked;
 
-use super::notes::Notes;
 use super::numbers::rotation;
 use crate::error::quoted;
+use crate::notes::Notes;
+use crate::reach::{roots_without_scene, shown_scene};
 use crate::{Cause, ImportError, Source};
 
 /// The nodes of the scene that is shown: depth first, so that all that is below a node follows it.
@@ -61,7 +62,7 @@ impl Tree {
             let id = NodeId(nodes.len() as u32);
             *slot = Some(id);
             let is_moved = moved.get(index).copied().unwrap_or_default();
-            let rest = rest(given, is_moved, notes);
+            let rest = rest(index, given, is_moved, notes);
             let above = parent.map(|parent| parent.0 as usize);
             let world = above.and_then(|above| worlds.get(above).copied());
             worlds.push(world.unwrap_or(Affine3A::IDENTITY) * local(&rest));
@@ -120,20 +121,12 @@ fn rig_of(nodes: Vec<Node>, source: &Source) -> Result<Rig, ImportError> {
 }
 
 fn roots(json: &json::Root, notes: &mut Notes) -> Vec<usize> {
-    let chosen = json.scene.map_or(0, |scene| scene.value());
-    if let Some(scene) = json.scenes.get(chosen) {
-        if json.scenes.len() > 1 {
-            notes.say(format!("of {} scenes, only scene {chosen} is shown", json.scenes.len()));
-        }
-        return scene.nodes.iter().map(json::Index::value).collect();
+    let Some(chosen) = shown_scene(json) else { return roots_without_scene(json) };
+    if json.scenes.len() > 1 {
+        notes.say(format!("of {} scenes, only scene {chosen} is shown", json.scenes.len()));
     }
-    let mut is_child = vec![false; json.nodes.len()];
-    for child in json.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
-        if let Some(is_child) = is_child.get_mut(child.value()) {
-            *is_child = true;
-        }
-    }
-    (0..json.nodes.len()).filter(|node| is_child.get(*node) == Some(&false)).collect()
+    let nodes = json.scenes.get(chosen).into_iter().flat_map(|scene| &scene.nodes);
+    nodes.map(|node| node.value()).collect()
 }
 
 /// For each node of the file, whether an animation moves it, and whether one changes its weights.
@@ -153,28 +146,53 @@ fn animated(json: &json::Root) -> (Vec<bool>, Vec<bool>) {
     (moved, morphed)
 }
 
-fn rest(given: &json::Node, is_moved: bool, notes: &mut Notes) -> Rest {
+fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> Rest {
+    let place = || format!("node {index}");
     if let Some(matrix) = &given.matrix {
-        let matrix = Affine3A::from_mat4(Mat4::from_cols_array(matrix));
+        let given = [given.translation.is_some(), given.rotation.is_some(), given.scale.is_some()];
+        notes.count(
+            "a matrix beside translation, rotation or scale, which are ignored",
+            usize::from(given.contains(&true)),
+            place,
+        );
+        let columns = Mat4::from_cols_array(matrix);
+        let is_affine = columns.row(3).abs_diff_eq(Vec4::W, 1e-5);
+        notes.count(
+            "a matrix that is no transform: its last row is taken as 0, 0, 0, 1",
+            usize::from(!is_affine),
+            place,
+        );
+        let matrix = Affine3A::from_mat4(columns);
         if !is_moved {
+            let shears = usize::from(shears(&matrix));
+            notes.count("a matrix that shears, used as it is", shears, place);
             return Rest::Matrix(matrix);
         }
         // The specification forbids it, files do it: a clip can move parts only.
+        let what = "a matrix of a node that animations move, taken apart";
+        notes.count(what, 1, place);
         let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
         let rotation = super::numbers::rotation(rotation.to_array()).unwrap_or(Quat::IDENTITY);
         return Rest::Parts(Trs { translation, rotation, scale });
     }
     let rotation = given.rotation.map_or(Some(Quat::IDENTITY), |given| rotation(given.0));
     if rotation.is_none() {
-        notes.count("rotations of length 0, taken as none", 1, || {
-            format!("node {}", quoted(given.name.as_deref().unwrap_or_default()))
-        });
+        notes.count("rotations of length 0, taken as none", 1, place);
     }
+    let length = given.rotation.map_or(1.0, |it| Vec4::from_array(it.0).length());
+    let is_off = rotation.is_some() && (length - 1.0).abs() > 1e-3;
+    notes.count("rotations not of length 1, brought to it", usize::from(is_off), place);
     Rest::Parts(Trs {
         translation: given.translation.map_or(Vec3::ZERO, Vec3::from_array),
         rotation: rotation.unwrap_or(Quat::IDENTITY),
         scale: given.scale.map_or(Vec3::ONE, Vec3::from_array),
     })
+}
+
+/// Returns whether the axes of a matrix are not at right angles, so that it has no rotation and scale.
+fn shears(matrix: &Affine3A) -> bool {
+    let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|it| it.normalize_or_zero());
+    [x.dot(y), y.dot(z), z.dot(x)].iter().any(|cosine| cosine.abs() > 1e-3)
 }
 
 /// From a node's space to its parent's, at rest.

@@ -9,13 +9,13 @@ use render::scene::{MorphTarget, SkinWeights};
 use super::budget::Budget;
 use super::geometry::Geometry;
 use super::materials::MaterialUse;
-use super::notes::Notes;
 use super::numbers::mirrors;
 use super::sidedness::{Backs, mirror, with_backs};
 use super::sight::Sight;
 use super::topology::Elements;
 use super::{normals, solids, tangents};
 use crate::error::quoted;
+use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
 /// Texture coordinates beyond this are cut off: no number left between two of them is a texture's part.
@@ -94,9 +94,12 @@ impl Primitive<'_> {
     /// Whether lines or points are drawn that no light can fall on: they are their own colour
     /// (3.9.1, as for `KHR_materials_unlit`).
     pub(super) fn is_unlit(&self) -> bool {
-        let is_thin =
-            matches!(self.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip);
-        is_thin && self.attribute(Semantic::Normals).is_none()
+        self.is_thin() && self.attribute(Semantic::Normals).is_none()
+    }
+
+    /// Whether it is points or lines.
+    pub(super) fn is_thin(&self) -> bool {
+        matches!(self.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
     }
 
     pub(super) fn is_skinned(&self) -> bool {
@@ -187,12 +190,12 @@ impl Primitive<'_> {
         Ok((!geometry.triangles.is_empty()).then_some(geometry))
     }
 
-    fn over(&self, over: &super::budget::Over) -> ImportError {
+    pub(super) fn over(&self, over: &super::budget::Over) -> ImportError {
         self.error(Cause::TooLarge, over.to_string())
     }
 
     /// All attributes that count, of the vertices that something is drawn with.
-    fn read(
+    pub(super) fn read(
         &self,
         variant: Variant,
         material: &MaterialUse,
@@ -222,8 +225,13 @@ impl Primitive<'_> {
             geometry.tangents = tangents.into_iter().map(Vec4::from_array).collect();
         }
         for (uvs, set) in geometry.uvs.iter_mut().zip(material.sets) {
-            if let Some(accessor) = set.and_then(|set| of(Semantic::TexCoords(set))) {
-                *uvs = self.uvs(accessor, notes);
+            match set.map(|set| of(Semantic::TexCoords(set))) {
+                Some(Some(accessor)) => *uvs = self.uvs(accessor, notes),
+                Some(None) => {
+                    let what = "textures by coordinates that it does not have, shown by one texel";
+                    notes.count(what, 1, || self.place());
+                }
+                None => {}
             }
         }
         if let Some(colours) = of(Semantic::Colors(0)) {

@@ -148,9 +148,17 @@ impl Assembly<'_> {
             if !self.can_be_seen(node, &transform) {
                 continue;
             }
-            let may_turn = self.may_turn(node);
-            let variant = Variant::rigid(Facing::of(&transform, may_turn));
-            self.make(kind, primitive, variant, &transform)?;
+            let are_sprites =
+                primitive.is_thin() && (kind.material.is_plain || primitive.is_crowd());
+            // Sprites face the camera wherever they are.
+            let variant = Variant::rigid(match are_sprites {
+                true => Facing::Plain,
+                false => Facing::of(&transform, self.may_turn(node)),
+            });
+            match are_sprites {
+                true => self.make_sprites(kind, primitive, &transform)?,
+                false => self.make(kind, primitive, variant, &transform)?,
+            }
             let made = kind.made[variant.facing as usize].as_deref();
             for mesh in made.unwrap_or_default().iter().copied() {
                 let object = Object { mesh, transform, tint: NO_TINT };
@@ -164,6 +172,39 @@ impl Assembly<'_> {
                 }
             }
         }
+        Ok(())
+    }
+
+    /// Makes the sprites of a primitive when they are first needed. Crowds have a plain material whatever the
+    /// file says, which is noted.
+    fn make_sprites(
+        &mut self,
+        kind: &mut Kind,
+        primitive: &Primitive<'_>,
+        to_world: &Affine3A,
+    ) -> Result<(), ImportError> {
+        let place = Facing::Plain as usize;
+        if kind.made[place].is_some() {
+            return Ok(());
+        }
+        let mut tint = [1.0; 4];
+        if !kind.material.is_plain {
+            let what =
+                "points and lines too many to be blended, cut out or textured, in plain colours";
+            self.notes.count(what, 1, || primitive.place());
+            tint = kind.material.base_colour;
+            kind.material =
+                self.materials.use_of(self.source, None, Shading::Unlit, &mut self.notes);
+        }
+        let look = (tint, kind.uses == 1);
+        let seen = (&self.sight, to_world);
+        let (budget, notes) = (&mut self.budget, &mut self.notes);
+        let sprites = primitive.sprites(&kind.material, look, seen, budget, notes)?;
+        let name = self.name_of(kind.mesh, kind.number);
+        let made = sprites.into_iter().enumerate().map(|(number, sprites)| {
+            self.add_sprites(sprites, &kind.material, format!("{name}, chunk {number}"))
+        });
+        kind.made[place] = Some(made.collect());
         Ok(())
     }
 

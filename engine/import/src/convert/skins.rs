@@ -7,9 +7,9 @@ use glam::{Affine3A, Mat4};
 use render::scene::SkinWeights;
 
 use super::nodes::Tree;
-use super::notes::Notes;
 use super::numbers::{has_volume, mirrors};
 use crate::Source;
+use crate::notes::Notes;
 
 /// A skin that objects use.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
-//! Points and lines as solids, since triangles are all that is drawn: a point is a cube, a line a prism
-//! with three sides, closed at both ends.
+//! Points and lines as solids, where [sprites](super::sprites) cannot stand for them: where they are blended or
+//! masked, have textures, or change their form. A point is a cube, a line a prism with three sides, closed at
+//! both ends.
 //!
 //! They are to be a few pixels wide where they are first seen ([`Sight`](super::sight::Sight)), and keep that
 //! size in the world: points are [`POINT_SIZE`] of the picture's height, lines [`LINE_SIZE`] (6 and 4 pixels of
@@ -87,6 +88,21 @@ fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     distances.get(distances.len() / 2).copied().unwrap_or(f32::INFINITY)
 }
 
+/// How wide points are, where the picture is so high.
+pub(super) fn point_size(geometry: &Geometry, points: &[u32], height: f32) -> f32 {
+    size_of(height * POINT_SIZE, spacing(geometry, points), height)
+}
+
+/// How wide lines are, where the picture is so high.
+pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> f32 {
+    let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
+    let lengths = lines.iter().map(|&[from, to]| f64::from(at(from).distance(at(to))));
+    let length: f64 = lengths.sum();
+    let bounds = geometry.bounds();
+    let across = f64::from((bounds.max - bounds.min).length());
+    size_of(height * LINE_SIZE, (across * across * 0.5 / length) as f32, height)
+}
+
 /// A cube around each of these vertices, where the picture is so high.
 pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geometry {
     // The corners, by their sides along x, y and z: each is one of eight numbers.
@@ -102,7 +118,7 @@ pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geomet
     for &point in points {
         growth.add(&directions.map(|outward| (point, outward)), &triangles);
     }
-    let size = size_of(height * POINT_SIZE, spacing(geometry, points), height);
+    let size = point_size(geometry, points, height);
     growth.finish(geometry, size * 0.5 * 3.0_f32.sqrt())
 }
 
@@ -112,7 +128,6 @@ pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geo
         [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5], [0, 2, 1], [3, 4, 5]];
     let mut growth = Growth::default();
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
-    let mut length = 0.0;
     for &[from, to] in lines {
         // A line without length gets some direction: others may go along with its ends, and move them.
         let along = direction(at(to) * 0.5 - at(from) * 0.5).unwrap_or(Vec3::Z);
@@ -122,11 +137,8 @@ pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geo
         let around = [across, third * half_root - across * 0.5, third * -half_root - across * 0.5];
         let [a, b, c] = around;
         growth.add(&[(from, a), (from, b), (from, c), (to, a), (to, b), (to, c)], &triangles);
-        length += f64::from(at(from).distance(at(to)));
     }
-    let bounds = geometry.bounds();
-    let across = f64::from((bounds.max - bounds.min).length());
-    let size = size_of(height * LINE_SIZE, (across * across * 0.5 / length) as f32, height);
+    let size = line_size(geometry, lines, height);
     // From all sides, a prism is somewhat wider than its radius times this.
     growth.finish(geometry, size / 1.5)
 }

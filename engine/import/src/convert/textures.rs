@@ -95,6 +95,10 @@ impl Textures {
     ) -> Option<TextureId> {
         let image = source.texture_images.get(texture).copied().flatten()?;
         source.images.get(image)?.as_ref()?;
+        // Of what is no colour, a placeholder would show nothing that one could understand.
+        if encoding == Encoding::Linear && source.placeholders.contains(&image) {
+            return None;
+        }
         let image = *self.known_images.entry(image).or_insert_with(|| {
             self.images.push(image);
             ImageId(self.images.len() as u32 - 1)

@@ -7,7 +7,7 @@ use std::ops::Range;
 use animation::{Clip, ClipIndex, NodeId, Pose, Rig, Skeleton, Skin};
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
-use render::scene::{Deformer, PunctualLight};
+use render::scene::{Deformer, PunctualLight, bounds_of_transformed};
 
 use super::changes::{BlendedMove, Changes, Deformation, LightMove, ObjectMove};
 use crate::convert::used_joints;
@@ -151,6 +151,36 @@ impl Parts {
             is_known_now: false,
         });
         self.skeletons.len() - 1
+    }
+
+    /// How many parts there are.
+    pub(super) fn len(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Where a part was shown last, in the world; at rest if it was not. `mesh` are the bounds of its mesh,
+    /// which hold for what does not change its form.
+    pub(super) fn seen_in(&self, part: usize, mesh: Option<Aabb>) -> Option<Aabb> {
+        let part = self.parts.get(part)?;
+        let own = match part.bounds {
+            Some(_) if part.shown_bounds == Aabb::EMPTY => {
+                return Some(part.placement.seen_at_rest);
+            }
+            Some(_) => part.shown_bounds,
+            None => mesh?,
+        };
+        let bounds = bounds_of_transformed(&own, &part.shown);
+        bounds.is_usable().then_some(bounds)
+    }
+
+    /// Forgets what was shown; `world` are the nodes at rest.
+    pub(super) fn begin_anew(&mut self, world: &[Affine3A]) {
+        for part in &mut self.parts {
+            part.shown = part.place(world);
+            part.shown_bounds = Aabb::EMPTY;
+            part.shown_version = None;
+            part.shown_weights.clear();
+        }
     }
 
     /// What a part is.

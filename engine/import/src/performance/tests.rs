@@ -135,10 +135,11 @@ fn imported() -> Imported {
             name: "camera".to_owned(),
             node: NodeId(2),
             fov_y_rad: 1.0,
+            aspect_ratio: None,
             near_m: 0.1,
             behind_m: 0.0,
         }],
-        notes: vec!["a note".to_owned()],
+        notes: vec![crate::Note::new("scene", "a note")],
     }
 }
 
@@ -185,7 +186,7 @@ fn what_hangs_on_a_node_goes_where_it_goes() {
     assert!(changes.deformations.is_empty());
     assert!(performance.changes(0.5).is_empty(), "it is there already");
     let (_, _, cameras, _) = Performance::of(imported());
-    assert_eq!(performance.seen_by(&cameras[0]).eye, Vec3::new(3.0, 0.0, 1.0));
+    assert_eq!(performance.seen_by(&cameras[0], [3, 2]).eye, Vec3::new(3.0, 0.0, 1.0));
 }
 
 #[test]
@@ -335,8 +336,21 @@ fn squashed_and_turned_nodes_still_see() {
         Affine3A::from_rotation_x(1.0),
     ] {
         performance.world[2] = matrix;
-        let camera = performance.seen_by(&cameras[0]);
+        let camera = performance.seen_by(&cameras[0], [3, 2]);
         assert!((camera.forward.length() - 1.0).abs() < 1e-5 && camera.up.is_normalized());
         assert!(camera.forward.dot(camera.up).abs() < 1e-5);
     }
+}
+
+#[test]
+fn the_room_of_a_scene_is_that_of_its_clips_and_looking_at_it_leaves_no_trace() {
+    let (scene, mut performance, ..) = Performance::of(imported());
+    let at_rest = performance.bounds_playing(&scene);
+    assert!(at_rest.max.x < 4.0, "{at_rest:?}");
+    performance.play(&[0], 0.0, 0.0);
+    let playing = performance.bounds_playing(&scene);
+    assert!(playing.max.x > 4.5, "the arm swings that far: {playing:?}");
+    let mut other = Performance::of(imported()).1;
+    other.play(&[0], 0.0, 0.0);
+    assert_eq!(performance.changes(0.25), other.changes(0.25));
 }

@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::json;
 
-use super::files::Scene;
+use super::files::{Scene, U8};
 
 const ATTRIBUTES: [&str; 2] = [
     "oAUAzDDAJgYiFjMAAAAKLgEAMwMDJiIwLgUADAMwCA4IAwAAABABDDAzMBoMKCgGBQPwM8wYDgQeKgg2MAAAAC4FMA/MDyokJg4MMjADAAAAEAUzPDAAHBwoDBI8AAAAJBwFM8AAzAoUCBI0AwAAADAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA4DFgAAAg==",
@@ -54,10 +54,20 @@ fn scene(encoded: &[u8], view: View) -> Scene {
         "buffer": 0, "byteOffset": at, "byteLength": encoded.len(),
         "byteStride": view.stride, "count": view.count, "mode": view.mode, "filter": view.filter,
     } });
-    scene
+    let view = scene
         .push("bufferViews", json!({ "buffer": 1, "byteLength": length, "extensions": extension }));
     scene.set("/extensionsRequired", json!(["EXT_meshopt_compression"]));
+    scene.set("/extensionsUsed", json!(["KHR_mesh_quantization"]));
+    show_view(&mut scene, view);
     scene
+}
+
+/// Shows the first bytes of a view as a position.
+fn show_view(scene: &mut Scene, view: usize) {
+    let accessor = json!({ "bufferView": view, "componentType": U8, "type": "VEC3", "count": 1 });
+    let positions = scene.push("accessors", accessor);
+    let primitives = scene.json["meshes"][0]["primitives"].as_array_mut().expect("a list");
+    primitives.push(json!({ "attributes": { "POSITION": positions } }));
 }
 
 fn bytes_of(text: &str) -> Vec<u8> {
@@ -89,6 +99,42 @@ fn all_modes_are_decompressed() {
     {
         assert_eq!(decoded(&bytes_of(encoded), view), Ok(bytes_of(expected)), "{}", view.mode);
     }
+}
+
+/// The same file by the name of the newer extension.
+fn renamed(scene: &Scene) -> Scene {
+    let text = scene.json.to_string().replace("EXT_meshopt", "KHR_meshopt");
+    Scene { json: serde_json::from_str(&text).expect("it is JSON"), ..scene.clone() }
+}
+
+#[test]
+fn the_newer_extension_has_all_of_the_older_one_and_more() {
+    let read = |scene: &Scene| {
+        read(scene.glb(), None, &Limits::default()).map(|source| source.buffer(1).to_vec())
+    };
+    for ([encoded, expected], view) in
+        [(ATTRIBUTES, OF_ATTRIBUTES), (TRIANGLES, OF_TRIANGLES), (INDICES, OF_INDICES)]
+    {
+        assert_eq!(read(&renamed(&scene(&bytes_of(encoded), view))), Ok(bytes_of(expected)));
+    }
+    // Attributes of version 1.
+    let numbers: Vec<[u32; 4]> = (0..100).map(|it| [it, it * it, 7, u32::MAX - it]).collect();
+    let encoded = meshopt::encode_vertex_buffer_level(&numbers, 2, Some(1)).expect("it is encoded");
+    let newer = scene(&encoded, view("ATTRIBUTES", "NONE", 100, 16));
+    assert_eq!(read(&renamed(&newer)), Ok(bytemuck::cast_slice(&numbers).to_vec()));
+    let error = read(&newer).expect_err("the older one has no version 1").to_string();
+    assert!(error.contains("it begins with 0xa1 and not with 0xa0"), "{error}");
+    // Colours.
+    let colours = [[1.0, 0.0, 0.0, 1.0], [0.2, 0.4, 0.6, 0.8], [0.0, 0.0, 0.0, 0.0]];
+    let filtered = meshopt::encode_filter_color::<u8>(&colours, 8);
+    let encoded = meshopt::encode_vertex_buffer(&filtered).expect("it is encoded");
+    let coloured = scene(&encoded, view("ATTRIBUTES", "COLOR", 3, 4));
+    let decoded = read(&renamed(&coloured)).expect("it is accepted");
+    for (byte, part) in decoded.iter().zip(colours.as_flattened()) {
+        assert!((f32::from(*byte) / 255.0 - part).abs() < 0.02, "{decoded:?}");
+    }
+    let error = read(&coloured).expect_err("the older one has no colours").to_string();
+    assert!(error.contains("its filter COLOR is one of KHR_meshopt_compression"), "{error}");
 }
 
 #[test]
@@ -194,6 +240,7 @@ fn many_views_of_few_bytes_are_refused() {
     let view = scene.json["bufferViews"][2].clone();
     let views = vec![view; 1000];
     scene.json["bufferViews"].as_array_mut().expect("a list").extend(views);
+    (3..1003).for_each(|view| show_view(&mut scene, view));
     let limits = Limits { buffer_bytes: 100_000, ..Limits::default() };
     let error = read(scene.glb(), None, &limits).map(drop).expect_err("too much");
     assert!(error.to_string().contains("bytes decompressed up to it: 100160"), "{error}");

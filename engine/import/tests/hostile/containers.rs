@@ -65,6 +65,11 @@ fn what_is_no_json_is_named() {
 fn buffers_must_come_from_somewhere() {
     let mut scene = Scene::triangle();
     scene.set("/buffers", json!([{ "byteLength": 44 }, { "byteLength": 4 }]));
+    let source = read(scene.glb(), None, &Limits::default()).expect("nothing uses buffer 1");
+    let note = source.notes[0].to_string();
+    assert!(note.contains("buffer 1: it has no URI") && note.contains("nothing that is shown"));
+    scene.set("/bufferViews/0/buffer", json!(1));
+    scene.set("/buffers/1/byteLength", json!(44));
     assert!(refused(&scene.glb()).contains("buffer 1: it has no URI"));
     assert!(refused(&scene.gltf()).contains("buffer 0: it has no URI"));
 }

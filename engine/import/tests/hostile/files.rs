@@ -47,8 +47,15 @@ impl Scene {
         list.len() - 1
     }
 
-    /// Textures of the first images, each shown by a material.
+    /// Textures of the first images, each shown by a material of a primitive of the first mesh.
     pub fn show_images(&mut self, count: usize) {
+        let primitive = self.json["meshes"][0]["primitives"][0].clone();
+        let primitives = (0..count).map(|material| {
+            let mut primitive = primitive.clone();
+            primitive["material"] = json!(material);
+            primitive
+        });
+        self.set("/meshes/0/primitives", primitives.collect());
         let texture = |image| json!({ "source": image });
         let material = |texture| json!({ "emissiveTexture": { "index": texture } });
         self.set("/textures", (0..count).map(texture).collect());
@@ -110,12 +117,17 @@ impl Scene {
         self.numbers(F32, kind, values.len() / components, &bytes)
     }
 
+    /// Its buffer as a data URI.
+    pub fn data_uri(&self) -> String {
+        let data = BASE64_STANDARD.encode(&self.binary);
+        format!("data:application/octet-stream;base64,{data}")
+    }
+
     /// As .gltf, its buffer in a data URI.
     pub fn gltf(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if json["buffers"].as_array().is_some_and(Vec::is_empty) {
-            let data = BASE64_STANDARD.encode(&self.binary);
-            let uri = format!("data:application/octet-stream;base64,{data}");
+            let uri = self.data_uri();
             json["buffers"] = json!([{ "byteLength": self.binary.len(), "uri": uri }]);
         }
         json.to_string().into_bytes()

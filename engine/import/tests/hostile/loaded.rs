@@ -15,7 +15,7 @@ pub fn check(imported: &Imported) {
     for clip in &imported.clips {
         assert!(clip.duration_s().is_finite() && !clip.channels.is_empty(), "{}", clip.name);
     }
-    let camera = imported.default_camera();
+    let camera = imported.default_camera([3, 2]);
     assert!(camera.eye.is_finite() && camera.near > 0.0 && camera.forward.is_finite());
     assert!(camera.forward.length() > 0.5, "{camera:?}");
     let flight = &imported.scene.flight;
@@ -25,9 +25,11 @@ pub fn check(imported: &Imported) {
 fn check_surfaces(imported: &Imported) {
     let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
     assert_eq!(scene.meshes.len(), surfaces.meshes.len());
-    for (mesh, surface) in scene.meshes.iter().zip(&surfaces.meshes) {
+    let sprites: Vec<usize> = surfaces.sprites.iter().map(|it| it.mesh.0 as usize).collect();
+    for (place, (mesh, surface)) in scene.meshes.iter().zip(&surfaces.meshes).enumerate() {
         assert_eq!(mesh.vertices.len(), surface.vertices.len());
-        assert!(!mesh.indices.is_empty(), "{} draws nothing", mesh.name);
+        let is_seen = !mesh.indices.is_empty() || sprites.binary_search(&place).is_ok();
+        assert!(is_seen, "{} draws nothing", mesh.name);
         assert!((surface.material.0 as usize) < surfaces.materials.len());
         for vertex in &surface.vertices {
             let is_unit = |[x, y, z, _]: [i16; 4]| {

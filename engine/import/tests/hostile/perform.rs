@@ -26,7 +26,7 @@ pub fn perform(mut imported: Imported) {
         }
         now_s += 0.5;
         for camera in &cameras {
-            let seen = performance.seen_by(camera);
+            let seen = performance.seen_by(camera, [3, 2]);
             assert!(seen.eye.is_finite() && (seen.forward.length() - 1.0).abs() < 1e-3, "{seen:?}");
             let _ = performance.clip_of(camera);
         }

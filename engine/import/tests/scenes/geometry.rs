@@ -3,7 +3,7 @@
 use antumbra_import::Imported;
 use serde_json::json;
 
-use super::files::{I16, Scene, U8, U16, U32};
+use super::files::{F32, I16, Scene, U8, U16, U32};
 use super::loading::{load, notes, refused};
 
 pub const ATTRIBUTES: &str = "/meshes/0/primitives/0/attributes";
@@ -121,13 +121,14 @@ fn strips_and_fans_are_triangles_all_of_one_winding() {
 }
 
 #[test]
-fn points_and_lines_are_solids_without_light() {
-    for (mode, triangles) in [(0, 3 * 12), (1, 8), (2, 3 * 8), (3, 2 * 8)] {
+fn points_and_lines_are_sprites_without_light() {
+    for (mode, sprites) in [(0, 3), (1, 1), (2, 3), (3, 2)] {
         let mut scene = Scene::triangle();
         scene.set("/meshes/0/primitives/0/mode", json!(mode));
         let imported = load(&scene);
-        assert_eq!(imported.scene.triangles(), triangles, "mode {mode}");
         let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
+        assert_eq!(surfaces.sprites[0].count(), sprites, "mode {mode}");
+        assert_eq!(imported.scene.triangles(), 2 * sprites as u64);
         assert!(surfaces.materials[0].is_unlit);
         let bounds = imported.bounds();
         assert!(bounds.max.x < 1.01 && bounds.min.z < 0.0 && bounds.min.z > -0.01, "{bounds:?}");
@@ -135,8 +136,46 @@ fn points_and_lines_are_solids_without_light() {
         scene.set(&format!("{ATTRIBUTES}/NORMAL"), json!(normal));
         let lit = load(&scene);
         assert!(!lit.scene.surfaces.as_ref().expect("surfaces").materials[0].is_unlit);
-        assert!(normals(&lit, 0).iter().all(|normal| *normal == [0, 0, 32767, 0]));
+        let sprites = &lit.scene.surfaces.as_ref().expect("surfaces").sprites[0];
+        assert_eq!(sprites.normals, vec![[0.0, 0.0, 1.0]; sprites.ends.len()]);
     }
+}
+
+#[test]
+fn points_that_are_blended_are_solids_unless_they_are_a_crowd() {
+    let cloud = |count: usize| {
+        let mut scene = Scene::triangle();
+        let places: Vec<f32> = (0..count * 3).map(|place| place as f32).collect();
+        let places = scene.floats("VEC3", &places);
+        let material = json!({ "alphaMode": "BLEND",
+            "pbrMetallicRoughness": { "baseColorFactor": [0, 1, 0, 0.5] } });
+        scene.set("/materials", json!([material]));
+        let primitive = json!({ "attributes": { "POSITION": places }, "mode": 0, "material": 0 });
+        scene.set("/meshes/0/primitives", json!([primitive]));
+        load(&scene)
+    };
+    let few = cloud(3);
+    let surfaces = few.scene.surfaces.as_ref().expect("surfaces");
+    assert_eq!((surfaces.blended.len(), surfaces.sprites.len()), (3, 0));
+    let crowd = cloud(70_000);
+    let surfaces = crowd.scene.surfaces.as_ref().expect("surfaces");
+    assert_eq!(surfaces.blended.len(), 0);
+    let count: usize = surfaces.sprites.iter().map(render::scene::Sprites::count).sum();
+    assert_eq!(count, 70_000);
+    assert_eq!(surfaces.sprites[0].ends[0].colour, 65_280.0, "the material's green");
+    assert!(notes(&crowd, "points and lines too many to be blended"), "{:?}", crowd.notes);
+}
+
+#[test]
+fn points_in_one_place_are_one_point() {
+    let mut scene = Scene::triangle();
+    let nowhere = json!({ "componentType": F32, "type": "VEC3", "count": 2_000_000 });
+    let nowhere = scene.push("accessors", nowhere);
+    let primitive = json!({ "attributes": { "POSITION": nowhere }, "mode": 0 });
+    scene.set("/meshes/0/primitives", json!([primitive]));
+    let imported = load(&scene);
+    let sprites = &imported.scene.surfaces.as_ref().expect("surfaces").sprites;
+    assert_eq!((sprites.len(), sprites[0].count(), imported.scene.objects.len()), (1, 1, 1));
 }
 
 #[test]

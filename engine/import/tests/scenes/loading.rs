@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use antumbra_import::{
-    Cause, ImportError, Imported, Limits, LoadOptions, Progress, Stage, load_bytes,
+    Cause, ImportError, Imported, Limits, LoadOptions, Note, Progress, Stage, load_bytes,
 };
 use serde_json::json;
 
@@ -31,9 +31,15 @@ pub fn refused(scene: &Scene) -> String {
     }
 }
 
-/// Whether a note begins like this.
+/// Whether the reason of a note begins like this.
 pub fn notes(imported: &Imported, beginning: &str) -> bool {
-    imported.notes.iter().any(|note| note.starts_with(beginning))
+    imported.notes.iter().any(|note| note.reason.starts_with(beginning))
+}
+
+/// Whether a note whose object and reason begin like this counts so many.
+pub fn counts(imported: &Imported, (object, reason, count): (&str, &str, u64)) -> bool {
+    let is_it = |note: &Note| note.object.starts_with(object) && note.reason.starts_with(reason);
+    imported.notes.iter().any(|note| is_it(note) && note.count == count)
 }
 
 #[test]
@@ -43,7 +49,7 @@ fn a_file_with_everything_in_it_is_loaded() {
     assert_eq!(imported.scene.objects.len(), 3, "two instances, one with a skin");
     assert_eq!((imported.cameras.len(), surfaces.lights.len(), surfaces.images.len()), (1, 1, 3));
     assert_eq!((imported.clips.len(), imported.skins.len()), (1, 1));
-    assert_eq!(imported.notes, Vec::<String>::new());
+    assert_eq!(imported.notes, []);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use glam::{Vec3, vec3};
 use serde_json::json;
 
 use super::files::{F32, Scene};
-use super::loading::{load, notes};
+use super::loading::{counts, load, notes};
 
 /// Where each object's own (1, 0, 0) is.
 fn tips(imported: &Imported) -> Vec<Vec3> {
@@ -91,12 +91,12 @@ fn places_that_are_none_are_left_out_and_told() {
     let imported = load(&scene);
     assert_near(&tips(&imported), &[Vec3::X, Vec3::X, vec3(1.0, 7.0, 0.0)]);
     for note in [
-        "objects whose place is beyond all numbers, left out: 1, first in node 2",
-        "objects scaled to nothing, left out: 2, first in node 3",
-        "objects that reach beyond all numbers, left out: 1, first in node 6",
-        "rotations of length 0",
+        ("node 2", "objects whose place is beyond all numbers, left out", 1),
+        ("node 3", "objects scaled to nothing, left out", 2),
+        ("node 6", "objects that reach beyond all numbers, left out", 1),
+        ("node", "rotations of length 0", 1),
     ] {
-        assert!(notes(&imported, note), "{note}: {:?}", imported.notes);
+        assert!(counts(&imported, note), "{note:?}: {:?}", imported.notes);
     }
 }
 
@@ -184,12 +184,12 @@ fn cameras_have_the_names_of_their_nodes() {
     scene.set("/scenes/0/nodes", json!([0, 1, 2, 3]));
     let imported = load(&scene);
     let names: Vec<_> = imported.cameras.iter().map(|camera| camera.name.as_str()).collect();
-    assert_eq!(names, ["walk", "lens", "camera 2"]);
+    assert_eq!(names, ["walk", "lens", "camera 1"]);
     let camera = &imported.cameras[0];
     assert_eq!((camera.node.0, camera.fov_y_rad, camera.near_m), (1, 0.8, 0.25));
     assert!(imported.cameras[2].fov_y_rad < std::f32::consts::PI);
     assert!(imported.cameras[2].near_m > 0.0);
-    let seen = imported.default_camera();
+    let seen = imported.default_camera([400, 300]);
     assert!(seen.eye == vec3(0.0, 0.0, 5.0) && seen.forward.distance(Vec3::NEG_X) < 1e-6);
     assert_eq!((seen.fov_y, seen.near), (0.8, 0.25));
 }
@@ -199,14 +199,49 @@ fn without_a_camera_the_whole_scene_is_seen_and_without_a_light_there_is_one() {
     let mut scene = Scene::triangle();
     scene.set("/nodes/0/scale", json!([100, 100, 100]));
     let imported = load(&scene);
-    let camera = imported.default_camera();
+    let camera = imported.default_camera([400, 300]);
     let view = cull::View::new(&camera, [400, 300], 8);
     for corner in imported.bounds().corners() {
         let clip = view.view_proj * corner.extend(1.0);
         assert!(clip.w > 0.0 && clip.truncate().truncate().abs().max_element() < clip.w);
     }
     assert_eq!(imported.scene.surfaces.as_ref().expect("surfaces").lights.len(), 1);
-    assert!(notes(&imported, "the file has no light"));
+    assert_eq!(imported.notes, [], "a light of our own is nothing to tell");
+}
+
+#[test]
+fn lights_of_physical_strength_are_dimmed_unless_an_exposure_is_given() {
+    let mut scene = Scene::triangle();
+    scene.set("/nodes/0/extensions/KHR_lights_punctual/light", json!(0));
+    let light = json!([{ "type": "directional", "intensity": 100_000 }]);
+    scene.set("/extensions/KHR_lights_punctual/lights", light);
+    scene.set("/extensionsUsed", json!(["KHR_lights_punctual"]));
+    let lux = |imported: &antumbra_import::Imported| {
+        let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
+        (surfaces.lights[0].intensity, surfaces.exposure)
+    };
+    let dimmed = load(&scene);
+    assert!(lux(&dimmed).0 < 10.0 && lux(&dimmed).0 > 3.0, "{:?}", lux(&dimmed));
+    assert!(notes(&dimmed, "the lights are too bright"), "{:?}", dimmed.notes);
+    let options = antumbra_import::LoadOptions { exposure: Some(0.5), ..Default::default() };
+    let go_on = &mut |_| std::ops::ControlFlow::Continue(());
+    let given = antumbra_import::load_bytes(scene.glb(), None, &options, go_on).expect("loads");
+    assert_eq!((lux(&given), given.notes.len()), ((100_000.0, 0.5), 0));
+}
+
+#[test]
+fn cameras_are_in_the_order_of_the_file_and_called_by_their_numbers_there() {
+    let mut scene = Scene::triangle();
+    let camera =
+        |yfov: f32| json!({ "type": "perspective", "perspective": { "yfov": yfov, "znear": 1 } });
+    scene.set("/cameras", json!([camera(0.5), camera(0.0), camera(0.75)]));
+    scene.set("/nodes", json!([{ "mesh": 0 }, { "camera": 2 }, { "camera": 1 }, { "camera": 0 }]));
+    scene.set("/scenes/0/nodes", json!([0, 1, 2, 3]));
+    let imported = load(&scene);
+    let names: Vec<_> = imported.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["camera 0", "camera 1", "camera 2"]);
+    assert!(imported.cameras[1].fov_y_rad > 0.5, "an angle of 0 shows nothing");
+    assert!(notes(&imported, "cameras whose yfov"), "{:?}", imported.notes);
 }
 
 #[test]

@@ -64,7 +64,7 @@ impl ScatterPass {
     /// whole words. What is recorded before, in this frame or an earlier one, still reads the old
     /// elements: one queue runs them all, so an execution barrier is enough.
     pub fn record(&self, commands: &Commands, count: u32, arrays: &[(ScatterIo, usize)]) {
-        commands.pass("scatter", |commands| {
+        commands.pass("upload changes", |commands| {
             commands.barrier(MemoryBarrier::between(&USES, &[Access::ComputeWrite]));
             for (io, element_bytes) in arrays {
                 let element_words = (*element_bytes / size_of::<u32>()) as u32;

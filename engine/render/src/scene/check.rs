@@ -51,7 +51,46 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
     }
     check_blended(scene, surfaces)?;
     check_levels(scene, surfaces)?;
+    check_sprites(scene, surfaces)?;
     check_deformers(scene, surfaces)
+}
+
+/// Of each mesh whether it is one of sprites.
+pub(super) fn sprite_meshes(scene: &Scene) -> Vec<bool> {
+    let mut are_sprites = vec![false; scene.meshes.len()];
+    for sprites in scene.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
+        if let Some(are_sprites) = are_sprites.get_mut(sprites.mesh.0 as usize) {
+            *are_sprites = true;
+        }
+    }
+    are_sprites
+}
+
+fn check_sprites(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+    for (index, sprites) in surfaces.sprites.iter().enumerate() {
+        let part = ("sprites", index);
+        let Some(mesh) = scene.meshes.get(sprites.mesh.0 as usize) else {
+            return broken(part, "the scene does not have its mesh");
+        };
+        if let Some(fault) = sprites.fault() {
+            return broken(part, fault);
+        }
+        if !mesh.vertices.is_empty() || !mesh.indices.is_empty() {
+            return broken(part, "its mesh has vertices or triangles of its own");
+        }
+        if mesh.bounds != sprites.bounds() {
+            return broken(part, "the bounds of its mesh are not the box around its sprites");
+        }
+    }
+    let are_sprites = sprite_meshes(scene);
+    let is_sprites = |mesh: super::MeshId| are_sprites.get(mesh.0 as usize) == Some(&true);
+    if let Some(index) = surfaces.blended.iter().position(|object| is_sprites(object.mesh)) {
+        return broken(("blended object", index), "its mesh is one of sprites");
+    }
+    if let Some(index) = surfaces.deformers.iter().position(|it| is_sprites(it.mesh)) {
+        return broken(("deformer", index), "its mesh is one of sprites");
+    }
+    Ok(())
 }
 
 fn check_material(surfaces: &Surfaces, material: &Material, part: Part) -> Result<(), SceneError> {

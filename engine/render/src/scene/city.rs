@@ -29,8 +29,7 @@ use self::props::Site;
 use super::mesh::{Mesh, MeshId};
 use super::random::Random;
 use super::{
-    Flight, HOVER_M, Light, Object, Scene, SceneError, Streets, check_object_count, placement,
-    share,
+    Flight, HOVER_M, Light, Object, Scene, SceneError, Streets, placement, room_for_objects, share,
 };
 
 /// The distance between the middles of neighbouring blocks, in metres: a binary fraction, so that
@@ -49,10 +48,10 @@ const PAVEMENT_GAP_M: f32 = 0.15;
 /// # Errors
 /// [`SceneError::ObjectCount`] if there are to be none, or more than [`MAX_OBJECTS`](super::MAX_OBJECTS).
 pub fn city(objects: u32, seed: u64) -> Result<Scene, SceneError> {
-    check_object_count(objects)?;
+    let room = room_for_objects(objects)?;
     let plan = Plan::new(objects);
     let (kit, meshes) = Kit::new();
-    let mut city = City { seed, plan, kit, meshes, objects: Vec::with_capacity(objects as usize) };
+    let mut city = City { seed, plan, kit, meshes, objects: room };
     let blocks = city.plan.blocks();
     let (columns, rows) = (city.plan.columns.clone(), city.plan.rows.clone());
     let mut number = 0;

@@ -10,8 +10,7 @@ use super::city::{pavilions::pavilions, props::props};
 use super::mesh::{Mesh, MeshId};
 use super::random::Random;
 use super::{
-    Flight, HOVER_M, Light, Object, Scene, SceneError, Streets, check_object_count, placement,
-    share,
+    Flight, HOVER_M, Light, Object, Scene, SceneError, Streets, placement, room_for_objects, share,
 };
 
 /// A cell holds one object in its middle, in metres.
@@ -30,7 +29,7 @@ const WALK_M: f32 = 128.0;
 /// # Errors
 /// [`SceneError::ObjectCount`] if there are to be none, or more than [`MAX_OBJECTS`](super::MAX_OBJECTS).
 pub fn field(objects: u32, seed: u64) -> Result<Scene, SceneError> {
-    check_object_count(objects)?;
+    let mut placed = room_for_objects(objects)?;
     let tile_objects = u32::from(TILE_CELLS).pow(2) + 1;
     let tiles = objects.div_ceil(tile_objects);
     let columns = tiles.isqrt().max(1);
@@ -46,7 +45,6 @@ pub fn field(objects: u32, seed: u64) -> Result<Scene, SceneError> {
         kinds.push((MeshId(meshes.len() as u32), prop.tint));
         meshes.push(prop.mesh);
     }
-    let mut placed = Vec::with_capacity(objects as usize);
     let first = [columns, rows].map(|count| -(i64::from(count) / 2));
     for number in 0..columns * rows {
         let budget = share(objects, number, columns * rows);

@@ -15,6 +15,7 @@ mod outwardness;
 mod path;
 mod random;
 mod single;
+mod sprites;
 mod surface;
 #[cfg(test)]
 mod tests;
@@ -30,6 +31,7 @@ pub use mesh::{
 pub use motion::{Cast, Motion, MotionError};
 pub use outwardness::{ENCLOSING, outwardness};
 pub use path::{CameraPath, EYE_HEIGHT_M, FOV_Y_RAD, NEAR_M, PathKind};
+pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
     Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, Level, LightId,
     LightKind, Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
@@ -50,6 +52,12 @@ pub enum SceneError {
     ObjectCount {
         /// The number that was asked for.
         asked: u32,
+    },
+    /// Less memory can be had than the objects take.
+    #[error("there is no memory for a scene of {count} objects: use fewer, or end other programs")]
+    NoMemory {
+        /// How many there were.
+        count: u32,
     },
     /// A motion that cannot be made.
     #[error(transparent)]
@@ -230,7 +238,12 @@ impl Scene {
 
     /// How many triangles its objects have together.
     pub fn triangles(&self) -> u64 {
-        let of_mesh: Vec<u64> = self.meshes.iter().map(Mesh::triangles).collect();
+        let mut of_mesh: Vec<u64> = self.meshes.iter().map(Mesh::triangles).collect();
+        for sprites in self.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
+            if let Some(triangles) = of_mesh.get_mut(sprites.mesh.0 as usize) {
+                *triangles = 2 * sprites.count() as u64;
+            }
+        }
         let of_object = |object: &Object| of_mesh.get(object.mesh.0 as usize).copied();
         self.objects.iter().filter_map(of_object).sum()
     }
@@ -257,8 +270,12 @@ impl Scene {
             {
                 return broken("a position is not a finite number");
             }
-            if mesh.bounds != bounds_of_vertices(&mesh.vertices) {
-                return broken("its bounds are not the box around its vertices");
+        }
+        let are_sprites = check::sprite_meshes(self);
+        for (mesh, are_sprites) in self.meshes.iter().zip(are_sprites) {
+            if !are_sprites && mesh.bounds != bounds_of_vertices(&mesh.vertices) {
+                let fault = "its bounds are not the box around its vertices";
+                return Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });
             }
         }
         for (index, object) in self.objects.iter().enumerate() {
@@ -278,7 +295,7 @@ impl Scene {
 }
 
 /// The box around a transformed box; [`Scene::bounds_of`] says how exact it is.
-pub(crate) fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
+pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     let extremes = |column: Vec3A, low: f32, high: f32| {
         let (a, b) = (column * low, column * high);
         (a.min(b), a.max(b))
@@ -292,8 +309,14 @@ pub(crate) fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb
     }
 }
 
-fn check_object_count(asked: u32) -> Result<(), SceneError> {
-    if (1..=MAX_OBJECTS).contains(&asked) { Ok(()) } else { Err(SceneError::ObjectCount { asked }) }
+/// Returns room for so many objects.
+fn room_for_objects(asked: u32) -> Result<Vec<Object>, SceneError> {
+    if !(1..=MAX_OBJECTS).contains(&asked) {
+        return Err(SceneError::ObjectCount { asked });
+    }
+    let mut objects = Vec::new();
+    let reserved = objects.try_reserve_exact(asked as usize);
+    reserved.map(|()| objects).map_err(|_| SceneError::NoMemory { count: asked })
 }
 
 /// Turns +z to side `side` (0: +z, 1: +x, 2: -z, 3: -x), scales, and moves. Exact: the matrix holds

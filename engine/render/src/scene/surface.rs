@@ -4,7 +4,7 @@
 
 use glam::{Affine2, Vec3};
 
-use super::{MeshId, Object};
+use super::{MeshId, Object, Sprites};
 
 /// Names a material: an index into [`Surfaces::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -309,6 +309,8 @@ pub struct Surfaces {
     pub blended: Vec<Object>,
     /// What changes its form.
     pub deformers: Vec<Deformer>,
+    /// Meshes of points and lines.
+    pub sprites: Vec<Sprites>,
     /// Coarser forms of each mesh, the finest first; empty, or one list for each mesh of the scene.
     pub levels: Vec<Vec<Level>>,
     /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
@@ -326,6 +328,7 @@ impl Default for Surfaces {
             lights: Vec::new(),
             blended: Vec::new(),
             deformers: Vec::new(),
+            sprites: Vec::new(),
             levels: Vec::new(),
             exposure: 1.0,
         }

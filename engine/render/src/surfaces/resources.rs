@@ -12,6 +12,7 @@ use crate::scene::{
     Alpha, BlendedId, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
     Surfaces,
 };
+use crate::sprites;
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists, MAX_LIGHTS};
 use crate::surfaces::lights::{LightEntry, LightTable};
 use crate::surfaces::marked::Marked;
@@ -49,6 +50,8 @@ pub struct SurfaceResources {
     pages: Vec<TextureArray>,
     features: [Features; 2],
     mesh_materials: Vec<u32>,
+    /// Of each mesh the place of its sprites behind the instances, 0 without any.
+    mesh_sprites: Vec<u32>,
     /// Of meshes that name no material.
     default_material: u32,
     pub(crate) table: LightTable,
@@ -94,8 +97,9 @@ impl SurfaceResources {
         }
         light_lists.submitted();
         let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
-        let vertices: Vec<SurfaceVertex> =
+        let mut vertices: Vec<SurfaceVertex> =
             meshes.flat_map(|mesh| mesh.vertices.iter().copied()).collect();
+        sprites::add_surface_pattern(scene, &mut vertices);
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_words() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -118,6 +122,7 @@ impl SurfaceResources {
                 .iter()
                 .map(|mesh| material_of(mesh.material.0))
                 .collect(),
+            mesh_sprites: sprites::places(scene, hierarchy.leaf_objects().len()),
             default_material,
             compromises: Compromises {
                 dark_suns: table.dark_suns,
@@ -151,7 +156,13 @@ impl SurfaceResources {
     pub fn instance_tail(&self, mesh: MeshId, slot: u32) -> [u32; 4] {
         let material =
             self.mesh_materials.get(mesh.0 as usize).copied().unwrap_or(self.default_material);
-        [material, slot, self.light_lists.count(slot), 0]
+        let sprites = self.mesh_sprites.get(mesh.0 as usize).copied().unwrap_or(0);
+        [material, slot, self.light_lists.count(slot), sprites]
+    }
+
+    /// Returns whether a mesh is made of sprites.
+    pub(crate) fn has_sprites(&self) -> bool {
+        self.mesh_sprites.iter().any(|place| *place != 0)
     }
 
     /// [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute shader may write them.

@@ -1,0 +1,84 @@
+//! Connections to an X server that break: Xlib ends the process then, unless somebody else decides.
+
+use std::ffi::{c_int, c_void};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use libloading::Library;
+use raw_window_handle::{HasDisplayHandle, RawDisplayHandle, XlibDisplayHandle};
+
+/// `XIOErrorHandler` of X11/Xlib.h.
+type ErrorHandler = unsafe extern "C" fn(display: *mut c_void) -> c_int;
+/// `XSetIOErrorHandler`: for all connections of the process.
+type SetErrorHandler = unsafe extern "C" fn(handler: ErrorHandler) -> *mut c_void;
+/// `XIOErrorExitHandler`.
+type ExitHandler = unsafe extern "C" fn(display: *mut c_void, is_lost: *mut c_void);
+/// `XSetIOErrorExitHandler`, since libX11 1.7.
+type SetExitHandler =
+    unsafe extern "C" fn(display: *mut c_void, handler: ExitHandler, is_lost: *mut c_void);
+
+/// The connection of a window to its display.
+///
+/// A connection of Xlib that breaks ends the process with everything that it has not written yet. With
+/// a link it does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] says so, and the program
+/// ends by itself.
+#[derive(Clone, Copy, Debug)]
+pub struct DisplayLink(&'static AtomicBool);
+
+impl DisplayLink {
+    /// Watches the connection of `display`: of a window, or of an event loop. Connections of other
+    /// systems, and of an Xlib before 1.7, are not watched: the link is never lost.
+    ///
+    /// Replaces Xlib's handler of broken connections, of which the process has one: that of a host is not
+    /// called any more. Connections that are not watched still end the process, without Xlib's message.
+    pub fn watch(display: &impl HasDisplayHandle) -> Self {
+        // Never freed: the display keeps the pointer until its owner closes it.
+        let is_lost: &'static AtomicBool = Box::leak(Box::default());
+        let handle = display.display_handle().map(|handle| handle.as_raw());
+        let Ok(RawDisplayHandle::Xlib(XlibDisplayHandle { display: Some(display), .. })) = handle
+        else {
+            return Self(is_lost);
+        };
+        if let Some((set_error_handler, set_exit_handler)) = loaded() {
+            let pointer = std::ptr::from_ref(is_lost).cast_mut().cast();
+            // SAFETY: a display that is open, as who has the handle promises; `note_loss` takes the
+            // pointer for what it is, which lives as long as the program. Xlib's own error handler ends
+            // the process before the exit handler is called; connections without a link still end it.
+            unsafe {
+                set_exit_handler(display.as_ptr(), note_loss, pointer);
+                set_error_handler(go_on);
+            }
+        }
+        Self(is_lost)
+    }
+
+    /// Returns true once the connection is broken.
+    pub fn is_lost(self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// # Safety
+/// `is_lost` points to an `AtomicBool` that lives as long as the program.
+unsafe extern "C" fn note_loss(_: *mut c_void, is_lost: *mut c_void) {
+    // SAFETY: the caller's promise; an atomic is only ever shared.
+    let is_lost = unsafe { &*is_lost.cast::<AtomicBool>() };
+    is_lost.store(true, Ordering::Relaxed);
+}
+
+/// Leaves what follows to the exit handler.
+unsafe extern "C" fn go_on(_: *mut c_void) -> c_int {
+    0
+}
+
+fn loaded() -> Option<(SetErrorHandler, SetExitHandler)> {
+    static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
+    // SAFETY: whoever has a display of Xlib has this library loaded; it is never unloaded.
+    let library = LIBRARY.get_or_init(|| unsafe { Library::new("libX11.so.6") }.ok()).as_ref()?;
+    // SAFETY: both functions have these types (X11/Xlib.h).
+    unsafe {
+        let set_error_handler = library.get::<SetErrorHandler>(b"XSetIOErrorHandler\0").ok()?;
+        let set_exit_handler = library.get::<SetExitHandler>(b"XSetIOErrorExitHandler\0").ok()?;
+        Some((*set_error_handler, *set_exit_handler))
+    }
+}

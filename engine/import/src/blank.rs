@@ -1,0 +1,170 @@
+//! Empty elements, which stand for those that are broken or not shown: they refer to nothing.
+
+use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
+use gltf::json::camera::{Perspective, Type as CameraType};
+use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type as LightType};
+use gltf::json::texture::Sampler;
+use gltf::json::validation::Checked;
+use gltf::json::{
+    Accessor, Animation, Buffer, Camera, Image, Index, Material, Mesh, Node, Scene, Skin, Texture,
+    buffer,
+};
+
+/// An element of a list of the file that can be empty.
+pub(crate) trait Blank {
+    /// Returns an element that refers to nothing and is valid as far as it can be.
+    fn blank() -> Self;
+}
+
+impl Blank for Accessor {
+    fn blank() -> Self {
+        Self {
+            buffer_view: None,
+            byte_offset: None,
+            count: 1_u64.into(),
+            component_type: Checked::Valid(GenericComponentType(ComponentType::F32)),
+            extensions: None,
+            extras: None,
+            type_: Checked::Valid(Type::Scalar),
+            min: None,
+            max: None,
+            name: None,
+            normalized: false,
+            sparse: None,
+        }
+    }
+}
+
+impl Blank for Animation {
+    fn blank() -> Self {
+        let (channels, samplers) = (Vec::new(), Vec::new());
+        Self { extensions: None, extras: None, channels, name: None, samplers }
+    }
+}
+
+impl Blank for Buffer {
+    fn blank() -> Self {
+        Self { byte_length: 0_u64.into(), name: None, uri: None, extensions: None, extras: None }
+    }
+}
+
+impl Blank for buffer::View {
+    fn blank() -> Self {
+        Self {
+            buffer: Index::new(0),
+            byte_length: 0_u64.into(),
+            byte_offset: None,
+            byte_stride: None,
+            name: None,
+            target: None,
+            extensions: None,
+            extras: None,
+        }
+    }
+}
+
+impl Blank for Camera {
+    fn blank() -> Self {
+        let perspective = Perspective {
+            aspect_ratio: None,
+            yfov: 1.0,
+            zfar: None,
+            znear: 0.1,
+            extensions: None,
+            extras: None,
+        };
+        Self {
+            name: None,
+            orthographic: None,
+            perspective: Some(perspective),
+            type_: Checked::Valid(CameraType::Perspective),
+            extensions: None,
+            extras: None,
+        }
+    }
+}
+
+impl Blank for Image {
+    fn blank() -> Self {
+        Self {
+            buffer_view: None,
+            mime_type: None,
+            name: None,
+            uri: Some(String::new()),
+            extensions: None,
+            extras: None,
+        }
+    }
+}
+
+impl Blank for Light {
+    fn blank() -> Self {
+        Self {
+            color: [1.0; 3],
+            extensions: None,
+            extras: None,
+            intensity: 1.0,
+            name: None,
+            range: None,
+            spot: None,
+            type_: Checked::Valid(LightType::Point),
+        }
+    }
+}
+
+impl Blank for Material {
+    fn blank() -> Self {
+        Self::default()
+    }
+}
+
+impl Blank for Mesh {
+    fn blank() -> Self {
+        let primitives = Vec::new();
+        Self { extensions: None, extras: None, name: None, primitives, weights: None }
+    }
+}
+
+impl Blank for Node {
+    fn blank() -> Self {
+        Self::default()
+    }
+}
+
+impl Blank for Sampler {
+    fn blank() -> Self {
+        Self::default()
+    }
+}
+
+impl Blank for Scene {
+    fn blank() -> Self {
+        Self { extensions: None, extras: None, name: None, nodes: Vec::new() }
+    }
+}
+
+impl Blank for Skin {
+    fn blank() -> Self {
+        Self {
+            extensions: None,
+            extras: None,
+            inverse_bind_matrices: None,
+            joints: Vec::new(),
+            name: None,
+            skeleton: None,
+        }
+    }
+}
+
+impl Blank for Texture {
+    fn blank() -> Self {
+        Self {
+            name: None,
+            sampler: None,
+            // So `gltf` says that there is none.
+            source: Index::new(u32::MAX),
+            extensions: None,
+            extras: None,
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Points and lines as sprites: identical ones once, in chunks that lie side by side, so that culling has
+//! something to cull.
+
+use glam::{Affine3A, Vec3};
+use gltf::mesh::Semantic;
+use render::scene::{MAX_SPRITES, MeshId, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
+
+use super::budget::Budget;
+use super::geometry::Geometry;
+use super::materials::MaterialUse;
+use super::numbers::direction;
+use super::pieces::longest_side;
+use super::primitives::{Facing, Primitive, Variant};
+use super::sight::Sight;
+use super::solids;
+use super::topology::Elements;
+use crate::ImportError;
+use crate::notes::Notes;
+
+/// Points or lines of one primitive that are solids, at most: each takes as much memory as fifty sprites.
+const MOST_SOLIDS: u64 = 1 << 16;
+
+/// How many sprites a chunk has at most that is seen once.
+const CHUNK: usize = 4096;
+
+/// An end as numbers that can be ordered: the bits of position, colour and normal.
+type End = [u32; 7];
+
+/// How sprites are made.
+#[derive(Clone, Copy, Debug)]
+struct Look {
+    /// Half of their width.
+    radius_m: f32,
+    /// What their colours are multiplied with.
+    tint: [f32; 4],
+    /// Whether they are seen at one place alone.
+    is_seen_once: bool,
+}
+
+impl Primitive<'_> {
+    /// Whether it is more points or lines than may be solids.
+    pub(super) fn is_crowd(&self) -> bool {
+        let accessors = &self.source.document.as_json().accessors;
+        let indices = self.json.indices.map(|indices| indices.value());
+        let list = indices.or_else(|| self.attribute(Semantic::Positions));
+        let count = list.and_then(|list| accessors.get(list)).map_or(0, |list| list.count.0);
+        self.is_thin() && count > MOST_SOLIDS
+    }
+
+    /// The primitive as sprites, if it is points or lines, as large as they are to be seen from `sight`.
+    ///
+    /// # Errors
+    /// Positions that are not finite; more vertices than the limits allow.
+    pub(super) fn sprites(
+        &self,
+        material: &MaterialUse,
+        (tint, is_seen_once): ([f32; 4], bool),
+        (sight, to_world): (&Sight<'_>, &Affine3A),
+        budget: &mut Budget,
+        notes: &mut Notes,
+    ) -> Result<Vec<Sprites>, ImportError> {
+        let read = self.read(Variant::rigid(Facing::Plain), material, notes)?;
+        let Some((geometry, elements)) = read else { return Ok(Vec::new()) };
+        let ends = elements.vertices().len() as u64;
+        budget.take(ends, 0).map_err(|over| self.over(&over))?;
+        let height = sight.height_at(&geometry.bounds(), to_world);
+        // Where positions are beyond all numbers, so are sizes.
+        let radius_m = |size: f32| if size.is_finite() { size * 0.5 } else { 0.0 };
+        let look = |size: f32| Look { radius_m: radius_m(size), tint, is_seen_once };
+        Ok(match elements {
+            Elements::Points(list) => {
+                let size = solids::point_size(&geometry, &list, height);
+                points(&geometry, &list, &look(size))
+            }
+            Elements::Lines(list) => {
+                let size = solids::line_size(&geometry, &list, height);
+                lines(&geometry, &list, &look(size))
+            }
+            Elements::Triangles(_) => Vec::new(),
+        })
+    }
+}
+
+/// Sprites for these points, without a mesh yet.
+fn points(geometry: &Geometry, points: &[u32], look: &Look) -> Vec<Sprites> {
+    let all = points.iter().map(|&point| [end(geometry, point, look)]).collect();
+    chunks(all, geometry, SpriteShape::Point, look)
+}
+
+/// Sprites for these lines, without a mesh yet.
+fn lines(geometry: &Geometry, lines: &[[u32; 2]], look: &Look) -> Vec<Sprites> {
+    let all = lines.iter().map(|line| {
+        let mut ends = line.map(|vertex| end(geometry, vertex, look));
+        // The same line the other way round is the same line.
+        ends.sort_unstable();
+        ends
+    });
+    chunks(all.collect(), geometry, SpriteShape::Line, look)
+}
+
+fn end(geometry: &Geometry, vertex: u32, look: &Look) -> End {
+    let vertex = vertex as usize;
+    let position = geometry.positions.get(vertex).copied().unwrap_or_default();
+    let colour = geometry.colours.get(vertex).copied().unwrap_or([1.0; 4]);
+    let colour = std::array::from_fn(|part| colour[part] * look.tint[part]);
+    let normal = geometry.normals.get(vertex).and_then(|normal| direction(*normal));
+    // 0 and -0 are one place.
+    let [x, y, z] = (position + Vec3::ZERO).to_array().map(f32::to_bits);
+    let [nx, ny, nz] = normal.unwrap_or(Vec3::Y).to_array().map(f32::to_bits);
+    [x, y, z, pack_sprite_colour(colour).to_bits(), nx, ny, nz]
+}
+
+fn position(end: &End) -> Vec3 {
+    Vec3::from_array([0, 1, 2].map(|axis| f32::from_bits(end[axis])))
+}
+
+fn chunks<const ENDS: usize>(
+    mut all: Vec<[End; ENDS]>,
+    geometry: &Geometry,
+    shape: SpriteShape,
+    look: &Look,
+) -> Vec<Sprites> {
+    all.sort_unstable();
+    all.dedup();
+    let most = if look.is_seen_once { CHUNK } else { MAX_SPRITES };
+    let middle =
+        |ends: &[End; ENDS]| -> Vec3 { ends.iter().map(|end| position(end) / ENDS as f32).sum() };
+    let mut pending = vec![all.as_mut_slice()];
+    let mut chunks = Vec::new();
+    while let Some(part) = pending.pop() {
+        if part.is_empty() {
+            continue;
+        }
+        if part.len() <= most {
+            chunks.push(sprites(part.as_flattened(), geometry, shape, look));
+            continue;
+        }
+        let axis = longest_side(part.iter().map(middle));
+        let half = part.len() / 2;
+        part.select_nth_unstable_by(half, |a, b| {
+            middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b))
+        });
+        let (low, high) = part.split_at_mut(half);
+        pending.push(high);
+        pending.push(low);
+    }
+    chunks
+}
+
+fn sprites(ends: &[End], geometry: &Geometry, shape: SpriteShape, look: &Look) -> Sprites {
+    let normal = |end: &End| [4, 5, 6].map(|part| f32::from_bits(end[part]));
+    let is_lit = !geometry.normals.is_empty();
+    Sprites {
+        mesh: MeshId(u32::MAX),
+        shape,
+        radius_m: look.radius_m,
+        ends: ends
+            .iter()
+            .map(|end| SpriteEnd {
+                position: position(end).to_array(),
+                colour: f32::from_bits(end[3]),
+            })
+            .collect(),
+        normals: if is_lit { ends.iter().map(normal).collect() } else { Vec::new() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOOK: Look = Look { radius_m: 0.5, tint: [1.0; 4], is_seen_once: true };
+
+    fn row(count: u32) -> Geometry {
+        let at = |number: u32| Vec3::new(number as f32, 0.0, 0.0);
+        Geometry { positions: (0..count).map(at).collect(), ..Geometry::default() }
+    }
+
+    #[test]
+    fn identical_points_and_lines_are_there_once() {
+        let heap = Geometry { positions: vec![Vec3::ZERO; 9], ..Geometry::default() };
+        let all: Vec<u32> = (0..9).collect();
+        let made = points(&heap, &all, &LOOK);
+        assert_eq!((made.len(), made[0].count()), (1, 1));
+        let made = lines(&row(3), &[[0, 1], [1, 0], [1, 2]], &LOOK);
+        assert_eq!((made.len(), made[0].count()), (1, 2));
+        let coloured = Geometry { colours: vec![[0.0; 4], [1.0; 4], [1.0; 4]], ..heap };
+        assert_eq!(points(&coloured, &[0, 1, 2], &LOOK)[0].count(), 2);
+        assert!(points(&Geometry::default(), &[], &LOOK).is_empty());
+    }
+
+    #[test]
+    fn chunks_have_every_point_once_and_lie_side_by_side() {
+        let all: Vec<u32> = (0..20_000).rev().collect();
+        let made = points(&row(20_000), &all, &LOOK);
+        assert_eq!(made.len(), 8);
+        let mut end = -1.0;
+        for chunk in &made {
+            let xs = chunk.ends.iter().map(|end| end.position[0]);
+            let (low, high) =
+                xs.fold((f32::MAX, f32::MIN), |(low, high), x| (low.min(x), high.max(x)));
+            assert!(low == end + 1.0, "{low} after {end}");
+            end = high;
+        }
+        assert_eq!(made.iter().map(Sprites::count).sum::<usize>(), 20_000);
+        let often = Look { is_seen_once: false, ..LOOK };
+        assert_eq!(points(&row(20_000), &all, &often).len(), 1);
+    }
+}

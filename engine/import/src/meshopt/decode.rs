@@ -1,0 +1,110 @@
+//! Decoding by the crate `meshopt`, whose decoders are made for bytes that nobody trusts.
+
+use super::{Compressed, Filter, Mode, NAMES};
+use crate::error::Reason;
+
+/// The first byte of attributes: of version 0 and of version 1, which only the newer extension has.
+const ATTRIBUTES: [u8; 2] = [0xA0, 0xA1];
+/// The first byte of triangles and of other indices.
+const TRIANGLES: u8 = 0xE1;
+const INDICES: u8 = 0xD1;
+
+/// An element of so many words.
+#[derive(Clone, Copy)]
+struct Words<const COUNT: usize>([u32; COUNT]);
+
+impl<const COUNT: usize> Default for Words<COUNT> {
+    fn default() -> Self {
+        Self([0; COUNT])
+    }
+}
+
+impl Compressed {
+    /// Decompresses what was checked to fit its mode.
+    pub(super) fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
+        self.check_header(encoded)?;
+        let (count, is_short) = (self.count, self.stride == 2);
+        let decoded = match self.mode {
+            Mode::Attributes(filter) => {
+                self.attributes(encoded).map(|words| filtered(words, filter, self.stride))
+            }
+            Mode::Triangles if is_short => {
+                ::meshopt::decode_index_buffer::<u16>(encoded, count).map(bytes_of)
+            }
+            Mode::Triangles => ::meshopt::decode_index_buffer::<u32>(encoded, count).map(bytes_of),
+            Mode::Indices if is_short => {
+                ::meshopt::decode_index_sequence::<u16>(encoded, count).map(bytes_of)
+            }
+            Mode::Indices => ::meshopt::decode_index_sequence::<u32>(encoded, count).map(bytes_of),
+        };
+        decoded.map_err(|_| Reason::damaged("its compressed bytes are cut off or damaged"))
+    }
+
+    fn check_header(&self, encoded: &[u8]) -> Result<(), Reason> {
+        let Some(&first) = encoded.first() else {
+            return Err(Reason::damaged("it has no bytes"));
+        };
+        let is_newer = self.extension == NAMES[1];
+        let known: &[u8] = match self.mode {
+            Mode::Attributes(_) if is_newer => &ATTRIBUTES,
+            Mode::Attributes(_) => &ATTRIBUTES[..1],
+            Mode::Triangles => &[TRIANGLES],
+            Mode::Indices => &[INDICES],
+        };
+        if known.contains(&first) {
+            return Ok(());
+        }
+        let expected: Vec<String> = known.iter().map(|byte| format!("{byte:#04x}")).collect();
+        let expected = expected.join(" or ");
+        Err(Reason::damaged(format!("it begins with {first:#04x} and not with {expected}")))
+    }
+
+    fn attributes(&self, encoded: &[u8]) -> ::meshopt::Result<Vec<u32>> {
+        macro_rules! by_words {
+            ($($words:literal)*) => {
+                match self.stride / 4 {
+                    $($words => decode_words::<$words>(encoded, self.count),)*
+                    _ => Ok(Vec::new()),
+                }
+            };
+        }
+        by_words!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
+            33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
+    }
+}
+
+fn decode_words<const COUNT: usize>(encoded: &[u8], count: usize) -> ::meshopt::Result<Vec<u32>> {
+    let elements = ::meshopt::decode_vertex_buffer::<Words<COUNT>>(encoded, count)?;
+    let mut words = Vec::with_capacity(count * COUNT);
+    elements.iter().for_each(|Words(element)| words.extend_from_slice(element));
+    Ok(words)
+}
+
+/// What elements of `stride` bytes stand for.
+fn filtered(mut words: Vec<u32>, filter: Filter, stride: usize) -> Vec<u8> {
+    let list = words.as_mut_slice();
+    match (filter, stride) {
+        (Filter::None, _) => {}
+        (Filter::Octahedral, 4) => {
+            ::meshopt::decode_filter_oct::<i8>(bytemuck::cast_slice_mut(list));
+        }
+        (Filter::Octahedral, _) => {
+            ::meshopt::decode_filter_oct::<i16>(bytemuck::cast_slice_mut(list));
+        }
+        (Filter::Quaternion, _) => ::meshopt::decode_filter_quat(bytemuck::cast_slice_mut(list)),
+        (Filter::Exponential, _) => {
+            ::meshopt::decode_filter_exp::<1>(bytemuck::cast_slice_mut(list));
+        }
+        (Filter::Colour, 4) => {
+            ::meshopt::decode_filter_color::<u8>(bytemuck::cast_slice_mut(list));
+        }
+        (Filter::Colour, _) => {
+            ::meshopt::decode_filter_color::<u16>(bytemuck::cast_slice_mut(list));
+        }
+    }
+    bytes_of(words)
+}
+
+fn bytes_of<T: bytemuck::Pod>(numbers: Vec<T>) -> Vec<u8> {
+    bytemuck::cast_slice(&numbers).to_vec()
+}

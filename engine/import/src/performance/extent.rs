@@ -1,0 +1,71 @@
+//! The room that a scene takes while clips play.
+
+use cull::Aabb;
+use glam::Vec3;
+use render::scene::{Object, Scene};
+
+use super::Performance;
+use crate::imported::Placed;
+
+/// How often a clip is looked at from its beginning to its end, at most.
+const MOST_LOOKS_A_CLIP: usize = 32;
+
+/// How often all clips together are looked at, at most.
+const MOST_LOOKS: usize = 256;
+
+/// How many places of nodes and of what moves are looked at, at most; but each clip is looked at once.
+const MOST_PLACES: usize = 1 << 22;
+
+impl Performance {
+    /// Returns a box around everything that is seen while the clips play that play now, found by looking at
+    /// a bounded number of moments; the origin alone if there is nothing. `scene` is the one that came with it.
+    ///
+    /// Everything is as if nothing had been shown yet afterwards: for use before a renderer shows a moment.
+    pub fn bounds_playing(&mut self, scene: &Scene) -> Aabb {
+        let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
+        let objects: Vec<&Object> = scene.objects.iter().chain(blended).collect();
+        let place = |placed: Placed| match placed {
+            Placed::Object(id) => Some(id.0 as usize),
+            Placed::Blended(id) => Some(scene.objects.len() + id.0 as usize),
+            Placed::Light(_) => None,
+        };
+        let mut is_part = vec![false; objects.len()];
+        let mut all = Aabb::EMPTY;
+        let parts = 0..self.parts.len();
+        for place in parts.clone().filter_map(|part| place(self.parts.placed(part)?)) {
+            if let Some(is_part) = is_part.get_mut(place) {
+                *is_part = true;
+            }
+        }
+        let still = objects.iter().zip(&is_part).filter(|(_, is_part)| !**is_part);
+        for bounds in still.filter_map(|(object, _)| scene.bounds_of(object)) {
+            all = all.union(&bounds);
+        }
+        for seconds in self.looks() {
+            self.changes(seconds);
+            for part in parts.clone() {
+                let Some(place) = self.parts.placed(part).and_then(place) else { continue };
+                let mesh = objects.get(place).and_then(|it| scene.meshes.get(it.mesh.0 as usize));
+                if let Some(bounds) = self.parts.seen_in(part, mesh.map(|mesh| mesh.bounds)) {
+                    all = all.union(&bounds);
+                }
+            }
+        }
+        self.begin_anew(scene);
+        if all.is_usable() { all } else { Aabb::new(Vec3::ZERO, Vec3::ZERO) }
+    }
+
+    /// The moments that are looked at, in seconds.
+    fn looks(&self) -> Vec<f64> {
+        let durations: Vec<f32> =
+            self.playing.to().iter().filter_map(|clip| self.duration_s(*clip)).collect();
+        let places = (self.moving.len() + self.parts.len()).max(1);
+        let most = (MOST_PLACES / places).clamp(1, MOST_LOOKS);
+        let a_clip = (most / durations.len().max(1)).clamp(1, MOST_LOOKS_A_CLIP);
+        let all = durations.iter().flat_map(|seconds| {
+            (0..a_clip).map(move |look| f64::from(*seconds) * look as f64 / a_clip as f64)
+        });
+        // The beginning is looked at where nothing plays, too.
+        std::iter::once(0.0).chain(all).take(most.max(durations.len()).min(MOST_LOOKS)).collect()
+    }
+}

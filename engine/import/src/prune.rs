@@ -1,0 +1,113 @@
+//! Empties all of a file that is not shown, so that nobody after this meets what is broken in it.
+
+use std::collections::BTreeMap;
+
+use gltf::json::Root;
+
+use crate::blank::Blank;
+use crate::notes::Note;
+use crate::reach::{Element, Kind, Need, shown_scene};
+use crate::verdict::Verdict;
+
+/// Takes out of animations the channels of nodes that are not shown, and notes them.
+pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
+    let nodes = root.nodes.len();
+    for (index, animation) in root.animations.iter_mut().enumerate() {
+        let before = animation.channels.len();
+        animation.channels.retain(|channel| {
+            let node = channel.target.node.value();
+            // Nodes that do not exist make the animation a broken one.
+            node >= nodes || verdict.is_required(Kind::Node.at(node))
+        });
+        let what = "animation channels of nodes that are not in the scene, left out";
+        let dropped = before - animation.channels.len();
+        let name = animation.name.clone().unwrap_or_default();
+        verdict.notes.count(what, dropped, || match name.as_str() {
+            "" => format!("animation {index}"),
+            name => format!("animation {index} ({})", crate::error::quoted(name)),
+        });
+    }
+}
+
+/// Leaves only roots in the list of the scene that is shown. `parents` are those of nodes that it reaches, or
+/// of all nodes where it does not reach the parent.
+pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mut Verdict) {
+    let mut outside: BTreeMap<usize, usize> = BTreeMap::new();
+    for (index, node) in root.nodes.iter().enumerate() {
+        if !verdict.is_required(Kind::Node.at(index)) {
+            let children = node.children.iter().flatten();
+            outside.extend(children.map(|child| (child.value(), index)));
+        }
+    }
+    let Some(scene) = shown_scene(root).and_then(|scene| root.scenes.get_mut(scene)) else {
+        return;
+    };
+    let notes = &mut verdict.notes;
+    scene.nodes.retain(|node| {
+        let node = node.value();
+        if let Some(parent) = parents.get(node).copied().flatten() {
+            notes.count_as("named root with its parent", 1, || {
+                let reason =
+                    format!("a child of node {parent} and a root of the scene: shown once");
+                Note::new(format!("node {node}"), reason)
+            });
+            return false;
+        }
+        if let Some(parent) = outside.get(&node) {
+            notes.count_as("named root without its parent", 1, || {
+                let reason = format!(
+                    "a root of the scene, although a child of node {parent}, which is not in the \
+                     scene: shown without the place of that"
+                );
+                Note::new(format!("node {node}"), reason)
+            });
+        }
+        true
+    });
+}
+
+/// Replaces by blanks all elements that are not shown.
+pub(crate) fn elements(root: &mut Root, verdict: &Verdict) {
+    // What is optional and broken is found before anything is emptied.
+    let broken: Vec<Element> = [Kind::Accessor, Kind::Animation, Kind::Buffer, Kind::View]
+        .into_iter()
+        .flat_map(|kind| (0..kind.count(root)).map(move |index| kind.at(index)))
+        .filter(|element| verdict.need(*element) == Need::Optional)
+        .filter(|element| !verdict.is_kept(root, *element))
+        .collect();
+    let is_kept =
+        |element: Element| verdict.is_used(element) && broken.binary_search(&element).is_err();
+    empty(&mut root.accessors, Kind::Accessor, is_kept);
+    empty(&mut root.animations, Kind::Animation, is_kept);
+    empty(&mut root.buffers, Kind::Buffer, is_kept);
+    empty(&mut root.buffer_views, Kind::View, is_kept);
+    empty(&mut root.cameras, Kind::Camera, is_kept);
+    empty(&mut root.images, Kind::Image, is_kept);
+    empty(&mut root.materials, Kind::Material, is_kept);
+    empty(&mut root.meshes, Kind::Mesh, is_kept);
+    empty(&mut root.nodes, Kind::Node, is_kept);
+    empty(&mut root.samplers, Kind::Sampler, is_kept);
+    empty(&mut root.scenes, Kind::Scene, is_kept);
+    empty(&mut root.skins, Kind::Skin, is_kept);
+    empty(&mut root.textures, Kind::Texture, is_kept);
+    let lights = root.extensions.as_mut().and_then(|it| it.khr_lights_punctual.as_mut());
+    lights.into_iter().for_each(|it| empty(&mut it.lights, Kind::Light, is_kept));
+    // A view names a buffer whatever it is for.
+    if root.buffers.is_empty() {
+        root.buffer_views.clear();
+    }
+    for image in &mut root.images {
+        let view = image.buffer_view.map(|view| Kind::View.at(view.value()));
+        if view.is_some_and(|view| !is_kept(view)) {
+            *image = Blank::blank();
+        }
+    }
+}
+
+fn empty<T: Blank>(list: &mut [T], kind: Kind, is_kept: impl Fn(Element) -> bool) {
+    for (index, element) in list.iter_mut().enumerate() {
+        if !is_kept(kind.at(index)) {
+            *element = T::blank();
+        }
+    }
+}

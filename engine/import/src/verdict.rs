@@ -1,0 +1,114 @@
+//! What follows from a fault: a file that is shown by what is broken is refused, and all else is noted.
+
+use std::collections::BTreeMap;
+
+use gltf::json::Root;
+
+use crate::error::Fault;
+use crate::notes::{Note, Notes};
+use crate::reach::{Element, Kind, Need, Reach, references};
+
+/// Judges the faults of a file by what the scene needs.
+pub(crate) struct Verdict {
+    reach: Reach,
+    /// The first fault of each optional element: what needs it is left out.
+    held: BTreeMap<Element, Fault>,
+    pub(crate) notes: Notes,
+}
+
+impl Verdict {
+    pub(crate) fn new(reach: Reach, notes: Notes) -> Self {
+        Self { reach, held: BTreeMap::new(), notes }
+    }
+
+    /// Returns how much the scene needs an element.
+    pub(crate) fn need(&self, element: Element) -> Need {
+        self.reach.need(element)
+    }
+
+    /// Returns whether anything that is shown uses an element.
+    pub(crate) fn is_used(&self, element: Element) -> bool {
+        self.need(element) != Need::None
+    }
+
+    /// Returns whether the scene cannot be shown without an element.
+    pub(crate) fn is_required(&self, element: Element) -> bool {
+        self.need(element) == Need::Required
+    }
+
+    /// Judges the outcome of a check of an element. Returns the value if the check passed.
+    ///
+    /// # Errors
+    /// The fault, if the scene needs the element. What is used and beyond a limit is refused in any case.
+    pub(crate) fn judge<T>(
+        &mut self,
+        element: Element,
+        checked: Result<T, Fault>,
+    ) -> Result<Option<T>, Fault> {
+        let fault = match checked {
+            Ok(value) => return Ok(Some(value)),
+            Err(fault) => fault,
+        };
+        match self.need(element) {
+            Need::None => {
+                self.notes.count_as(element.kind.name(), 1, || {
+                    let (object, reason) = fault.into_parts();
+                    Note::new(object, format!("{reason}; nothing that is shown uses it"))
+                });
+                Ok(None)
+            }
+            Need::Optional if !fault.is_final() => {
+                self.held.entry(element).or_insert(fault);
+                Ok(None)
+            }
+            Need::Optional | Need::Required => Err(fault),
+        }
+    }
+
+    /// Returns the fault of an element or of one that it needs.
+    pub(crate) fn fault_of(&self, root: &Root, element: Element) -> Option<&Fault> {
+        if self.held.is_empty() {
+            return None;
+        }
+        // References of optional elements lead down to buffers in a few steps. What is wrong below often is
+        // the cause of what is wrong above.
+        let mut deepest: Option<(usize, &Fault)> = None;
+        let mut pending = vec![(0, element)];
+        while let Some((depth, element)) = pending.pop() {
+            if let Some(fault) = self.held.get(&element)
+                && deepest.is_none_or(|(deepest, _)| deepest < depth)
+            {
+                deepest = Some((depth, fault));
+            }
+            references(root, element, &mut |to| pending.push((depth + 1, to)));
+        }
+        deepest.map(|(_, fault)| fault)
+    }
+
+    /// Notes that an element is left out for its fault, with the consequence.
+    pub(crate) fn note_left_out(&mut self, fault: Fault, consequence: &str) {
+        self.notes.add(|| {
+            let (object, reason) = fault.into_parts();
+            Note::new(object, format!("{reason}; {consequence}"))
+        });
+    }
+
+    /// Returns whether an element is used and valid.
+    pub(crate) fn is_kept(&self, root: &Root, element: Element) -> bool {
+        match self.need(element) {
+            Need::Required => true,
+            Need::Optional => self.fault_of(root, element).is_none(),
+            Need::None => false,
+        }
+    }
+}
+
+/// Notes the animations that are broken, which are not played.
+pub(crate) fn note_broken_animations(root: &Root, verdict: &mut Verdict) {
+    for index in 0..root.animations.len() {
+        let element = Kind::Animation.at(index);
+        if let Some(fault) = verdict.fault_of(root, element).cloned() {
+            verdict.note_left_out(fault, &format!("{element} is not played"));
+        }
+    }
+}

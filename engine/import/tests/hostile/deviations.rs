@@ -1,0 +1,242 @@
+//! Spellings, versions, deviations of what is shown, and what a scene can be shown without.
+
+use serde_json::{Value, json};
+
+use super::tolerated::{Outcome::*, Row, add, as_floats, elsewhere, keys, matrix, vendor};
+
+/// Spellings and versions.
+pub const SPELLINGS: &[Row] = &[
+    ("nothing", |_| {}, Opens),
+    ("whole numbers as 1.0", |s| as_floats(&mut s.json), Opens),
+    ("vendors' properties", |s| vendor(&mut s.json), Opens),
+    ("a minor version", |s| s.set("/asset/version", json!("2.1")), Opens),
+    (
+        "a minor version for any reader",
+        |s| s.set("/asset", json!({ "version": "2.9", "minVersion": "2.0" })),
+        Opens,
+    ),
+    (
+        "a minor version for its readers",
+        |s| s.set("/asset/minVersion", json!("2.1")),
+        Refused(&["asset", "needs glTF \"2.1\""]),
+    ),
+    (
+        "a major version",
+        |s| s.set("/asset/version", json!("3.0")),
+        Refused(&["asset", "needs glTF \"3.0\""]),
+    ),
+    ("an extension", |s| s.set("/extensionsUsed/4", json!("VENDOR_x")), Noted(&["VENDOR_x"])),
+    (
+        "an extension for its readers",
+        |s| s.set("/extensionsRequired", json!(["VENDOR_x"])),
+        Refused(&["extensionsRequired", "VENDOR_x"]),
+    ),
+    ("no list", |s| s.set("/nodes", json!({})), Refused(&["nodes: it must be a list"])),
+    (
+        "half an index",
+        |s| s.set("/nodes/0/mesh", json!(0.5)),
+        Refused(&["node 0, mesh: it must be the index"]),
+    ),
+    (
+        "a name that is a number",
+        |s| s.set("/nodes/0/name", json!(5)),
+        Refused(&["node 0, name: it must be text, and is 5"]),
+    ),
+    (
+        "a used element that is null",
+        |s| s.set("/meshes/0", Value::Null),
+        Refused(&["mesh 0: it must be an object, and is null"]),
+    ),
+];
+
+/// Deviations of what is shown.
+pub const SHOWN: &[Row] = &[
+    (
+        "a child as root, its parent outside",
+        |s| {
+            s.remove("/animations");
+            s.set("/scenes/0/nodes", json!([0, 2, 3]))
+        },
+        Noted(&["node 2: a root of the scene, although a child of node 1"]),
+    ),
+    (
+        "a child as root, its parent inside",
+        |s| s.set("/scenes/0/nodes", json!([2, 0, 1, 3])),
+        Noted(&["node 2: a child of node 1 and a root", "shown once"]),
+    ),
+    (
+        "a root of two parents",
+        |s| s.set("/nodes/0/children", json!([2])),
+        Refused(&["node 2 is a child of node 0 already"]),
+    ),
+    (
+        "bounds that do not hold",
+        |s| s.set("/accessors/0/max", json!([0.5, 0.5, 0])),
+        Noted(&["accessor 0: its min and max do not hold"]),
+    ),
+    (
+        "bounds of two numbers",
+        |s| s.set("/accessors/0/min", json!([0, 0])),
+        Noted(&["accessor 0: its min and max"]),
+    ),
+    (
+        "bounds of text",
+        |s| s.set("/accessors/0/min", json!("low")),
+        Noted(&["accessor 0: its min and max"]),
+    ),
+    (
+        "bounds that hold",
+        |s| {
+            s.set("/accessors/0/min", json!([0, 0, 0]));
+            s.set("/accessors/0/max", json!([1.0, 1, 0]))
+        },
+        Opens,
+    ),
+    ("a matrix that shears", |s| matrix(s, 4, 0.5), Noted(&["node 0: a matrix that shears"])),
+    (
+        "a matrix that projects",
+        |s| matrix(s, 3, 0.5),
+        Noted(&["node 0: a matrix that is no transform"]),
+    ),
+    (
+        "a matrix and a place",
+        |s| {
+            matrix(s, 12, 0.5);
+            s.set("/nodes/0/translation", json!([9, 9, 9]))
+        },
+        Noted(&["node 0: a matrix beside"]),
+    ),
+    (
+        "a matrix that an animation moves",
+        |s| {
+            matrix(s, 12, 0.5);
+            s.set("/animations/0/channels/0/target/node", json!(0))
+        },
+        Noted(&["node 0: a matrix of a node that animations move"]),
+    ),
+    (
+        "a long rotation",
+        |s| s.set("/nodes/0/rotation", json!([0, 0, 0, 2])),
+        Noted(&["node 0: rotations not of length 1"]),
+    ),
+    (
+        "joints apart",
+        |s| s.set("/skins/0/joints", json!([1, 0])),
+        Noted(&["skin 0: its joints have no common root"]),
+    ),
+    (
+        "a missing set of coordinates",
+        |s| s.set("/materials/0/emissiveTexture/texCoord", json!(1)),
+        Noted(&["mesh 0, primitive 0: textures by coordinates that it does not have"]),
+    ),
+    (
+        "a broken light",
+        |s| s.set("/extensions/KHR_lights_punctual/lights/0/type", json!("area")),
+        Refused(&["light 0: its type"]),
+    ),
+    (
+        "a broken accessor",
+        |s| s.set("/accessors/0/count", json!("3")),
+        Refused(&["accessor 0, count: it must be a whole number"]),
+    ),
+    (
+        "a broken buffer",
+        |s| s.set("/buffers", json!([{ "byteLength": 9999, "uri": "gone.bin" }])),
+        Refused(&["buffer 0"]),
+    ),
+    (
+        "a broken skin",
+        |s| s.set("/skins/0/joints", json!([])),
+        Refused(&["skin 0: it has no joints"]),
+    ),
+    ("a broken sampler", |s| s.set("/samplers/0/wrapS", json!(1)), Refused(&["sampler 0"])),
+];
+
+/// Animations and images, without which a scene can be shown.
+pub const LEFT_OUT: &[Row] = &[
+    (
+        "a clip that is a number",
+        |s| s.set("/animations/0", json!(5)),
+        Noted(&["animation 0: it must be an object, and is 5", "animation 0 is not played"]),
+    ),
+    (
+        "a clip without samplers",
+        |s| s.remove("/animations/0/samplers"),
+        Noted(&["animation 0: its samplers is missing", "not played"]),
+    ),
+    (
+        "a clip of broken keys",
+        |s| {
+            let at = keys(s);
+            s.set(&format!("/accessors/{at}/count"), json!(99))
+        },
+        Noted(&["accessor", "it ends at byte", "animation 0 is not played"]),
+    ),
+    (
+        "a clip of typed keys",
+        |s| {
+            let at = keys(s);
+            s.set(&format!("/accessors/{at}/count"), json!("two"))
+        },
+        Noted(&["count: it must be a whole number", "not played"]),
+    ),
+    (
+        "a clip in no file",
+        |s| elsewhere(s, false),
+        Noted(&["buffer 1", "animation 0 is not played"]),
+    ),
+    (
+        "a clip that runs back",
+        |s| {
+            let at = s.floats("SCALAR", &[1.0, 0.0]);
+            s.set("/animations/0/samplers/1/input", json!(at))
+        },
+        Noted(&["animation 0", "not later than the one before", "not played"]),
+    ),
+    (
+        "a clip from before 0 s",
+        |s| {
+            let at = s.floats("SCALAR", &[-1.0, 1.0]);
+            s.set("/animations/0/samplers/1/input", json!(at))
+        },
+        Noted(&["animation 0", "keys before 0 s"]),
+    ),
+    (
+        "a clip of what is not shown",
+        |s| {
+            add(s, "nodes", json!({}));
+            s.set("/animations/0/channels/0/target/node", json!(4))
+        },
+        Noted(&["animation 0: animation channels of nodes that are not in the scene"]),
+    ),
+    (
+        "an image in no file",
+        |s| s.set("/images/0", json!({ "uri": "gone.png" })),
+        Noted(&["image 0", "checkers are shown for image 0 (\"gone.png\")"]),
+    ),
+    (
+        "an image elsewhere",
+        |s| s.set("/images/0", json!({ "uri": "../../secret.png" })),
+        Noted(&["image 0", "leads out", "checkers"]),
+    ),
+    (
+        "an image of another kind",
+        |s| s.set("/images/0", json!({ "uri": "data:;base64,R0lGODlh" })),
+        Noted(&["image 0: it is no PNG, JPEG or WebP"]),
+    ),
+    (
+        "an image in no buffer",
+        |s| elsewhere(s, true),
+        Noted(&["buffer 1", "checkers are shown for image 0"]),
+    ),
+    (
+        "an image of normals",
+        |s| s.set("/images/1", json!({ "uri": "gone.jpg" })),
+        Noted(&["checkers are shown for image 1"]),
+    ),
+    (
+        "an image that is a number",
+        |s| s.set("/images/0", json!(1)),
+        Noted(&["image 0: it must be an object"]),
+    ),
+];

@@ -1,0 +1,236 @@
+//! What a file is opened with although it is wrong, and what it is refused for: what is shown decides.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use antumbra_import::{ImportError, Imported, LoadOptions, load_bytes};
+use serde_json::{Value, json};
+
+use super::deviations::{LEFT_OUT, SHOWN, SPELLINGS};
+use super::files::{F32, Scene, everything};
+use super::target::loaded;
+use super::target::perform::perform;
+use super::unused::{ASIDE, UNUSED};
+
+/// What becomes of a file.
+#[derive(Clone, Copy, Debug)]
+pub enum Outcome {
+    /// It opens without a note.
+    Opens,
+    /// It opens with one note, which has these parts.
+    Noted(&'static [&'static str]),
+    /// It opens with one note, which has this part and says that nothing shown is wrong.
+    Unused(&'static str),
+    /// It is refused by a sentence with these parts.
+    Refused(&'static [&'static str]),
+}
+
+/// A situation, the change of a file that uses everything, and what becomes of it.
+pub type Row = (&'static str, fn(&mut Scene), Outcome);
+
+fn load(bytes: Vec<u8>) -> Result<Imported, ImportError> {
+    load_bytes(bytes, None, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()))
+}
+
+/// The notes, but for those of what is no deviation.
+fn texts(imported: &Imported) -> Vec<String> {
+    let is_plain = |text: &String| {
+        text.contains("scenes, only scene") || text.contains("the file has no light")
+    };
+    imported.notes.iter().map(ToString::to_string).filter(|text| !is_plain(text)).collect()
+}
+
+#[test]
+fn what_is_shown_decides() {
+    let lists = [UNUSED, ASIDE, SPELLINGS, SHOWN, LEFT_OUT];
+    assert!(lists.iter().map(|list| list.len()).sum::<usize>() >= 60);
+    let mut wrong = Vec::new();
+    for &(name, change, outcome) in lists.into_iter().flatten() {
+        let mut scene = everything();
+        change(&mut scene);
+        for bytes in [scene.glb(), scene.gltf()] {
+            let result = load(bytes);
+            if !is_as_expected(&result, outcome) {
+                let said = result.as_ref().map(texts).map_err(ToString::to_string);
+                wrong.push(format!("{name}: {said:?}, not {outcome:?}"));
+            }
+            if let Ok(imported) = result {
+                loaded::check(&imported);
+                perform(imported);
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+fn is_as_expected(result: &Result<Imported, ImportError>, outcome: Outcome) -> bool {
+    let has = |text: &String, parts: &[&str]| parts.iter().all(|part| text.contains(part));
+    match (result, outcome) {
+        (Ok(imported), Outcome::Opens) => imported.notes.is_empty(),
+        (Ok(imported), Outcome::Noted(parts)) => {
+            matches!(texts(imported).as_slice(), [text] if has(text, parts))
+        }
+        (Ok(imported), Outcome::Unused(part)) => {
+            let parts = [part, "nothing that is shown uses it"];
+            matches!(texts(imported).as_slice(), [text] if has(text, &parts))
+        }
+        (Err(error), Outcome::Refused(parts)) => has(&error.to_string(), parts),
+        _ => false,
+    }
+}
+
+/// Appends to a list.
+pub fn add(scene: &mut Scene, list: &str, value: Value) {
+    scene.push(list, value);
+}
+
+/// Appends a buffer to that of the file.
+pub fn buffer(scene: &mut Scene, value: Value) {
+    let own = Scene { json: json!({}), binary: scene.binary.clone() };
+    let data = json!({ "byteLength": own.binary.len(), "uri": own.data_uri() });
+    scene.set("/buffers", json!([data, value]));
+}
+
+/// Appends an accessor in which one field is this.
+pub fn accessor(scene: &mut Scene, key: &str, value: Value) {
+    let at = scene.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": 3 }));
+    scene.set(&format!("/accessors/{at}/{key}"), value);
+}
+
+/// Appends a light.
+pub fn light(scene: &mut Scene, value: Value) {
+    scene.set("/extensions/KHR_lights_punctual/lights/1", value);
+}
+
+/// Gives the first node a matrix that is none of a turn and a scale, by one number.
+pub fn matrix(scene: &mut Scene, place: usize, number: f32) {
+    let mut matrix = [0.0; 16];
+    [0, 5, 10, 15].into_iter().for_each(|place| matrix[place] = 1.0);
+    matrix[place] = number;
+    scene.set("/nodes/0/matrix", json!(matrix));
+}
+
+/// The accessor of the keys of an animation that nothing else uses.
+pub fn keys(scene: &mut Scene) -> usize {
+    let at = scene.floats("SCALAR", &[0.0, 1.0]);
+    scene.set("/animations/0/samplers/1/input", json!(at));
+    at
+}
+
+/// Puts the first image, or keys of the animation, into a buffer that is not there.
+pub fn elsewhere(scene: &mut Scene, is_image: bool) {
+    let at = keys(scene);
+    buffer(scene, json!({ "byteLength": 8, "uri": "gone.bin" }));
+    let view = scene.push("bufferViews", json!({ "buffer": 1, "byteLength": 8 }));
+    let place = if is_image {
+        "/images/0/bufferView".to_owned()
+    } else {
+        format!("/accessors/{at}/bufferView")
+    };
+    scene.set(&place, json!(view));
+}
+
+/// Writes all whole numbers as `1.0`.
+pub fn as_floats(value: &mut Value) {
+    match value {
+        Value::Number(number) => *value = json!(number.as_f64()),
+        Value::Array(list) => list.iter_mut().for_each(as_floats),
+        Value::Object(entries) => entries.values_mut().for_each(as_floats),
+        _ => {}
+    }
+}
+
+/// Adds properties of a vendor to all objects but those of names.
+pub fn vendor(value: &mut Value) {
+    match value {
+        Value::Array(list) => list.iter_mut().for_each(vendor),
+        Value::Object(entries) => {
+            let others = entries.iter_mut().filter(|(key, _)| *key != "attributes");
+            others.for_each(|(_, value)| vendor(value));
+            let is_target = entries.contains_key("POSITION");
+            if !is_target {
+                entries.insert("vendorThing".to_owned(), json!({ "a": [1.5, null] }));
+            }
+        }
+        _ => {}
+    }
+}
+
+/// Loads in time, however it ends.
+fn quickly(scene: &Scene) -> Result<Imported, ImportError> {
+    let start = Instant::now();
+    let result = load(scene.glb());
+    assert!(start.elapsed() < Duration::from_secs(20), "took {:?}", start.elapsed());
+    result
+}
+
+#[test]
+fn many_broken_elements_are_one_note_or_refused() {
+    let mut scene = everything();
+    let broken = json!({ "componentType": F32, "type": "VEC5", "count": 1 });
+    let list = scene.json["accessors"].as_array_mut().expect("a list");
+    let first = list.len();
+    list.extend(std::iter::repeat_n(broken, 100_000));
+    let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(imported.notes.len(), 1, "{:?}", imported.notes);
+    assert_eq!(imported.notes[0].object, format!("accessor {first}"));
+    assert_eq!(imported.notes[0].count, 100_000);
+    // What is no accessor at all could take far more memory than it is long.
+    let list = scene.json["accessors"].as_array_mut().expect("a list");
+    list.truncate(first);
+    list.extend(std::iter::repeat_n(json!(1), 5_000));
+    let error = quickly(&scene).map(drop).expect_err("too much is broken").to_string();
+    assert!(error.contains("it must be an object, and is 1"), "{error}");
+}
+
+#[test]
+fn broken_images_and_clips_are_noted_up_to_a_bound() {
+    let mut scene = everything();
+    scene.set("/images", json!(vec![json!({ "uri": "gone.png" }); 200]));
+    scene.show_images(200);
+    let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(imported.notes.len(), 65);
+    assert_eq!(imported.notes[64].reason, "136 more are left out");
+    assert_eq!(imported.scene.surfaces.expect("surfaces").images.len(), 200);
+    let mut scene = everything();
+    accessor(&mut scene, "count", json!(0));
+    let at = scene.json["accessors"].as_array().expect("a list").len() - 1;
+    let sampler = json!({ "input": at, "output": at });
+    let channel = json!({ "sampler": 0, "target": { "node": 2, "path": "rotation" } });
+    let clip = json!({ "samplers": [sampler], "channels": vec![channel; 50_000] });
+    scene.set("/animations", json!([clip, clip]));
+    let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((imported.clips.len(), imported.notes.len()), (0, 2), "{:?}", imported.notes);
+}
+
+#[test]
+fn a_chain_whose_nodes_are_all_named_as_roots_is_shown_once() {
+    let depth = 100_000;
+    let mut scene = Scene::triangle();
+    let mut nodes: Vec<Value> = (1..depth).map(|child| json!({ "children": [child] })).collect();
+    nodes.push(json!({ "mesh": 0 }));
+    scene.set("/nodes", json!(nodes));
+    scene.set("/scenes/0/nodes", json!((0..depth).rev().collect::<Vec<_>>()));
+    let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!((imported.rig.nodes().len(), imported.scene.objects.len()), (depth, 1));
+    let once = imported.notes.iter().find(|note| note.reason.contains("shown once"));
+    assert_eq!(once.map(|note| note.count), Some(depth as u64 - 1));
+    // A circle that nothing shows, and one that is shown.
+    scene.set("/scenes/0/nodes", json!([]));
+    scene.set(&format!("/nodes/{}/children", depth - 1), json!([0]));
+    let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert!(texts(&imported).iter().any(|text| text.contains("its own ancestor")));
+    scene.set("/scenes/0/nodes", json!([5]));
+    assert!(
+        quickly(&scene).map(drop).expect_err("a circle").to_string().contains("its own ancestor")
+    );
+}
+
+#[test]
+fn names_that_occur_twice_are_noted() {
+    let text = String::from_utf8(Scene::triangle().gltf()).expect("JSON");
+    let twice = text.replacen("{", "{\"scene\":0,", 1);
+    let imported = load(twice.into_bytes()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(imported.scene.objects.len(), 1);
+    assert!(texts(&imported)[0].contains("JSON: a name occurs twice"), "{:?}", imported.notes);
+}

@@ -1,0 +1,129 @@
+//! Sprites on the GPU: their words behind the instances, and the corners that all of them share.
+//!
+//! A mesh of sprites is drawn with the vertices and indices of one pattern, which say corner and number, so that
+//! neither takes memory for each sprite; `sprites.glsl` finds the rest from the instance.
+
+use gpu::{Device, IndirectDraw};
+
+use crate::error::Error;
+use crate::geometry::Instance;
+use crate::limits::{INSTANCE_BYTES, check_storage};
+use crate::scene::{Scene, Sprites, SurfaceVertex, Vertex};
+
+/// Words of four numbers in the place of an instance.
+const WORDS: usize = 4;
+
+/// Corners of a sprite: end and side of each, anticlockwise.
+const CORNERS: [[f32; 2]; 4] = [[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]];
+
+/// Triangles of a sprite.
+const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
+
+fn of_scene(scene: &Scene) -> &[Sprites] {
+    scene.surfaces.as_ref().map_or(&[], |surfaces| &surfaces.sprites)
+}
+
+/// Returns whether a mesh of the scene is made of sprites.
+pub(crate) fn has_sprites(scene: &Scene) -> bool {
+    !of_scene(scene).is_empty()
+}
+
+/// Words of an end.
+fn end_words(sprites: &Sprites) -> usize {
+    if sprites.normals.is_empty() { 1 } else { 2 }
+}
+
+fn words(sprites: &Sprites) -> usize {
+    1 + sprites.ends.len() * end_words(sprites)
+}
+
+/// Refuses more sprites than the device can hold behind so many instances.
+pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Result<(), Error> {
+    check_storage(
+        device,
+        "objects, of which four points count as one,",
+        ((instances + blocks(scene)) as u64, INSTANCE_BYTES),
+        "split the scene, or leave points out",
+    )
+}
+
+/// How many instances the words of all sprites take the place of.
+fn blocks(scene: &Scene) -> usize {
+    of_scene(scene).iter().map(words).sum::<usize>().div_ceil(WORDS)
+}
+
+/// For each mesh the place of its sprites' words behind so many instances; 0 without any.
+pub(crate) fn places(scene: &Scene, instances: usize) -> Vec<u32> {
+    let mut places = vec![0; scene.meshes.len()];
+    let mut next = instances * WORDS;
+    for sprites in of_scene(scene) {
+        if let Some(place) = places.get_mut(sprites.mesh.0 as usize) {
+            *place = next as u32;
+        }
+        next += words(sprites);
+    }
+    places
+}
+
+/// Adds the words of all sprites behind the instances.
+pub(crate) fn add_words(scene: &Scene, instances: &mut Vec<Instance>) {
+    let mut words: Vec<[f32; WORDS]> = Vec::with_capacity(blocks(scene) * WORDS);
+    for sprites in of_scene(scene) {
+        let (end_words, ends) = (end_words(sprites) as f32, sprites.shape.ends() as f32);
+        words.push([sprites.radius_m, end_words, ends, 0.0]);
+        for (place, end) in sprites.ends.iter().enumerate() {
+            let [x, y, z] = end.position;
+            words.push([x, y, z, end.colour]);
+            words.extend(sprites.normals.get(place).map(|&[x, y, z]| [x, y, z, 0.0]));
+        }
+    }
+    words.resize(words.len().next_multiple_of(WORDS), [0.0; WORDS]);
+    instances.reserve_exact(words.len() / WORDS);
+    instances.extend(
+        words.as_chunks().0.iter().map(|&[a, b, c, d]: &[_; WORDS]| Instance {
+            rows: [a, b, c],
+            tail: d.map(f32::to_bits),
+        }),
+    );
+}
+
+/// How many sprites the largest mesh has.
+fn most(scene: &Scene) -> usize {
+    of_scene(scene).iter().map(Sprites::count).max().unwrap_or(0)
+}
+
+/// Adds the pattern behind all vertices and indices, and lets the draws of meshes of sprites use it.
+pub(crate) fn add_pattern(
+    scene: &Scene,
+    vertices: &mut Vec<Vertex>,
+    indices: &mut Vec<u32>,
+    draws: &mut [IndirectDraw],
+) {
+    let (first_index, vertex_offset) = (indices.len() as u32, vertices.len() as i32);
+    for number in 0..most(scene) as u32 {
+        vertices.extend(CORNERS.map(|[end, side]| Vertex {
+            position: [end, side, number as f32],
+            normal: 0,
+            colour: 0,
+        }));
+        let first = number * CORNERS.len() as u32;
+        indices.extend(TRIANGLES.map(|corner| first + corner));
+    }
+    for sprites in of_scene(scene) {
+        if let Some(draw) = draws.get_mut(sprites.mesh.0 as usize) {
+            *draw = IndirectDraw {
+                index_count: (sprites.count() * TRIANGLES.len()) as u32,
+                instance_count: 1,
+                first_index,
+                vertex_offset,
+                first_instance: 0,
+            };
+        }
+    }
+}
+
+/// Adds as many surface vertices as the pattern has vertices.
+pub(crate) fn add_surface_pattern(scene: &Scene, vertices: &mut Vec<SurfaceVertex>) {
+    let nothing = bytemuck::Zeroable::zeroed();
+    vertices.resize(vertices.len() + most(scene) * CORNERS.len(), nothing);
+}

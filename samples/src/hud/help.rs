@@ -1,0 +1,94 @@
+//! The page with all keys, in as many columns as it takes.
+
+use epaint::{Rect, pos2, vec2};
+
+use super::canvas::{Align, Canvas};
+use super::page::Help;
+use super::style::{MARGIN, MARK, NAME, Style, VALUE};
+
+const TITLE: Style = Style::text(13.0, VALUE);
+const KEY: Style = Style::number(11.0, MARK);
+const WHAT: Style = Style::text(12.0, NAME);
+/// Between columns.
+const GUTTER: f32 = 24.0;
+
+/// A row of a column.
+enum Row<'a> {
+    Title(&'a str),
+    Key(&'a str, &'a str),
+    Empty,
+}
+
+/// Draws the page in the middle of the picture, above `bottom`. Returns its area, or `None` where it has
+/// no room.
+pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
+    let row = canvas.row(TITLE) + 1.0;
+    let most_rows = ((bottom - 2.0 * MARGIN) / row) as usize;
+    let columns = columns(help, most_rows)?;
+    let rows = columns.iter().map(Vec::len).max()?;
+    let widths: Vec<[f32; 2]> = columns.iter().map(|column| widths(canvas, column)).collect();
+    let gutters = (columns.len() - 1) as f32 * GUTTER;
+    let texts: f32 = widths.iter().map(|[keys, deeds]| keys + MARGIN + deeds).sum();
+    let size = vec2(texts + gutters + 4.0 * MARGIN, rows as f32 * row + 2.0 * MARGIN);
+    if size.x > canvas.screen.width() {
+        return None;
+    }
+    let corner = pos2((canvas.screen.width() - size.x) * 0.5, ((bottom - size.y) * 0.5).max(0.0));
+    let area = Rect::from_min_size(corner, size);
+    let panel = canvas.open_panel();
+    canvas.close_panel(panel, area);
+    let mut left = corner.x + 2.0 * MARGIN;
+    for (rows, [keys, deeds]) in columns.iter().zip(widths) {
+        for (down, content) in rows.iter().enumerate() {
+            let y = corner.y + MARGIN + down as f32 * row;
+            match content {
+                Row::Title(text) => {
+                    canvas.text(pos2(left, y), Align::Left, text, TITLE);
+                }
+                Row::Key(name, deed) => {
+                    canvas.text(pos2(left + keys, y + 1.0), Align::Right, name, KEY);
+                    canvas.text(pos2(left + keys + MARGIN, y), Align::Left, deed, WHAT);
+                }
+                Row::Empty => {}
+            }
+        }
+        left += keys + MARGIN + deeds + GUTTER;
+    }
+    Some(area)
+}
+
+/// The widths of a column's keys and of what they do.
+fn widths(canvas: &mut Canvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
+    rows.iter().fold([0.0, 0.0], |[keys, deeds], row| match row {
+        Row::Key(key, deed) => {
+            [canvas.width(key, KEY).max(keys), canvas.width(deed, WHAT).max(deeds)]
+        }
+        Row::Title(_) | Row::Empty => [keys, deeds],
+    })
+}
+
+/// The groups in the fewest columns of about equal height, none higher than `most` rows; a group stays
+/// together.
+fn columns(help: &Help, most: usize) -> Option<Vec<Vec<Row<'_>>>> {
+    let total: usize = help.groups.iter().map(|(_, keys)| keys.len() + 2).sum();
+    let count = total.div_ceil(most.max(1)).max(2);
+    (count..=help.groups.len().max(count)).find_map(|count| {
+        let even = total.div_ceil(count);
+        let mut columns: Vec<Vec<Row<'_>>> = vec![Vec::new()];
+        for (title, keys) in &help.groups {
+            let full = columns.last().map_or(0, Vec::len);
+            // Half a group over is nearer to even than a group less.
+            if full > 0 && full + keys.len() / 2 + 1 > even {
+                columns.push(Vec::new());
+            }
+            let column = columns.last_mut()?;
+            if !column.is_empty() {
+                column.push(Row::Empty);
+            }
+            column.push(Row::Title(title));
+            column.extend(keys.iter().map(|(key, deed)| Row::Key(key, deed)));
+        }
+        let fits = columns.iter().all(|column| column.len() <= most);
+        fits.then_some(columns)
+    })
+}

@@ -1,0 +1,24 @@
+//! How much the HUD shows.
+
+/// How much of the HUD is wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HudLevel {
+    /// No text, but what went wrong.
+    #[default]
+    Off,
+    /// The numbers that a person looks for first.
+    Compact,
+    /// These, and all others that have room.
+    Detailed,
+}
+
+impl HudLevel {
+    /// Returns the level after this one; after all, nothing.
+    pub const fn next(self) -> Self {
+        match self {
+            Self::Off => Self::Compact,
+            Self::Compact => Self::Detailed,
+            Self::Detailed => Self::Off,
+        }
+    }
+}

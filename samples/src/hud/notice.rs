@@ -1,0 +1,54 @@
+//! The lower edge: a sentence about what was done or went wrong, or how far a scene has come.
+
+use epaint::{Rect, Shape, pos2, vec2};
+
+use super::canvas::{Align, Canvas};
+use super::page::HudPage;
+use super::style::{DIM, GOOD, MARGIN, MARK, Style};
+
+const TEXT: Style = Style::text(13.0, MARK);
+const BAR: [f32; 2] = [320.0, 10.0];
+
+/// Draws the lower edge. Returns where it begins above.
+pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage) -> f32 {
+    // There is always room for a row, so that a notice moves nothing.
+    let row = canvas.row(TEXT) + 4.0 * MARGIN;
+    let reserved = canvas.screen.max.y - row;
+    let taken = match &page.progress {
+        Some((what, fraction)) => Some(progress(canvas, what, *fraction)),
+        None => page.notice.as_ref().map(|text| notice(canvas, text)),
+    };
+    taken.map_or(reserved, |area| (area.min.y - MARGIN).min(reserved))
+}
+
+fn notice(canvas: &mut Canvas<'_>, text: &str) -> Rect {
+    let screen = canvas.screen;
+    let galley = canvas.wrapped(text.to_owned(), TEXT, screen.width() - 4.0 * MARGIN);
+    let size = galley.size() + vec2(2.0 * MARGIN, 2.0 * MARGIN);
+    let corner = pos2(MARGIN, (screen.max.y - size.y - MARGIN).max(0.0));
+    let area = Rect::from_min_size(corner, size);
+    let panel = canvas.open_panel();
+    canvas.close_panel(panel, area);
+    canvas.add(Shape::galley(corner + vec2(MARGIN, MARGIN), galley, TEXT.colour));
+    area
+}
+
+/// A bar, and above it what is on its way.
+fn progress(canvas: &mut Canvas<'_>, what: &str, fraction: Option<f32>) -> Rect {
+    let screen = canvas.screen;
+    let row = canvas.row(TEXT);
+    let widest = (screen.width() - 4.0 * MARGIN).max(1.0);
+    let width = BAR[0].max(canvas.width(what, TEXT)).min(widest);
+    let size = vec2(width + 2.0 * MARGIN, row + BAR[1] + 3.0 * MARGIN);
+    let corner = pos2(MARGIN, (screen.max.y - size.y - MARGIN).max(0.0));
+    let area = Rect::from_min_size(corner, size);
+    let panel = canvas.open_panel();
+    canvas.close_panel(panel, area);
+    let at = corner + vec2(MARGIN, MARGIN);
+    canvas.text_within(at, Align::Left, width, what, TEXT);
+    let bar = Rect::from_min_size(at + vec2(0.0, row + MARGIN), vec2(width, BAR[1]));
+    canvas.fill(bar, DIM);
+    let done = fraction.unwrap_or_default().clamp(0.0, 1.0);
+    canvas.fill(Rect::from_min_size(bar.min, vec2(width * done, BAR[1])), GOOD);
+    area
+}

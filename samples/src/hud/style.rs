@@ -1,0 +1,89 @@
+//! Colours and letters of the HUD. Every colour of text keeps its contrast on a panel over white.
+
+use epaint::Color32;
+use epaint::text::{FontFamily, FontId};
+
+/// Space between texts and edges, in points.
+pub const MARGIN: f32 = 8.0;
+/// Behind all text. Nearly opaque, since blending is linear and bright scenes shine through.
+pub const PANEL: Color32 = Color32::from_rgba_premultiplied(9, 11, 15, 246);
+/// Names and units.
+pub const NAME: Color32 = Color32::from_rgb(176, 186, 200);
+/// Values.
+pub const VALUE: Color32 = Color32::from_rgb(235, 240, 245);
+/// What is as it should be.
+pub const GOOD: Color32 = Color32::from_rgb(86, 196, 150);
+/// What takes longer than it may, or may be wrong.
+pub const BAD: Color32 = Color32::from_rgb(245, 130, 80);
+/// Keys, notices and marks.
+pub const MARK: Color32 = Color32::from_rgb(250, 210, 90);
+/// Lines of a scale, and what is left of a bar.
+pub const DIM: Color32 = Color32::from_rgb(84, 94, 110);
+
+/// How a text looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Style {
+    /// Height of the letters, in points.
+    pub points: f32,
+    /// Colour of the letters.
+    pub colour: Color32,
+    /// Whether all letters are as wide as each other, as in columns of numbers.
+    pub family: Family,
+}
+
+/// Which letters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Each as wide as it needs.
+    Proportional,
+    /// All as wide as each other.
+    Monospace,
+}
+
+impl Style {
+    /// Proportional letters.
+    pub const fn text(points: f32, colour: Color32) -> Self {
+        Self { points, colour, family: Family::Proportional }
+    }
+
+    /// Monospaced letters.
+    pub const fn number(points: f32, colour: Color32) -> Self {
+        Self { points, colour, family: Family::Monospace }
+    }
+
+    pub(super) fn font(&self) -> FontId {
+        let family = match self.family {
+            Family::Proportional => FontFamily::Proportional,
+            Family::Monospace => FontFamily::Monospace,
+        };
+        FontId::new(self.points, family)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Linear light of an encoded channel.
+    fn light(encoded: f64) -> f64 {
+        if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    }
+
+    /// Relative luminance of a colour over white, blended in linear light as the GPU does.
+    fn luminance(colour: Color32) -> f64 {
+        let [red, green, blue, alpha] = colour.to_array().map(|part| f64::from(part) / 255.0);
+        let part = |encoded: f64| light(encoded / alpha) * alpha + (1.0 - alpha);
+        0.2126 * part(red) + 0.7152 * part(green) + 0.0722 * part(blue)
+    }
+
+    #[test]
+    fn text_can_be_read_over_a_white_scene() {
+        let panel = luminance(PANEL);
+        for (colour, name) in
+            [(NAME, "name"), (VALUE, "value"), (GOOD, "good"), (BAD, "bad"), (MARK, "mark")]
+        {
+            let contrast = (luminance(colour) + 0.05) / (panel + 0.05);
+            assert!(contrast >= 4.5, "{name}: {contrast:.1}, WCAG 2 asks for 4.5");
+        }
+    }
+}

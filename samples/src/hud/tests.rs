@@ -1,0 +1,214 @@
+//! Whole pages, laid out without a device: nothing overlaps, nothing leaves its panel or the picture.
+
+use epaint::{Rect, Shape};
+
+use super::style::PANEL;
+use super::*;
+use crate::window::deeds::{CAMERA_KEYS, FILE_KEYS, KEYS, STEERING};
+
+const SIZES: [[u32; 2]; 11] = [
+    [960, 540],
+    [1280, 720],
+    [1920, 1080],
+    [3840, 2160],
+    [1080, 1920],
+    [640, 360],
+    [800, 600],
+    [320, 180],
+    [240, 700],
+    [100, 80],
+    [1, 1],
+];
+
+fn texts(count: usize, name: &str, value: &str) -> Vec<(String, String)> {
+    (0..count).map(|_| (name.to_owned(), value.to_owned())).collect()
+}
+
+fn figure(value: &str, name: &'static str) -> Figure {
+    Figure { value: value.to_owned(), name }
+}
+
+fn overview() -> Overview {
+    let mut frames_ms = vec![16.6; 130];
+    frames_ms[70] = 300.0;
+    Overview {
+        scene: "a scene whose name is longer than the panel is wide".to_owned(),
+        strategy: "antumbra_queries, frozen".to_owned(),
+        rate: figure("1234", "frames/s"),
+        frame_time: figure("16.6", "ms a frame"),
+        frames_ms,
+        budget_ms: Some(16.7),
+        objects: [
+            figure("999,999", "objects"),
+            figure("2.00 M", "in frustum"),
+            figure("12,345", "drawn"),
+        ],
+        split: Some(Split { drawn: 123_456, culled: 876_543 }),
+        times: [figure("26.2 ms", "GPU"), figure("0.54 ms", "CPU")],
+        verdict: Verdict::Exact("exact: only hidden objects left out".to_owned()),
+        hint: "F1 help, H details".to_owned(),
+    }
+}
+
+fn legend(area: Option<render::Area>) -> Legend {
+    let entry = |count: u8| LegendEntry {
+        colours: (0..count).map(|part| [part; 3]).collect(),
+        meaning: "behind another tested box".to_owned(),
+    };
+    Legend { title: "Boxes that are tested", entries: (1..5).map(entry).collect(), area }
+}
+
+/// A page with everything, and a view from above in the lower right.
+fn page([width, height]: [u32; 2]) -> HudPage {
+    let part = [width * 2 / 5, height * 2 / 5];
+    let area = render::Area { origin: [width - part[0], height - part[1]], size: part };
+    HudPage {
+        overview: Some(overview()),
+        details: vec![
+            texts(7, "revealed in this frame", "81,366"),
+            texts(9, "draw and query", "10.25 ms"),
+            texts(5, "device", "a graphics card with a name that is much too long"),
+            texts(11, "latency to the screen", "16.67 ms"),
+        ],
+        legends: vec![legend(None), legend(Some(area))],
+        notice: Some("a notice".to_owned()),
+        ..HudPage::default()
+    }
+}
+
+/// The panels and the texts of a page, and the picture's area.
+fn laid_out(page: &HudPage, size: [u32; 2]) -> (Vec<Rect>, Vec<(Rect, String)>, Rect) {
+    let measures = Measures::of(size, 1.0);
+    let shapes = Hud::default().shapes(page, size, &measures);
+    let (mut panels, mut texts) = (Vec::new(), Vec::new());
+    for ClippedShape { shape, .. } in &shapes {
+        match shape {
+            Shape::Rect(rect) if rect.fill == PANEL => panels.push(rect.rect),
+            Shape::Text(text) => {
+                let area = Rect::from_min_size(text.pos, text.galley.size());
+                texts.push((area, text.galley.text().to_owned()));
+            }
+            _ => {}
+        }
+    }
+    let size = size.map(|side| side as f32 / measures.scale);
+    (panels, texts, Rect::from_min_size(epaint::Pos2::ZERO, size.into()))
+}
+
+/// Whether areas share more than an edge and the blank rim of letters.
+fn overlap(one: Rect, other: Rect) -> bool {
+    one.shrink(1.5).intersects(other.shrink(1.5))
+}
+
+fn check(page: &HudPage, size: [u32; 2]) {
+    let (panels, texts, screen) = laid_out(page, size);
+    for (place, panel) in panels.iter().enumerate() {
+        // The notice alone is shown however small the picture is.
+        let is_notice = place == 0 && page.notice.is_some();
+        assert!(is_notice || screen.expand(0.1).contains_rect(*panel), "{size:?}: {panel:?}");
+        for other in &panels[..place] {
+            assert!(is_notice || !overlap(*panel, *other), "{size:?}: {panel:?} {other:?}");
+        }
+    }
+    for (place, (area, text)) in texts.iter().enumerate() {
+        let is_within = panels.iter().any(|panel| panel.expand(0.6).contains_rect(*area));
+        assert!(is_within, "{size:?}: '{text}' at {area:?} leaves its panel");
+        for (other, other_text) in &texts[..place] {
+            assert!(
+                !overlap(*area, *other),
+                "{size:?}: '{text}' {area:?}, '{other_text}' {other:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn nothing_overlaps_and_nothing_is_cut_off() {
+    for size in SIZES {
+        check(&page(size), size);
+        check(&HudPage { details: Vec::new(), ..page(size) }, size);
+    }
+}
+
+#[test]
+fn the_overview_takes_a_quarter_of_the_width_at_most() {
+    for size in SIZES {
+        let with_all = page(size);
+        let alone = HudPage { legends: Vec::new(), notice: None, ..with_all };
+        let (panels, _, screen) = laid_out(&alone, size);
+        for panel in panels {
+            assert!(panel.max.x <= screen.width() * PANEL_SHARE + 0.1, "{size:?}: {panel:?}");
+        }
+    }
+}
+
+#[test]
+fn the_most_important_numbers_are_there_at_usual_sizes() {
+    for size in [[960, 540], [1280, 720], [1920, 1080], [640, 360]] {
+        let (_, texts, _) = laid_out(&page(size), size);
+        for wanted in ["1234", "999,999", "2.00 M", "12,345", "26.2 ms", "0.54 ms"] {
+            assert!(texts.iter().any(|(_, text)| text == wanted), "{size:?}: {wanted}");
+        }
+    }
+    let (_, texts, _) = laid_out(&page([320, 180]), [320, 180]);
+    for wanted in ["1234", "12,345"] {
+        assert!(texts.iter().any(|(_, text)| text == wanted), "{wanted}: {texts:?}");
+    }
+}
+
+#[test]
+fn details_that_have_no_room_are_named() {
+    let all_shown = |size: [u32; 2]| {
+        let (_, texts, _) = laid_out(&page(size), size);
+        let is_said = texts.iter().any(|(_, text)| text.contains("larger window"));
+        (texts.iter().any(|(_, text)| text == "latency to the screen"), is_said)
+    };
+    assert_eq!(all_shown([1920, 1080]), (true, false));
+    assert_eq!(all_shown([960, 540]), (false, true));
+}
+
+#[test]
+fn the_page_of_keys_fits_at_960x540() {
+    let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
+    let keys: Vec<_> = KEYS.iter().map(|(key, deed, _)| own((key, deed))).collect();
+    let of_file = FILE_KEYS.iter().map(|(key, deed, _)| (*key, *deed)).chain([CAMERA_KEYS]);
+    let groups = vec![
+        ("Camera", STEERING.map(own).to_vec()),
+        ("Keys", keys),
+        ("Scene out of a file", of_file.map(own).collect()),
+    ];
+    let count: usize = groups.iter().map(|(_, keys)| keys.len()).sum();
+    for size in [[960, 540], [1280, 720], [1920, 1080]] {
+        let page = HudPage { help: Some(Help { groups: groups.clone() }), ..page(size) };
+        check(&page, size);
+        let (_, texts, _) = laid_out(&page, size);
+        // Three titles, and the notice.
+        assert_eq!(texts.len(), 2 * count + 3 + 1, "{size:?}");
+    }
+}
+
+#[test]
+fn signs_are_seen_without_text() {
+    for sign in [Sign::Frozen, Sign::Recording, Sign::Screenshot] {
+        for size in [[320, 180], [1920, 1080]] {
+            let page = HudPage { signs: vec![sign], ..HudPage::default() };
+            let measures = Measures::of(size, 1.0);
+            let shapes = Hud::default().shapes(&page, size, &measures);
+            assert!(shapes.iter().all(|it| !matches!(it.shape, Shape::Text(_))), "{sign:?}");
+            let edges = shapes.iter().map(|it| it.shape.visual_bounding_rect());
+            let around = edges.reduce(Rect::union).unwrap();
+            let screen = size.map(|side| side as f32 / measures.scale);
+            assert!(
+                (around.max.x - screen[0]).abs() < 0.1 && (around.max.y - screen[1]).abs() < 0.1
+            );
+        }
+    }
+}
+
+#[test]
+fn numbers_are_readable() {
+    let cases = [(0, "0"), (999, "999"), (1000, "1,000"), (1_234_567, "1,234,567")];
+    for (number, text) in cases {
+        assert_eq!(grouped(number), text);
+    }
+}

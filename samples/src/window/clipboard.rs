@@ -1,0 +1,10 @@
+//! The text in the desktop's clipboard.
+
+/// Returns the text that was copied last.
+///
+/// # Errors
+/// A sentence, where there is none or the desktop does not give it.
+pub fn text() -> Result<String, String> {
+    let text = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.get_text());
+    text.map_err(|error| format!("nothing can be pasted: {error}; type the path"))
+}

@@ -1,0 +1,111 @@
+//! A session while it compares: two frames of each moment, of which one is shown.
+
+use cull::Camera;
+use gpu::{Readback, Tick};
+use render::FrameRequest;
+
+use super::comparison::{Comparison, Side};
+use super::session::Session;
+use crate::run::RunError;
+use crate::strategy::Strategy;
+
+impl Session {
+    /// Begins to show frames with and without culling in turn, or ends that.
+    pub(super) fn toggle_comparison(&mut self) -> Result<(), RunError> {
+        if let Some(comparison) = self.comparison.take() {
+            self.tell(format!("{}: {}", self.strategy, comparison.tally().text()));
+            return Ok(());
+        }
+        if self.frozen.is_some() {
+            self.refuse("the culling stands still: let it go on to compare".to_owned());
+            return Ok(());
+        }
+        if self.strategy == Strategy::Frustum {
+            self.refuse("frustum is what others are compared with: choose another".to_owned());
+            return Ok(());
+        }
+        self.comparison = Some(Comparison::new(&self.renderer, self.strategy)?);
+        Ok(())
+    }
+
+    /// Returns what there is to say of the comparison.
+    pub(super) fn comparison_text(&self) -> Option<String> {
+        let comparison = self.comparison.as_ref()?;
+        let shown = match comparison.shown() {
+            Side::Culled => format!("with culling ({})", self.strategy),
+            Side::Unculled => "without culling".to_owned(),
+        };
+        Some(format!("{shown}: {}", comparison.tally().text()))
+    }
+
+    /// Draws a frame by the strategy in use; while frames are compared, also one without culling. The one
+    /// that is shown comes last, and is copied to `picture`.
+    pub(super) fn render(
+        &mut self,
+        camera: Camera,
+        seconds: f32,
+        picture: Option<&Readback>,
+    ) -> Result<Tick, RunError> {
+        let Some(mut comparison) = self.comparison.take() else {
+            let request = FrameRequest { picture, ..FrameRequest::new(self.strategy, camera) };
+            self.report = self.renderer.render(&mut self.history, &request)?;
+            self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
+            return Ok(self.report.tick);
+        };
+        let rendered = self.render_pair(&mut comparison, camera, seconds, picture);
+        self.comparison = Some(comparison);
+        rendered
+    }
+
+    fn render_pair(
+        &mut self,
+        comparison: &mut Comparison,
+        camera: Camera,
+        seconds: f32,
+        picture: Option<&Readback>,
+    ) -> Result<Tick, RunError> {
+        comparison.follow(self.strategy);
+        let now = self.clock.now();
+        let is_news = comparison.collect(self.renderer.device(), now)?;
+        self.is_page_stale |= comparison.advance(seconds) | is_news;
+        let pair = comparison.free_pair(&self.renderer)?;
+        let shown = comparison.shown();
+        let hidden = if shown == Side::Culled { Side::Unculled } else { Side::Culled };
+        let mut tick = Tick::default();
+        for side in [hidden, shown] {
+            // The history with culling goes on in every frame; what nobody compares nobody needs.
+            if (side, shown, pair) == (Side::Unculled, Side::Culled, None) {
+                continue;
+            }
+            let (unculled, scene_picture) = comparison.split(pair.unwrap_or(usize::MAX), side);
+            let picture = picture.filter(|_| side == shown);
+            tick = match side {
+                Side::Culled => {
+                    let request = FrameRequest::new(self.strategy, camera);
+                    let request = FrameRequest { picture, scene_picture, ..request };
+                    self.report = self.renderer.render(&mut self.history, &request)?;
+                    self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
+                    self.report.tick
+                }
+                Side::Unculled => {
+                    let request = FrameRequest::new(Strategy::Frustum, camera);
+                    let request = FrameRequest { picture, scene_picture, ..request };
+                    self.renderer.render(unculled, &request)?.tick
+                }
+            };
+        }
+        if let Some(pair) = pair {
+            comparison.sent(pair, tick);
+        }
+        Ok(tick)
+    }
+
+    /// Compares what is still on its way, and says what was found in all.
+    pub(super) fn finish_comparison(&mut self) -> Result<(), RunError> {
+        let Some(mut comparison) = self.comparison.take() else { return Ok(()) };
+        self.renderer.device().drain()?;
+        comparison.collect(self.renderer.device(), self.clock.now())?;
+        tracing::info!("{}: {}", self.strategy, comparison.tally().text());
+        Ok(())
+    }
+}

@@ -1,0 +1,209 @@
+//! Frames with and without culling, drawn in pairs and compared bit for bit.
+
+use std::time::Duration;
+
+use gpu::{Device, Readback, Tick};
+use pacing::Time;
+use render::{Renderer, ViewHistory};
+
+use super::differences::{Differences, PixelArea};
+use crate::run::RunError;
+use crate::strategy::Strategy;
+
+/// Each side is shown for this long in turn.
+const TURN_S: f64 = 0.5;
+/// Pairs that may be on their way; a frame that finds none free is not compared.
+const PAIRS: usize = 3;
+/// Areas that differed stay marked for this long.
+const MARKED_FOR: Duration = Duration::from_secs(2);
+
+/// One frame of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// With culling, by the strategy in use.
+    Culled,
+    /// Without: all that is in the frustum.
+    Unculled,
+}
+
+/// What was found so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Pairs that were compared.
+    pub frames: u64,
+    /// Pairs among them that differed.
+    pub differing: u64,
+    /// Pixels that differed in the newest pair.
+    pub newest_pixels: u64,
+    /// Pixels that differed at most.
+    pub worst_pixels: u64,
+}
+
+impl Tally {
+    fn add(&mut self, differences: &Differences) {
+        self.frames += 1;
+        self.differing += u64::from(differences.pixels > 0);
+        self.newest_pixels = differences.pixels;
+        self.worst_pixels = self.worst_pixels.max(differences.pixels);
+    }
+
+    /// Returns it in words.
+    pub fn text(&self) -> String {
+        match (self.frames, self.differing) {
+            (0, _) => "nothing compared yet".to_owned(),
+            (frames, 0) => format!("0 pixels differ in {frames} frames"),
+            (frames, differing) => format!(
+                "{} pixels differ now; {differing} of {frames} frames differ, at most by {} pixels",
+                self.newest_pixels, self.worst_pixels
+            ),
+        }
+    }
+}
+
+/// The two pictures of one moment.
+struct Pair {
+    pictures: [Readback; 2],
+    /// When both are there; `None` if nothing is on its way.
+    tick: Option<Tick>,
+}
+
+/// A comparison that goes on.
+pub struct Comparison {
+    /// Of the frames without culling, so that they leave the other's history alone.
+    pub(super) unculled: ViewHistory,
+    pairs: Vec<Pair>,
+    strategy: Strategy,
+    tally: Tally,
+    marks: Vec<PixelArea>,
+    marked_until: Time,
+    seconds: f64,
+}
+
+impl Comparison {
+    /// Begins to compare frames of `renderer`.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(renderer: &Renderer, strategy: Strategy) -> Result<Self, RunError> {
+        Ok(Self {
+            unculled: renderer.new_view()?,
+            pairs: Vec::new(),
+            strategy,
+            tally: Tally::default(),
+            marks: Vec::new(),
+            marked_until: Time::ZERO,
+            seconds: 0.0,
+        })
+    }
+
+    /// Lets `seconds` pass; returns true if the other side shows from now on.
+    pub fn advance(&mut self, seconds: f32) -> bool {
+        let before = self.shown();
+        if seconds.is_finite() {
+            self.seconds += f64::from(seconds.max(0.0));
+        }
+        before != self.shown()
+    }
+
+    /// Returns the side that shows now.
+    pub fn shown(&self) -> Side {
+        match (self.seconds / TURN_S) as u64 % 2 {
+            0 => Side::Culled,
+            _ => Side::Unculled,
+        }
+    }
+
+    /// Returns what was found so far.
+    pub fn tally(&self) -> Tally {
+        self.tally
+    }
+
+    /// Returns where pictures differ or lately did.
+    pub fn marks(&self, now: Time) -> &[PixelArea] {
+        if now < self.marked_until { &self.marks } else { &[] }
+    }
+
+    /// Starts the count anew if it was of another strategy.
+    pub fn follow(&mut self, strategy: Strategy) {
+        if self.strategy != strategy {
+            self.strategy = strategy;
+            self.tally = Tally::default();
+            self.marks.clear();
+            // What is on its way is of the other one.
+            self.pairs.clear();
+        }
+    }
+
+    /// Returns the place of a pair that is free, for pictures of the renderer's size.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn free_pair(&mut self, renderer: &Renderer) -> Result<Option<usize>, RunError> {
+        let size = renderer.size();
+        self.pairs.retain(|pair| pair.pictures[0].size() == size);
+        let free = self.pairs.iter().position(|pair| pair.tick.is_none());
+        if free.is_some() || self.pairs.len() >= PAIRS {
+            return Ok(free);
+        }
+        let picture = || Readback::new(renderer.device(), size);
+        self.pairs.push(Pair { pictures: [picture()?, picture()?], tick: None });
+        Ok(Some(self.pairs.len() - 1))
+    }
+
+    /// Returns where a side of a pair is copied to, beside the history of the frames without culling.
+    pub fn split(&mut self, pair: usize, side: Side) -> (&mut ViewHistory, Option<&Readback>) {
+        let picture = self.pairs.get(pair).map(|pair| &pair.pictures[side as usize]);
+        (&mut self.unculled, picture)
+    }
+
+    /// Takes that both pictures of a pair are there when `tick` is over.
+    pub fn sent(&mut self, pair: usize, tick: Tick) {
+        if let Some(pair) = self.pairs.get_mut(pair) {
+            pair.tick = Some(tick);
+        }
+    }
+
+    /// Compares what is there by now; never waits. Returns true if anything differed.
+    ///
+    /// # Errors
+    /// A lost device.
+    pub fn collect(&mut self, device: &Device, now: Time) -> Result<bool, RunError> {
+        let completed = device.completed()?;
+        let mut is_news = false;
+        for pair in &mut self.pairs {
+            if pair.tick.take_if(|tick| *tick <= completed).is_none() {
+                continue;
+            }
+            let [culled, unculled] = &pair.pictures;
+            let differences =
+                Differences::between(&culled.rgba8()?, &unculled.rgba8()?, culled.size()[0]);
+            self.tally.add(&differences);
+            if differences.pixels > 0 {
+                self.marks = differences.areas;
+                self.marked_until = now.after(MARKED_FOR);
+                is_news = true;
+            }
+        }
+        Ok(is_news)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tally_says_what_differs() {
+        let mut tally = Tally::default();
+        assert_eq!(tally.text(), "nothing compared yet");
+        tally.add(&Differences::default());
+        tally.add(&Differences::default());
+        assert_eq!(tally.text(), "0 pixels differ in 2 frames");
+        tally.add(&Differences { pixels: 30, areas: Vec::new() });
+        tally.add(&Differences { pixels: 4, areas: Vec::new() });
+        let text = "4 pixels differ now; 2 of 4 frames differ, at most by 30 pixels";
+        assert_eq!(tally.text(), text);
+        tally.add(&Differences::default());
+        assert!(tally.text().starts_with("0 pixels differ now; 2 of 5"), "{}", tally.text());
+    }
+}

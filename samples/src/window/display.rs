@@ -1,0 +1,39 @@
+//! The window system that a window opens on.
+
+use winit::error::EventLoopError;
+use winit::event_loop::EventLoop;
+
+/// Opens the event loop on Wayland, or on X11 where `WAYLAND_DISPLAY` names nothing that answers.
+///
+/// # Errors
+/// When there is no display.
+pub fn event_loop() -> Result<EventLoop<()>, EventLoopError> {
+    let mut builder = EventLoop::builder();
+    // winit goes by the variables alone, and an event loop can be made only once.
+    #[cfg(target_os = "linux")]
+    if is_set("DISPLAY") && is_stale_wayland() {
+        tracing::info!("WAYLAND_DISPLAY leads nowhere; the window opens on X11");
+        winit::platform::x11::EventLoopBuilderExtX11::with_x11(&mut builder);
+    }
+    builder.build()
+}
+
+#[cfg(target_os = "linux")]
+fn is_set(variable: &str) -> bool {
+    std::env::var_os(variable).is_some_and(|value| !value.is_empty())
+}
+
+/// Returns true if a Wayland display is named, and nobody listens there.
+#[cfg(target_os = "linux")]
+fn is_stale_wayland() -> bool {
+    use std::os::unix::net::UnixStream;
+    use std::path::PathBuf;
+
+    // A socket that is handed down is open.
+    if is_set("WAYLAND_SOCKET") || !is_set("WAYLAND_DISPLAY") {
+        return false;
+    }
+    let name = std::env::var_os("WAYLAND_DISPLAY").unwrap_or_default();
+    let folder = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from).unwrap_or_default();
+    UnixStream::connect(folder.join(name)).is_err()
+}

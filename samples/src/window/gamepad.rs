@@ -1,0 +1,256 @@
+//! A gamepad: sticks and triggers steer, buttons do deeds.
+//!
+//! [`PadState`] turns numbers of the device into a flight, and [`deed_of`] buttons into deeds: pure. A
+//! thread reads what Linux has under `/dev/input`: without a gamepad, or without the right to read it,
+//! it looks again from time to time.
+
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::thread;
+use std::time::Duration;
+
+use evdev::{AbsoluteAxisCode, Device, EventSummary, KeyCode};
+
+use super::deeds::Deed;
+use super::fly_camera::Steering;
+
+/// A stick that is let go rests within this share of its way.
+const DEAD_ZONE: f32 = 0.15;
+/// A stick at its end turns the camera by so many pixels of the mouse a second.
+const TURN_PIXELS_A_SECOND: f64 = 700.0;
+/// Without a gamepad, one is looked for this often.
+const LOOK_INTERVAL: Duration = Duration::from_secs(3);
+
+/// An axis of a gamepad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// The left stick to the right.
+    LeftX,
+    /// The left stick to the hand.
+    LeftY,
+    /// The right stick to the right.
+    RightX,
+    /// The right stick to the hand.
+    RightY,
+    /// The left trigger.
+    LeftTrigger,
+    /// The right trigger.
+    RightTrigger,
+}
+
+/// Where sticks and triggers are: sticks from -1 to 1, triggers from 0 to 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PadState {
+    left: [f32; 2],
+    right: [f32; 2],
+    triggers: [f32; 2],
+}
+
+impl PadState {
+    /// Takes a device's number for an axis that goes from `least` to `most`.
+    pub fn set(&mut self, axis: Axis, value: i32, [least, most]: [i32; 2]) {
+        let span = (f64::from(most) - f64::from(least)).max(1.0);
+        let share = ((f64::from(value) - f64::from(least)) / span).clamp(0.0, 1.0) as f32;
+        let both_ways = share * 2.0 - 1.0;
+        match axis {
+            Axis::LeftX => self.left[0] = both_ways,
+            Axis::LeftY => self.left[1] = both_ways,
+            Axis::RightX => self.right[0] = both_ways,
+            Axis::RightY => self.right[1] = both_ways,
+            Axis::LeftTrigger => self.triggers[0] = share,
+            Axis::RightTrigger => self.triggers[1] = share,
+        }
+    }
+
+    /// Returns where it steers: the left stick moves, the triggers go down and up.
+    pub fn steering(&self) -> Steering {
+        let [right, back] = shaped(self.left);
+        let [down, up] = self.triggers.map(|trigger| shaped([trigger, 0.0])[0]);
+        Steering { ahead: -back, right, up: up - down, hurries: false }
+    }
+
+    /// Returns how far the right stick turns the camera in `seconds`, in pixels of the mouse to the
+    /// right and down.
+    pub fn turn(&self, seconds: f32) -> [f64; 2] {
+        shaped(self.right).map(|part| f64::from(part) * TURN_PIXELS_A_SECOND * f64::from(seconds))
+    }
+}
+
+/// Returns a stick's place without the dead zone in its middle, with fine control near it: by its
+/// distance, so that a direction stays one.
+fn shaped([x, y]: [f32; 2]) -> [f32; 2] {
+    let distance = x.hypot(y);
+    if distance <= DEAD_ZONE {
+        return [0.0, 0.0];
+    }
+    let beyond = ((distance - DEAD_ZONE) / (1.0 - DEAD_ZONE)).min(1.0);
+    [x, y].map(|part| part / distance * beyond * beyond)
+}
+
+/// Returns what a button does.
+pub fn deed_of(button: KeyCode) -> Option<Deed> {
+    match button {
+        KeyCode::BTN_SOUTH => Some(Deed::NextStrategy),
+        KeyCode::BTN_WEST => Some(Deed::Freeze),
+        KeyCode::BTN_NORTH => Some(Deed::Compare),
+        KeyCode::BTN_EAST => Some(Deed::BirdsEye),
+        KeyCode::BTN_THUMBR => Some(Deed::Identify(None)),
+        KeyCode::BTN_START => Some(Deed::Help),
+        _ => None,
+    }
+}
+
+/// A thread that reads the first gamepad there is.
+pub struct Gamepad {
+    state: Arc<Mutex<PadState>>,
+    deeds: mpsc::Receiver<Deed>,
+}
+
+impl Gamepad {
+    /// Starts to look for a gamepad; `None` if the system has no thread for it.
+    pub fn watch() -> Option<Self> {
+        let state = Arc::new(Mutex::new(PadState::default()));
+        let (sender, deeds) = mpsc::channel();
+        let theirs = Arc::clone(&state);
+        // It ends with the program, or when nobody wants its deeds any more.
+        let thread = thread::Builder::new().name("gamepad".to_owned());
+        thread.spawn(move || look_and_read(&theirs, &sender)).ok()?;
+        Some(Self { state, deeds })
+    }
+
+    /// Returns where sticks and triggers are.
+    pub fn state(&self) -> PadState {
+        *self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the next deed of a button that was pressed.
+    pub fn next_deed(&self) -> Option<Deed> {
+        self.deeds.try_recv().ok()
+    }
+}
+
+fn look_and_read(state: &Mutex<PadState>, deeds: &mpsc::Sender<Deed>) {
+    loop {
+        let is_pad = |device: &Device| {
+            device.supported_keys().is_some_and(|keys| keys.contains(KeyCode::BTN_SOUTH))
+        };
+        if let Some((_, mut device)) = evdev::enumerate().find(|(_, device)| is_pad(device)) {
+            tracing::info!("gamepad {}", device.name().unwrap_or("without a name"));
+            let is_wanted = read(&mut device, state, deeds);
+            *state.lock().unwrap_or_else(PoisonError::into_inner) = PadState::default();
+            if !is_wanted {
+                return;
+            }
+        }
+        thread::sleep(LOOK_INTERVAL);
+    }
+}
+
+/// Reads a device until it is gone; returns false if nobody wants it any more.
+fn read(device: &mut Device, state: &Mutex<PadState>, deeds: &mpsc::Sender<Deed>) -> bool {
+    let Ok(ranges) = device.get_absinfo() else { return true };
+    let ranges: Vec<_> =
+        ranges.map(|(axis, range)| (axis, [range.minimum(), range.maximum()])).collect();
+    while let Ok(events) = device.fetch_events() {
+        for event in events {
+            match event.destructure() {
+                EventSummary::Key(_, button, 1) => {
+                    if let Some(deed) = deed_of(button)
+                        && deeds.send(deed).is_err()
+                    {
+                        return false;
+                    }
+                }
+                EventSummary::AbsoluteAxis(_, code, value) => {
+                    let range = ranges.iter().find(|(axis, _)| *axis == code);
+                    if let (Some(axis), Some((_, range))) = (axis_of(code), range) {
+                        let mut state = state.lock().unwrap_or_else(PoisonError::into_inner);
+                        state.set(axis, value, *range);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    true
+}
+
+/// Returns which axis a code of the kernel stands for (Documentation/input/gamepad.rst).
+fn axis_of(code: AbsoluteAxisCode) -> Option<Axis> {
+    match code {
+        AbsoluteAxisCode::ABS_X => Some(Axis::LeftX),
+        AbsoluteAxisCode::ABS_Y => Some(Axis::LeftY),
+        AbsoluteAxisCode::ABS_RX => Some(Axis::RightX),
+        AbsoluteAxisCode::ABS_RY => Some(Axis::RightY),
+        AbsoluteAxisCode::ABS_Z => Some(Axis::LeftTrigger),
+        AbsoluteAxisCode::ABS_RZ => Some(Axis::RightTrigger),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const STICK: [i32; 2] = [-32768, 32767];
+
+    fn pad(axes: &[(Axis, i32, [i32; 2])]) -> PadState {
+        let mut state = PadState::default();
+        axes.iter().for_each(|(axis, value, range)| state.set(*axis, *value, *range));
+        state
+    }
+
+    #[test]
+    fn sticks_and_triggers_steer() {
+        let ahead = pad(&[(Axis::LeftY, -32768, STICK), (Axis::RightTrigger, 255, [0, 255])]);
+        let Steering { ahead, right, up, hurries } = ahead.steering();
+        assert!((ahead - 1.0).abs() < 1e-4 && right.abs() < 1e-4 && up == 1.0 && !hurries);
+        // Both triggers hold each other; 0 to 1023 is as good a range.
+        let both = [(Axis::LeftTrigger, 1023, [0, 1023]), (Axis::RightTrigger, 255, [0, 255])];
+        assert_eq!(pad(&both).steering().up, 0.0);
+        let [right, down] = pad(&[(Axis::RightX, 32767, STICK)]).turn(0.5);
+        assert!((right - TURN_PIXELS_A_SECOND / 2.0).abs() < 1.0 && down.abs() < 1.0);
+    }
+
+    #[test]
+    fn what_rests_near_the_middle_does_nothing() {
+        let resting = [(Axis::LeftX, 3000, STICK), (Axis::LeftY, -2500, STICK)];
+        assert_eq!(pad(&resting).steering(), Steering::default());
+        assert_eq!(pad(&[(Axis::RightX, -4000, STICK)]).turn(1.0), [0.0, 0.0]);
+        assert_eq!(pad(&[(Axis::LeftTrigger, 20, [0, 255])]).steering().up, 0.0);
+    }
+
+    #[test]
+    fn the_way_out_is_slow_at_first_and_whole_at_the_end() {
+        let speed =
+            |share: f32| pad(&[(Axis::LeftX, (share * 32767.0) as i32, STICK)]).steering().right;
+        let [slow, middle, whole] = [0.3, 0.6, 1.0].map(speed);
+        assert!(0.0 < slow && slow < 0.1 && slow < middle && middle < 0.5, "{slow} {middle}");
+        assert!((whole - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn buttons_do_deeds() {
+        assert_eq!(deed_of(KeyCode::BTN_SOUTH), Some(Deed::NextStrategy));
+        assert_eq!(deed_of(KeyCode::BTN_WEST), Some(Deed::Freeze));
+        assert_eq!(deed_of(KeyCode::BTN_NORTH), Some(Deed::Compare));
+        assert_eq!(deed_of(KeyCode::KEY_A), None);
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_a_device_says_stays_in_range(
+            values in prop::array::uniform4(any::<i32>()), ends in prop::array::uniform2(any::<i32>())
+        ) {
+            let axes = [Axis::LeftX, Axis::LeftY, Axis::RightX, Axis::LeftTrigger];
+            let axes: Vec<_> = axes.into_iter().zip(values).map(|(a, v)| (a, v, ends)).collect();
+            let state = pad(&axes);
+            let steering = state.steering();
+            let way = [steering.ahead, steering.right, steering.up];
+            prop_assert!(way.iter().all(|part| (-1.0..=1.0).contains(part)), "{steering:?}");
+            let most = TURN_PIXELS_A_SECOND * 1.001;
+            prop_assert!(state.turn(1.0).iter().all(|part| part.abs() <= most));
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! What the mouse and single keys do to an open window, and what is chosen from its lists.
+
+use std::path::PathBuf;
+
+use pacing::Time;
+use winit::window::{CursorGrabMode, Fullscreen};
+
+use super::clipboard;
+use super::deeds::Deed;
+use super::leaving::Escape;
+use super::menu::{Choice, Menu, MenuKey};
+use super::opened::Opened;
+use super::pointer::PointerAction;
+use super::show::ShowOptions;
+use super::source::Source;
+use crate::options::MadeScene;
+use crate::run::RunError;
+
+/// A scene that is chosen from the list is made of about so many objects.
+const MADE_OBJECTS: u32 = 10_000;
+
+impl Opened {
+    /// Does what Esc does now; returns true if that is the end.
+    pub(super) fn escape(&mut self) -> bool {
+        let closes = self.session.has_page().then_some(Escape::Close);
+        let frees = self.pointer.is_looking().then_some(Escape::Free);
+        match self.leaving.escape(self.clock_now(), closes.or(frees)) {
+            Escape::Close => self.session.close_page(),
+            Escape::Free => {
+                let action = self.pointer.free();
+                self.point(action);
+            }
+            Escape::Ask => self.session.refuse("press Esc again to quit".to_owned()),
+            Escape::Quit => return true,
+        }
+        self.next_layout = Time::ZERO;
+        false
+    }
+
+    pub(super) fn toggle_full_screen(&self) {
+        let wanted = match self.window.fullscreen() {
+            Some(_) => None,
+            None => Some(Fullscreen::Borderless(None)),
+        };
+        self.window.set_fullscreen(wanted);
+    }
+
+    /// Does what the mouse wants.
+    pub(super) fn point(&mut self, action: Option<PointerAction>) {
+        match action {
+            Some(PointerAction::Grab) => self.grab(),
+            Some(PointerAction::Release) => self.release(),
+            Some(PointerAction::Identify) => {
+                let at = self.cursor.map(|side| side.clamp(0.0, f64::from(u32::MAX)) as u32);
+                self.session.identify((!self.pointer.is_captured()).then_some(at));
+            }
+            None => {}
+        }
+        if self.pointer.is_captured() && action == Some(PointerAction::Grab) {
+            self.session.tell("the mouse is captured; Esc frees it".to_owned());
+            self.next_layout = Time::ZERO;
+        }
+    }
+
+    /// Keeps the mouse in the window. Not every window system can; looking around works all the same,
+    /// up to the edge of the screen.
+    fn grab(&self) {
+        let locked = self.window.set_cursor_grab(CursorGrabMode::Locked);
+        let _free = locked.or_else(|_| self.window.set_cursor_grab(CursorGrabMode::Confined));
+        self.window.set_cursor_visible(false);
+    }
+
+    fn release(&self) {
+        let _never_grabbed = self.window.set_cursor_grab(CursorGrabMode::None);
+        self.window.set_cursor_visible(true);
+    }
+
+    /// Takes that the window is hidden by others, or shows again.
+    pub(super) fn set_occluded(&mut self, is_occluded: bool) {
+        self.is_occluded = is_occluded;
+        self.not_before = Time::ZERO;
+    }
+
+    /// Takes notches of the wheel.
+    pub(super) fn hasten(&mut self, notches: f32) {
+        self.session.hasten(notches);
+        self.next_layout = Time::ZERO;
+    }
+
+    /// Begins to load or make a scene in place of the one that is shown.
+    pub(super) fn load(&mut self, source: &Source, options: &ShowOptions) {
+        let size = self.session.renderer().size();
+        let device = self.session.renderer().device().clone();
+        let begun = self.arrivals.load(&device, source, options, size);
+        if let Err(error) = begun {
+            self.session.refuse_source(source, &error);
+        }
+        if let Source::File { file, .. } = source {
+            self.files.retain(|opened| opened != file);
+            self.files.push(file.clone());
+        }
+    }
+
+    /// Takes a key while a list or field is open.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub(super) fn choose(
+        &mut self,
+        key: MenuKey,
+        another: impl Fn(PathBuf) -> Source,
+        options: &ShowOptions,
+    ) -> Result<(), RunError> {
+        self.next_layout = Time::ZERO;
+        let key = match key {
+            MenuKey::Paste => match clipboard::text() {
+                Ok(text) => MenuKey::Text(text),
+                Err(reason) => {
+                    self.session.refuse(reason);
+                    return Ok(());
+                }
+            },
+            key => key,
+        };
+        let Some(choice) = self.session.menu.as_mut().and_then(|menu| menu.key(&key)) else {
+            return Ok(());
+        };
+        self.session.menu = None;
+        match choice {
+            Choice::Strategy(strategy) => self.session.act(Deed::Strategy(strategy))?,
+            Choice::Made(scene) => {
+                let made = MadeScene { scene, objects: MADE_OBJECTS, seed: 1 };
+                self.load(&Source::Made { made, path: None }, options);
+            }
+            Choice::File(file) => self.load(&another(file), options),
+            Choice::TypePath => self.session.menu = Some(Menu::path()),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,85 @@
+//! A session while an object is selected: it is outlined, and a card says why it is drawn or not.
+
+use cull::ObjectId;
+use render::Pick;
+
+use super::object_text::ObjectCard;
+use super::page_text::Facts;
+use super::session::Session;
+use crate::run::RunError;
+
+/// The object that is selected, and the question for the next one.
+#[derive(Debug, Default)]
+pub struct Selection {
+    /// The pixel to ask about before the next frame.
+    pixel: Option<[u32; 2]>,
+    /// On its way.
+    pick: Option<Pick>,
+    object: Option<ObjectId>,
+    /// The card is to be written to the log when its answers are there.
+    is_new: bool,
+}
+
+impl Session {
+    /// Begins to find out which object is at a pixel of the picture, or in its middle.
+    pub fn identify(&mut self, pixel: Option<[u32; 2]>) {
+        let [width, height] = self.renderer.size();
+        let [x, y] = pixel.unwrap_or([width / 2, height / 2]);
+        self.selection.pixel = Some([x.min(width - 1), y.min(height - 1)]);
+    }
+
+    /// Takes what is known by now, then asks about the pixel that was clicked last; never waits. For the
+    /// scene as the last frame drew it.
+    pub(super) fn follow_selection(&mut self) -> Result<(), RunError> {
+        if let Some(pick) = &self.selection.pick {
+            // A newer click waits, so that many of them cannot keep all from being answered.
+            let Some(object) = self.renderer.picked(pick)? else { return Ok(()) };
+            self.select(object)?;
+        }
+        if let Some(pixel) = self.selection.pixel.take_if(|_| self.frame > 0) {
+            self.selection.pick = Some(self.renderer.pick(&self.seen_from, pixel)?);
+        }
+        Ok(())
+    }
+
+    fn select(&mut self, object: Option<ObjectId>) -> Result<(), RunError> {
+        self.renderer.outline(object)?;
+        let pixel = self.selection.pixel;
+        self.selection = Selection { pixel, object, is_new: object.is_some(), pick: None };
+        self.is_page_stale = true;
+        if object.is_none() {
+            self.tell("there is no object".to_owned());
+        }
+        Ok(())
+    }
+
+    /// Writes what is said of an object to the log, once after it was selected.
+    pub(super) fn log_selection(&mut self) {
+        if std::mem::take(&mut self.selection.is_new) {
+            let rows = self.card().into_iter().map(|(name, value)| format!("{name}: {value}"));
+            tracing::info!("{}", rows.collect::<Vec<_>>().join("; "));
+        }
+    }
+
+    /// Returns what there is to say of the selected object; nothing if it is gone.
+    pub(super) fn card(&self) -> Facts {
+        let view = match &self.frozen {
+            Some(moment) => moment.view,
+            None => self.renderer.view_of(&self.seen_from),
+        };
+        let explained = self
+            .selection
+            .object
+            .and_then(|object| self.renderer.explain_object(&self.history, &view, object));
+        let Some((explained, outcome)) = explained else { return Facts::new() };
+        let card = ObjectCard {
+            explained: &explained,
+            outcome,
+            mesh: self.world.mesh_name(explained.object),
+            triangles: self.renderer.triangles_of(explained.object),
+            eye: view.eye,
+            strategy: self.strategy,
+        };
+        card.facts()
+    }
+}

@@ -1,0 +1,31 @@
+//! The keys of the window, for `--help`.
+
+use super::deeds::{CAMERA_KEYS, Deed, KEYS, STEERING};
+
+/// Returns examples and, below them, every key: those of all scenes, and those `of_files` with the
+/// cameras where there are any.
+pub fn help_with_keys(examples: &str, of_files: &[(&str, &str, Deed)]) -> String {
+    let cameras = (!of_files.is_empty()).then_some(CAMERA_KEYS);
+    let named = |(key, what, _): &(&'static str, &'static str, Deed)| (*key, *what);
+    let of_files: Vec<(&str, &str)> = of_files.iter().map(|(key, what, _)| (*key, *what)).collect();
+    let keys = STEERING.into_iter().chain(KEYS.iter().map(named)).chain(of_files).chain(cameras);
+    let lines: String = keys.map(|(key, what)| format!("  {key:<7}  {what}\n")).collect();
+    format!("Keys in the window:\n{lines}\n{examples}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::deeds::FILE_KEYS;
+    use super::*;
+
+    #[test]
+    fn every_key_is_in_the_help() {
+        let help = help_with_keys("Examples: none", &FILE_KEYS);
+        for (key, what, _) in KEYS.iter().chain(&FILE_KEYS) {
+            let has = |line: &str| line.trim_start().starts_with(key) && line.ends_with(what);
+            assert!(help.lines().any(has), "{key} is missing in\n{help}");
+        }
+        assert!(help.contains(CAMERA_KEYS.0) && help.ends_with("Examples: none"), "{help}");
+        assert!(!help_with_keys("", &[]).contains(CAMERA_KEYS.0));
+    }
+}

@@ -1,0 +1,75 @@
+//! Legends for the colours that explain the picture.
+
+use render::{
+    Area, BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, Explanation, FRUSTUM, SELECTED, Swatch,
+    WIRES, level_colour,
+};
+
+use crate::hud::{Legend, LegendEntry};
+
+/// Levels that stand for the scale of all.
+const LEVELS: [u32; 6] = [0, 3, 6, 9, 12, 15];
+
+/// Returns the legend of the view from above in `area`, or of a whole picture.
+pub fn from_above(area: Option<Area>) -> Legend {
+    let meaning = level_colour(0).meaning.to_owned();
+    let levels = LEVELS.map(|level| level_colour(level).rgb).to_vec();
+    let entries = vec![LegendEntry { colours: levels, meaning }, entry(FRUSTUM)];
+    Legend { title: "Boxes and the camera", entries, area }
+}
+
+/// Returns the legends of everything that is explained; `is_frozen` where the picture is of a moment
+/// that stands still.
+pub fn of(explanation: Explanation, is_frozen: bool) -> Vec<Legend> {
+    let mut legends = Vec::new();
+    if is_frozen {
+        legends.push(from_above(None));
+    }
+    if explanation.has_boxes && !is_frozen {
+        let entries = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED].map(entry).to_vec();
+        legends.push(Legend { title: "Boxes that are tested", entries, area: None });
+    }
+    if explanation.has_wires {
+        legends.push(Legend { title: "Wires", entries: vec![entry(WIRES)], area: None });
+    }
+    legends.extend(explanation.birds_eye.map(|area| from_above(Some(area))));
+    legends
+}
+
+/// Returns the legend of the outline of the selected object.
+pub fn of_selection() -> Legend {
+    Legend { title: "Outline", entries: vec![entry(SELECTED)], area: None }
+}
+
+fn entry(swatch: Swatch) -> LegendEntry {
+    LegendEntry { colours: vec![swatch.rgb], meaning: swatch.meaning.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_colour_that_is_shown_has_a_meaning() {
+        let area = Area { origin: [1, 2], size: [3, 4] };
+        let nothing = Explanation::default();
+        let all = Explanation { has_wires: true, has_boxes: true, birds_eye: Some(area) };
+        let titles = |explanation, is_frozen| -> Vec<&str> {
+            of(explanation, is_frozen).iter().map(|legend| legend.title).collect()
+        };
+        assert!(titles(nothing, false).is_empty());
+        let above = "Boxes and the camera";
+        assert_eq!(titles(all, false), ["Boxes that are tested", "Wires", above]);
+        // What is frozen shows the boxes by their level, whatever is explained.
+        assert_eq!(titles(nothing, true), [above]);
+        assert_eq!(titles(all, true), [above, "Wires", above]);
+        for legend in of(all, false) {
+            let mut colours: Vec<[u8; 3]> =
+                legend.entries.iter().flat_map(|entry| entry.colours.clone()).collect();
+            let count = colours.len();
+            colours.sort_unstable();
+            colours.dedup();
+            assert_eq!(colours.len(), count, "{}: a colour has one meaning", legend.title);
+        }
+    }
+}

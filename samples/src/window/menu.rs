@@ -1,0 +1,277 @@
+//! Lists to choose from and the field for a path, as a state that keys change.
+
+use std::path::PathBuf;
+
+use crate::choices;
+use crate::strategy::Strategy;
+
+/// More characters are no path.
+const MOST_CHARACTERS: usize = 4096;
+
+/// What is chosen in the end.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// Decide by this strategy.
+    Strategy(Strategy),
+    /// Show this made scene.
+    Made(choices::Scene),
+    /// Show this file.
+    File(PathBuf),
+    /// Type the path of a file.
+    TypePath,
+}
+
+/// A row of a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// What it says.
+    pub label: String,
+    /// What it stands for.
+    pub choice: Choice,
+}
+
+/// What a key does in a list or field.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MenuKey {
+    /// One row up.
+    Up,
+    /// One row down.
+    Down,
+    /// The first row.
+    First,
+    /// The last row.
+    Last,
+    /// Takes what is selected or typed.
+    Enter,
+    /// Removes the last character.
+    Backspace,
+    /// Characters that were typed or pasted.
+    Text(String),
+    /// Asks for the text of the clipboard, which comes as [`MenuKey::Text`].
+    Paste,
+}
+
+/// A list or field that is open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Menu {
+    /// One of several.
+    List {
+        /// What is chosen.
+        title: &'static str,
+        /// The rows, at least one.
+        rows: Vec<Row>,
+        /// The place of the row that is selected.
+        selected: usize,
+    },
+    /// The path of a file.
+    Path {
+        /// What was typed.
+        text: String,
+    },
+}
+
+impl Menu {
+    /// Opens a list with the row of `current` selected.
+    pub fn list(title: &'static str, rows: Vec<Row>, current: &Choice) -> Self {
+        let selected = rows.iter().position(|row| row.choice == *current).unwrap_or(0);
+        Self::List { title, rows, selected }
+    }
+
+    /// Opens an empty field.
+    pub fn path() -> Self {
+        Self::Path { text: String::new() }
+    }
+
+    /// Returns it as text, a row a line, with a mark at what is selected.
+    pub fn text(&self) -> String {
+        match self {
+            Self::List { title, rows, selected } => {
+                let row = |(place, row): (usize, &Row)| {
+                    let mark = if place == *selected { '>' } else { ' ' };
+                    // Numbers of two digits cannot be struck at once.
+                    let number = (place < 9).then(|| (place + 1).to_string());
+                    format!("{mark} {} {}", number.as_deref().unwrap_or(" "), row.label)
+                };
+                let rows: Vec<String> = rows.iter().enumerate().map(row).collect();
+                format!("{title}: arrows and Enter, or a number\n{}", rows.join("\n"))
+            }
+            Self::Path { text } => {
+                format!("the path of a glTF file, typed or pasted (Ctrl+V), and Enter\n> {text}_")
+            }
+        }
+    }
+
+    /// Takes a key; returns what was chosen by it. In a list, a digit chooses the row of that number.
+    pub fn key(&mut self, key: &MenuKey) -> Option<Choice> {
+        match self {
+            Self::List { rows, selected, .. } => {
+                let last = rows.len().saturating_sub(1);
+                match key {
+                    MenuKey::Up if *selected == 0 => *selected = last,
+                    MenuKey::Up => *selected -= 1,
+                    MenuKey::Down if *selected >= last => *selected = 0,
+                    MenuKey::Down => *selected += 1,
+                    MenuKey::First => *selected = 0,
+                    MenuKey::Last => *selected = last,
+                    MenuKey::Enter => return Some(rows.get(*selected)?.choice.clone()),
+                    MenuKey::Text(text) => {
+                        let number: usize = text.parse().ok()?;
+                        return Some(rows.get(number.checked_sub(1)?)?.choice.clone());
+                    }
+                    MenuKey::Backspace | MenuKey::Paste => {}
+                }
+                None
+            }
+            Self::Path { text } => {
+                match key {
+                    MenuKey::Text(typed) => append(text, typed),
+                    MenuKey::Backspace => _ = text.pop(),
+                    MenuKey::Enter => return path_of(text).map(Choice::File),
+                    MenuKey::Up
+                    | MenuKey::Down
+                    | MenuKey::First
+                    | MenuKey::Last
+                    | MenuKey::Paste => {}
+                }
+                None
+            }
+        }
+    }
+}
+
+/// Appends what was typed, without line breaks and other controls.
+fn append(text: &mut String, typed: &str) {
+    let room = MOST_CHARACTERS.saturating_sub(text.chars().count());
+    text.extend(typed.chars().filter(|character| !character.is_control()).take(room));
+}
+
+/// Returns the path that a text names: file managers copy quoted paths and `file://` addresses.
+fn path_of(text: &str) -> Option<PathBuf> {
+    let text = text.trim();
+    let quotes = |text: &str, quote: char| {
+        text.strip_prefix(quote).and_then(|text| text.strip_suffix(quote)).map(str::to_owned)
+    };
+    let text = quotes(text, '"').or_else(|| quotes(text, '\'')).unwrap_or_else(|| text.to_owned());
+    let text = match text.strip_prefix("file://") {
+        Some(address) => {
+            percent_encoding::percent_decode_str(address).decode_utf8_lossy().into_owned()
+        }
+        None => text,
+    };
+    let home = text.strip_prefix("~/").and_then(|rest| Some(std::env::home_dir()?.join(rest)));
+    (!text.is_empty()).then(|| home.unwrap_or_else(|| PathBuf::from(text)))
+}
+
+/// Returns the list of strategies that the device can, each with its number.
+pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
+    let row = |strategy: &Strategy| Row {
+        label: strategy.name().into(),
+        choice: Choice::Strategy(*strategy),
+    };
+    let all = Strategy::ALL.iter().filter(|strategy| **strategy != Strategy::Ideal);
+    let rows = all.filter(|strategy| can(**strategy)).map(row).collect();
+    Menu::list("strategy", rows, &Choice::Strategy(current))
+}
+
+/// Returns the list of scenes: the made ones, then files, each once.
+pub fn scenes(files: impl IntoIterator<Item = PathBuf>) -> Menu {
+    let made = [choices::Scene::City, choices::Scene::Field];
+    let made = made.map(|scene| Row { label: scene.to_string(), choice: Choice::Made(scene) });
+    let mut rows: Vec<Row> = made.into();
+    for file in files {
+        let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
+        let row = Row { label: name.into_owned(), choice: Choice::File(file) };
+        if !rows.contains(&row) {
+            rows.push(row);
+        }
+    }
+    rows.push(Row { label: "another file ...".to_owned(), choice: Choice::TypePath });
+    Menu::list("scene", rows, &Choice::TypePath)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(text: &str) -> MenuKey {
+        MenuKey::Text(text.to_owned())
+    }
+
+    #[test]
+    fn what_is_selected_is_marked() {
+        let text = strategies(|_| true, Strategy::Naive).text();
+        assert!(text.contains("\n  1 frustum\n> 2 naive\n  3 batched\n"), "{text}");
+        let mut menu = Menu::path();
+        menu.key(&self::text("/a"));
+        assert!(menu.text().ends_with("\n> /a_"), "{}", menu.text());
+    }
+
+    fn selected(menu: &Menu) -> &str {
+        match menu {
+            Menu::List { rows, selected, .. } => &rows[*selected].label,
+            Menu::Path { text } => text,
+        }
+    }
+
+    #[test]
+    fn arrows_go_around_and_enter_takes_what_is_selected() {
+        let can = |strategy| strategy != Strategy::Pyramid;
+        let mut menu = strategies(can, Strategy::Antumbra);
+        assert_eq!(selected(&menu), "antumbra");
+        for (key, expected) in [
+            (MenuKey::Up, "coherent"),
+            (MenuKey::First, "frustum"),
+            (MenuKey::Up, "antumbra_compute"),
+            (MenuKey::Down, "frustum"),
+            (MenuKey::Last, "antumbra_compute"),
+            (MenuKey::Backspace, "antumbra_compute"),
+        ] {
+            assert_eq!(menu.key(&key), None);
+            assert_eq!(selected(&menu), expected, "{key:?}");
+        }
+        let chosen = Some(Choice::Strategy(Strategy::AntumbraCompute));
+        assert_eq!(menu.key(&MenuKey::Enter), chosen);
+    }
+
+    #[test]
+    fn digits_choose_at_once() {
+        let mut menu = strategies(|_| true, Strategy::Antumbra);
+        assert_eq!(menu.key(&text("2")), Some(Choice::Strategy(Strategy::Naive)));
+        for none in ["0", "x", "99", ""] {
+            assert_eq!(menu.key(&text(none)), None, "{none}");
+        }
+    }
+
+    #[test]
+    fn scenes_are_listed_once() {
+        let files = ["/a/one.glb", "/b/one.glb", "/a/one.glb"].map(PathBuf::from);
+        let mut menu = scenes(files);
+        let Menu::List { rows, .. } = &menu else { panic!("a list") };
+        let labels: Vec<&str> = rows.iter().map(|row| row.label.as_str()).collect();
+        assert_eq!(labels, ["city", "field", "one.glb", "one.glb", "another file ..."]);
+        assert_eq!(menu.key(&text("4")), Some(Choice::File("/b/one.glb".into())));
+        assert_eq!(menu.key(&MenuKey::Enter), Some(Choice::TypePath));
+    }
+
+    #[test]
+    fn a_path_is_typed_or_pasted() {
+        for (typed, path) in [
+            (&["/a/b", ".glb"][..], "/a/b.glb"),
+            (&["'/a b/c.glb'\n"], "/a b/c.glb"),
+            (&["file:///a%20b/c.glb"], "/a b/c.glb"),
+            (&["  scene.gltf "], "scene.gltf"),
+            (&["\u{437}\u{430}.glb"], "\u{437}\u{430}.glb"),
+        ] {
+            let mut menu = Menu::path();
+            typed.iter().for_each(|typed| assert_eq!(menu.key(&text(typed)), None));
+            assert_eq!(menu.key(&MenuKey::Enter), Some(Choice::File(path.into())), "{typed:?}");
+        }
+        let mut menu = Menu::path();
+        assert_eq!(menu.key(&MenuKey::Enter), None, "nothing is no path");
+        menu.key(&text("ab\u{7}c"));
+        menu.key(&MenuKey::Backspace);
+        assert_eq!(selected(&menu), "ab");
+        menu.key(&text(&"x".repeat(2 * MOST_CHARACTERS)));
+        assert_eq!(selected(&menu).len(), MOST_CHARACTERS);
+    }
+}

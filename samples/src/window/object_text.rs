@@ -1,0 +1,216 @@
+//! What an object is and why it is drawn or not, in words.
+
+use cull::{
+    Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Tester,
+};
+use glam::Vec3;
+
+use super::page_text::{Facts, fact};
+use crate::strategy::Strategy;
+
+/// What there is to say of an object.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectCard<'a> {
+    /// The plan's decision and the history.
+    pub explained: &'a LeafExplanation,
+    /// What the newest answers say, and the frame that asked.
+    pub outcome: Option<(FrameId, Outcome)>,
+    /// The name of its mesh, if it is known.
+    pub mesh: Option<&'a str>,
+    /// Its triangles.
+    pub triangles: u64,
+    /// The eye of the explained frame, in metres.
+    pub eye: Vec3,
+    /// Who decided.
+    pub strategy: Strategy,
+}
+
+impl ObjectCard<'_> {
+    /// Returns the rows of the card.
+    pub fn facts(&self) -> Facts {
+        let explained = self.explained;
+        let size = explained.bounds.max - explained.bounds.min;
+        let distance_m = explained.bounds.distance_squared(self.eye).sqrt();
+        let name = match self.mesh.filter(|name| !name.is_empty()) {
+            Some(mesh) => format!("{}, {mesh}", explained.object.0),
+            None => explained.object.0.to_string(),
+        };
+        let mut facts = vec![
+            fact("object", name),
+            fact("box", format!("{:.2} x {:.2} x {:.2} m", size.x, size.y, size.z)),
+            fact("distance", format!("{distance_m:.1} m")),
+            fact("triangles", self.triangles.to_string()),
+            fact("decision", self.decision()),
+        ];
+        // Other strategies keep no history here, or ask by other ways.
+        if !self.strategy.is_governed() {
+            return facts;
+        }
+        if let Decision::Tested { leaves, level, history, .. } = explained.decision
+            && leaves > 1
+        {
+            facts.push(fact("group", format!("{leaves} objects, level {level}")));
+            facts.push(fact("group is", self.state(&history)));
+            facts.push(fact("last answer", self.answer(&history)));
+        } else if explained.decision != Decision::Outside {
+            facts.push(fact("object is", self.state(&explained.history)));
+            facts.push(fact("last answer", self.answer(&explained.history)));
+        }
+        if let (Some(next), true) = (explained.history.next_test, self.is_drawn_at_once()) {
+            let frames = next.0.saturating_sub(explained.frame.0);
+            facts.push(fact("next test", format!("in {}", in_frames(frames))));
+        }
+        facts
+    }
+
+    fn is_drawn_at_once(&self) -> bool {
+        use Decision::{Drawn, DrawnAndBoxTested, DrawnAndTested};
+        matches!(self.explained.decision, Drawn | DrawnAndTested | DrawnAndBoxTested { .. })
+    }
+
+    fn decision(&self) -> String {
+        let by = |tester: Tester| match tester {
+            Tester::Flag => "a fragment flag",
+            Tester::Query => "an occlusion query",
+            Tester::Compute => "the compute test",
+            Tester::Behind(_) => "the test of a box in front",
+        };
+        match self.explained.decision {
+            Decision::Outside => "not drawn: outside of the frustum".to_owned(),
+            Decision::Drawn if self.strategy == Strategy::Frustum => {
+                "drawn: in the frustum".to_owned()
+            }
+            Decision::Drawn => "drawn: taken as visible".to_owned(),
+            Decision::DrawnAndTested => {
+                "drawn: taken as visible; its draw is tested by an occlusion query".to_owned()
+            }
+            Decision::DrawnAndBoxTested { tester } => {
+                format!("drawn: taken as visible; its box is tested by {}", by(tester))
+            }
+            Decision::Unplanned => format!("{} decides elsewhere", self.strategy),
+            Decision::Tested { leaves, kind, tester, .. } => {
+                let whose = if leaves > 1 { "the box of its group" } else { "its box" };
+                let each = match (kind, leaves) {
+                    (QueryKind::Parts, 2..) => ", then its own",
+                    _ => "",
+                };
+                let tested = format!("{whose} is tested{each} by {}", by(tester));
+                match self.outcome {
+                    Some((frame, Outcome::Revealed)) => {
+                        format!("drawn, revealed in frame {}: {tested}", frame.0)
+                    }
+                    Some((frame, Outcome::Hidden)) => {
+                        format!("not drawn, hidden in frame {}: {tested}", frame.0)
+                    }
+                    None => format!("drawn if it shows: {tested}"),
+                }
+            }
+        }
+    }
+
+    fn state(&self, history: &NodeHistory) -> String {
+        let name = match history.state {
+            NodeState::Unknown => return "never asked".to_owned(),
+            NodeState::Visible => "visible",
+            NodeState::Hidden => "hidden",
+        };
+        match history.since {
+            Some(since) => {
+                let frames = self.explained.frame.0.saturating_sub(since.0);
+                format!("{name} since frame {}, for {}", since.0, in_frames(frames))
+            }
+            None => name.to_owned(),
+        }
+    }
+
+    fn answer(&self, history: &NodeHistory) -> String {
+        match history.answered {
+            Some(answered) => {
+                let frames = self.explained.frame.0.saturating_sub(answered.0);
+                format!("asked in frame {}, {} ago", answered.0, in_frames(frames))
+            }
+            None => "none yet".to_owned(),
+        }
+    }
+}
+
+fn in_frames(frames: u64) -> String {
+    if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
+}
+
+#[cfg(test)]
+mod tests {
+    use cull::{Camera, Culler, FramePlan, Hierarchy, ObjectId, Policy, QueryTag, View};
+
+    use super::*;
+
+    const CAMERA: Camera =
+        Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+
+    /// A wall, a cube behind it, and one behind the eye, after some frames in which the wall alone shows.
+    fn facts(object: u32, strategy: Strategy) -> String {
+        let cube = |z: f32, half: f32| {
+            cull::Aabb::new(Vec3::new(-half, -half, z - 1.0), Vec3::new(half, half, z))
+        };
+        let hierarchy =
+            Hierarchy::build(&[cube(-5.0, 4.0), cube(-9.0, 0.5), cube(9.0, 0.5)]).unwrap();
+        let view = View::new(&CAMERA, [64, 64], 8);
+        let mut culler = Culler::new(Policy::default());
+        let mut plan = FramePlan::default();
+        let wall = hierarchy.node_of(ObjectId(0)).unwrap();
+        let mut answers: Vec<cull::Answer> = Vec::new();
+        for _ in 0..60 {
+            culler.ingest(&hierarchy, answers.drain(..));
+            culler.plan(&hierarchy, strategy, &view, 100, &mut plan);
+            let tags = plan.tests.iter().map(|test| test.tag);
+            let tags = tags.chain(plan.queried_draws.iter().map(|(_, tag)| *tag));
+            let answer = |tag: QueryTag| {
+                let samples =
+                    u32::from(hierarchy.leaves(tag.node).contains(hierarchy.leaves(wall).first));
+                cull::Answer { tag, samples }
+            };
+            answers.extend(tags.map(answer));
+        }
+        let explained = culler.explain(&hierarchy, &view, &plan, ObjectId(object)).unwrap();
+        let outcome = explained.outcome(&hierarchy, &answers, |answer| answer.samples > 0);
+        let card = ObjectCard {
+            explained: &explained,
+            outcome: outcome.map(|outcome| (plan.frame, outcome)),
+            mesh: Some("wall"),
+            triangles: 12,
+            eye: CAMERA.eye,
+            strategy,
+        };
+        let rows = card.facts().into_iter().map(|(name, value)| format!("{name}: {value}"));
+        rows.collect::<Vec<_>>().join("\n")
+    }
+
+    fn assert_says(text: &str, parts: &[&str]) {
+        parts.iter().for_each(|part| assert!(text.contains(part), "{part}: {text}"));
+    }
+
+    #[test]
+    fn what_is_visible_is_said_to_be_drawn_and_since_when() {
+        let text = facts(0, Strategy::Antumbra);
+        let size = "object: 0, wall\nbox: 8.00 x 8.00 x 1.00 m\ndistance: 5.0 m\ntriangles: 12\n";
+        assert_says(&text, &[size, "decision: drawn: taken as visible"]);
+        assert_says(&text, &["object is: visible since frame", "asked in frame", "next test: in"]);
+    }
+
+    #[test]
+    fn what_is_hidden_is_said_to_be_tested_and_how() {
+        let text = facts(1, Strategy::Antumbra);
+        let decision =
+            "decision: not drawn, hidden in frame 60: its box is tested by an occlusion query";
+        assert_says(&text, &[decision, "object is: hidden since frame", "1 frame ago"]);
+        assert!(!text.contains("next test"), "{text}");
+    }
+
+    #[test]
+    fn what_is_outside_or_not_culled_is_said() {
+        let outside = facts(2, Strategy::Antumbra);
+        assert_says(&outside, &["decision: not drawn: outside of the frustum"]);
+        assert!(!outside.contains("next test"), "{outside}");
+        assert_says(&facts(1, Strategy::Frustum), &["decision: drawn: in the frustum"]);
+    }
+}

@@ -1,0 +1,286 @@
+//! A window that is open, and what one turn of its loop does.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use gpu::{
+    Device, DeviceOptions, DisplayLink, Fallback, Instance, NotShown, PresentMode, Shown, Surface,
+    WindowSystem,
+};
+use pacing::{FrameId, Step, Time};
+use winit::dpi::PhysicalSize;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::Window;
+
+use super::app::no_display;
+use super::arrivals::Arrivals;
+use super::deeds::Deed;
+use super::gamepad::Gamepad;
+use super::input::Input;
+use super::leaving::Leaving;
+use super::menu::{self, Menu};
+use super::pointer::Pointer;
+use super::scene_files;
+use super::screen::Screen;
+use super::session::{Files, Session};
+use super::show::ShowOptions;
+use super::source::Source;
+use super::title::Title;
+use crate::run::{self, RunError};
+
+/// Text over the picture changes so often.
+const HUD_INTERVAL: Duration = Duration::from_millis(250);
+/// Frames of a window that nobody sees, and looks at one without a pixel, come so often.
+const HIDDEN_INTERVAL: Duration = Duration::from_millis(250);
+/// Frames come so often while there is nothing to show yet, and text while something is on its way.
+const WAITING_INTERVAL: Duration = Duration::from_millis(50);
+
+/// The window and what draws in it. What is made later goes first.
+pub(super) struct Opened {
+    pub(super) arrivals: Arrivals,
+    pub(super) session: Session,
+    pub(super) screen: Screen,
+    pub(super) window: Arc<Window>,
+    pub(super) instance: Instance,
+    pub(super) pointer: Pointer,
+    /// Where the cursor is, in pixels from the upper left.
+    pub(super) cursor: [f64; 2],
+    pub(super) gamepad: Option<Gamepad>,
+    /// Files that were opened, the newest last.
+    pub(super) files: Vec<PathBuf>,
+    pub(super) leaving: Leaving,
+    pub(super) title: Title,
+    pub(super) size: [u32; 2],
+    pub(super) is_occluded: bool,
+    pub(super) is_gone: bool,
+    display: DisplayLink,
+    /// The one that was told.
+    pub(super) fallback: Option<Fallback>,
+    pub(super) last_frame: Option<Time>,
+    pub(super) next_layout: Time,
+    pub(super) not_before: Time,
+}
+
+/// What the loop does next.
+pub(super) enum Next {
+    At(Time),
+    Now,
+    End,
+}
+
+impl Opened {
+    pub(super) fn open(
+        event_loop: &ActiveEventLoop,
+        source: &Source,
+        options: &ShowOptions,
+        files: Files,
+    ) -> Result<Self, RunError> {
+        let size = PhysicalSize::new(options.size.width, options.size.height);
+        let attributes = Window::default_attributes().with_title("Antumbra").with_inner_size(size);
+        let window = Arc::new(event_loop.create_window(attributes).map_err(no_display)?);
+        let display = DisplayLink::watch(&window);
+        let system = WindowSystem::of(&window)?;
+        let instance = run::open_instance(options.validation, Some(system))?;
+        let surface = Surface::new(&instance, Arc::clone(&window) as Arc<dyn gpu::Window>)?;
+        let wanted = run::wanted(&options.device);
+        let adapter = instance.pick_adapter_for(&surface, wanted.as_deref())?;
+        let device_options =
+            DeviceOptions { pipeline_cache: run::pipeline_cache_file(), ..Default::default() };
+        let device = Device::new(&instance, &adapter, &device_options)?;
+        let size: [u32; 2] = window.inner_size().into();
+        let monitor = window.current_monitor();
+        let rate = monitor.and_then(|monitor| monitor.refresh_rate_millihertz());
+        let refresh = rate
+            .filter(|rate| *rate > 0)
+            .map(|rate| Duration::from_secs_f64(1e3 / f64::from(rate)));
+        let screen = Screen::new(&device, &surface, options, refresh)?;
+        let drawn = size.map(|side| side.max(1));
+        let (arrivals, stage) = Arrivals::open(source, &device, options, drawn)?;
+        let session = Session::new(&device, options, files, stage)?;
+        Ok(Self {
+            arrivals,
+            session,
+            screen,
+            window,
+            instance,
+            pointer: Pointer::default(),
+            cursor: [0.0; 2],
+            gamepad: Gamepad::watch(),
+            files: source.file().into_iter().cloned().collect(),
+            leaving: Leaving::default(),
+            title: Title::default(),
+            size,
+            is_occluded: false,
+            is_gone: false,
+            display,
+            fallback: None,
+            last_frame: None,
+            next_layout: Time::ZERO,
+            not_before: Time::ZERO,
+        })
+    }
+
+    /// One turn of the loop.
+    pub(super) fn turn(
+        &mut self,
+        input: &Input,
+        options: &ShowOptions,
+        now: Time,
+    ) -> Result<Next, RunError> {
+        if self.is_gone || self.display.is_lost() {
+            return Ok(Next::End);
+        }
+        if self.arrivals.look(&mut self.session)? {
+            self.next_layout = now;
+        }
+        // Frames count from the first one of what is to be shown.
+        if !self.arrivals.is_first_awaited() {
+            if options.frames.is_some_and(|frames| self.session.frame() >= frames) {
+                return Ok(Next::End);
+            }
+            while let Some(deed) = self.session.next_scripted() {
+                if self.act(deed)? {
+                    return Ok(Next::End);
+                }
+            }
+        }
+        while let Some(deed) = self.gamepad.as_ref().and_then(Gamepad::next_deed) {
+            if self.act(deed)? {
+                return Ok(Next::End);
+            }
+        }
+        if self.size.contains(&0) {
+            return Ok(Next::At(now.after(HIDDEN_INTERVAL)));
+        }
+        if now < self.not_before {
+            return Ok(Next::At(self.not_before));
+        }
+        match self.screen.next_step()? {
+            Step::Wait(wait) => Ok(Next::At(wait.until)),
+            Step::Start(plan) => self.frame(input, plan.frame),
+        }
+    }
+
+    /// Draws a frame and shows it.
+    fn frame(&mut self, input: &Input, frame: FrameId) -> Result<Next, RunError> {
+        if !self.screen.is_ready()? {
+            self.screen.drop_frame(frame);
+            return Ok(Next::Now);
+        }
+        let now = self.clock_now();
+        if self.session.renderer().size() != self.size {
+            self.session.resize(self.size)?;
+            self.next_layout = now;
+        }
+        if self.session.take_stale_page() || now >= self.next_layout {
+            let facts = self.screen.facts();
+            self.session.lay_out(Some(&facts), self.window.scale_factor() as f32)?;
+            let interval = if self.arrivals.is_awaited() { WAITING_INTERVAL } else { HUD_INTERVAL };
+            self.next_layout = now.after(interval);
+        }
+        let seconds =
+            self.last_frame.replace(now).map_or(0.0, |last| now.since(last).as_secs_f32());
+        let (scene, strategy) = self.session.subject();
+        if let Some(title) = self.title.count(now, scene, strategy) {
+            self.window.set_title(&title);
+        }
+        self.session.present_mode = Some(self.screen.swapchain().mode());
+        self.screen.follow(self.session.conditions(), frame);
+        let mut steering = input.steering();
+        if let Some(gamepad) = &self.gamepad {
+            let pad = gamepad.state();
+            steering = steering.plus(&pad.steering());
+            let [right, down] = pad.turn(seconds);
+            if [right, down] != [0.0, 0.0] {
+                self.session.turn(right, down);
+            }
+        }
+        self.session.draw(&steering, seconds, None)?;
+        let scope = self.session.begin_scope("present");
+        let shown = self.screen.show(self.session.renderer(), frame, self.size)?;
+        self.session.end_scope(scope);
+        self.tell_fallback();
+        self.session.after_frame()?;
+        if self.is_occluded {
+            self.not_before = now.after(HIDDEN_INTERVAL);
+        } else if self.arrivals.is_first_awaited() {
+            // What is on its way needs the machine more than an empty sky.
+            self.not_before = now.after(WAITING_INTERVAL);
+        }
+        match shown {
+            Shown::Not(NotShown::WindowGone) => Ok(Next::End),
+            Shown::Not(reason @ NotShown::DeviceLost) => Err(RunError::machine(reason)),
+            Shown::Not(NotShown::NoArea) => {
+                self.not_before = now.after(HIDDEN_INTERVAL);
+                Ok(Next::Now)
+            }
+            Shown::Not(NotShown::Hidden | NotShown::OutOfDate | NotShown::SurfaceLost)
+            | Shown::Presented(_) => Ok(Next::Now),
+        }
+    }
+
+    /// Does a deed; answers whether it was the end.
+    pub(super) fn act(&mut self, deed: Deed) -> Result<bool, RunError> {
+        match deed {
+            Deed::Quit => return Ok(true),
+            Deed::Escape => return Ok(self.escape()),
+            Deed::ListScenes => {
+                self.session.menu = Some(menu::scenes(scene_files::to_choose(&self.files)));
+            }
+            Deed::OpenPath => self.session.menu = Some(Menu::path()),
+            Deed::FullScreen => self.toggle_full_screen(),
+            Deed::CaptureMouse => {
+                let action = self.pointer.toggle_capture();
+                self.point(Some(action));
+            }
+            Deed::PresentMode(mode) => self.set_mode(mode),
+            Deed::NextPresentMode => {
+                let at = PresentMode::ALL.iter().position(|m| *m == self.screen.wanted_mode());
+                let next = at.map_or(0, |at| (at + 1) % PresentMode::ALL.len());
+                self.set_mode(PresentMode::ALL[next]);
+            }
+            _ => {
+                self.session.act(deed)?;
+                self.screen.set_frames_in_flight(self.session.frames_in_flight())?;
+            }
+        }
+        self.next_layout = Time::ZERO;
+        Ok(false)
+    }
+
+    fn set_mode(&mut self, mode: PresentMode) {
+        self.screen.set_mode(mode);
+        self.fallback = None;
+        self.session.tell(format!("present mode {mode}"));
+    }
+
+    /// Says which present mode it is, if not the one that was wanted. That is known when the window has
+    /// its images.
+    fn tell_fallback(&mut self) {
+        let fallback = self.screen.swapchain().fallback();
+        if let Some(Fallback { wanted, taken }) = fallback
+            && self.fallback != fallback
+        {
+            self.session.refuse(format!("this window has no {wanted}; it is {taken} instead"));
+        }
+        self.fallback = fallback;
+    }
+
+    pub(super) fn clock_now(&self) -> Time {
+        self.session.clock.now()
+    }
+
+    /// Writes what is left, and tears all down.
+    pub(super) fn close(self, options: &ShowOptions) -> Result<(), RunError> {
+        let Self { arrivals, session, mut screen, window, instance, .. } = self;
+        // Whatever is on its way is given up before the device goes.
+        drop(arrivals);
+        tracing::info!("{}", super::page_text::in_short(&screen.facts()));
+        let finished = session.finish(options);
+        drop((screen, window));
+        let log = instance.validation_log().clone();
+        drop(instance);
+        super::first_error([finished, super::check_log(&log)])
+    }
+}

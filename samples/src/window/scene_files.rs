@@ -1,0 +1,59 @@
+//! The files that can be chosen: those that were opened, and those beside them.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A list of more files is not read by anybody.
+const MOST_FILES: usize = 24;
+/// Entries of a folder that are looked at.
+const MOST_ENTRIES: usize = 10_000;
+
+/// Returns the glTF files that were opened, the newest first, and those in the folder of the newest, or in
+/// the working folder if none was.
+pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
+    let newest = opened.last().and_then(|file| file.parent());
+    let folder = newest.filter(|folder| !folder.as_os_str().is_empty());
+    let beside = beside(folder.unwrap_or(Path::new(".")), folder.is_some());
+    let mut files: Vec<PathBuf> = Vec::new();
+    for file in opened.iter().rev().cloned().chain(beside) {
+        if !files.contains(&file) {
+            files.push(file);
+        }
+    }
+    files.truncate(MOST_FILES);
+    files
+}
+
+/// The glTF files in a folder, by name. None of one that cannot be read.
+fn beside(folder: &Path, is_named: bool) -> BTreeSet<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
+    let files = entries.map(|entry| match is_named {
+        true => entry.path(),
+        false => PathBuf::from(entry.file_name()),
+    });
+    let is_scene = |file: &PathBuf| {
+        let extension = file.extension().map(|extension| extension.to_ascii_lowercase());
+        extension.is_some_and(|extension| extension == "glb" || extension == "gltf")
+    };
+    files.filter(is_scene).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opened_files_come_first_and_each_once() {
+        let folder = std::env::temp_dir().join(format!("scene-files-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        for name in ["b.glb", "a.GLTF", "c.png", "glb"] {
+            fs::write(folder.join(name), "").unwrap();
+        }
+        let opened = [PathBuf::from("/elsewhere/z.glb"), folder.join("b.glb")];
+        let files = to_choose(&opened);
+        fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(files, [folder.join("b.glb"), "/elsewhere/z.glb".into(), folder.join("a.GLTF")]);
+        assert!(to_choose(&["/no/such/folder/a.glb".into()]).len() == 1);
+    }
+}

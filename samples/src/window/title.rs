@@ -1,0 +1,62 @@
+//! The window's title: scene, strategy and frames per second.
+
+use std::time::Duration;
+
+use pacing::Time;
+
+/// The title changes this often.
+const INTERVAL: Duration = Duration::from_millis(500);
+
+/// Counts frames between two titles.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Title {
+    since: Option<Time>,
+    frames: u32,
+}
+
+impl Title {
+    /// Counts a frame that began at `now`; returns the next title when one is due.
+    pub fn count(&mut self, now: Time, scene: &str, strategy: &str) -> Option<String> {
+        let since = *self.since.get_or_insert(now);
+        let passed = now.since(since);
+        if passed < INTERVAL {
+            self.frames += 1;
+            return (since == now && self.frames == 1).then(|| text(scene, strategy, None));
+        }
+        let rate_hz = f64::from(self.frames) / passed.as_secs_f64();
+        (self.since, self.frames) = (Some(now), 1);
+        Some(text(scene, strategy, Some(rate_hz)))
+    }
+}
+
+fn text(scene: &str, strategy: &str, rate_hz: Option<f64>) -> String {
+    let rate = match rate_hz {
+        None => String::new(),
+        Some(hz) if hz < 10.0 => format!(" - {hz:.1} frames/s"),
+        Some(hz) => format!(" - {hz:.0} frames/s"),
+    };
+    format!("{scene} - {strategy}{rate} - Antumbra")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_says_how_many_frames_there_were_in_a_second() {
+        for (frame_ms, said) in [(20, "50 frames/s"), (400, "2.5 frames/s")] {
+            let mut title = Title::default();
+            let at = |frame: u64| Time::from_nanos(frame * frame_ms * 1_000_000);
+            let first = title.count(at(0), "city", "antumbra");
+            assert_eq!(first.as_deref(), Some("city - antumbra - Antumbra"));
+            let titles = (1..=100).filter_map(|frame| title.count(at(frame), "city", "frustum"));
+            let titles: Vec<String> = titles.collect();
+            assert_eq!(
+                titles.len() as u64,
+                100 * frame_ms / if frame_ms == 20 { 500 } else { 800 }
+            );
+            let expected = format!("city - frustum - {said} - Antumbra");
+            assert!(titles.iter().all(|title| *title == expected), "{titles:?}");
+        }
+    }
+}
