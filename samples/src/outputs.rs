@@ -13,16 +13,24 @@ use crate::window::show::ShowOptions;
 
 /// A file that could not be written.
 #[derive(Debug, Error)]
-#[error("cannot write '{path}': {reason}; is there space, and may you write there?")]
-pub struct WriteError {
-    path: String,
-    reason: String,
+pub enum WriteError {
+    /// A file, or the folder it belongs in.
+    #[error("cannot write '{path}': {reason}; is there space, and may you write there?")]
+    File {
+        /// The file's path, escaped.
+        path: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// Standard output, which may be a full disk.
+    #[error("cannot write to standard output: {0}; is there space where it leads?")]
+    StandardOutput(String),
 }
 
 impl WriteError {
-    /// For a file and what went wrong with it.
+    /// Returns the error for a file and what went wrong with it.
     pub fn new(path: &Path, reason: impl ToString) -> Self {
-        Self { path: shown(path).to_string(), reason: reason.to_string() }
+        Self::File { path: shown(path).to_string(), reason: reason.to_string() }
     }
 }
 

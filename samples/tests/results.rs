@@ -98,7 +98,7 @@ fn what_cannot_be_printed_is_no_success() {
         let output = command.stdout(full()).output().expect("it starts");
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
-        assert!(message.contains("cannot write 'standard output'"), "{arguments:?}: {message}");
+        assert!(message.contains("cannot write to standard output"), "{arguments:?}: {message}");
     }
     let mut command = walkthrough(&scratch.0, &[&SMALL[..], &["--report=report.json"]].concat());
     let output = command.stdout(full()).output().expect("it starts");

@@ -8,6 +8,8 @@ use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};
 
+const USAGE: &str = "usage: triangle [--headless]";
+
 struct Triangle(Renderer, ViewHistory, Option<gpu::Swapchain>);
 
 impl Triangle {
@@ -108,7 +110,8 @@ fn main() -> ExitCode {
     let ended = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         [] => in_a_window(),
         ["--headless"] => headless(),
-        _ => Err("usage: triangle [--headless]".into()),
+        ["--help"] => writeln!(std::io::stdout(), "{USAGE}").map_err(Into::into),
+        _ => Err(USAGE.into()),
     };
     let Err(error) = ended else { return ExitCode::SUCCESS };
     eprintln!("triangle: {error}");

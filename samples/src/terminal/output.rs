@@ -14,7 +14,7 @@ pub fn print(text: &str) -> Result<(), WriteError> {
     let mut output = io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(WriteError::new(Path::new("standard output"), error))
+            Err(WriteError::StandardOutput(error.to_string()))
         }
         _ => Ok(()),
     }

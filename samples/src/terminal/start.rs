@@ -21,14 +21,20 @@ const HELP_WIDTH_MAX: usize = 100;
 /// with the command line.
 pub fn start<A: Parser>(level: &str) -> Result<A, ExitCode> {
     let arguments = parse().map_err(|error| answer(&error))?;
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    let asked = EnvFilter::try_from_default_env();
+    let is_debugging = asked.is_ok();
+    let log = tracing_subscriber::fmt()
+        .with_env_filter(asked.unwrap_or_else(|_| EnvFilter::new(level)))
         .with_ansi(has_colour(&io::stderr()))
         .with_writer(io::stderr)
         // It would panic where standard error is full.
-        .log_internal_errors(false)
-        .init();
+        .log_internal_errors(false);
+    // Modules and times are for whoever set `RUST_LOG`; users read sentences.
+    if is_debugging {
+        log.init();
+    } else {
+        log.without_time().with_target(false).init();
+    }
     Ok(arguments)
 }
 
