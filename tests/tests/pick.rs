@@ -8,10 +8,11 @@
 )]
 
 use cull::{Camera, Decision, ObjectId, Outcome, Strategy};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 use gpu::Readback;
-use render::scene::{CameraPath, PathKind, Scene, city};
+use render::scene::{CameraPath, Mesh, MeshId, Object, PathKind, Scene, city};
 use render::{Costs, Explanation, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use tests::shapes::square_camera;
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [320, 180];
@@ -83,6 +84,45 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
         // At an edge, one sub-pixel decides.
         assert!(right * 100 >= pixels.len() * 98, "{right} of {}", pixels.len());
         assert!(objects.len() > 10 && empty > 5, "{objects:?}, {empty}");
+    });
+}
+
+/// A square of `half` metres around the ray, far away, and before it more frames than anyone would count: the boxes of
+/// all of them hold the ray, and their corners alone are there.
+fn behind_frames(frames: u32, half: f32) -> Scene {
+    let corners = |corners: [[f32; 2]; 3]| corners.map(|[x, y]| ([x, y, 0.0], [1.0; 3]));
+    let [low, high] = [
+        corners([[-1.0, -1.0], [-0.9, -1.0], [-1.0, -0.9]]),
+        corners([[1.0, 1.0], [0.9, 1.0], [1.0, 0.9]]),
+    ];
+    let mut scene = Scene::single(Mesh::of_triangles("frame", &[low, high].concat()));
+    let square = [
+        corners([[-half, -half], [half, -half], [half, half]]),
+        corners([[-half, -half], [half, half], [-half, half]]),
+    ];
+    scene.meshes.push(Mesh::of_triangles("square", &square.concat()));
+    let object = |(mesh, distance_m): (u32, f32)| Object {
+        mesh: MeshId(mesh),
+        transform: Affine3A::from_translation(Vec3::NEG_Z * distance_m),
+        tint: u32::MAX,
+    };
+    let places = (0..frames).map(|number| (0, 2.0 + number as f32 / frames as f32));
+    scene.objects = places.chain([(1, 9.0)]).map(object).collect();
+    scene
+}
+
+#[test]
+fn what_is_behind_thousands_of_boxes_is_found() {
+    const FRAMES: u32 = 5_200;
+    run_on_all(|device| {
+        let camera = Camera { fov_y: 0.9, ..square_camera() };
+        for (half, expected) in [(1.0, Some(ObjectId(FRAMES))), (0.0, None)] {
+            let scene = behind_frames(FRAMES, half);
+            let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+            let pick = renderer.pick(&camera, [SIZE[0] / 2, SIZE[1] / 2]).unwrap();
+            device.drain().unwrap();
+            assert_eq!(renderer.picked(&pick).unwrap(), Some(expected));
+        }
     });
 }
 

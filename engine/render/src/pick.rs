@@ -15,9 +15,6 @@ use crate::view_history::{RendererId, ViewHistory};
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";
 
-/// Boxes that are drawn at most to find the object of a pixel.
-const MOST_CANDIDATES: usize = 4096;
-
 /// A question that is on its way to the GPU. A newer one takes its place.
 #[derive(Debug, Clone)]
 pub struct Pick {
@@ -32,7 +29,8 @@ pub struct Pick {
 impl Renderer {
     /// Begins to find out which object of the scene, as it was drawn last, owns the pixel at `pixel` (from
     /// the upper left) of a picture seen from `camera`. All objects count, whether culling left them
-    /// out or not; blended ones do not. Submits a frame; present the picture before or after the next.
+    /// out or not; blended ones do not. Submits a frame of one pixel, which draws all objects whose boxes lie
+    /// along its ray: only their triangles tell how far it goes. Present the picture before or after the next.
     ///
     /// On a device whose fragment shaders cannot write to buffers, the nearest box answers.
     ///
@@ -44,7 +42,7 @@ impl Renderer {
         let objects = self.hierarchy.leaf_objects();
         let met = self.hierarchy.leaves_along(view.eye, ray).into_iter();
         let met = met.filter_map(|(_, leaf)| Some((leaf, *objects.get(leaf.0 as usize)?)));
-        let candidates: Vec<(LeafIndex, ObjectId)> = met.take(MOST_CANDIDATES).collect();
+        let candidates: Vec<(LeafIndex, ObjectId)> = met.collect();
         let can_ask = self.device.capabilities().has(Optional::FragmentStores);
         let tick = match can_ask && !candidates.is_empty() {
             true => Some(self.submit_pick(camera, &view, ray, &candidates)?),
