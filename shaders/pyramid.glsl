@@ -2,8 +2,10 @@
 // picture a box may cover, and the list of what is drawn.
 
 struct Box {
-    vec4 low;
-    vec4 high;
+    vec3 low;
+    uint triangles; // that are shown: a front and its back are one
+    vec3 high;
+    uint unused;
 };
 
 struct IndirectDraw {
@@ -74,9 +76,9 @@ Coverage coverage(Box box) {
     const float NEAR_SLACK = 1.0 / 1024.0;
     const float DEPTH_SLACK = 1.0 / 1048576.0;
     float near = row_x.w;
-    vec3 centre = (box.low.xyz * 0.5 + box.high.xyz * 0.5) - eye;
-    vec3 extent = box.high.xyz * 0.5 - box.low.xyz * 0.5;
-    float coordinate = max(largest(max(abs(box.low.xyz), abs(box.high.xyz))), largest(abs(eye)));
+    vec3 centre = (box.low * 0.5 + box.high * 0.5) - eye;
+    vec3 extent = box.high * 0.5 - box.low * 0.5;
+    float coordinate = max(largest(max(abs(box.low), abs(box.high))), largest(abs(eye)));
     float slack = row_w.w * coordinate;
     Coverage covers;
     // A leaf without an object has a box turned inside out.
@@ -124,7 +126,7 @@ void decide(uint leaf, bool drawn) {
     if (!drawn) {
         return;
     }
-    uint triangles = draw.index_count / 3;
+    uint triangles = boxes[leaf].triangles;
     uint before = atomicAdd(counters[phase].triangles_low, triangles);
     if (before + triangles < before) {
         atomicAdd(counters[phase].triangles_high, 1);

@@ -173,5 +173,5 @@ pub fn cube(colour: u32, quads: u32) -> Mesh {
         }
     }
     let bounds = bounds_of_vertices(&vertices);
-    Mesh { name: "cube".to_owned(), vertices, indices, bounds }
+    Mesh { name: "cube".to_owned(), vertices, indices, bounds, has_backs: false }
 }

@@ -153,7 +153,7 @@ pub fn mesh(
     let bounds = bounds_of_vertices(&corners);
     let material = render::scene::MaterialId(material);
     (
-        Mesh { name: "mesh".to_owned(), vertices: corners, indices, bounds },
+        Mesh { name: "mesh".to_owned(), vertices: corners, indices, bounds, has_backs: false },
         SurfaceMesh { vertices, material },
     )
 }

@@ -7,11 +7,11 @@
     reason = "a test fails by panicking"
 )]
 
-use cull::{Camera, DetailPolicy, Strategy};
+use cull::{Camera, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{Device, Readback};
 use render::scene::{Level, MeshId, Object, Scene};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{Area, Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
 use tests::shapes::{coloured_cubes, square_camera};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run, run_on_all};
@@ -123,5 +123,54 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
             (pixels_that_differ(&fine.rgba8().unwrap(), &again.rgba8().unwrap()), found),
             (0, all)
         );
+    });
+}
+
+/// The wood with the back of each triangle, of coarser forms too, as a triangle of its own.
+fn wood_from_both_sides() -> Scene {
+    let add_backs = |indices: &mut Vec<u32>| {
+        let backs: Vec<u32> =
+            indices.as_chunks::<3>().0.iter().flat_map(|[a, b, c]| [*a, *c, *b]).collect();
+        indices.extend(backs);
+    };
+    let mut scene = wood();
+    for mesh in &mut scene.meshes {
+        add_backs(&mut mesh.indices);
+        mesh.has_backs = true;
+    }
+    for level in scene.surfaces.as_mut().unwrap().levels.iter_mut().flatten() {
+        add_backs(&mut level.indices);
+    }
+    scene
+}
+
+#[test]
+fn a_triangle_and_its_back_are_counted_as_one() {
+    run_on_all(|device| {
+        let scene = wood_from_both_sides();
+        assert_eq!(scene.triangles(), 12 * 200);
+        let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        // What is decided by the CPU is counted there, and by the pyramid on the GPU.
+        for (error_pixels, of_cube) in [(0.0, 12), (1e6, 6)] {
+            let policy = DetailPolicy { error_pixels, hysteresis: 0.0 };
+            renderer.choose_detail(&[camera(0)], &policy);
+            assert_eq!(renderer.triangles_of(ObjectId(7)), of_cube);
+            let mut finder = renderer.new_view().unwrap();
+            let whole = Area::whole(SIZE);
+            let visible = renderer.visible_set(&mut finder, &camera(0), whole).unwrap();
+            for strategy in
+                [Strategy::Frustum, Strategy::Antumbra, Strategy::Pyramid, Strategy::Ideal]
+            {
+                let mut view = renderer.new_view().unwrap();
+                let plain = FrameRequest::new(strategy, camera(0));
+                let request = FrameRequest { visible: Some(&visible), ..plain };
+                (0..4).for_each(|_| drop(renderer.render(&mut view, &request).unwrap()));
+                renderer.drain(&mut view).unwrap();
+                let outcome = view.take_outcomes().last().unwrap();
+                assert!(outcome.draws > 20, "{strategy}: {outcome:?}");
+                assert_eq!(outcome.triangles, of_cube * outcome.draws, "{strategy}");
+            }
+        }
     });
 }

@@ -222,7 +222,8 @@ fn with_sprites(mut scene: Scene) -> Scene {
         let sprites = Sprites { mesh, shape, radius_m: 0.03, ends, normals: Vec::new() };
         let (vertices, indices) = (Vec::new(), Vec::new());
         let name = "sprites".to_owned();
-        scene.meshes.push(Mesh { name, vertices, indices, bounds: sprites.bounds() });
+        let bounds = sprites.bounds();
+        scene.meshes.push(Mesh { name, vertices, indices, bounds, has_backs: false });
         let surfaces = scene.surfaces.as_mut().unwrap();
         surfaces.meshes.push(SurfaceMesh { vertices: Vec::new(), material: MaterialId(0) });
         surfaces.sprites.push(sprites);

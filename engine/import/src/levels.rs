@@ -180,7 +180,8 @@ mod tests {
         let surface = SurfaceMesh { vertices: surface.collect(), material: MaterialId(0) };
         let bounds = bounds_of_vertices(&vertices);
         let indices = indices.collect();
-        (Mesh { name: "ball".to_owned(), vertices, indices, bounds }, surface)
+        let name = "ball".to_owned();
+        (Mesh { name, vertices, indices, bounds, has_backs: false }, surface)
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub(crate) struct Geometry {
     pub(crate) surfaces: Option<SurfaceResources>,
     /// Of meshes, and of their coarser forms behind those.
     mesh_draws: Vec<IndirectDraw>,
+    /// How many triangles each of these draws shows.
+    draw_triangles: Vec<u32>,
     mesh_bounds: Vec<Aabb>,
     pub(crate) forms: Forms,
     // By object.
@@ -121,9 +123,11 @@ impl Geometry {
         let mut instances: Vec<Instance> =
             by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
         sprites::add_words(scene, &mut instances);
+        let draw_triangles = triangles_of_draws(scene, &mesh_draws);
+        let counts = leaf_forms.iter().map(|form| count_of(&draw_triangles, *form));
+        let leaves = hierarchy.leaf_objects().iter().zip(counts.clone());
         let leaf_boxes: Vec<ProxyBox> =
-            hierarchy.leaf_objects().iter().map(|object| leaf_box(hierarchy, *object)).collect();
-        let counts = leaf_forms.iter().map(|mesh| count_of(&mesh_draws, *mesh));
+            leaves.map(|(object, count)| leaf_box(hierarchy, *object, count)).collect();
         let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let deformed_vertices = deformed_vertices(scene);
@@ -144,6 +148,7 @@ impl Geometry {
             draw_changes: DrawChanges::new(leaf_count),
             surfaces,
             mesh_draws,
+            draw_triangles,
             forms,
             object_forms: object_meshes.clone(),
             object_meshes,
@@ -181,7 +186,7 @@ impl Geometry {
     /// The objects and triangles of a range of leaves.
     pub(crate) fn count(&self, leaves: LeafRange) -> Count {
         match (leaves.count, self.leaf_forms.get(leaves.first.0 as usize)) {
-            (1, Some(mesh)) => count_of(&self.mesh_draws, *mesh),
+            (1, Some(form)) => count_of(&self.draw_triangles, *form),
             _ => self.leaf_counts.of(leaves),
         }
     }
@@ -312,7 +317,7 @@ impl Geometry {
         };
         let before = std::mem::replace(mesh, now);
         if before != now {
-            let [before, now] = [before, now].map(|mesh| count_of(&self.mesh_draws, mesh));
+            let [before, now] = [before, now].map(|form| count_of(&self.draw_triangles, form));
             self.leaf_counts.replace(place, before, now);
             self.draw_changes.push(leaf);
         }
@@ -350,7 +355,10 @@ impl Geometry {
             let instance = self.object_instances.get(object(leaf).0 as usize);
             instance.copied().unwrap_or_default()
         };
-        let bounds = |leaf: &LeafIndex| leaf_box(hierarchy, object(leaf));
+        let bounds = |leaf: &LeafIndex| {
+            let count = self.count(LeafRange { first: *leaf, count: 1 });
+            leaf_box(hierarchy, object(leaf), count)
+        };
         let uploads = frame.uploads();
         let leaves = uploads.push_iter(stale().map(|leaf| leaf.0))?;
         let instances = uploads.push_iter(stale().map(instance))?;
@@ -379,12 +387,20 @@ impl Geometry {
     }
 }
 
-fn count_of(mesh_draws: &[IndirectDraw], mesh: u32) -> Count {
-    let draw = mesh_draws.get(mesh as usize);
-    draw.map_or(Count::default(), |draw| Count {
-        draws: 1,
-        triangles: u64::from(draw.index_count / 3),
-    })
+/// Returns how many triangles the draws of meshes show, and those of their coarser forms behind them.
+fn triangles_of_draws(scene: &Scene, draws: &[IndirectDraw]) -> Vec<u32> {
+    let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
+    let forms = scene.meshes.iter().zip(levels);
+    let coarser = forms.flat_map(|(mesh, levels)| levels.iter().map(move |_| mesh));
+    let meshes = scene.meshes.iter().chain(coarser);
+    let triangles =
+        |(mesh, draw): (&Mesh, &IndirectDraw)| mesh.triangles_of(draw.index_count as usize) as u32;
+    meshes.zip(draws).map(triangles).collect()
+}
+
+fn count_of(draw_triangles: &[u32], form: u32) -> Count {
+    let triangles = draw_triangles.get(form as usize);
+    triangles.map_or(Count::default(), |&it| Count { draws: 1, triangles: it.into() })
 }
 
 fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {

@@ -167,7 +167,7 @@ impl<'a> Assembly<'a> {
         name: String,
     ) -> MeshId {
         let (vertices, indices) = (Vec::new(), Vec::new());
-        let mesh = Mesh { name, vertices, indices, bounds: sprites.bounds() };
+        let mesh = Mesh { name, vertices, indices, bounds: sprites.bounds(), has_backs: false };
         let surface = SurfaceMesh { vertices: Vec::new(), material: material.id };
         let mesh = self.push_mesh(mesh, surface);
         self.surfaces.sprites.push(Sprites { mesh, ..sprites });

@@ -64,7 +64,7 @@ pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
     let (half, all) = (backs.len() as u32, part.triangles.len() as u32);
     let numbers = |range: std::ops::Range<u32>| range.collect::<Vec<u32>>();
     [numbers(0..half), numbers(half..all)]
-        .map(|side| pieces::piece(&part, &side, &mut names))
+        .map(|side| Geometry { has_backs: false, ..pieces::piece(&part, &side, &mut names) })
         .into()
 }
 

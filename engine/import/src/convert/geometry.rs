@@ -22,6 +22,8 @@ pub(super) struct Geometry {
     pub(super) triangles: Vec<[u32; 3]>,
     /// Whether each triangle is there from both sides, so that it may be mirrored at any time.
     pub(super) has_both_sides: bool,
+    /// Whether the second half of the triangles are the backs of the first, or the first of the second.
+    pub(super) has_backs: bool,
 }
 
 impl Geometry {
@@ -59,6 +61,7 @@ impl Geometry {
                 .collect(),
             triangles: Vec::new(),
             has_both_sides: self.has_both_sides,
+            has_backs: self.has_backs,
         }
     }
 

@@ -49,7 +49,9 @@ pub(super) fn pack(
     }
     let bounds = bounds_of_vertices(&vertices);
     let indices = geometry.triangles.as_flattened().to_vec();
-    (Mesh { name, vertices, indices, bounds }, SurfaceMesh { vertices: surface, material })
+    let has_backs = geometry.has_backs;
+    let mesh = Mesh { name, vertices, indices, bounds, has_backs };
+    (mesh, SurfaceMesh { vertices: surface, material })
 }
 
 #[cfg(test)]

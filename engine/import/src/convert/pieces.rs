@@ -5,16 +5,19 @@ use glam::Vec3;
 use super::geometry::Geometry;
 
 /// Cuts geometry into pieces of at most `most` triangles: the triangles are halved by their middles along the
-/// longest side of the box around these, again and again. Within a piece they keep their order. What fits
-/// is one piece.
+/// longest side of the box around these, again and again. Within a piece they keep their order, and backs are
+/// in that of their fronts. What fits is one piece.
 pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let most = most.max(1);
     if geometry.triangles.len() <= most {
         return vec![geometry];
     }
-    let middles: Vec<Vec3> = geometry.triangles.iter().map(|it| middle(&geometry, it)).collect();
+    let sides: usize = if geometry.has_backs { 2 } else { 1 };
+    let (count, most) = (geometry.triangles.len() / sides, (most / sides).max(1));
+    let first_sides = geometry.triangles.iter().take(count);
+    let middles: Vec<Vec3> = first_sides.map(|it| middle(&geometry, it)).collect();
     let of = |triangle: u32| middles.get(triangle as usize).copied().unwrap_or_default();
-    let mut order: Vec<u32> = (0..geometry.triangles.len() as u32).collect();
+    let mut order: Vec<u32> = (0..count as u32).collect();
     let mut pending = vec![order.as_mut_slice()];
     let mut pieces = Vec::new();
     // Where a vertex is in the piece at hand; each piece cleans up behind itself.
@@ -22,7 +25,9 @@ pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
     while let Some(part) = pending.pop() {
         if part.len() <= most {
             part.sort_unstable();
-            pieces.push(piece(&geometry, part, &mut names));
+            let of_side = |side| part.iter().map(move |triangle| triangle + (side * count) as u32);
+            let part: Vec<u32> = (0..sides).flat_map(of_side).collect();
+            pieces.push(piece(&geometry, &part, &mut names));
             continue;
         }
         let axis = longest_side(part.iter().map(|&triangle| of(triangle)));
@@ -76,6 +81,7 @@ pub(super) fn piece(geometry: &Geometry, part: &[u32], names: &mut [u32]) -> Geo
 
 #[cfg(test)]
 mod tests {
+    use super::super::sidedness::{Backs, with_backs};
     use super::*;
 
     /// A strip of squares along x, each of two triangles.
@@ -115,6 +121,24 @@ mod tests {
                 xs.fold((f32::MAX, f32::MIN), |(low, high), x| (low.min(x), high.max(x)));
             assert!((low - end).abs() <= 1.0, "{low} after {end}");
             end = high;
+        }
+    }
+
+    #[test]
+    fn backs_are_in_the_piece_of_their_fronts() {
+        // Sums of three numbers depend on their order, so that the middles of both sides may differ.
+        let mut both = strip(333);
+        for (number, at) in (0..).zip(&mut both.positions) {
+            *at = Vec3::new(at.x * 0.37, (number * 7 % 13) as f32 / 13.0, 1e-3 / (at.x + 0.1));
+        }
+        with_backs(&mut both, Backs::Last);
+        let pieces = cut(both, 60);
+        assert_eq!(pieces.iter().map(|piece| piece.triangles.len()).sum::<usize>(), 4 * 333);
+        for piece in &pieces {
+            let found = corners(piece);
+            let (fronts, backs) = found.split_at(found.len() / 2);
+            assert!(piece.has_backs && found.len() <= 60);
+            assert!(fronts.iter().map(|[a, b, c]| [*a, *c, *b]).eq(backs.iter().copied()));
         }
     }
 

@@ -19,6 +19,7 @@ pub(super) fn with_backs(geometry: &mut Geometry, backs: Backs) {
     if backs == Backs::None {
         return;
     }
+    geometry.has_backs = true;
     let count = geometry.positions.len();
     let fronts = std::mem::take(&mut geometry.triangles);
     geometry.positions.extend_from_within(..);

@@ -79,6 +79,7 @@ fn double_sided_materials_have_backs_that_face_the_other_way() {
     let imported = load(&scene);
     let [a, b, c] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     assert_eq!(corners(&imported, 0), [a, b, c, a, c, b]);
+    assert_eq!(imported.scene.triangles(), 1, "front and back are one");
     assert_eq!(normals(&imported, 0)[2..4], [[0, 0, 32767, 0], [0, 0, -32767, 0]]);
     scene.set("/materials/0/alphaMode", json!("BLEND"));
     let imported = load(&scene);

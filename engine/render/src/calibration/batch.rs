@@ -388,7 +388,7 @@ fn mesh(name: &str, points: impl Iterator<Item = [f32; 2]>, indices: Vec<u32>) -
     let vertex = |[x, y]: [f32; 2]| Vertex { position: [x, y, 0.0], normal, colour };
     let vertices: Vec<Vertex> = points.map(vertex).collect();
     let bounds = bounds_of_vertices(&vertices);
-    Mesh { name: name.to_owned(), vertices, indices, bounds }
+    Mesh { name: name.to_owned(), vertices, indices, bounds, has_backs: false }
 }
 
 fn single() -> Mesh {

@@ -31,13 +31,24 @@ pub struct ProxyIo {
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct ProxyBox {
-    low: [f32; 4],
-    high: [f32; 4],
+    low: [f32; 3],
+    /// Of what is in it, for [`Counters`](super::Counters); others do not look at it.
+    triangles: u32,
+    high: [f32; 3],
+    unused: u32,
 }
 
 impl From<Aabb> for ProxyBox {
     fn from(bounds: Aabb) -> Self {
-        Self { low: bounds.min.extend(0.0).to_array(), high: bounds.max.extend(0.0).to_array() }
+        let [low, high] = [bounds.min, bounds.max].map(|corner| corner.to_array());
+        Self { low, triangles: 0, high, unused: 0 }
+    }
+}
+
+impl ProxyBox {
+    /// Returns the box around so many triangles.
+    pub(crate) fn counting(self, triangles: u32) -> Self {
+        Self { triangles, ..self }
     }
 }
 

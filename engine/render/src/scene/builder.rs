@@ -370,6 +370,12 @@ impl MeshBuilder {
     /// The finished mesh.
     pub(crate) fn finish(self, name: &str) -> Mesh {
         let bounds = bounds_of_vertices(&self.vertices);
-        Mesh { name: name.to_owned(), vertices: self.vertices, indices: self.indices, bounds }
+        Mesh {
+            name: name.to_owned(),
+            vertices: self.vertices,
+            indices: self.indices,
+            bounds,
+            has_backs: false,
+        }
     }
 }

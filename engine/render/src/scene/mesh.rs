@@ -33,12 +33,21 @@ pub struct Mesh {
     pub indices: Vec<u32>,
     /// The tight box around the vertices, in the space of the mesh, in metres.
     pub bounds: Aabb,
+    /// Whether the back of each triangle is a triangle of its own, as meshes of double-sided materials have it.
+    pub has_backs: bool,
 }
 
 impl Mesh {
-    /// How many triangles it has.
+    /// Returns how many triangles it has; a triangle and its back are one.
     pub fn triangles(&self) -> u64 {
-        self.indices.len() as u64 / 3
+        self.triangles_of(self.indices.len())
+    }
+
+    /// Returns how many triangles so many indices of it are.
+    pub(crate) fn triangles_of(&self, indices: usize) -> u64 {
+        let sides = if self.has_backs { 2 } else { 1 };
+        // A coarser form may keep a triangle and not its back.
+        (indices as u64 / 3).div_ceil(sides)
     }
 }
 

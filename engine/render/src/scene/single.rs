@@ -27,6 +27,7 @@ impl Mesh {
             indices: (0..vertices.len() as u32).collect(),
             bounds: bounds_of_vertices(&vertices),
             vertices,
+            has_backs: false,
         }
     }
 }

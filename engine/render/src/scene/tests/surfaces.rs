@@ -18,6 +18,7 @@ fn scene() -> Scene {
         vertices: vertices.clone(),
         indices: vec![0, 1, 2],
         bounds,
+        has_backs: false,
     };
     let object =
         |mesh| Object { mesh: MeshId(mesh), transform: Affine3A::IDENTITY, tint: u32::MAX };
