@@ -60,10 +60,15 @@ pub fn load(
     });
     loaded.map_err(|error| match error.cause {
         Cause::GivenUp => RunError::given_up(),
-        // The engine's sentence has the name as it is.
-        _ => RunError::user(
-            error.to_string().replace(&file.display().to_string(), &shown(file).to_string()),
-        ),
+        cause => {
+            // The engine's sentence has the name as it is.
+            let said = error.to_string();
+            let said = said.replace(&file.display().to_string(), &shown(file).to_string());
+            match cause {
+                Cause::NoMemory => RunError::machine(said),
+                _ => RunError::user(said),
+            }
+        }
     })
 }
 

@@ -165,9 +165,11 @@ fn a_triangle_and_its_back_are_counted_as_one() {
                 let mut view = renderer.new_view().unwrap();
                 let plain = FrameRequest::new(strategy, camera(0));
                 let request = FrameRequest { visible: Some(&visible), ..plain };
-                (0..4).for_each(|_| drop(renderer.render(&mut view, &request).unwrap()));
+                for _ in 0..4 {
+                    renderer.render(&mut view, &request).unwrap();
+                }
                 renderer.drain(&mut view).unwrap();
-                let outcome = view.take_outcomes().last().unwrap();
+                let outcome = view.take_outcomes().next_back().unwrap();
                 assert!(outcome.draws > 20, "{strategy}: {outcome:?}");
                 assert_eq!(outcome.triangles, of_cube * outcome.draws, "{strategy}");
             }

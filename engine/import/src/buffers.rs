@@ -8,6 +8,7 @@ use gltf::json::Root;
 use crate::Limits;
 use crate::elements::BufferBytes;
 use crate::error::{At, Fault, Reason};
+use crate::memory;
 use crate::reach::Kind;
 use crate::uri::{self, Wanted};
 use crate::verdict::Verdict;
@@ -40,6 +41,7 @@ impl Budget {
         let left = self.left.checked_sub(length);
         self.left =
             left.ok_or_else(|| Reason::too_large("bytes decompressed", length, self.left))?;
+        memory::ask(length)?;
         Ok(vec![0; length as usize])
     }
 }

@@ -31,6 +31,8 @@ pub enum Cause {
     Forbidden,
     /// It asks for more than [`Limits`](crate::Limits) allow.
     TooLarge,
+    /// The machine has less memory left than it takes.
+    NoMemory,
     /// Nobody waits for it any more.
     GivenUp,
 }
@@ -55,6 +57,7 @@ impl Cause {
             Self::Forbidden => {
                 "put what the scene needs into its folder, and name it by a relative path"
             }
+            Self::NoMemory => "end other programs, or make the scene smaller",
             Self::GivenUp => "load it again if you want it after all",
             Self::TooLarge => "make the scene smaller, or raise the limits if you trust the file",
         }
@@ -97,6 +100,12 @@ impl Reason {
         Self { cause: Cause::TooLarge, text: text.into() }
     }
 
+    /// Less memory than it takes.
+    pub(crate) fn no_memory(size_bytes: u64) -> Self {
+        let text = format!("there is no memory for the {} MiB that it takes", size_bytes >> 20);
+        Self { cause: Cause::NoMemory, text }
+    }
+
     /// Whoever listens wants it no more.
     pub(crate) fn given_up() -> Self {
         Self { cause: Cause::GivenUp, text: "it was given up".to_owned() }
@@ -136,7 +145,7 @@ impl Fault {
 
     /// Returns whether it refuses the file even where the scene could do without the object.
     pub(crate) fn is_final(&self) -> bool {
-        matches!(self.reason.cause, Cause::TooLarge | Cause::GivenUp)
+        matches!(self.reason.cause, Cause::TooLarge | Cause::NoMemory | Cause::GivenUp)
     }
 
     pub(crate) fn in_file(self, file: &str) -> ImportError {

@@ -21,6 +21,7 @@ use crate::Limits;
 use crate::buffers::Budget;
 use crate::elements::Store;
 use crate::error::{At, Fault, Reason, quoted};
+use crate::memory;
 use crate::reach::Kind;
 use crate::source::Told;
 use crate::uri::Wanted;
@@ -177,6 +178,7 @@ impl<'a> Job<'a> {
     }
 
     fn run(&self, limits: &Limits) -> Result<Vec<u8>, Reason> {
+        memory::ask(self.scratch_bytes)?;
         if !self.lacks_end {
             return self.pixels(&self.encoded, limits);
         }
@@ -248,23 +250,29 @@ fn decode_all(jobs: &[Job], limits: &Limits, tell: &mut Told<'_>) -> Vec<Result<
     let next = AtomicUsize::new(0);
     let done = Mutex::new(vec![Err(Reason::given_up()); jobs.len()]);
     let (finished, arriving) = mpsc::channel();
-    std::thread::scope(|scope| {
-        for _ in 0..threads {
-            let (finished, gate, next, done) = (finished.clone(), &gate, &next, &done);
-            scope.spawn(move || {
-                while let Some((index, job)) = take(jobs, next) {
-                    let pixels = gate.with(job.scratch_bytes, || job.run(limits));
-                    let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
-                    if let Some(slot) = done.get_mut(index) {
-                        *slot = pixels;
-                    }
-                    // Nobody listens any more once it was given up.
-                    let _listens = finished.send(());
-                }
-            });
+    let work = |finished: mpsc::Sender<()>| {
+        while let Some((index, job)) = take(jobs, &next) {
+            let pixels = gate.with(job.scratch_bytes, || job.run(limits));
+            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(slot) = done.get_mut(index) {
+                *slot = pixels;
+            }
+            // Nobody listens any more once it was given up.
+            let _listens = finished.send(());
         }
-        // The threads have one each: without them the channel ends.
-        drop(finished);
+    };
+    std::thread::scope(|scope| {
+        let work = &work;
+        let start = |finished: mpsc::Sender<()>| {
+            std::thread::Builder::new().spawn_scoped(scope, move || work(finished)).is_ok()
+        };
+        let started = (0..threads).take_while(|_| start(finished.clone())).count();
+        // The threads have one end each, without which the channel ends. A machine that has no thread left
+        // has this one.
+        match started {
+            0 => work(finished),
+            _ => drop(finished),
+        }
         for (count, ()) in (1..).zip(&arriving) {
             if tell(count as f32 / jobs.len() as f32).is_break() {
                 // What was begun is finished, no other is begun.

@@ -15,6 +15,7 @@ mod layout;
 mod levels;
 mod limits;
 mod load;
+mod memory;
 mod meshopt;
 mod notes;
 mod performance;

@@ -10,6 +10,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
 use crate::error::{Reason, quoted};
+use crate::memory;
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
@@ -197,6 +198,7 @@ pub(crate) fn read_file(
     if count > limit {
         return Err(Reason::too_large("bytes of the file", count, limit));
     }
+    memory::ask(count)?;
     let mut bytes = Vec::with_capacity(count as usize);
     // The file may have grown since.
     File::open(path)

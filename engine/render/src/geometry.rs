@@ -12,10 +12,11 @@ use crate::detail::{Forms, stretch};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
-use crate::limits::{INSTANCE_BYTES, check_memory, check_storage};
+use crate::limits::{INSTANCE_BYTES, check_memory, check_storage, room};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
 use crate::scene::{
-    BlendedId, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed, unpack_unorm,
+    BlendedId, Mesh, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed,
+    unpack_unorm,
 };
 use crate::sprites;
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
@@ -96,7 +97,7 @@ impl Geometry {
     ) -> Result<Self, Error> {
         let objects = hierarchy.leaf_objects().len();
         check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
-        let (mut vertices, mut indices, mut mesh_draws) = join_meshes(scene);
+        let (mut vertices, mut indices, mut mesh_draws) = join_meshes(scene)?;
         let forms = Forms::join(scene, &mut indices, &mut mesh_draws);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
@@ -419,16 +420,26 @@ fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
     })
 }
 
-/// The box of an object, not enlarged; turned inside out if it is not there.
-fn leaf_box(hierarchy: &Hierarchy, object: ObjectId) -> ProxyBox {
+/// Returns the box of an object, not enlarged; turned inside out if it is not there.
+fn leaf_box(hierarchy: &Hierarchy, object: ObjectId, count: Count) -> ProxyBox {
     let node = hierarchy.node_of(object);
-    ProxyBox::from(node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node)))
+    let bounds = node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));
+    ProxyBox::from(bounds).counting(count.triangles as u32)
 }
 
-/// All meshes in one vertex and one index buffer, so that any objects can share a draw call.
-fn join_meshes(scene: &Scene) -> (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>) {
-    let mut vertices = Vec::new();
-    let mut indices = Vec::new();
+/// Vertices and indices of all meshes, and the draw of each.
+type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
+
+/// Joins all meshes in one vertex and one index buffer, so that any objects can share a draw call. There is room for
+/// their coarser forms and for the pattern of sprites.
+fn join_meshes(scene: &Scene) -> Result<Joined, Error> {
+    let levels = scene.surfaces.iter().flat_map(|surfaces| surfaces.levels.iter().flatten());
+    let levels: usize = levels.map(|level| level.indices.len()).sum();
+    let [pattern_vertices, pattern_indices] = sprites::pattern_size(scene);
+    let vertices = scene.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
+    let indices = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>();
+    let mut vertices = room("the vertices of all meshes", vertices + pattern_vertices)?;
+    let mut indices = room("the triangles of all meshes", indices + levels + pattern_indices)?;
     let mut draws = vec![IndirectDraw::default(); scene.meshes.len()];
     for number in mesh_order(scene) {
         let (Some(mesh), Some(draw)) = (scene.meshes.get(number), draws.get_mut(number)) else {
@@ -444,7 +455,7 @@ fn join_meshes(scene: &Scene) -> (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>) {
         vertices.extend_from_slice(&mesh.vertices);
         indices.extend_from_slice(&mesh.indices);
     }
-    (vertices, indices, draws)
+    Ok((vertices, indices, draws))
 }
 
 /// The box around a box that is somewhere, if it can be there.

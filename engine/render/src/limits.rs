@@ -62,6 +62,14 @@ pub(crate) fn check_memory(
     asked.map_err(|_| Error::NoMemory { what, size_bytes })
 }
 
+/// Returns an empty list with room for so many.
+pub(crate) fn room<T>(what: &'static str, count: usize) -> Result<Vec<T>, Error> {
+    let mut list = Vec::new();
+    let size_bytes = count.saturating_mul(size_of::<T>());
+    let reserved = list.try_reserve_exact(count);
+    reserved.map(|()| list).map_err(|_| Error::NoMemory { what, size_bytes })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -92,6 +92,11 @@ fn most(scene: &Scene) -> usize {
     of_scene(scene).iter().map(Sprites::count).max().unwrap_or(0)
 }
 
+/// Returns how many vertices and indices the pattern has.
+pub(crate) fn pattern_size(scene: &Scene) -> [usize; 2] {
+    [CORNERS.len(), TRIANGLES.len()].map(|each| most(scene) * each)
+}
+
 /// Adds the pattern behind all vertices and indices, and lets the draws of meshes of sprites use it.
 pub(crate) fn add_pattern(
     scene: &Scene,

@@ -15,11 +15,17 @@ use super::sight::Sight;
 use super::topology::Elements;
 use super::{normals, solids, tangents};
 use crate::error::quoted;
+use crate::memory;
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
 /// Texture coordinates beyond this are cut off: no number left between two of them is a texture's part.
 const LARGEST_UV: f32 = 1e6;
+
+/// Memory that a vertex, and a corner of a triangle, take at the most while they are made (bytes): their numbers as
+/// they are read, split at edges, and packed.
+const VERTEX_BYTES: u64 = 256;
+const CORNER_BYTES: u64 = 32;
 
 /// What is made of a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,7 +163,10 @@ impl Primitive<'_> {
         // Flat normals may share more than this says; the exact numbers are taken below.
         let is_exact = !geometry.normals.is_empty() || !matches!(elements, Elements::Triangles(_));
         let least = if is_exact { vertices } else { geometry.positions.len() as u64 };
-        budget.check(least * sides, triangles * 3 * sides).map_err(|over| self.over(&over))?;
+        let (least, corners) = (least * sides, triangles * 3 * sides);
+        budget.check(least, corners).map_err(|over| self.over(&over))?;
+        memory::ask(least * VERTEX_BYTES + corners * CORNER_BYTES)
+            .map_err(|reason| reason.of(self.place()).in_file(&self.source.file))?;
         let geometry = match elements {
             Elements::Triangles(triangles) => {
                 let geometry = Geometry { triangles, ..geometry };

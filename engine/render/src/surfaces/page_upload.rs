@@ -3,6 +3,7 @@
 use gpu::{Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
 
 use crate::error::Error;
+use crate::limits;
 use crate::scene::{Encoding, Filter, Sampler, Surfaces, Wrap};
 use crate::surfaces::pages::{MAX_LAYERS, MAX_PAGES, Page, PagePlan};
 use crate::surfaces::resources::SurfaceOptions;
@@ -46,6 +47,14 @@ pub(super) fn upload_pages(
                 uploads.write(&mut array, layer, &image.rgba8)?;
             } else {
                 let format = format_of(page.encoding);
+                // Rows of the new width as numbers, and its pixels.
+                let [width, rows] = [page.size[0], image.size[1] + page.size[1]];
+                let wanted = [width, rows].map(|side| side as usize);
+                limits::check_memory(
+                    "an image at the size of others",
+                    wanted[0].saturating_mul(wanted[1]),
+                    size_of::<[f32; 4]>(),
+                )?;
                 uploads.write(
                     &mut array,
                     layer,

@@ -86,8 +86,9 @@ impl SurfaceResources {
         let materials = MaterialTable::new(surfaces, &plan)?;
         let table = LightTable::new(surfaces);
         let first_blended_slot = hierarchy.leaf_objects().len() as u32;
-        let mut light_lists =
-            LightLists::new(&table, first_blended_slot as usize + surfaces.blended.len());
+        let slots = first_blended_slot as usize + surfaces.blended.len();
+        limits::check_memory("the lights of all objects", slots, 2 * 4 * LIST_WORDS)?;
+        let mut light_lists = LightLists::new(&table, slots);
         let bounds = |object: &Object| scene.bounds_of(object).unwrap_or(Aabb::EMPTY);
         let blended: Vec<Aabb> = surfaces.blended.iter().map(bounds).collect();
         let blended = Hierarchy::build(&blended)?;
@@ -97,8 +98,11 @@ impl SurfaceResources {
         }
         light_lists.submitted();
         let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
+        let count = surfaces.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
+        let [pattern, _] = sprites::pattern_size(scene);
         let mut vertices: Vec<SurfaceVertex> =
-            meshes.flat_map(|mesh| mesh.vertices.iter().copied()).collect();
+            limits::room("what the vertices of all meshes look like", count + pattern)?;
+        meshes.for_each(|mesh| vertices.extend_from_slice(&mesh.vertices));
         sprites::add_surface_pattern(scene, &mut vertices);
         // Without lights nobody reads the lists.
         let lists = if light_lists.has_lights() { light_lists.all_words() } else { Vec::new() };
