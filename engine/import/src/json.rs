@@ -1,6 +1,8 @@
 //! The JSON of a file: weighed, read, and where `gltf` does not take all of it, read element by element.
 
 mod lenient;
+mod lists;
+mod version;
 mod weight;
 mod wide;
 mod words;
@@ -34,7 +36,9 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
 
     weight::check(json, limits).map_err(|reason| reason.of("JSON"))?;
     let mut parsed = match serde_json::from_slice(json) {
-        Ok(root) if !wide::may_be_in(json) => Parsed { root, faults: Vec::new() },
+        Ok(root) if !wide::may_be_in(json) && !lists::may_be_in(json) => {
+            Parsed { root, faults: Vec::new() }
+        }
         Err(error) if !error.is_data() => return Err(syntax(&error).of("JSON")),
         read => {
             if read.is_err_and(|error| error.to_string().starts_with("duplicate field")) {
@@ -44,7 +48,7 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
             by_elements(json, notes)?
         }
     };
-    check_version(&parsed.root)?;
+    version::check(&parsed.root.asset, notes)?;
     strip(&mut parsed.root, notes);
     Ok(parsed)
 }
@@ -56,6 +60,10 @@ fn syntax(error: &serde_json::Error) -> Reason {
         return Reason::malformed(format!("it ends too early, in line {line}, column {column}"));
     }
     let text = error.to_string();
+    if text.starts_with("number out of range") {
+        let what = format!("a number in line {line}, column {column} is greater than any can be");
+        return Reason::malformed(what);
+    }
     let what = text.split(" at line ").next().unwrap_or_default();
     Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
 }
@@ -69,24 +77,12 @@ pub(crate) fn index(value: &Value) -> Option<usize> {
     number.and_then(|number| usize::try_from(number).ok())
 }
 
-fn check_version(root: &Root) -> Result<(), Fault> {
-    let wanted = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
-    if wanted == "2.0" || (root.asset.min_version.is_none() && wanted.starts_with("2.")) {
-        return Ok(());
-    }
-    Err(other_version(wanted))
-}
-
-fn other_version(wanted: &str) -> Fault {
-    Reason::unsupported(format!("it needs glTF {}, only 2.0 is known", quoted(wanted))).of("asset")
-}
-
 /// Reads JSON again that `gltf` did not take, or of which it may have taken only a part of a number.
 fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     let value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
-    let version = value.pointer("/asset/version").and_then(Value::as_str);
-    if let Some(version) = version.filter(|version| version.starts_with("1.")) {
-        return Err(other_version(version));
+    // Files of other versions have other forms.
+    if let Some(version) = value.pointer("/asset/version").and_then(Value::as_str) {
+        version::refuse_older(version)?;
     }
     let Value::Object(object) = value else {
         return Err(Reason::malformed("it must be an object").of("JSON"));

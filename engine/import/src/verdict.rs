@@ -1,6 +1,6 @@
 //! What follows from a fault: a file that is shown by what is broken is refused, and all else is noted.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gltf::json::Root;
 
@@ -13,12 +13,14 @@ pub(crate) struct Verdict {
     reach: Reach,
     /// The first fault of each optional element: what needs it is left out.
     held: BTreeMap<Element, Fault>,
+    /// Elements that nothing uses and whose first fault is noted: others often follow from that.
+    noted: BTreeSet<Element>,
     pub(crate) notes: Notes,
 }
 
 impl Verdict {
     pub(crate) fn new(reach: Reach, notes: Notes) -> Self {
-        Self { reach, held: BTreeMap::new(), notes }
+        Self { reach, held: BTreeMap::new(), noted: BTreeSet::new(), notes }
     }
 
     /// Returns how much the scene needs an element.
@@ -50,6 +52,7 @@ impl Verdict {
             Err(fault) => fault,
         };
         match self.need(element) {
+            Need::None if !self.noted.insert(element) => Ok(None),
             Need::None => {
                 self.notes.count_as(element.kind.name(), 1, || {
                     let (object, reason) = fault.into_parts();

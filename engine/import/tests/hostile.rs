@@ -26,6 +26,8 @@ mod motion;
 mod mutations;
 #[path = "hostile/refused.rs"]
 mod refused;
+#[path = "hostile/replaced.rs"]
+mod replaced;
 #[path = "hostile/target.rs"]
 mod target;
 #[path = "hostile/tolerated.rs"]

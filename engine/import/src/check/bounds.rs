@@ -1,5 +1,7 @@
 //! The bounds that accessors say of their elements: those that do not hold them are replaced by those that do.
 
+use gltf::Semantic;
+use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Root, Value};
 
 use crate::elements::{self, Store};
@@ -9,24 +11,54 @@ use crate::verdict::Verdict;
 /// How far elements may be out of their bounds, as a share of the bounds: exporters round them.
 const TOLERANCE: f32 = 1e-5;
 
-/// Checks the bounds of all accessors that are used, and notes and replaces those that are wrong.
+/// Checks the bounds of all accessors that are used, and notes and replaces those that are wrong, or missing where
+/// they must be.
 pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
-    for index in 0..root.accessors.len() {
+    for (index, is_needed) in needed(root, verdict).into_iter().enumerate() {
         let element = Kind::Accessor.at(index);
-        let has_bounds =
-            root.accessors.get(index).is_some_and(|it| it.min.is_some() || it.max.is_some());
-        if !has_bounds || !verdict.is_used(element) || !verdict.is_kept(root, element) {
+        let Some(accessor) = root.accessors.get(index) else { continue };
+        let there = [&accessor.min, &accessor.max].map(Option::is_some);
+        let is_missing = is_needed && there.contains(&false);
+        if !(is_missing || there.contains(&true))
+            || !verdict.is_used(element)
+            || !verdict.is_kept(root, element)
+        {
             continue;
         }
         let Some([least, most]) = extents(root, store, index) else { continue };
         let Some(accessor) = root.accessors.get_mut(index) else { continue };
-        if holds(accessor, &least, &most) {
-            continue;
-        }
+        let what = match (holds(accessor, &least, &most), is_missing) {
+            (true, false) => continue,
+            (true, true) => "it has no min or no max, as positions and times must: computed anew",
+            (false, _) => "its min and max do not hold its elements: they were computed anew",
+        };
         (accessor.min, accessor.max) = (Some(list(&least)), Some(list(&most)));
-        let what = "its min and max do not hold its elements: they were computed anew";
         verdict.notes.count(what, 1, || element.to_string());
     }
+}
+
+/// Returns for each accessor whether something that is shown has its positions or times in it, which must have
+/// bounds.
+fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
+    let mut needed = vec![false; root.accessors.len()];
+    let meshes = root.meshes.iter().enumerate();
+    let shown = meshes.filter(|(index, _)| verdict.is_used(Kind::Mesh.at(*index)));
+    let positions = shown.flat_map(|(_, mesh)| &mesh.primitives).flat_map(|primitive| {
+        let own = primitive.attributes.get(&Checked::Valid(Semantic::Positions)).copied();
+        let targets = primitive.targets.iter().flatten();
+        own.into_iter().chain(targets.filter_map(|target| target.positions))
+    });
+    let times = root.animations.iter().flat_map(|animation| {
+        let samplers =
+            animation.channels.iter().filter_map(|it| animation.samplers.get(it.sampler.value()));
+        samplers.map(|sampler| sampler.input)
+    });
+    for accessor in positions.chain(times) {
+        if let Some(is_needed) = needed.get_mut(accessor.value()) {
+            *is_needed = true;
+        }
+    }
+    needed
 }
 
 /// Returns the least and the greatest of each component, integers as they are. Numbers that are not finite have

@@ -1,5 +1,7 @@
 //! Extensions that a file requires or uses.
 
+use std::collections::BTreeSet;
+
 use gltf::json::Root;
 
 use crate::SUPPORTED_EXTENSIONS;
@@ -61,7 +63,8 @@ pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
         let reason = format!("it cannot be shown without {required}, which is not supported");
         return Err(Reason::unsupported(reason).of("extensionsRequired"));
     }
-    for name in root.extensions_used.iter().filter(is_unknown) {
+    let used: BTreeSet<&String> = root.extensions_used.iter().filter(is_unknown).collect();
+    for name in used {
         notes.add(|| Note::new(format!("extension {}", quoted(name)), lacking(name)));
     }
     Ok(())

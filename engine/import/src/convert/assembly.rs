@@ -125,7 +125,12 @@ impl<'a> Assembly<'a> {
         for number in 0..plan.primitives(mesh) {
             let Some(primitive) = self.primitive(mesh, number) else { continue };
             let Some(kind) = plan.kind(mesh, number) else { continue };
-            let skin = if primitive.is_skinned() { self.skin_of(in_file) } else { None };
+            let skin = self.skin_of(in_file);
+            if skin.is_some() && !primitive.is_skinned() {
+                let what = "skins of meshes without joints, ignored";
+                self.notes.count(what, 1, || tree.name(node));
+            }
+            let skin = skin.filter(|_| primitive.is_skinned());
             if skin.is_some() || self.is_morphed(node, &primitive) {
                 let name = self.name_of(mesh, number);
                 self.place_deformed((&primitive, kind.material, name), node, skin, &locals)?;

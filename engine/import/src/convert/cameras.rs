@@ -8,6 +8,7 @@ use std::f32::consts::PI;
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
 use gltf::json;
+use gltf::json::validation::Checked;
 
 use super::nodes::Tree;
 use crate::Source;
@@ -23,6 +24,12 @@ const NEAR_M: [f32; 2] = [1e-6, 1e6];
 
 /// The least and the most that half of an orthographic camera's picture is high, in metres.
 const HALF_HEIGHTS_M: [f32; 2] = [1e-6, 1e5];
+
+/// How much wider than high a picture can be.
+const ASPECT_RATIOS: [f32; 2] = [1e-3, 1e3];
+
+/// The size of a picture in which a camera should see something, in pixels.
+const PICTURE: [u32; 2] = [1600, 900];
 
 /// How a camera sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +52,9 @@ pub(super) enum Lens {
 mod faults {
     pub(super) const ANGLE: &str =
         "cameras whose yfov is not between 0 and 180 degrees, shown with 60";
+    pub(super) const ASPECT: &str =
+        "cameras whose width by height is not between 1/1000 and 1000, which is ignored";
+    pub(super) const BLIND: &str = "cameras that see nothing of the scene at rest";
     pub(super) const HEIGHT: &str = "orthographic cameras without a height, shown as high as wide";
     pub(super) const NEAR: &str = "cameras whose zfar is not beyond znear or whose znear is not above 0, shown from the nearer one on";
 }
@@ -62,11 +72,12 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<C
         let name = names.into_iter().find(|name| !name.is_empty());
         let name = name.unwrap_or_else(|| format!("camera {camera}"));
         let (lens, fov_y_rad, near_m) = lens(given, &name, notes);
+        let aspect_ratio = aspect_ratio(given, &name, notes);
         cameras.push(Camera {
             name,
             node,
             fov_y_rad: fov_y_rad.clamp(ANGLES_RAD[0], ANGLES_RAD[1]),
-            aspect_ratio: aspect_ratio(given),
+            aspect_ratio,
             near_m: near_m.clamp(NEAR_M[0], NEAR_M[1]),
             behind_m: 0.0,
         });
@@ -77,9 +88,9 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<C
 
 /// How it sees, its vertical angle of sight in radians, and the distance of the near plane.
 fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32) {
-    let perspective = |angle_rad: f32, near_m| (Lens::Perspective { angle_rad }, angle_rad, near_m);
+    let from = |angle_rad: f32, near_m| (Lens::Perspective { angle_rad }, angle_rad, near_m);
     let place = || format!("camera {}", quoted(name));
-    if let Some(given) = &given.perspective {
+    if let Some(given) = perspective(given) {
         let is_angle = given.yfov.abs() > 0.0 && given.yfov.abs() < PI;
         notes.count(faults::ANGLE, usize::from(!is_angle), place);
         let angle_rad = if is_angle { given.yfov.abs() } else { render::scene::FOV_Y_RAD };
@@ -87,10 +98,10 @@ fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32)
         let near_m = if given.znear > 0.0 { given.znear.min(zfar) } else { zfar.min(0.0) };
         let is_in_order = given.znear > 0.0 && zfar > given.znear;
         notes.count(faults::NEAR, usize::from(!is_in_order), place);
-        return perspective(angle_rad, if near_m > 0.0 { near_m } else { render::scene::NEAR_M });
+        return from(angle_rad, if near_m > 0.0 { near_m } else { render::scene::NEAR_M });
     }
     let Some(parallel) = &given.orthographic else {
-        return perspective(render::scene::FOV_Y_RAD, render::scene::NEAR_M);
+        return from(render::scene::FOV_Y_RAD, render::scene::NEAR_M);
     };
     notes.count("orthographic cameras, shown by a narrow view from far away", 1, place);
     let has_height = parallel.ymag != 0.0;
@@ -103,17 +114,53 @@ fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32)
 }
 
 /// How much wider than high a camera's picture is, where the file says that.
-fn aspect_ratio(given: &json::Camera) -> Option<f32> {
-    let ratio = match (&given.perspective, &given.orthographic) {
+fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f32> {
+    let ratio = match (perspective(given), &given.orthographic) {
         (Some(perspective), _) => perspective.aspect_ratio,
-        (None, Some(parallel)) => Some((parallel.xmag / parallel.ymag).abs()),
-        (None, None) => None,
-    };
-    ratio.filter(|ratio| ratio.is_normal() && *ratio > 0.0)
+        // What has no height is as high as wide.
+        (None, Some(parallel)) if parallel.ymag != 0.0 => {
+            Some((parallel.xmag / parallel.ymag).abs())
+        }
+        (None, _) => None,
+    }?;
+    let is_shape = (ASPECT_RATIOS[0]..=ASPECT_RATIOS[1]).contains(&ratio);
+    notes.count(faults::ASPECT, usize::from(!is_shape), || format!("camera {}", quoted(name)));
+    is_shape.then_some(ratio)
+}
+
+/// The values of a perspective camera: it may have those of the other type, too.
+fn perspective(given: &json::Camera) -> Option<&json::camera::Perspective> {
+    let is_parallel = given.type_ == Checked::Valid(json::camera::Type::Orthographic);
+    given.perspective.as_ref().filter(|_| !is_parallel)
+}
+
+/// Where a camera is at rest.
+pub(super) struct Place {
+    pub(super) world: Affine3A,
+    /// Whether it is wrong to see nothing from there: there is something, and no clip moves the camera.
+    pub(super) should_see: bool,
+}
+
+/// Puts cameras where they see the scene as they should. Those that see nothing of it are noted.
+pub(super) fn settle(
+    cameras: &mut [Camera],
+    lenses: &[Lens],
+    places: &[Place],
+    scene: &Aabb,
+    notes: &mut Notes,
+) {
+    for ((camera, lens), place) in cameras.iter_mut().zip(lenses).zip(places) {
+        step_back(camera, *lens, &place.world, scene);
+        let view = cull::View::new(&camera.seen_from(&place.world, PICTURE), PICTURE, 8);
+        let (containment, _) = view.frustum.classify(scene, cull::PlaneMask::ALL);
+        let is_blind = place.should_see && containment == cull::Containment::Outside;
+        let name = || format!("camera {}", quoted(&camera.name));
+        notes.count(faults::BLIND, usize::from(is_blind), name);
+    }
 }
 
 /// Puts the eye of an orthographic camera, which is at a node, as far behind that as it must be.
-pub(super) fn step_back(camera: &mut Camera, lens: Lens, at: &Affine3A, scene: &Aabb) {
+fn step_back(camera: &mut Camera, lens: Lens, at: &Affine3A, scene: &Aabb) {
     let Lens::Parallel { half_height_m, near_m } = lens else { return };
     let away_m = half_height_m / (ANGLES_RAD[0] * 0.5).tan();
     let forward = Vec3::from(-at.matrix3.z_axis).normalize_or(Vec3::NEG_Z);
@@ -160,17 +207,17 @@ mod tests {
         let mut notes = Notes::default();
         let given = json::deserialize::from_str(text).expect("a camera");
         let (lens, angle_rad, _) = lens(&given, "plan", &mut notes);
+        assert_eq!(aspect_ratio(&given, "plan", &mut notes), Some(0.6));
         let texts: Vec<String> = notes.finish().iter().map(ToString::to_string).collect();
         let note = "camera \"plan\": orthographic cameras, shown by a narrow view from far away";
         assert_eq!(texts, [note]);
-        assert_eq!(aspect_ratio(&given), Some(0.6));
         let at = Affine3A::from_translation(Vec3::new(0.0, 2.0, 12.0));
         let scene = Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0));
         let mut camera = Camera {
             name: String::new(),
             node: NodeId(0),
             fov_y_rad: angle_rad,
-            aspect_ratio: aspect_ratio(&given),
+            aspect_ratio: Some(0.6),
             near_m: 1.0,
             behind_m: 0.0,
         };

@@ -16,6 +16,38 @@ use crate::notes::Notes;
 /// The brightest light, in lux or candela: a hundred suns.
 const LARGEST_INTENSITY: f32 = 1e7;
 
+/// What of a light cannot be is replaced.
+const FAULTS: &[(fn(&khr::Light) -> bool, &str)] = &[
+    (|it| it.intensity < 0.0, "lights with an intensity below 0, which do not shine"),
+    (
+        |it| it.intensity > LARGEST_INTENSITY,
+        "lights brighter than a hundred suns, shown like these",
+    ),
+    (
+        |it| it.color.iter().any(|part| !(0.0..=1.0).contains(part)),
+        "lights whose color is not between 0 and 1, taken as 0 where it is below",
+    ),
+    (
+        |it| it.range.is_some_and(|range| range <= 0.0),
+        "lights whose range is not above 0, without one",
+    ),
+    (
+        |it| {
+            let is_spot = it.type_ == Checked::Valid(khr::Type::Spot);
+            is_spot && it.spot.as_ref().is_some_and(|spot| !is_cone(spot))
+        },
+        "spot lights whose angles are not 0 <= inner < outer <= 90 degrees, brought into these",
+    ),
+];
+
+fn is_cone(spot: &khr::Spot) -> bool {
+    // A right angle in 64 bits may be a little more in 32.
+    let most_rad = FRAC_PI_2 + 1e-6;
+    spot.inner_cone_angle >= 0.0
+        && spot.inner_cone_angle < spot.outer_cone_angle
+        && spot.outer_cone_angle <= most_rad
+}
+
 /// What comes from everywhere in a scene out of a file, which says nothing about it.
 pub(super) fn surroundings() -> Light {
     Light {
@@ -40,6 +72,9 @@ pub(super) fn lights(
         let Some(light) = given.get(light) else { continue };
         let world = tree.world(node);
         if world.translation.is_finite() {
+            for (_, what) in FAULTS.iter().filter(|(is_wrong, _)| is_wrong(light)) {
+                notes.count(what, 1, || tree.name(node));
+            }
             lights.push((placed(light, &world), Some(node)));
         } else {
             notes.count("lights that are nowhere, left out", 1, || tree.name(node));

@@ -72,6 +72,11 @@ impl Materials {
                 index.map_or_else(|| "default".to_owned(), |index| format!("material {index}"));
         }
         notes.count(
+            "materials with factors that are out of their range, shown with ones within",
+            usize::from(given.is_some_and(is_out_of_range)),
+            || format!("material {}", quoted(&material.name)),
+        );
+        notes.count(
             "textures by a third set of texture coordinates, shown by the first",
             slots.homeless,
             || format!("material {}", quoted(&material.name)),
@@ -190,6 +195,19 @@ fn convert(
         is_double_sided: given.double_sided,
         is_unlit: extensions.is_some_and(|it| it.unlit.is_some()),
     }
+}
+
+/// Returns whether a factor is less or more than glTF allows.
+fn is_out_of_range(given: &json::Material) -> bool {
+    let pbr = &given.pbr_metallic_roughness;
+    let occlusion = given.occlusion_texture.as_ref().map_or(1.0, |it| it.strength.0);
+    let [red, green, blue, alpha] = pbr.base_color_factor.0;
+    let units = [red, green, blue, alpha, pbr.metallic_factor.0, pbr.roughness_factor.0, occlusion];
+    let strength = given.extensions.as_ref().and_then(|it| it.emissive_strength.as_ref());
+    let strength = strength.map_or(1.0, |it| it.emissive_strength.0);
+    let cutoff = given.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+    let is_unit = |number: &f32| (0.0..=1.0).contains(number);
+    !units.iter().chain(&given.emissive_factor.0).all(is_unit) || strength < 0.0 || cutoff < 0.0
 }
 
 #[cfg(test)]

@@ -40,6 +40,7 @@ use render::scene::{Flight, LightId, Scene, Streets, Surfaces};
 
 use self::assembly::{Assembly, rigid};
 use self::budget::Budget;
+use self::cameras::Place;
 use self::materials::Materials;
 use self::nodes::Tree;
 use self::sight::Sight;
@@ -119,7 +120,8 @@ pub(crate) fn convert(
     let made = (&scene, &surfaces, skins.list.as_slice());
     let moved = (&tree, &forms.into_extents());
     distances::refuse_far(moved, &mut clips, &mut placements, made, &cameras, &mut notes);
-    if scene.objects.is_empty() && surfaces.blended.is_empty() {
+    let is_empty = scene.objects.is_empty() && surfaces.blended.is_empty();
+    if is_empty {
         notes.say("there is nothing to see in the scene");
     }
     match options.exposure {
@@ -128,16 +130,17 @@ pub(crate) fn convert(
     }
     scene.surfaces = Some(surfaces);
     let skins = skins.list;
-    let notes = notes.finish();
-    let cameras_at: Vec<_> = cameras.iter().map(|camera| tree.world(camera.node)).collect();
-    let list = Vec::new();
+    let places = cameras.iter().map(|camera| Place {
+        world: tree.world(camera.node),
+        should_see: !is_empty && !tree.moves(camera.node),
+    });
+    let places: Vec<Place> = places.collect();
+    let (list, none) = (Vec::new(), Vec::new());
     let mut imported =
-        Imported { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes };
+        Imported { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes: none };
     let bounds = imported.bounds();
-    for ((camera, lens), at) in cameras.iter_mut().zip(&lenses).zip(&cameras_at) {
-        cameras::step_back(camera, *lens, at, &bounds);
-    }
-    imported.cameras = cameras;
+    cameras::settle(&mut cameras, &lenses, &places, &bounds, &mut notes);
+    (imported.cameras, imported.notes) = (cameras, notes.finish());
     imported.scene.flight = framing::flight(&bounds);
     Ok(imported)
 }

@@ -221,6 +221,10 @@ impl Primitive<'_> {
             }
             None => (0..positions.len() as u32).collect(),
         };
+        if Elements::leaves_rest(self.mode(), list.len()) {
+            let what = "vertices at the end that make no whole line or triangle, left out";
+            notes.count(what, 1, || self.place());
+        }
         let mut elements = Elements::of(self.mode(), &list);
         drop(list);
         let picks = self.used(&positions, &mut elements)?;

@@ -37,6 +37,17 @@ impl Elements {
         }
     }
 
+    /// Returns whether vertices at the end of a list of so many make no whole element.
+    pub(super) fn leaves_rest(mode: Mode, count: usize) -> bool {
+        match mode {
+            Mode::Points => false,
+            Mode::Lines => count % 2 != 0,
+            Mode::LineStrip | Mode::LineLoop => count < 2,
+            Mode::Triangles => count % 3 != 0,
+            Mode::TriangleStrip | Mode::TriangleFan => count < 3,
+        }
+    }
+
     /// All vertices that are named.
     pub(super) fn vertices(&self) -> &[u32] {
         match self {

@@ -6,7 +6,7 @@ use gltf::json::extensions::scene::khr_lights_punctual::Light;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::{Parsed, object_name, wide, words};
+use super::{Parsed, lists, object_name, wide, words};
 use crate::blank::Blank;
 use crate::error::{Fault, Reason};
 use crate::notes::{Note, Notes};
@@ -107,8 +107,12 @@ impl Lists<'_> {
 }
 
 fn read<T: DeserializeOwned>(mut value: Value, element: Element) -> Result<T, Fault> {
+    if value.is_array() {
+        let reason = Reason::malformed("it must be an object, and is a list");
+        return Err(reason.of(element.to_string()));
+    }
     make_whole(&mut value);
-    wide::check(&value).map_err(|fault| {
+    wide::check(&value).and_then(|()| lists::check(&value)).map_err(|fault| {
         let (key, reason) = fault.into_parts();
         Reason::malformed(reason).of(format!("{element}, {key}"))
     })?;

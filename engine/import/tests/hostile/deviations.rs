@@ -21,6 +21,47 @@ pub const SPELLINGS: &[Row] = &[
         Refused(&["asset", "needs glTF \"2.1\""]),
     ),
     (
+        "a version of one part",
+        |s| s.set("/asset/version", json!("2")),
+        Noted(&["\"2\" is read as 2.0"]),
+    ),
+    (
+        "a version cut off",
+        |s| s.set("/asset/version", json!("2.")),
+        Noted(&["\"2.\" is read as 2.0"]),
+    ),
+    (
+        "a version of three parts",
+        |s| s.set("/asset/version", json!("2.0.0")),
+        Noted(&["asset: its version \"2.0.0\" is read as 2.0"]),
+    ),
+    (
+        "a least version of three parts",
+        |s| s.set("/asset", json!({ "version": "2.1", "minVersion": "2.0.1" })),
+        Noted(&["asset: its minVersion \"2.0.1\" is read as 2.0"]),
+    ),
+    ("a least version of earlier readers", |s| s.set("/asset/minVersion", json!("1.0")), Opens),
+    (
+        "a later version for any reader",
+        |s| s.set("/asset", json!({ "version": "3.0", "minVersion": "2.0" })),
+        Opens,
+    ),
+    (
+        "an earlier version",
+        |s| s.set("/asset/version", json!("1.0.1-dev")),
+        Refused(&["asset", "needs glTF \"1.0.1-dev\""]),
+    ),
+    (
+        "no version",
+        |s| s.set("/asset/version", json!("two.zero")),
+        Refused(&["asset: its version \"two.zero\" is no version like 2.0"]),
+    ),
+    (
+        "half a version",
+        |s| s.set("/asset/version", json!("2.x")),
+        Refused(&["asset: its version \"2.x\" is no version like 2.0"]),
+    ),
+    (
         "a major version",
         |s| s.set("/asset/version", json!("3.0")),
         Refused(&["asset", "needs glTF \"3.0\""]),
@@ -30,6 +71,37 @@ pub const SPELLINGS: &[Row] = &[
         "an extension for its readers",
         |s| s.set("/extensionsRequired", json!(["VENDOR_x"])),
         Refused(&["extensionsRequired", "VENDOR_x"]),
+    ),
+    (
+        "an extension that is named twice",
+        |s| {
+            s.set("/extensionsUsed/4", json!("VENDOR_x"));
+            s.set("/extensionsUsed/5", json!("VENDOR_x"))
+        },
+        Noted(&["VENDOR_x"]),
+    ),
+    (
+        "a list that is an object",
+        |s| s.set("/scenes/0", json!([null, null, null, [0]])),
+        Refused(&["scene 0: it must be an object, and is a list"]),
+    ),
+    (
+        "a list that is an object far below",
+        |s| {
+            s.set(
+                "/meshes/0/primitives/0",
+                json!([{ "POSITION": 0 }, null, null, null, null, 4, null]),
+            )
+        },
+        Refused(&["mesh 0, primitives: one of its elements is a list"]),
+    ),
+    (
+        "lists of lists of others",
+        |s| {
+            s.set("/nodes/0/extras", json!([[1], [2]]));
+            s.set("/extensions/VENDOR_x", json!({ "a": [[1]] }))
+        },
+        Opens,
     ),
     ("no list", |s| s.set("/nodes", json!({})), Refused(&["nodes: it must be a list"])),
     (

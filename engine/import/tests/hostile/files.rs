@@ -104,7 +104,7 @@ impl Scene {
         self.push("accessors", accessor)
     }
 
-    /// Appends an accessor of floats.
+    /// Appends an accessor of floats, with their bounds where these are numbers.
     pub fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
         let components = match kind {
             "SCALAR" => 1,
@@ -114,7 +114,17 @@ impl Scene {
             _ => 16,
         };
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-        self.numbers(F32, kind, values.len() / components, &bytes)
+        let accessor = self.numbers(F32, kind, values.len() / components, &bytes);
+        if values.iter().all(|value| value.is_finite()) {
+            let of_axis = |axis| values.iter().skip(axis).step_by(components).copied();
+            let axes = 0..components;
+            let min = axes.clone().map(|axis| of_axis(axis).fold(f32::INFINITY, f32::min));
+            let max = axes.map(|axis| of_axis(axis).fold(f32::NEG_INFINITY, f32::max));
+            let (min, max): (Vec<f32>, Vec<f32>) = (min.collect(), max.collect());
+            self.set(&format!("/accessors/{accessor}/min"), json!(min));
+            self.set(&format!("/accessors/{accessor}/max"), json!(max));
+        }
+        accessor
     }
 
     /// Its buffer as a data URI.
@@ -177,7 +187,7 @@ pub fn everything() -> Scene {
     scene.set("/cameras", json!([camera]));
     scene.set(
         "/nodes/3",
-        json!({ "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } }),
+        json!({ "camera": 0, "translation": [0, 0, 5], "extensions": { "KHR_lights_punctual": { "light": 0 } } }),
     );
     scene.set("/scenes/0/nodes", json!([0, 1, 3]));
     let light = json!({ "type": "spot", "intensity": 3.0, "spot": { "outerConeAngle": 0.5 } });
@@ -281,7 +291,7 @@ fn sparse(scene: &mut Scene) -> usize {
     let values = scene.view(&[1.0f32, 2.0, 3.0].map(f32::to_le_bytes).concat());
     scene.push(
         "accessors",
-        json!({ "componentType": F32, "type": "VEC3", "count": 3, "sparse": {
+        json!({ "componentType": F32, "type": "VEC3", "count": 3, "min": [0, 0, 0], "max": [1, 2, 3], "sparse": {
             "count": 1,
             "indices": { "bufferView": indices, "componentType": U16 },
             "values": { "bufferView": values },

@@ -11,6 +11,11 @@ pub const UNUSED: &[Row] = &[
         |s| buffer(s, json!({ "byteLength": 4 })),
         Unused("buffer 1: it has no URI"),
     ),
+    (
+        "buffer that is a list",
+        |s| buffer(s, json!([4, null])),
+        Unused("buffer 1: it must be an object, and is a list"),
+    ),
     ("buffer in no file", |s| buffer(s, json!({ "byteLength": 4, "uri": "gone.bin" })), Opens),
     ("buffer elsewhere", |s| buffer(s, json!({ "byteLength": 4, "uri": "http://x/y" })), Opens),
     (
@@ -174,6 +179,7 @@ pub const UNUSED: &[Row] = &[
         |s| add(s, "skins", json!({ "joints": [] })),
         Unused("skin 1: it has no joints"),
     ),
+    ("skin of nothing", |s| add(s, "skins", json!({})), Unused("skin 1: its joints is missing")),
     (
         "skin of no nodes",
         |s| add(s, "skins", json!({ "joints": [99] })),
