@@ -16,8 +16,11 @@ use crate::notes::Notes;
 /// The brightest light, in lux or candela: a hundred suns.
 const LARGEST_INTENSITY: f32 = 1e7;
 
+/// A test of a light, and the note on lights that it finds.
+type Fault = (fn(&khr::Light) -> bool, &'static str);
+
 /// What of a light cannot be is replaced.
-const FAULTS: &[(fn(&khr::Light) -> bool, &str)] = &[
+const FAULTS: &[Fault] = &[
     (|it| it.intensity < 0.0, "lights with an intensity below 0, which do not shine"),
     (
         |it| it.intensity > LARGEST_INTENSITY,

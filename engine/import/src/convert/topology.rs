@@ -41,9 +41,9 @@ impl Elements {
     pub(super) fn leaves_rest(mode: Mode, count: usize) -> bool {
         match mode {
             Mode::Points => false,
-            Mode::Lines => count % 2 != 0,
+            Mode::Lines => !count.is_multiple_of(2),
             Mode::LineStrip | Mode::LineLoop => count < 2,
-            Mode::Triangles => count % 3 != 0,
+            Mode::Triangles => !count.is_multiple_of(3),
             Mode::TriangleStrip | Mode::TriangleFan => count < 3,
         }
     }
