@@ -206,6 +206,10 @@ fn a_scene_is_chosen_from_a_list_or_by_its_path() {
     "missing.glb".chars().for_each(|letter| window.strike(letter.into()));
     window.strike(RETURN);
     running.await_text("missing.glb cannot be shown: ");
+    window.press_with(CONTROL, 'o'.into());
+    window.paste(CONTROL, "file:///nowhere/copied%20\u{e4}.glb");
+    window.strike(RETURN);
+    running.await_text("/nowhere/copied \u{e4}.glb: file: it cannot be read: ");
     ['o', '2'].into_iter().for_each(|key| window.strike(key.into()));
     window.await_title(|title| title.starts_with("field - "));
     window.close();
@@ -245,6 +249,8 @@ fn a_key_compares_with_no_culling() {
     window.await_that("what is compared", |found| {
         found[..half] == expected[..half] && found.contains(&MARK)
     });
+    // Each frame is drawn twice.
+    window.await_title(|title| title.ends_with(" pairs/s - Antumbra"));
     // The camera moves meanwhile.
     window.press('d'.into(), Duration::from_millis(500));
     window.strike('v'.into());

@@ -208,7 +208,7 @@ fn the_viewer_writes_pictures_of_what_moves() {
 fn a_camera_whose_clip_plays_no_more_gives_way_to_a_view_of_everything() {
     let scratch = scratch("viewer-left");
     // First the camera's clip alone, then the door's.
-    fs::write(scratch.0.join("script"), "2 next_clip\n3 next_clip\n").unwrap();
+    fs::write(scratch.0.join("script"), "1 camera 1\n2 next_clip\n3 next_clip\n").unwrap();
     fs::write(scratch.0.join("none.glb"), scene::small_without_cameras()).unwrap();
     let last = |file: &str, out: &str| {
         let arguments = [file, "--headless", "--frames", "31", "--out", out, "--script", "script"];
@@ -218,6 +218,33 @@ fn a_camera_whose_clip_plays_no_more_gives_way_to_a_view_of_everything() {
         pixels(&scratch.0.join(out).join("frame_00030.png"))
     };
     assert!(last("small.glb", "seen") == last("none.glb", "unseen"));
+}
+
+/// A camera that nobody asked for and that a clip moves may be close to a wall; one that stands is a place
+/// that somebody chose.
+#[test]
+fn the_first_camera_is_where_one_begins_unless_a_clip_moves_it() {
+    let scratch = scratch("viewer-begin");
+    fs::write(scratch.0.join("none.glb"), scene::small_without_cameras()).unwrap();
+    fs::write(scratch.0.join("still.glb"), scene::small_with_still_camera()).unwrap();
+    let seen = |arguments: &[&str], out: &str| {
+        let rest = ["--headless", "--frames", "1", "--out", out, "--size", "128x72"];
+        let mut command = program(env!("CARGO_BIN_EXE_viewer"), &scratch.0, arguments);
+        command.args(rest).args(["--device", "llvmpipe"]).env("RUST_LOG", "samples=info");
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (pixels(&scratch.0.join(out).join("frame_00000.png")), stderr(&output))
+    };
+    let hint = "a clip moves the file's first camera, walk: key 1 looks through it, 2 through";
+    let (moved, log) = seen(&["small.glb"], "moved");
+    assert!(log.contains(hint), "{log}");
+    let (none, log) = seen(&["none.glb"], "none");
+    assert!(moved == none && !log.contains("key 1"), "{log}");
+    let (asked, log) = seen(&["small.glb", "--camera", "walk"], "asked");
+    assert!(asked != none && !log.contains("key 1"), "{log}");
+    let (still, log) = seen(&["still.glb"], "still");
+    assert!(still != none && !log.contains("key 1"), "{log}");
+    assert!(still == seen(&["small.glb", "--camera", "still"], "still-asked").0);
 }
 
 /// The message of a refusal: one line that names the file.

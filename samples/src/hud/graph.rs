@@ -20,7 +20,7 @@ const SCALE: Style = Style::number(9.5, NAME);
 /// Draws the graph from `corner` on, `width` points wide. Returns where it ends below.
 pub fn draw(canvas: &mut Canvas<'_>, overview: &Overview, corner: Pos2, width: f32) -> f32 {
     let scale = GraphScale::of(&overview.frames_ms, overview.budget_ms);
-    let caption = canvas.text(corner, Align::Left, "frame time, ms", CAPTION);
+    let caption = canvas.text(corner, Align::Left, overview.caption, CAPTION);
     if let Some(GraphScale { cut, slowest_ms, .. }) = scale.filter(|scale| scale.cut > 0) {
         let text = format!("{cut} cut, longest {slowest_ms:.0}");
         let at = pos2(corner.x + width, corner.y);

@@ -19,20 +19,23 @@ enum Row<'a> {
     Empty,
 }
 
+/// So many columns, the best first.
+const COLUMNS: [usize; 4] = [3, 2, 4, 1];
+
 /// Draws the page in the middle of the picture, above `bottom`. Returns its area, or `None` where it has
 /// no room.
 pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
     let row = canvas.row(TITLE) + 1.0;
-    let most_rows = ((bottom - 2.0 * MARGIN) / row) as usize;
-    let columns = columns(help, most_rows)?;
-    let rows = columns.iter().map(Vec::len).max()?;
-    let widths: Vec<[f32; 2]> = columns.iter().map(|column| widths(canvas, column)).collect();
-    let gutters = (columns.len() - 1) as f32 * GUTTER;
-    let texts: f32 = widths.iter().map(|[keys, deeds]| keys + MARGIN + deeds).sum();
-    let size = vec2(texts + gutters + 4.0 * MARGIN, rows as f32 * row + 2.0 * MARGIN);
-    if size.x > canvas.screen.width() {
-        return None;
-    }
+    let room = vec2(canvas.screen.width(), bottom);
+    let (columns, widths, size) = COLUMNS.into_iter().find_map(|count| {
+        let columns = columns(help, count);
+        let rows = columns.iter().map(Vec::len).max()?;
+        let widths: Vec<[f32; 2]> = columns.iter().map(|column| widths(canvas, column)).collect();
+        let gutters = (columns.len() - 1) as f32 * GUTTER;
+        let texts: f32 = widths.iter().map(|[keys, deeds]| keys + MARGIN + deeds).sum();
+        let size = vec2(texts + gutters + 4.0 * MARGIN, rows as f32 * row + 2.0 * MARGIN);
+        (size.x <= room.x && size.y <= room.y).then_some((columns, widths, size))
+    })?;
     let corner = pos2((canvas.screen.width() - size.x) * 0.5, ((bottom - size.y) * 0.5).max(0.0));
     let area = Rect::from_min_size(corner, size);
     let panel = canvas.open_panel();
@@ -67,28 +70,23 @@ fn widths(canvas: &mut Canvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
     })
 }
 
-/// The groups in the fewest columns of about equal height, none higher than `most` rows; a group stays
-/// together.
-fn columns(help: &Help, most: usize) -> Option<Vec<Vec<Row<'_>>>> {
+/// The groups in at most so many columns of about equal height; a group stays together.
+fn columns(help: &Help, most: usize) -> Vec<Vec<Row<'_>>> {
     let total: usize = help.groups.iter().map(|(_, keys)| keys.len() + 2).sum();
-    let count = total.div_ceil(most.max(1)).max(2);
-    (count..=help.groups.len().max(count)).find_map(|count| {
-        let even = total.div_ceil(count);
-        let mut columns: Vec<Vec<Row<'_>>> = vec![Vec::new()];
-        for (title, keys) in &help.groups {
-            let full = columns.last().map_or(0, Vec::len);
-            // Half a group over is nearer to even than a group less.
-            if full > 0 && full + keys.len() / 2 + 1 > even {
-                columns.push(Vec::new());
-            }
-            let column = columns.last_mut()?;
-            if !column.is_empty() {
-                column.push(Row::Empty);
-            }
-            column.push(Row::Title(title));
-            column.extend(keys.iter().map(|(key, deed)| Row::Key(key, deed)));
+    let even = total.div_ceil(most.max(1));
+    let mut columns: Vec<Vec<Row<'_>>> = vec![Vec::new()];
+    for (title, keys) in &help.groups {
+        let full = columns.last().map_or(0, Vec::len);
+        // Half a group over is nearer to even than a group less.
+        if full > 0 && columns.len() < most && full + keys.len() / 2 + 1 > even {
+            columns.push(Vec::new());
         }
-        let fits = columns.iter().all(|column| column.len() <= most);
-        fits.then_some(columns)
-    })
+        let Some(column) = columns.last_mut() else { continue };
+        if !column.is_empty() {
+            column.push(Row::Empty);
+        }
+        column.push(Row::Title(title));
+        column.extend(keys.iter().map(|(key, deed)| Row::Key(key, deed)));
+    }
+    columns
 }

@@ -77,12 +77,15 @@ impl Hud {
         let mut canvas = Canvas::new(&mut self.fonts, size, measures.scale);
         signs::draw(&mut canvas, &page.signs);
         marks::draw(&mut canvas, &page.marks);
-        let bottom = notice::draw(&mut canvas, page);
+        // The panel goes down to the edge: what is said for a while is beside it and hides nothing of it.
+        let has_panel = page.overview.is_some() && page.help.is_none();
+        let left = if has_panel { measures.panel_width } else { 0.0 };
+        let bottom = notice::draw(&mut canvas, page, left);
         let is_helped =
             page.help.as_ref().and_then(|help| help::draw(&mut canvas, help, bottom)).is_some();
         // The keys are read alone: nothing is beside them.
         if !is_helped {
-            let panel = overview::draw(&mut canvas, page, measures, bottom);
+            let panel = overview::draw(&mut canvas, page, measures);
             let left = panel.map_or(0.0, |panel| panel.max.x);
             let mut top = 0.0;
             for legend in &page.legends {

@@ -1,4 +1,4 @@
-//! The lower edge: a sentence about what was done or went wrong, or how far a scene has come.
+//! The lower edge: what was asked for, and below it what was done or went wrong, or how far a scene has come.
 
 use epaint::{Rect, Shape, pos2, vec2};
 
@@ -7,40 +7,45 @@ use super::page::HudPage;
 use super::style::{DIM, GOOD, MARGIN, MARK, Style};
 
 const TEXT: Style = Style::text(13.0, MARK);
+/// Numbers and marks of rows stand below each other.
+const ROWS: Style = Style::number(11.5, MARK);
 const BAR: [f32; 2] = [320.0, 10.0];
 
-/// Draws the lower edge. Returns where it begins above.
-pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage) -> f32 {
+/// Draws the lower edge from `left` on. Returns where it begins above.
+pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, left: f32) -> f32 {
     // There is always room for a row, so that a notice moves nothing.
-    let row = canvas.row(TEXT) + 4.0 * MARGIN;
-    let reserved = canvas.screen.max.y - row;
-    let taken = match &page.progress {
-        Some((what, fraction)) => Some(progress(canvas, what, *fraction)),
-        None => page.notice.as_ref().map(|text| notice(canvas, text)),
+    let reserved = canvas.screen.max.y - canvas.row(TEXT) - 4.0 * MARGIN;
+    let bottom = canvas.screen.max.y;
+    let lowest = match &page.progress {
+        Some((what, fraction)) => Some(progress(canvas, what, *fraction, left)),
+        None => page.notice.as_ref().map(|text| notice(canvas, text, TEXT, [left, bottom])),
     };
-    taken.map_or(reserved, |area| (area.min.y - MARGIN).min(reserved))
+    let bottom = lowest.map_or(bottom, |area| area.min.y);
+    let asked = page.asked.as_ref().map(|text| notice(canvas, text, ROWS, [left, bottom]));
+    asked.or(lowest).map_or(reserved, |area| (area.min.y - MARGIN).min(reserved))
 }
 
-fn notice(canvas: &mut Canvas<'_>, text: &str) -> Rect {
-    let screen = canvas.screen;
-    let galley = canvas.wrapped(text.to_owned(), TEXT, screen.width() - 4.0 * MARGIN);
+/// A text whose lower left is at that place.
+fn notice(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
+    let widest = canvas.screen.width() - left - 4.0 * MARGIN;
+    let galley = canvas.wrapped(text.to_owned(), style, widest);
     let size = galley.size() + vec2(2.0 * MARGIN, 2.0 * MARGIN);
-    let corner = pos2(MARGIN, (screen.max.y - size.y - MARGIN).max(0.0));
+    let corner = pos2(left + MARGIN, (bottom - size.y - MARGIN).max(0.0));
     let area = Rect::from_min_size(corner, size);
     let panel = canvas.open_panel();
     canvas.close_panel(panel, area);
-    canvas.add(Shape::galley(corner + vec2(MARGIN, MARGIN), galley, TEXT.colour));
+    canvas.add(Shape::galley(corner + vec2(MARGIN, MARGIN), galley, style.colour));
     area
 }
 
 /// A bar, and above it what is on its way.
-fn progress(canvas: &mut Canvas<'_>, what: &str, fraction: Option<f32>) -> Rect {
+fn progress(canvas: &mut Canvas<'_>, what: &str, fraction: Option<f32>, left: f32) -> Rect {
     let screen = canvas.screen;
     let row = canvas.row(TEXT);
-    let widest = (screen.width() - 4.0 * MARGIN).max(1.0);
+    let widest = (screen.width() - left - 4.0 * MARGIN).max(1.0);
     let width = BAR[0].max(canvas.width(what, TEXT)).min(widest);
     let size = vec2(width + 2.0 * MARGIN, row + BAR[1] + 3.0 * MARGIN);
-    let corner = pos2(MARGIN, (screen.max.y - size.y - MARGIN).max(0.0));
+    let corner = pos2(left + MARGIN, (screen.max.y - size.y - MARGIN).max(0.0));
     let area = Rect::from_min_size(corner, size);
     let panel = canvas.open_panel();
     canvas.close_panel(panel, area);

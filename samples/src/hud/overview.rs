@@ -19,14 +19,10 @@ const BAR_HEIGHT: f32 = 6.0;
 const GAP: f32 = 5.0;
 const MORE: &str = "more in a larger window";
 
-/// Draws the panel, no lower than `bottom`. Returns its area.
-pub fn draw(
-    canvas: &mut Canvas<'_>,
-    page: &HudPage,
-    measures: &Measures,
-    bottom: f32,
-) -> Option<Rect> {
+/// Draws the panel. Returns its area.
+pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, measures: &Measures) -> Option<Rect> {
     let overview = page.overview.as_ref()?;
+    let bottom = canvas.screen.max.y - MARGIN * 0.5;
     let panel = canvas.open_panel();
     let begin = canvas.shapes.len();
     let end = match measures.room {

@@ -17,7 +17,9 @@ pub struct HudPage {
     pub signs: Vec<Sign>,
     /// All keys, over the middle of the picture.
     pub help: Option<Help>,
-    /// Something that went wrong or was just done, at the lower edge. Nothing else is there.
+    /// What was asked for: a list or field, or rows about something, above what is at the lower edge.
+    pub asked: Option<String>,
+    /// Something that went wrong or was just done, at the lower edge.
     pub notice: Option<String>,
     /// What is on its way, and how much of it is done (0 to 1, where that is known): a bar in place of the
     /// notice.
@@ -37,6 +39,8 @@ pub struct Overview {
     pub frame_time: Figure,
     /// The last frames, oldest first (milliseconds a frame).
     pub frames_ms: Vec<f32>,
+    /// What `frames_ms` are of, as a caption.
+    pub caption: &'static str,
     /// What a frame may take (milliseconds), drawn as a line across the graph.
     pub budget_ms: Option<f32>,
     /// Objects: of the scene, in the frustum, drawn.

@@ -4,7 +4,7 @@ use epaint::{Rect, Shape};
 
 use super::style::PANEL;
 use super::*;
-use crate::window::deeds::{CAMERA_KEYS, FILE_KEYS, KEYS, STEERING};
+use crate::window::deeds::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 
 const SIZES: [[u32; 2]; 11] = [
     [960, 540],
@@ -37,6 +37,7 @@ fn overview() -> Overview {
         rate: figure("1234", "frames/s"),
         frame_time: figure("16.6", "ms a frame"),
         frames_ms,
+        caption: "frame time, ms",
         budget_ms: Some(16.7),
         objects: [
             figure("999,999", "objects"),
@@ -102,9 +103,10 @@ fn overlap(one: Rect, other: Rect) -> bool {
 
 fn check(page: &HudPage, size: [u32; 2]) {
     let (panels, texts, screen) = laid_out(page, size);
+    let said = [&page.notice, &page.asked].into_iter().flatten().count();
     for (place, panel) in panels.iter().enumerate() {
-        // The notice alone is shown however small the picture is.
-        let is_notice = place == 0 && page.notice.is_some();
+        // What is said alone is shown however small the picture is.
+        let is_notice = place < said;
         assert!(is_notice || screen.expand(0.1).contains_rect(*panel), "{size:?}: {panel:?}");
         for other in &panels[..place] {
             assert!(is_notice || !overlap(*panel, *other), "{size:?}: {panel:?} {other:?}");
@@ -167,23 +169,42 @@ fn details_that_have_no_room_are_named() {
     assert_eq!(all_shown([960, 540]), (false, true));
 }
 
+/// What is said for a while is beside the panel: nothing of that is lost, however much is said.
+#[test]
+fn what_is_said_takes_nothing_from_the_details() {
+    let rows = |page: &HudPage, size| {
+        let (_, texts, _) = laid_out(page, size);
+        texts.into_iter().filter(|(area, _)| area.max.x < 0.25 * 1920.0).map(|it| it.1).count()
+    };
+    for size in [[960, 540], [1920, 1080]] {
+        let quiet = HudPage { notice: None, ..page(size) };
+        let said = HudPage {
+            asked: Some(vec!["a row of a list"; 14].join("\n")),
+            notice: Some("one line\nand another".to_owned()),
+            ..page(size)
+        };
+        check(&said, size);
+        assert_eq!(rows(&said, size), rows(&quiet, size) + 2, "{size:?}");
+    }
+}
+
 #[test]
 fn the_page_of_keys_fits_at_960x540() {
     let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
-    let keys: Vec<_> = KEYS.iter().map(|(key, deed, _)| own((key, deed))).collect();
+    let mut keys = KEYS.iter().map(|(key, deed, _)| own((key, deed)));
     let of_file = FILE_KEYS.iter().map(|(key, deed, _)| (*key, *deed)).chain([CAMERA_KEYS]);
-    let groups = vec![
-        ("Camera", STEERING.map(own).to_vec()),
-        ("Keys", keys),
-        ("Scene out of a file", of_file.map(own).collect()),
-    ];
+    let mut groups = vec![("Camera", STEERING.map(own).to_vec())];
+    groups.extend(GROUPS.map(|(title, count)| (title, keys.by_ref().take(count).collect())));
+    groups.push(("Scene out of a file", of_file.map(own).collect()));
     let count: usize = groups.iter().map(|(_, keys)| keys.len()).sum();
     for size in [[960, 540], [1280, 720], [1920, 1080]] {
         let page = HudPage { help: Some(Help { groups: groups.clone() }), ..page(size) };
         check(&page, size);
-        let (_, texts, _) = laid_out(&page, size);
-        // Three titles, and the notice.
-        assert_eq!(texts.len(), 2 * count + 3 + 1, "{size:?}");
+        let (panels, texts, screen) = laid_out(&page, size);
+        // The titles, and the notice.
+        assert_eq!(texts.len(), 2 * count + groups.len() + 1, "{size:?}");
+        let keys = panels.last().unwrap();
+        assert!(keys.height() < 0.6 * screen.height(), "{size:?}: {keys:?}");
     }
 }
 

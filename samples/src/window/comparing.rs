@@ -5,6 +5,7 @@ use gpu::{Readback, Tick};
 use render::FrameRequest;
 
 use super::comparison::{Comparison, Side};
+use super::page_text::in_ms;
 use super::session::Session;
 use crate::run::RunError;
 use crate::strategy::Strategy;
@@ -35,7 +36,11 @@ impl Session {
             Side::Culled => format!("with culling ({})", self.strategy),
             Side::Unculled => "without culling".to_owned(),
         };
-        Some(format!("{shown}: {}", comparison.tally().text()))
+        let (with, without) = (self.times.gpu_ms()[0], self.times.unculled_gpu_ms());
+        let times = with.zip(without).map_or(String::new(), |(with, without)| {
+            format!("\nGPU: {} with culling, {} without", in_ms(Some(with)), in_ms(Some(without)))
+        });
+        Some(format!("{shown}: {}{times}", comparison.tally().text()))
     }
 
     /// Draws a frame by the strategy in use; while frames are compared, also one without culling. The one
@@ -50,6 +55,7 @@ impl Session {
             let request = FrameRequest { picture, ..FrameRequest::new(self.strategy, camera) };
             self.report = self.renderer.render(&mut self.history, &request)?;
             self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
+            self.times.sent(Side::Culled, self.renderer.pass_times());
             return Ok(self.report.tick);
         };
         let rendered = self.render_pair(&mut comparison, camera, seconds, picture);
@@ -93,6 +99,7 @@ impl Session {
                     self.renderer.render(unculled, &request)?.tick
                 }
             };
+            self.times.sent(side, self.renderer.pass_times());
         }
         if let Some(pair) = pair {
             comparison.sent(pair, tick);

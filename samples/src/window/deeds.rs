@@ -69,29 +69,33 @@ pub enum Deed {
     Quit,
 }
 
-/// The keys: how they are called, what they do, as text and as a deed.
+/// The keys: how they are called, what they do, as text and as a deed; in the order of [`GROUPS`].
 pub const KEYS: [(&str, &str, Deed); 20] = [
-    ("F1", "all keys", Deed::Help),
-    ("F11", "full screen", Deed::FullScreen),
-    ("Tab", "next strategy", Deed::NextStrategy),
-    ("U", "list of strategies", Deed::ListStrategies),
     ("O", "list of scenes", Deed::ListScenes),
     ("Ctrl+O", "open a file by its path", Deed::OpenPath),
-    ("F", "frames in flight", Deed::NextFramesInFlight),
-    ("P", "present mode", Deed::NextPresentMode),
-    ("C", "freeze the culling", Deed::Freeze),
+    ("F11", "full screen", Deed::FullScreen),
+    ("M", "capture the mouse", Deed::CaptureMouse),
+    ("H", "more text, or none", Deed::Hud),
+    ("F1", "all keys", Deed::Help),
+    ("Esc", "close, free the mouse; twice: quit", Deed::Escape),
+    ("Tab", "next strategy", Deed::NextStrategy),
+    ("U", "list of strategies", Deed::ListStrategies),
     ("V", "compare with no culling", Deed::Compare),
+    ("C", "freeze the culling", Deed::Freeze),
     ("I", "what is in the middle", Deed::Identify(None)),
     ("B", "bird's-eye view", Deed::BirdsEye),
     ("X", "boxes that are tested", Deed::Boxes),
     ("G", "wires", Deed::Wires),
     ("T", "GPU time of passes", Deed::TimePasses),
+    ("F", "frames in flight", Deed::NextFramesInFlight),
+    ("P", "present mode", Deed::NextPresentMode),
     ("K", "screenshot", Deed::Screenshot),
     ("R", "record the path", Deed::Record),
-    ("H", "more text, or none", Deed::Hud),
-    ("M", "capture the mouse", Deed::CaptureMouse),
-    ("Esc", "free the mouse; twice: quit", Deed::Escape),
 ];
+
+/// What the keys are about, and how many are about that.
+pub const GROUPS: [(&str, usize); 4] =
+    [("Scene and window", 7), ("Culling", 4), ("Explanations", 5), ("Frames", 4)];
 
 /// More keys, for scenes out of files. Numbers look through their cameras.
 pub const FILE_KEYS: [(&str, &str, Deed); 4] = [
@@ -253,6 +257,11 @@ mod tests {
             assert_eq!(keys().filter(|(_, _, of_key)| *of_key == deed).count(), 1, "{name}");
         }
         assert_eq!(Deed::of_key("w"), None);
+    }
+
+    #[test]
+    fn every_key_is_in_a_group() {
+        assert_eq!(GROUPS.iter().map(|(_, count)| count).sum::<usize>(), KEYS.len());
     }
 
     /// What the window has, the README has.

@@ -56,18 +56,18 @@ impl Session {
         for note in &notes {
             tracing::warn!("{}: {note}", shown(Path::new(&self.world.name)));
         }
-        self.tell_notes(&notes);
+        self.tell_notes(notes);
         self.explain()
     }
 
-    /// Says once what of a file is not shown.
-    pub(super) fn tell_notes(&mut self, notes: &[String]) {
-        match notes {
-            [] => {}
-            [note] => self.tell(note.clone()),
-            [first, rest @ ..] => {
-                self.tell(format!("{first}\n... and {} more, see the log", rest.len()));
-            }
+    /// Says once what of a file is not shown, and which keys lead on.
+    fn tell_notes(&mut self, notes: Vec<String>) {
+        let others = notes.len().saturating_sub(1);
+        let more = (others > 0).then(|| format!("... and {others} more, see the log"));
+        let lines = notes.into_iter().take(1).chain(more).chain(self.world.hint.take());
+        let text = lines.collect::<Vec<_>>().join("\n");
+        if !text.is_empty() {
+            self.tell(text);
         }
     }
 

@@ -1,9 +1,12 @@
 //! The newest frames: how long they took, and what of that went where.
 
+use std::collections::VecDeque;
+
 use gpu::PassTime;
 use pacing::Time;
 use render::{FrameReport, OVERLAY_PASSES};
 
+use super::comparison::Side;
 use super::conditions::Conditions;
 
 /// As many frames as a graph shows.
@@ -61,21 +64,21 @@ pub struct FrameTimes {
     last: Option<Time>,
     cpu: Recent<CPU_FRAMES>,
     overlay_cpu: Recent<CPU_FRAMES>,
-    gpu: Recent<GPU_FRAMES>,
+    /// With culling and without.
+    gpu: [Recent<GPU_FRAMES>; 2],
     overlay_gpu: Recent<GPU_FRAMES>,
     /// Since the newest frame.
     layout_ms: f32,
     passes: Vec<PassTime>,
-    /// So many frames that were sent off under other conditions are not back yet.
-    foreign: usize,
+    /// What is on its way under these conditions, oldest first.
+    sent: VecDeque<Side>,
 }
 
 impl FrameTimes {
     /// Forgets everything where `conditions` are not those of the frames before.
     pub fn follow(&mut self, conditions: Conditions) {
         if self.conditions != Some(conditions) {
-            let foreign = self.conditions.map_or(0, |before| before.frames_in_flight);
-            *self = Self { conditions: Some(conditions), foreign, ..Self::default() };
+            *self = Self { conditions: Some(conditions), ..Self::default() };
         }
     }
 
@@ -91,18 +94,26 @@ impl FrameTimes {
         self.layout_ms += ms;
     }
 
-    /// Takes what a frame cost; `passes` are of an earlier frame, if its passes were timed.
-    pub fn take(&mut self, report: &FrameReport, passes: &[PassTime]) {
+    /// Takes what a frame cost on the CPU.
+    pub fn take(&mut self, report: &FrameReport) {
         let overlay_ms = std::mem::take(&mut self.layout_ms);
         self.cpu.push(report.cpu.as_secs_f32() * 1e3);
         self.overlay_cpu.push(report.overlay_cpu.as_secs_f32() * 1e3 + overlay_ms);
-        if self.foreign > 0 {
-            self.foreign -= 1;
-        } else if !passes.is_empty() {
-            let (overlay, engine): (Vec<_>, Vec<_>) = passes.iter().partition(is_overlay);
-            let sum = |passes: Vec<&PassTime>| passes.iter().map(|pass| pass.gpu_ms).sum::<f64>();
-            self.gpu.push(sum(engine) as f32);
-            self.overlay_gpu.push(sum(overlay) as f32);
+    }
+
+    /// Takes that a frame with or without culling was sent off; `passes` are of the one that had its slot
+    /// before, if its passes were timed.
+    pub fn sent(&mut self, side: Side, passes: &[PassTime]) {
+        self.sent.push_back(side);
+        let in_flight = self.conditions.map_or(0, |conditions| conditions.frames_in_flight);
+        // Until then the passes are of frames under other conditions.
+        let home = if self.sent.len() > in_flight { self.sent.pop_front() } else { None };
+        let Some(side) = home.filter(|_| !passes.is_empty()) else { return };
+        let (overlay, engine): (Vec<_>, Vec<_>) = passes.iter().partition(is_overlay);
+        let sum = |passes: Vec<&PassTime>| passes.iter().map(|pass| pass.gpu_ms).sum::<f64>();
+        self.gpu[side as usize].push(sum(engine) as f32);
+        self.overlay_gpu.push(sum(overlay) as f32);
+        if side == Side::Culled {
             self.passes.clear();
             self.passes.extend_from_slice(passes);
         }
@@ -134,7 +145,12 @@ impl FrameTimes {
 
     /// Returns the usual times of the engine and of the overlay on the GPU, in milliseconds.
     pub fn gpu_ms(&self) -> [Option<f32>; 2] {
-        [self.gpu.median(), self.overlay_gpu.median()]
+        [self.gpu[Side::Culled as usize].median(), self.overlay_gpu.median()]
+    }
+
+    /// Returns the usual time on the GPU of frames without culling, where those are compared with.
+    pub fn unculled_gpu_ms(&self) -> Option<f32> {
+        self.gpu[Side::Unculled as usize].median()
     }
 
     /// Returns the passes of the newest frame whose passes were timed.
@@ -189,7 +205,7 @@ mod tests {
     #[test]
     fn the_overlay_costs_apart_from_the_engine() {
         let mut times = FrameTimes::default();
-        times.follow(conditions());
+        times.follow(Conditions { frames_in_flight: 0, ..conditions() });
         let report = FrameReport {
             cpu: Duration::from_millis(3),
             overlay_cpu: Duration::from_millis(1),
@@ -198,7 +214,8 @@ mod tests {
         let passes = [pass("draw visible", 4.0), pass("HUD", 0.5), pass("view from above", 1.5)];
         for passes in [&passes[..], &[]] {
             times.laid_out(0.5);
-            times.take(&report, passes);
+            times.take(&report);
+            times.sent(Side::Culled, passes);
         }
         assert_eq!(times.cpu_ms(), [Some(3.0), Some(1.5)]);
         assert_eq!(times.gpu_ms(), [Some(4.0), Some(2.0)]);
@@ -220,17 +237,42 @@ mod tests {
             let take = |times: &mut FrameTimes, conditions, frame: u64| {
                 times.follow(conditions);
                 times.push(Time::from_nanos(frame * 10_000_000));
-                let report = FrameReport::default();
-                times.take(&report, &[pass("draw visible", frame as f64)]);
+                times.sent(Side::Culled, &[pass("draw visible", frame as f64)]);
             };
             (0..9).for_each(|frame| take(&mut times, old, frame));
             assert_eq!(times.newest_ms().count(), 8);
             take(&mut times, new, 9);
             assert_eq!((times.newest_ms().count(), times.mean_ms()), (0, None), "{new:?}");
-            take(&mut times, new, 10);
+            let first = 9 + new.frames_in_flight as u64;
+            (10..first).for_each(|frame| take(&mut times, new, frame));
             assert_eq!(times.gpu_ms(), [None; 2], "these passes are of frames before");
-            take(&mut times, new, 11);
-            assert_eq!((times.newest_ms().count(), times.gpu_ms()[0]), (2, Some(11.0)));
+            take(&mut times, new, first);
+            let found = (times.newest_ms().count(), times.gpu_ms()[0]);
+            assert_eq!(found, (new.frames_in_flight, Some(first as f32)));
         }
+    }
+
+    /// One in eight frames is timed, and each moment has two: a pair's first.
+    #[test]
+    fn frames_with_and_without_culling_are_timed_apart() {
+        let mut times = FrameTimes::default();
+        times.follow(Conditions { is_comparing: true, ..conditions() });
+        let (mut slots, mut frame) = ([None; 2], 0);
+        for moment in 0..40 {
+            let mut sides = [Side::Culled, Side::Unculled];
+            if moment / 10 % 2 == 1 {
+                sides.reverse();
+            }
+            for side in sides {
+                let home: Option<Side> = slots[frame % 2].take();
+                let ms = |side| if side == Side::Culled { 4.0 } else { 90.0 };
+                let passes: Vec<PassTime> =
+                    home.map(|side| pass("draw visible", ms(side))).into_iter().collect();
+                slots[frame % 2] = (frame % 8 == 0).then_some(side);
+                times.sent(side, &passes);
+                frame += 1;
+            }
+        }
+        assert_eq!((times.gpu_ms()[0], times.unculled_gpu_ms()), (Some(4.0), Some(90.0)));
     }
 }

@@ -8,9 +8,10 @@ use winit::window::{CursorGrabMode, Fullscreen};
 use super::clipboard;
 use super::deeds::Deed;
 use super::leaving::Escape;
-use super::menu::{Choice, Menu, MenuKey};
+use super::menu::{self, Choice, Menu, MenuKey};
 use super::opened::Opened;
 use super::pointer::PointerAction;
+use super::scene_files;
 use super::show::ShowOptions;
 use super::source::Source;
 use crate::options::MadeScene;
@@ -99,6 +100,12 @@ impl Opened {
             self.files.retain(|opened| opened != file);
             self.files.push(file.clone());
         }
+    }
+
+    /// Returns the list of scenes, that which is shown selected.
+    pub(super) fn scenes(&self) -> Menu {
+        let [shown, ..] = self.session.subject();
+        menu::scenes(scene_files::to_choose(&self.files), shown)
     }
 
     /// Takes a key while a list or field is open.

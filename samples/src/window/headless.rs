@@ -68,6 +68,9 @@ fn draw(
     for note in &stage.world.notes {
         tracing::warn!("{}: {note}", shown(Path::new(&stage.world.name)));
     }
+    if let Some(hint) = &stage.world.hint {
+        tracing::info!("{hint}");
+    }
     let mut session = Session::new(device, options, files, stage)?;
     let drawn = draw_frames(device, &mut session, options, signals);
     super::first_error([drawn, session.finish(options)])

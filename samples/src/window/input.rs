@@ -98,6 +98,8 @@ impl Input {
         match code {
             KeyCode::ArrowUp => Some(MenuKey::Up),
             KeyCode::ArrowDown => Some(MenuKey::Down),
+            KeyCode::PageUp => Some(MenuKey::PageUp),
+            KeyCode::PageDown => Some(MenuKey::PageDown),
             KeyCode::Home => Some(MenuKey::First),
             KeyCode::End => Some(MenuKey::Last),
             KeyCode::Enter | KeyCode::NumpadEnter => Some(MenuKey::Enter),

@@ -7,6 +7,8 @@ use crate::strategy::Strategy;
 
 /// More characters are no path.
 const MOST_CHARACTERS: usize = 4096;
+/// Rows of a list that are shown at once.
+const SHOWN_ROWS: usize = 14;
 
 /// What is chosen in the end.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +39,10 @@ pub enum MenuKey {
     Up,
     /// One row down.
     Down,
+    /// As many rows up as are shown.
+    PageUp,
+    /// As many rows down.
+    PageDown,
     /// The first row.
     First,
     /// The last row.
@@ -71,9 +77,9 @@ pub enum Menu {
 }
 
 impl Menu {
-    /// Opens a list with the row of `current` selected.
-    pub fn list(title: &'static str, rows: Vec<Row>, current: &Choice) -> Self {
-        let selected = rows.iter().position(|row| row.choice == *current).unwrap_or(0);
+    /// Opens a list with the current row selected.
+    pub fn list(title: &'static str, rows: Vec<Row>, is_current: impl Fn(&Row) -> bool) -> Self {
+        let selected = rows.iter().position(is_current).unwrap_or(0);
         Self::List { title, rows, selected }
     }
 
@@ -92,8 +98,20 @@ impl Menu {
                     let number = (place < 9).then(|| (place + 1).to_string());
                     format!("{mark} {} {}", number.as_deref().unwrap_or(" "), row.label)
                 };
-                let rows: Vec<String> = rows.iter().enumerate().map(row).collect();
-                format!("{title}: arrows and Enter, or a number\n{}", rows.join("\n"))
+                let above = selected.saturating_sub(SHOWN_ROWS / 2);
+                let above = above.min(rows.len().saturating_sub(SHOWN_ROWS));
+                let below = rows.len().saturating_sub(above + SHOWN_ROWS);
+                let more =
+                    |count, place| (count > 0).then(|| format!("    ... {count} more {place}"));
+                let keys = match rows.len() {
+                    ..=9 => "arrows and Enter, or its number",
+                    10..=SHOWN_ROWS => "arrows and Enter; the first nine also by number",
+                    _ => "arrows, Page Up, Page Down and Enter",
+                };
+                let shown = rows.iter().enumerate().skip(above).take(SHOWN_ROWS).map(row);
+                let lines =
+                    more(above, "above").into_iter().chain(shown).chain(more(below, "below"));
+                format!("{title}: {keys}\n{}", lines.collect::<Vec<_>>().join("\n"))
             }
             Self::Path { text } => {
                 format!("the path of a glTF file, typed or pasted (Ctrl+V), and Enter\n> {text}_")
@@ -111,6 +129,8 @@ impl Menu {
                     MenuKey::Up => *selected -= 1,
                     MenuKey::Down if *selected >= last => *selected = 0,
                     MenuKey::Down => *selected += 1,
+                    MenuKey::PageUp => *selected = selected.saturating_sub(SHOWN_ROWS),
+                    MenuKey::PageDown => *selected = (*selected + SHOWN_ROWS).min(last),
                     MenuKey::First => *selected = 0,
                     MenuKey::Last => *selected = last,
                     MenuKey::Enter => return Some(rows.get(*selected)?.choice.clone()),
@@ -129,6 +149,8 @@ impl Menu {
                     MenuKey::Enter => return path_of(text).map(Choice::File),
                     MenuKey::Up
                     | MenuKey::Down
+                    | MenuKey::PageUp
+                    | MenuKey::PageDown
                     | MenuKey::First
                     | MenuKey::Last
                     | MenuKey::Paste => {}
@@ -170,11 +192,11 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     };
     let all = Strategy::ALL.iter().filter(|strategy| **strategy != Strategy::Ideal);
     let rows = all.filter(|strategy| can(**strategy)).map(row).collect();
-    Menu::list("strategy", rows, &Choice::Strategy(current))
+    Menu::list("strategy", rows, |row| row.choice == Choice::Strategy(current))
 }
 
-/// Returns the list of scenes: the made ones, then files, each once.
-pub fn scenes(files: impl IntoIterator<Item = PathBuf>) -> Menu {
+/// Returns the list of scenes: the made ones, then files, each once. That of the name `shown` is selected.
+pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
     let made = [choices::Scene::City, choices::Scene::Field];
     let made = made.map(|scene| Row { label: scene.to_string(), choice: Choice::Made(scene) });
     let mut rows: Vec<Row> = made.into();
@@ -186,7 +208,10 @@ pub fn scenes(files: impl IntoIterator<Item = PathBuf>) -> Menu {
         }
     }
     rows.push(Row { label: "another file ...".to_owned(), choice: Choice::TypePath });
-    Menu::list("scene", rows, &Choice::TypePath)
+    Menu::list("scene", rows, |row| match &row.choice {
+        Choice::File(file) => file.file_stem().is_some_and(|stem| stem == shown),
+        _ => row.label == shown,
+    })
 }
 
 #[cfg(test)]
@@ -245,12 +270,35 @@ mod tests {
     #[test]
     fn scenes_are_listed_once() {
         let files = ["/a/one.glb", "/b/one.glb", "/a/one.glb"].map(PathBuf::from);
-        let mut menu = scenes(files);
+        let mut menu = scenes(files, "one");
         let Menu::List { rows, .. } = &menu else { panic!("a list") };
         let labels: Vec<&str> = rows.iter().map(|row| row.label.as_str()).collect();
         assert_eq!(labels, ["city", "field", "one.glb", "one.glb", "another file ..."]);
         assert_eq!(menu.key(&text("4")), Some(Choice::File("/b/one.glb".into())));
+        let first = Some(Choice::File("/a/one.glb".into()));
+        assert_eq!(menu.key(&MenuKey::Enter), first, "what is shown is selected");
+        menu.key(&MenuKey::Last);
         assert_eq!(menu.key(&MenuKey::Enter), Some(Choice::TypePath));
+    }
+
+    #[test]
+    fn long_lists_scroll_and_say_how_much_is_not_shown() {
+        let files = (0..40).map(|number| PathBuf::from(format!("{number:02}.glb")));
+        let mut menu = scenes(files, "city");
+        let shows = |menu: &Menu, all: &[&str]| {
+            let text = menu.text();
+            assert_eq!(text.lines().count(), 1 + SHOWN_ROWS + all.len() - 1, "{text}");
+            assert!(all.iter().all(|part| text.contains(part)), "{all:?}: {text}");
+        };
+        shows(&menu, &["> 1 city\n", "... 29 more below"]);
+        menu.key(&MenuKey::PageDown);
+        shows(&menu, &["... 7 more above", ">   12.glb\n", "... 22 more below"]);
+        menu.key(&MenuKey::Up);
+        assert_eq!(menu.key(&MenuKey::Enter), Some(Choice::File("11.glb".into())));
+        (0..9).for_each(|_| _ = menu.key(&MenuKey::PageDown));
+        shows(&menu, &["... 29 more above", ">   another file ..."]);
+        (0..9).for_each(|_| _ = menu.key(&MenuKey::PageUp));
+        shows(&menu, &["> 1 city\n", "... 29 more below"]);
     }
 
     #[test]

@@ -19,9 +19,8 @@ use super::deeds::Deed;
 use super::gamepad::Gamepad;
 use super::input::Input;
 use super::leaving::Leaving;
-use super::menu::{self, Menu};
+use super::menu::Menu;
 use super::pointer::Pointer;
-use super::scene_files;
 use super::screen::Screen;
 use super::session::{Files, Session};
 use super::show::ShowOptions;
@@ -181,8 +180,7 @@ impl Opened {
         }
         let seconds =
             self.last_frame.replace(now).map_or(0.0, |last| now.since(last).as_secs_f32());
-        let (scene, strategy) = self.session.subject();
-        if let Some(title) = self.title.count(now, scene, strategy) {
+        if let Some(title) = self.title.count(now, self.session.subject()) {
             self.window.set_title(&title);
         }
         self.session.present_mode = Some(self.screen.swapchain().mode());
@@ -226,7 +224,7 @@ impl Opened {
             Deed::Quit => return Ok(true),
             Deed::Escape => return Ok(self.escape()),
             Deed::ListScenes => {
-                self.session.menu = Some(menu::scenes(scene_files::to_choose(&self.files)));
+                self.session.menu = Some(self.scenes());
             }
             Deed::OpenPath => self.session.menu = Some(Menu::path()),
             Deed::FullScreen => self.toggle_full_screen(),

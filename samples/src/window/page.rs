@@ -7,7 +7,7 @@ use pacing::Time;
 
 use super::comparison::Comparison;
 use super::conditions::Conditions;
-use super::deeds::{CAMERA_KEYS, FILE_KEYS, KEYS, STEERING};
+use super::deeds::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 use super::legends;
 use super::page_text::Known;
 use super::screen::ScreenFacts;
@@ -78,7 +78,7 @@ impl Session {
 
     /// Takes what the newest frame cost, and remembers what it was seen from until its answers are home.
     pub(super) fn measure(&mut self, camera: Camera) {
-        self.times.take(&self.report, self.renderer.pass_times());
+        self.times.take(&self.report);
         if self.viewed.len() == MOST_VIEWED {
             self.viewed.pop_front();
         }
@@ -105,8 +105,16 @@ impl Session {
         let marks = marks.unwrap_or_default();
         if self.hud_level == HudLevel::Off {
             let refused = screen.and_then(|_| self.notice.refused_at(now));
-            let notice = join_lines(screen.and_then(|_| self.asked_for()), refused);
-            return HudPage { notice, progress, signs, help, marks, ..HudPage::default() };
+            let asked = screen.and_then(|_| self.asked_for());
+            return HudPage {
+                asked,
+                notice: refused,
+                progress,
+                signs,
+                help,
+                marks,
+                ..HudPage::default()
+            };
         }
         let device = self.renderer.device();
         let known = Known {
@@ -133,6 +141,11 @@ impl Session {
             HudLevel::Detailed => ("F1 help, H no text", known.details()),
             _ => ("F1 help, H details", Vec::new()),
         };
+        // Beside a list that is open, what was done before is of no interest.
+        let notice = match self.menu {
+            Some(_) => self.notice.refused_at(now),
+            None => self.notice.at(now),
+        };
         let of_world = self.world.facts().filter(|_| self.hud_level == HudLevel::Detailed);
         HudPage {
             overview: Some(known.overview(hint)),
@@ -141,7 +154,8 @@ impl Session {
             marks,
             signs,
             help,
-            notice: join_lines(self.asked_for(), self.notice.at(now)),
+            asked: self.asked_for(),
+            notice,
             progress,
         }
     }
@@ -180,8 +194,9 @@ impl Session {
     /// Returns all keys.
     fn help(&self) -> Help {
         let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
-        let keys = KEYS.into_iter().map(|(key, deed, _)| own((key, deed))).collect();
-        let mut groups = vec![("Camera", STEERING.map(own).to_vec()), ("Keys", keys)];
+        let mut groups = vec![("Camera", STEERING.map(own).to_vec())];
+        let mut keys = KEYS.into_iter().map(|(key, deed, _)| own((key, deed)));
+        groups.extend(GROUPS.map(|(title, count)| (title, keys.by_ref().take(count).collect())));
         if self.world.is_alive() {
             let of_file = FILE_KEYS.into_iter().map(|(key, deed, _)| (key, deed));
             let of_file = of_file.chain([CAMERA_KEYS]).map(own).collect();
@@ -189,10 +204,4 @@ impl Session {
         }
         Help { groups }
     }
-}
-
-/// Puts one text below the other, as far as there are any.
-fn join_lines(above: Option<String>, below: Option<String>) -> Option<String> {
-    let lines: Vec<String> = above.into_iter().chain(below).collect();
-    (!lines.is_empty()).then(|| lines.join("\n"))
 }

@@ -71,15 +71,21 @@ impl Known<'_> {
         let drawn = self.outcome.map(|outcome| outcome.draws);
         let number = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), short);
         let figure = |value: String, name| Figure { value, name };
+        // While frames with and without culling are compared, each moment is drawn twice.
+        let [rate_name, time_name, caption] = match self.compared {
+            Some(_) => ["pairs/s", "ms a pair", "time of a pair of frames, ms"],
+            None => ["frames/s", "ms a frame", "frame time, ms"],
+        };
         let [cpu, _] = self.times.cpu_ms();
         let [gpu, _] = self.times.gpu_ms();
         let budget = self.screen.and_then(|screen| screen.refresh);
         Overview {
             scene: self.scene.to_owned(),
             strategy: self.strategy_and_states(),
-            rate: figure(rate, "frames/s"),
-            frame_time: figure(mean_ms.map_or(UNKNOWN.to_owned(), digits), "ms a frame"),
+            rate: figure(rate, rate_name),
+            frame_time: figure(mean_ms.map_or(UNKNOWN.to_owned(), digits), time_name),
             frames_ms: self.times.newest_ms().collect(),
+            caption,
             budget_ms: budget.map(|budget| budget.as_secs_f32() * 1e3),
             objects: [
                 figure(short(self.objects), "objects"),
@@ -248,7 +254,7 @@ fn ms(ms: Option<f64>) -> String {
 }
 
 /// Three digits that matter, and the unit.
-fn in_ms(ms: Option<f32>) -> String {
+pub(super) fn in_ms(ms: Option<f32>) -> String {
     ms.map_or(UNKNOWN.to_owned(), |ms| format!("{} ms", digits(ms.into())))
 }
 

@@ -7,6 +7,7 @@ use gpu::PresentMode;
 use pacing::{Summary, Time};
 
 use super::*;
+use crate::window::comparison::Side;
 use crate::window::conditions::Conditions;
 
 /// A distribution whose numbers all differ, in hundredths of a millisecond from `first` on.
@@ -84,7 +85,7 @@ fn times(report: &FrameReport, passes: &[PassTime]) -> FrameTimes {
     times.follow(Conditions {
         strategy: Strategy::Antumbra,
         size: [640, 360],
-        frames_in_flight: 2,
+        frames_in_flight: 0,
         present_mode: None,
         scene: 0,
         is_comparing: false,
@@ -93,7 +94,8 @@ fn times(report: &FrameReport, passes: &[PassTime]) -> FrameTimes {
         times.push(Time::from_nanos(frame * 16_000_000));
     }
     times.laid_out(0.25);
-    times.take(report, passes);
+    times.take(report);
+    times.sent(Side::Culled, passes);
     times
 }
 
@@ -147,6 +149,9 @@ fn what_a_person_looks_for_is_said_first() {
     assert_eq!(overview.strategy, "antumbra, frozen, recording");
     assert_eq!(overview.rate, figure("62", "frames/s"));
     assert_eq!(overview.frame_time, figure("16.0", "ms a frame"));
+    let compared = Known { compared: Some(Tally::default()), ..known }.overview("keys");
+    assert_eq!(compared.rate, figure("62", "pairs/s"));
+    assert_eq!(compared.frame_time, figure("16.0", "ms a pair"));
     assert_eq!(
         overview.objects,
         [figure("10,000", "objects"), figure("2,055", "in frustum"), figure("1,001", "drawn")]

@@ -4,8 +4,6 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A list of more files is not read by anybody.
-const MOST_FILES: usize = 24;
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 10_000;
 
@@ -21,7 +19,6 @@ pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
             files.push(file);
         }
     }
-    files.truncate(MOST_FILES);
     files
 }
 

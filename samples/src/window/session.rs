@@ -154,9 +154,10 @@ impl Session {
         self.frame
     }
 
-    /// Returns the names of the scene and of the strategy.
-    pub fn subject(&self) -> (&str, &'static str) {
-        (&self.world.name, self.strategy.name())
+    /// Returns the names of the scene, of the strategy, and of what is counted as drawn in a second.
+    pub fn subject(&self) -> [&str; 3] {
+        let unit = self.comparison.as_ref().map_or("frames/s", |_| "pairs/s");
+        [&self.world.name, self.strategy.name(), unit]
     }
 
     /// What draws.

@@ -15,26 +15,24 @@ pub struct Title {
 }
 
 impl Title {
-    /// Counts a frame that began at `now`; returns the next title when one is due.
-    pub fn count(&mut self, now: Time, scene: &str, strategy: &str) -> Option<String> {
+    /// Counts a frame that began at `now`; returns the next title when one is due. The `unit` is what
+    /// frames a second are called.
+    pub fn count(&mut self, now: Time, [scene, strategy, unit]: [&str; 3]) -> Option<String> {
         let since = *self.since.get_or_insert(now);
         let passed = now.since(since);
         if passed < INTERVAL {
             self.frames += 1;
-            return (since == now && self.frames == 1).then(|| text(scene, strategy, None));
+            return (since == now && self.frames == 1)
+                .then(|| text(scene, strategy, String::new()));
         }
         let rate_hz = f64::from(self.frames) / passed.as_secs_f64();
         (self.since, self.frames) = (Some(now), 1);
-        Some(text(scene, strategy, Some(rate_hz)))
+        let digits = usize::from(rate_hz < 10.0);
+        Some(text(scene, strategy, format!(" - {rate_hz:.digits$} {unit}")))
     }
 }
 
-fn text(scene: &str, strategy: &str, rate_hz: Option<f64>) -> String {
-    let rate = match rate_hz {
-        None => String::new(),
-        Some(hz) if hz < 10.0 => format!(" - {hz:.1} frames/s"),
-        Some(hz) => format!(" - {hz:.0} frames/s"),
-    };
+fn text(scene: &str, strategy: &str, rate: String) -> String {
     format!("{scene} - {strategy}{rate} - Antumbra")
 }
 
@@ -47,9 +45,10 @@ mod tests {
         for (frame_ms, said) in [(20, "50 frames/s"), (400, "2.5 frames/s")] {
             let mut title = Title::default();
             let at = |frame: u64| Time::from_nanos(frame * frame_ms * 1_000_000);
-            let first = title.count(at(0), "city", "antumbra");
+            let first = title.count(at(0), ["city", "antumbra", "frames/s"]);
             assert_eq!(first.as_deref(), Some("city - antumbra - Antumbra"));
-            let titles = (1..=100).filter_map(|frame| title.count(at(frame), "city", "frustum"));
+            let subject = ["city", "frustum", "frames/s"];
+            let titles = (1..=100).filter_map(|frame| title.count(at(frame), subject));
             let titles: Vec<String> = titles.collect();
             assert_eq!(
                 titles.len() as u64,

@@ -40,8 +40,8 @@ pub struct ViewerArguments {
     /// The scene: glTF 2.0, as .glb or .gltf; a window can do without until a file is dropped into it
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// The camera of the file to begin with, by its name [default: the first one; where there is none,
-    /// a place from which all is seen]
+    /// The camera of the file to begin with, by its name [default: the first one; where there is none or
+    /// a clip moves it, a place from which all is seen]
     #[arg(long, value_name = "NAME", help_heading = "World")]
     pub camera: Option<String>,
     /// The camera goes along a path that was recorded, whose name ends in .txt or has a slash

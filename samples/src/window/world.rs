@@ -46,6 +46,8 @@ pub struct World {
     pub speed_m: f32,
     /// What there is to tell about it once.
     pub notes: Vec<String>,
+    /// Which keys lead on from where one begins.
+    pub hint: Option<String>,
     guide: Guide,
     names: MeshNames,
     /// From where all of a file is seen.
@@ -95,6 +97,7 @@ impl World {
             start,
             speed_m: WALKING_M,
             notes: Vec::new(),
+            hint: None,
             guide: Guide::Nobody,
             names: MeshNames::default(),
             overview: start,
@@ -145,24 +148,30 @@ impl World {
         let bounds = performance.bounds_playing(&scene);
         performance.pose(0.0);
         let around = film::portrait(&bounds, size, covered);
-        let (start, guide) = match (recorded, camera) {
+        let first = camera.and_then(|place| Some((place, cameras.get(place)?)));
+        // Where a clip moves a camera that nobody asked for, it may be close to a wall at any time.
+        let is_free = wanted.is_none() && recorded.is_none();
+        let moved =
+            first.filter(|(_, camera)| is_free && performance.drive(clips.playing(), camera));
+        let (start, guide) = match (recorded, first) {
             (Some(path), _) => {
                 let start = path.camera(0).unwrap_or(around);
                 (start, Guide::Course(Course::Recorded(path, around)))
             }
-            (None, Some(place)) => {
-                let start =
-                    cameras.get(place).map_or(around, |camera| performance.seen_by(camera, size));
-                (start, Guide::Camera(place))
+            (None, Some(_)) if moved.is_some() => (around, Guide::Overview),
+            (None, Some((place, camera))) => {
+                (performance.seen_by(camera, size), Guide::Camera(place))
             }
             (None, None) => (around, Guide::Nobody),
         };
+        let hint = moved.map(|(_, camera)| how_to_look(&camera.name, cameras.len()));
         let crossing_m = (bounds.max - bounds.min).length() / CROSSING_S;
         Ok(Self {
             name: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             start,
             speed_m: if crossing_m.is_normal() { crossing_m } else { WALKING_M },
             notes,
+            hint,
             guide,
             names,
             overview: around,
@@ -327,6 +336,16 @@ impl World {
             None => Err(NO_FILE.to_owned()),
         }
     }
+}
+
+/// Says how to look through the first of `count` cameras, which a clip moves, and through the others.
+fn how_to_look(first: &str, count: usize) -> String {
+    let others = match count {
+        0 | 1 => String::new(),
+        2 => ", 2 through the other".to_owned(),
+        _ => format!(", 2 to {} through others", count.min(9)),
+    };
+    format!("a clip moves the file's first camera, {first}: key 1 looks through it{others}")
 }
 
 const NO_FILE: &str = "that is for scenes out of files";

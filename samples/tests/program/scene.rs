@@ -72,16 +72,23 @@ pub fn small() -> Vec<u8> {
 
 /// The same with other cameras.
 pub fn small_seen_by(camera: &Value) -> Vec<u8> {
-    small_with(Some(camera))
+    small_with(Some(camera), &[])
 }
 
 /// The same with all of its nodes and clips, and no camera.
 #[allow(dead_code, reason = "not all tests need it")]
 pub fn small_without_cameras() -> Vec<u8> {
-    small_with(None)
+    small_with(None, &[])
 }
 
-fn small_with(camera: Option<&Value>) -> Vec<u8> {
+/// The same, and only the camera that stands.
+#[allow(dead_code, reason = "not all tests need it")]
+pub fn small_with_still_camera() -> Vec<u8> {
+    let camera = json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}});
+    small_with(Some(&camera), &["walk"])
+}
+
+fn small_with(camera: Option<&Value>, without: &[&str]) -> Vec<u8> {
     let mut bytes = Bytes::default();
     let (positions, normals, indices) = cube();
     let positions = bytes.floats("VEC3", 3, &positions);
@@ -118,11 +125,14 @@ fn small_with(camera: Option<&Value>) -> Vec<u8> {
             "channels": [{"sampler": 0, "target": {"node": node, "path": "translation"}}],
         })
     };
-    if camera.is_none() {
-        nodes.iter_mut().filter_map(Value::as_object_mut).for_each(|node| {
+    let is_without = |node: &serde_json::Map<String, Value>| {
+        camera.is_none() || without.iter().any(|name| node["name"] == *name)
+    };
+    nodes.iter_mut().filter_map(Value::as_object_mut).filter(|node| is_without(node)).for_each(
+        |node| {
             node.remove("camera");
-        });
-    }
+        },
+    );
     let document = json!({
         "asset": {"version": "2.0"},
         "scene": 0,

@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 
 use tests::xvfb::Xvfb;
-use x11rb::CURRENT_TIME;
 use x11rb::connection::Connection;
 use x11rb::protocol::Event;
 pub use x11rb::protocol::xproto::{BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT};
@@ -16,6 +15,7 @@ use x11rb::protocol::xproto::{
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
+use x11rb::{CURRENT_TIME, NONE};
 
 /// The one window of a server.
 pub struct Seen {
@@ -240,47 +240,79 @@ impl Seen {
         self.settle();
     }
 
-    /// Drops a file into the window, as file managers do: a source's side of the protocol XDND.
-    pub fn drop_file(&self, path: &std::path::Path) {
+    fn atom(&self, name: &[u8]) -> u32 {
+        self.connection.intern_atom(false, name).unwrap().reply().unwrap().atom
+    }
+
+    /// Owns a selection from now on; returns the window that does.
+    fn own(&self, selection: &[u8]) -> u32 {
         let connection = &self.connection;
-        let atom = |name: &[u8]| connection.intern_atom(false, name).unwrap().reply().unwrap().atom;
-        let (selection, list) = (atom(b"XdndSelection"), atom(b"text/uri-list"));
         let source = connection.generate_id().unwrap();
         let (class, aux) = (WindowClass::INPUT_ONLY, CreateWindowAux::new());
         connection.create_window(0, source, self.root, 0, 0, 1, 1, 0, class, 0, &aux).unwrap();
-        connection.set_selection_owner(source, selection, CURRENT_TIME).unwrap();
+        connection.set_selection_owner(source, self.atom(selection), CURRENT_TIME).unwrap();
+        self.settle();
+        source
+    }
+
+    /// Hands what is selected over as soon as it is asked for as `kind`; there is no other.
+    fn hand_over(&self, kind: &[u8], bytes: &[u8]) {
+        let (connection, kind) = (&self.connection, self.atom(kind));
+        let began = Instant::now();
+        loop {
+            assert!(
+                began.elapsed() < Duration::from_secs(60),
+                "it never asks for what is selected"
+            );
+            let Some(Event::SelectionRequest(asked)) = connection.poll_for_event().unwrap() else {
+                std::thread::sleep(Duration::from_millis(5));
+                continue;
+            };
+            let (replace, window) = (PropMode::REPLACE, asked.requestor);
+            let is_it = asked.target == kind;
+            if is_it {
+                let property = asked.property;
+                connection.change_property8(replace, window, property, kind, bytes).unwrap();
+            }
+            let answer = SelectionNotifyEvent {
+                response_type: SELECTION_NOTIFY_EVENT,
+                sequence: 0,
+                time: asked.time,
+                requestor: window,
+                selection: asked.selection,
+                target: asked.target,
+                property: if is_it { asked.property } else { NONE },
+            };
+            connection.send_event(false, window, EventMask::NO_EVENT, answer).unwrap();
+            self.settle();
+            if is_it {
+                return;
+            }
+        }
+    }
+
+    /// Strikes Ctrl+V where `text` was copied in another window.
+    pub fn paste(&self, control: u32, text: &str) {
+        self.own(b"CLIPBOARD");
+        self.press_with(control, 'v'.into());
+        self.hand_over(b"UTF8_STRING", text.as_bytes());
+    }
+
+    /// Drops a file into the window, as file managers do: a source's side of the protocol XDND.
+    pub fn drop_file(&self, path: &std::path::Path) {
+        let source = self.own(b"XdndSelection");
         let send = |name: &[u8], rest: [u32; 4]| {
             let [a, b, c, d] = rest;
-            let event = ClientMessageEvent::new(32, self.window, atom(name), [source, a, b, c, d]);
-            connection.send_event(false, self.window, EventMask::NO_EVENT, event).unwrap();
+            let data = [source, a, b, c, d];
+            let event = ClientMessageEvent::new(32, self.window, self.atom(name), data);
+            self.connection.send_event(false, self.window, EventMask::NO_EVENT, event).unwrap();
             self.settle();
         };
         const VERSION: u32 = 5 << 24;
-        send(b"XdndEnter", [VERSION, list, 0, 0]);
-        send(b"XdndPosition", [0, 0, CURRENT_TIME, atom(b"XdndActionCopy")]);
-        let began = Instant::now();
-        let asked = loop {
-            match connection.poll_for_event().unwrap() {
-                Some(Event::SelectionRequest(asked)) => break asked,
-                Some(_) => {}
-                None => std::thread::sleep(Duration::from_millis(5)),
-            }
-            assert!(began.elapsed() < Duration::from_secs(60), "it never asks for the file");
-        };
-        let uri = format!("file://{}\r\n", path.display());
-        let (replace, window) = (PropMode::REPLACE, asked.requestor);
-        let bytes = uri.as_bytes();
-        connection.change_property8(replace, window, asked.property, list, bytes).unwrap();
-        let answer = SelectionNotifyEvent {
-            response_type: SELECTION_NOTIFY_EVENT,
-            sequence: 0,
-            time: asked.time,
-            requestor: window,
-            selection: asked.selection,
-            target: asked.target,
-            property: asked.property,
-        };
-        connection.send_event(false, window, EventMask::NO_EVENT, answer).unwrap();
+        const LIST: &[u8] = b"text/uri-list";
+        send(b"XdndEnter", [VERSION, self.atom(LIST), 0, 0]);
+        send(b"XdndPosition", [0, 0, CURRENT_TIME, self.atom(b"XdndActionCopy")]);
+        self.hand_over(LIST, format!("file://{}\r\n", path.display()).as_bytes());
         send(b"XdndDrop", [0, CURRENT_TIME, 0, 0]);
     }
 
