@@ -8,16 +8,6 @@
     reason = "a test fails by panicking"
 )]
 
-#[path = "bad_machine/machine.rs"]
-#[allow(dead_code, unused_imports, reason = "a window needs a part of the machine only")]
-mod machine;
-#[path = "swapchain/stage.rs"]
-#[allow(dead_code, reason = "others need more of the stage")]
-mod stage;
-#[path = "swapchain/x11_window.rs"]
-#[allow(dead_code, reason = "others need more of the window")]
-mod x11_window;
-
 use std::ffi::CStr;
 
 use gpu::raw_window_handle::{DisplayHandle, HandleError, HasDisplayHandle};
@@ -26,9 +16,9 @@ use gpu::{Error, NotShown, Optional, Shown, Surface, Swapchain, SwapchainOptions
 use tests::xvfb::Xvfb;
 use tests::{Driver, instance, instance_for};
 
-use machine::{CALLS_THAT_SHOW, Fault, Machine, calls};
-use stage::{Painter, Stage, await_picture, show_surely};
-use x11_window::{Library, X11Window};
+use tests::machine::{CALLS_THAT_SHOW, Fault, Machine, calls};
+use tests::stage::{Painter, Stage, await_picture, show_surely};
+use tests::x11_window::{Library, X11Window};
 
 const SIZE: [u32; 2] = [96, 64];
 const ACQUIRE: &CStr = c"vkAcquireNextImageKHR";

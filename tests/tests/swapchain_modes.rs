@@ -6,24 +6,12 @@
     reason = "a test fails by panicking"
 )]
 
-#[path = "swapchain/show.rs"]
-mod show;
-#[path = "swapchain/stage.rs"]
-#[allow(dead_code, reason = "others need more of the stage")]
-mod stage;
-#[path = "swapchain/ways.rs"]
-#[allow(dead_code, reason = "others go all ways")]
-mod ways;
-#[path = "swapchain/x11_window.rs"]
-#[allow(dead_code, reason = "others need more of the window")]
-mod x11_window;
-
 use gpu::PresentMode;
-use show::Show;
-use stage::{Random, Stage};
+use tests::show::Show;
+use tests::stage::{Random, Stage};
+use tests::ways::{LASTING_WAYS, modes};
+use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
-use ways::{LASTING_WAYS, modes};
-use x11_window::X11Window;
 
 #[test]
 fn modes_and_frames_in_flight_change_a_thousand_times() {

@@ -7,11 +7,11 @@ use antumbra_animation::{
 };
 use glam::{Affine3A, Quat, Vec3};
 
-#[path = "../../../tests/tests/swapchain/counting.rs"]
-mod counting;
+use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use std::alloc::System;
 
 #[global_allocator]
-static COUNTING: counting::Counting = counting::Counting;
+static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 const NODES: u32 = 34_000;
 
@@ -66,9 +66,13 @@ fn frames_allocate_nothing_and_touch_what_moves() {
     // All that ever plays has played once.
     let warm = [frame(0.5), frame(1.5), frame(3.0)];
     assert_eq!(warm, [(2, 2), (2, 3), (1, 2)]);
-    let before = counting::allocations();
-    for number in 0..1000 {
-        frame(f64::from(number) * 0.01);
-    }
-    assert_eq!(counting::allocations() - before, 0);
+    // The thread that runs the tests may allocate meanwhile; frames would do the same each time.
+    let is_still = (0..10).any(|_| {
+        let region = Region::new(ALLOCATOR);
+        for number in 0..1000 {
+            frame(f64::from(number) * 0.01);
+        }
+        region.change().allocations + region.change().reallocations == 0
+    });
+    assert!(is_still, "it allocates each time");
 }

@@ -4,10 +4,10 @@ use gpu::{Acquired, NotShown, PresentMode, Shown, SwapchainOptions};
 use tests::Driver;
 use tests::xvfb::Xvfb;
 
-use crate::show::Show;
-use crate::stage::{Painter, Random, Stage, await_picture, show_surely};
-use crate::ways::{LASTING_WAYS, WAYS, modes};
-use crate::x11_window::{Library, X11Window};
+use tests::show::Show;
+use tests::stage::{Painter, Random, Stage, await_picture, show_surely};
+use tests::ways::{LASTING_WAYS, WAYS, modes};
+use tests::x11_window::{Library, X11Window};
 
 #[test]
 fn a_window_survives_a_thousand_changes() {

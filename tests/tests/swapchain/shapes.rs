@@ -4,9 +4,9 @@ use gpu::{Device, FrameRing, Target};
 use tests::xvfb::Xvfb;
 
 use crate::show_surely;
-use crate::stage::Stage;
-use crate::ways::WAYS;
-use crate::x11_window::X11Window;
+use tests::stage::Stage;
+use tests::ways::WAYS;
+use tests::x11_window::X11Window;
 
 const PICTURE: [u32; 2] = [320, 180];
 const RADIUS: u32 = 60;

@@ -10,9 +10,9 @@ use render::{FrameRequest, Renderer, RendererOptions};
 use tests::walk::SceneKind;
 use tests::xvfb::Xvfb;
 
-use crate::stage::{Stage, await_picture};
-use crate::ways::{WAYS, modes};
-use crate::x11_window::X11Window;
+use tests::stage::{Stage, await_picture};
+use tests::ways::{WAYS, modes};
+use tests::x11_window::X11Window;
 
 #[test]
 fn the_renderers_picture_in_a_window_is_the_one_without_it() {
@@ -74,12 +74,12 @@ fn presents_are_numbered_and_told_of_where_the_driver_tells() {
         let size = [64, 64];
         let window = X11Window::open(&server, library, size);
         let stage = Stage::new(driver, window.clone());
-        let mut painter = crate::stage::Painter::new(&stage.device, size);
+        let mut painter = tests::stage::Painter::new(&stage.device, size);
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
         assert_eq!((swapchain.newest_presented(), swapchain.size()), (None, None));
         for number in 1..=5 {
             painter.paint(number, None);
-            crate::stage::show_surely(&mut swapchain, &painter.target, size);
+            tests::stage::show_surely(&mut swapchain, &painter.target, size);
             assert_eq!(swapchain.newest_presented(), Some(PresentId(number.into())));
         }
         assert!(swapchain.format().unwrap().contains("UNORM in SRGB_NONLINEAR"));

@@ -1,0 +1,156 @@
+//! A Vulkan loader that lies: the real one, but for what a test says that this machine lacks.
+//!
+//! The calls are replaced above the validation layer, which so never hears of what they hide.
+
+mod replacements;
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ffi::{CStr, c_char};
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use ash::vk;
+use gpu::{Entry, Required};
+
+use replacements::replacements;
+pub use replacements::{
+    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
+};
+
+type Function = unsafe extern "system" fn();
+
+/// A call that fails.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    /// The Vulkan call.
+    pub call: &'static CStr,
+    /// Which of its calls fail, counted from 0.
+    pub fails: Range<usize>,
+    /// What it returns then.
+    pub code: vk::Result,
+}
+
+/// What is wrong with this machine. A test's thread has one.
+#[derive(Clone, Debug, Default)]
+pub struct Machine {
+    /// The version that the loader says it has; 0 for a loader of Vulkan 1.0, which cannot say it.
+    pub loader_version: Option<u32>,
+    /// There are no devices.
+    pub has_no_devices: bool,
+    /// What every device lacks.
+    pub lacks: Option<Required>,
+    /// No device has conditional rendering.
+    pub is_unconditional: bool,
+    /// No device counts samples.
+    pub is_imprecise: bool,
+    /// The most draws that a device draws or counts at once.
+    pub most_draws: Option<u32>,
+    /// Windows have no pixel: they are minimised.
+    pub is_minimised: bool,
+    /// No device shows pictures in windows.
+    pub is_blind: bool,
+    /// No device has present fences.
+    pub is_fenceless: bool,
+    /// What fails.
+    pub faults: Vec<Fault>,
+}
+
+#[derive(Default)]
+struct State {
+    machine: Machine,
+    calls: HashMap<&'static CStr, usize>,
+    real: HashMap<&'static CStr, Function>,
+}
+
+thread_local! {
+    static STATE: RefCell<State> = RefCell::default();
+}
+
+impl Machine {
+    /// Makes it this thread's machine; the calls are counted from 0 again.
+    pub fn install(self) {
+        STATE.with_borrow_mut(|state| {
+            state.machine = self;
+            state.calls.clear();
+        });
+    }
+
+    /// The same, and a way into its loader.
+    pub fn entry(self) -> Entry {
+        self.install();
+        let get_instance_proc_addr = instance_proc_addr;
+        // SAFETY: the function below answers as the real one does, with functions of the same
+        // types; it is there as long as the program.
+        unsafe { Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }) }
+    }
+}
+
+/// How often this thread called `call` since the machine was installed.
+pub fn calls(call: &'static CStr) -> usize {
+    STATE.with_borrow(|state| state.calls.get(call).copied().unwrap_or(0))
+}
+
+/// Counts a call, and says what it returns if it is to fail.
+fn due(call: &'static CStr) -> Option<vk::Result> {
+    STATE.with_borrow_mut(|state| {
+        let count = state.calls.entry(call).or_default();
+        let number = *count;
+        *count += 1;
+        let mut faults = state.machine.faults.iter();
+        faults.find(|fault| fault.call == call && fault.fails.contains(&number)).map(|f| f.code)
+    })
+}
+
+fn machine<R>(ask: impl FnOnce(&Machine) -> R) -> R {
+    STATE.with_borrow(|state| ask(&state.machine))
+}
+
+/// The real loader, which stays loaded: functions of it are held everywhere.
+fn loader() -> &'static Entry {
+    static LOADER: OnceLock<Entry> = OnceLock::new();
+    LOADER.get_or_init(|| gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// The function that `call` would have been.
+///
+/// # Safety
+/// `F` is the type of the Vulkan function of that name.
+unsafe fn real<F: Copy>(call: &'static CStr) -> F {
+    let function = STATE.with_borrow(|state| state.real.get(call).copied());
+    let function = function.unwrap_or_else(|| panic!("{call:?} was never asked for"));
+    assert_eq!(size_of::<F>(), size_of::<Function>());
+    // SAFETY: both are function pointers, and the caller vouches for the type.
+    unsafe { std::mem::transmute_copy(&function) }
+}
+
+unsafe extern "system" fn instance_proc_addr(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes what it would pass to the real function.
+    let real = unsafe { (loader().static_fn().get_instance_proc_addr)(instance, name) };
+    // SAFETY: the name ends with a zero.
+    replaced(unsafe { CStr::from_ptr(name) }, real)
+}
+
+unsafe extern "system" fn device_proc_addr(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the type is the function's; the caller passes what it would pass to it.
+    let real = unsafe { real::<vk::PFN_vkGetDeviceProcAddr>(c"vkGetDeviceProcAddr")(device, name) };
+    // SAFETY: the name ends with a zero.
+    replaced(unsafe { CStr::from_ptr(name) }, real)
+}
+
+fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction {
+    if name == c"vkEnumerateInstanceVersion" && machine(|m| m.loader_version) == Some(0) {
+        return None;
+    }
+    let real = real?;
+    let ours = replacements().into_iter().find(|(call, _)| *call == name);
+    let Some((call, ours)) = ours else { return Some(real) };
+    STATE.with_borrow_mut(|state| state.real.insert(call, real));
+    Some(ours)
+}

@@ -1,0 +1,67 @@
+//! A window of a test that is shown a picture after every change.
+
+use gpu::{NotShown, PresentMode, Shown, Swapchain, SwapchainOptions};
+
+use crate::stage::{Painter, Stage, await_picture, show_surely};
+use crate::x11_window::X11Window;
+
+/// So many swapchains at most wait for their end: eight that need a proof of it, one that is replaced.
+const MOST_RETIRING: usize = 9;
+
+/// A window that is shown a picture after every change.
+pub struct Show<'a> {
+    /// The window's device.
+    pub stage: &'a Stage,
+    /// The window.
+    pub window: &'a X11Window,
+    /// The source of pictures.
+    pub painter: Painter,
+    /// The swapchain that is tried.
+    pub swapchain: Swapchain,
+    /// The window's size in pixels.
+    pub size: [u32; 2],
+    /// Frames that were not presented since the swapchain was out of date.
+    pub out_of_date: u32,
+    /// Frames that were presented.
+    pub presented: u32,
+}
+
+impl<'a> Show<'a> {
+    /// Makes a swapchain of that present mode for a window of `size` pixels.
+    pub fn new(stage: &'a Stage, window: &'a X11Window, mode: PresentMode, size: [u32; 2]) -> Self {
+        let options = SwapchainOptions { mode, ..Default::default() };
+        Self {
+            stage,
+            window,
+            painter: Painter::new(&stage.device, [64, 48]),
+            swapchain: stage.swapchain(&options),
+            size,
+            out_of_date: 0,
+            presented: 0,
+        }
+    }
+
+    /// A frame of any size, to a window that the caller believes to have `believed` pixels.
+    pub fn frame(&mut self, seed: u32, believed: [u32; 2]) {
+        self.painter.paint(seed, None);
+        match self.swapchain.show(&self.painter.target, believed).unwrap() {
+            Shown::Presented(_) => self.presented += 1,
+            Shown::Not(NotShown::OutOfDate) => self.out_of_date += 1,
+            Shown::Not(other) => panic!("{other:?}"),
+        }
+        assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());
+        // What waits for a tick: chains, and what a few frames left.
+        assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
+    }
+
+    /// The window shows exactly what was drawn for its size.
+    pub fn check(&mut self, seed: u32) {
+        self.window.show();
+        self.window.place(0, 0);
+        let mut painter = Painter::new(&self.stage.device, self.size);
+        let expected = painter.expected(seed);
+        let presented = show_surely(&mut self.swapchain, &painter.target, self.size);
+        assert_eq!(presented.size, self.size);
+        await_picture(&expected, || self.window.pixels(self.size));
+    }
+}

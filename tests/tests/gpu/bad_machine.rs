@@ -1,0 +1,400 @@
+//! Machines that lack something or fail: each ends with a sentence, no panic, no leak and no hang.
+
+use std::time::Duration;
+
+use ash::vk;
+use cull::{CostTable, Strategy};
+use gpu::{
+    Adapter, Device, DeviceOptions, Error, IndirectDraw, Instance, Predicates, Predication,
+    Readback, Required,
+};
+use render::scene::{CameraPath, PathKind, Scene, city};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use tests::machine::{
+    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START, Fault, Machine, calls,
+};
+use tests::{Driver, instance_with, take_turn};
+
+/// The error of opening an instance without validation on `machine` and picking a device there.
+fn refusal(machine: Machine, wanted: Option<&str>) -> Error {
+    take_turn();
+    let options = gpu::InstanceOptions::default();
+    let instance = Instance::new(machine.entry(), &options);
+    let picked = instance.and_then(|instance| instance.pick_adapter(wanted));
+    picked.map(|adapter| adapter.name).expect_err("an error")
+}
+
+#[test]
+fn an_old_loader_is_refused_with_its_version() {
+    for (version, found) in [(vk::make_api_version(0, 1, 1, 70), "1.1.70"), (0, "1.0.0")] {
+        let machine = Machine { loader_version: Some(version), ..Machine::default() };
+        let error = refusal(machine, None);
+        assert!(matches!(&error, Error::OldLoader { found: f } if f == found), "{error}");
+        assert!(error.to_string().contains("needs 1.3"), "{error}");
+    }
+}
+
+#[test]
+fn no_device_means_no_driver() {
+    let fails = |call, code| Machine {
+        faults: vec![Fault { call, fails: 0..usize::MAX, code }],
+        ..Machine::default()
+    };
+    for machine in [
+        Machine { has_no_devices: true, ..Machine::default() },
+        fails(c"vkEnumeratePhysicalDevices", vk::Result::ERROR_INITIALIZATION_FAILED),
+        fails(c"vkCreateInstance", vk::Result::ERROR_INCOMPATIBLE_DRIVER),
+    ] {
+        for wanted in [None, Some("llvmpipe"), Some("0")] {
+            let error = refusal(machine.clone(), wanted);
+            assert!(matches!(error, Error::NoDriver), "{error}");
+        }
+    }
+}
+
+#[test]
+fn a_device_is_refused_by_the_name_of_what_it_lacks() {
+    for lacks in Required::ALL {
+        let machine = Machine { lacks: Some(lacks), ..Machine::default() };
+        let error = refusal(machine.clone(), None);
+        assert!(matches!(error, Error::NoSuitableDevice { .. }), "{error}");
+        let expected = format!("lacks {}", lacks.name());
+        let text = error.to_string();
+        assert!(text.contains(&expected) && text.contains("llvmpipe"), "{text}");
+
+        let error = refusal(machine, Some("llvmpipe"));
+        assert!(matches!(error, Error::DeviceLacks { .. }), "{error}");
+        assert!(error.to_string().contains(&expected), "{error}");
+    }
+}
+
+#[test]
+fn a_device_that_lacks_something_is_not_opened_either() {
+    let machine = Machine { lacks: Some(Required::MultiDrawIndirect), ..Machine::default() };
+    let instance = instance_with(machine.entry());
+    let adapters = instance.adapters().unwrap();
+    let opened = Device::new(&instance, &adapters[0], &DeviceOptions::default());
+    let error = opened.err().expect("an error").to_string();
+    assert!(error.contains("lacks multiDrawIndirect"), "{error}");
+}
+
+#[test]
+fn draw_counts_are_taken_where_they_hold_all_draws() {
+    for (is_unconditional, best) in [(true, Predication::Counts), (false, Predication::Conditional)]
+    {
+        let machine = Machine { most_draws: Some(100), is_unconditional, ..Machine::default() };
+        let instance = instance_with(machine.entry());
+        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        let predicates = |predication, draws| {
+            Predicates::new(&device, predication, &vec![IndirectDraw::default(); draws], 1)
+        };
+        let chosen = |draws| predicates(None, draws).unwrap().predication();
+        let fallback = if is_unconditional { Predication::Instances } else { best };
+        assert_eq!((chosen(100), chosen(101)), (best, fallback));
+        assert!(predicates(Some(Predication::Counts), 100).is_ok());
+        let error = predicates(Some(Predication::Counts), 101).err().expect("an error").to_string();
+        assert!(error.contains("101") && error.contains("at most 100"), "{error}");
+        assert_eq!(instance.validation_log().drain(), []);
+    }
+}
+
+#[test]
+fn a_device_that_does_not_count_says_so_when_asked_to_count() {
+    let machine = Machine { is_imprecise: true, ..Machine::default() };
+    let instance = instance_with(machine.entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let scene = city(50, 1).unwrap();
+    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let options = RendererOptions { size: [32, 32], ..Default::default() };
+    let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
+    let mut view = renderer.new_view().unwrap();
+    for error in
+        [renderer.supports_counts().unwrap_err(), view.watch(&[cull::ObjectId(1)]).unwrap_err()]
+    {
+        let error = error.to_string();
+        assert!(error.contains("lacks occlusionQueryPrecise, which counting visible"), "{error}");
+    }
+    let options = RendererOptions { threshold_samples: 4, ..options };
+    let error = Renderer::new(&device, &scene, &options).err().unwrap().to_string();
+    assert!(error.contains("occlusionQueryPrecise, which a visibility threshold"), "{error}");
+    view.watch(&[]).unwrap();
+    renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
+    renderer.drain(&mut view).unwrap();
+    assert_eq!(view.visible_samples(), []);
+    drop((renderer, view, device));
+    assert_eq!(instance.validation_log().drain(), []);
+}
+
+#[test]
+fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
+    let folder = std::env::temp_dir().join(format!("antumbra-kept-{}", std::process::id()));
+    let file = folder.join("pipelines.bin");
+    let instance = instance_with(Machine::default().entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let options = DeviceOptions { pipeline_cache: Some(file.clone()), ..Default::default() };
+    drop(Device::new(&instance, &adapter, &options).unwrap());
+    let stored = std::fs::read(&file).unwrap();
+    for &call in CALLS_THAT_SAVE {
+        // Sometimes the size is told and the data is not.
+        for number in 0..calls(call) {
+            let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+            let fault = Fault { call, fails: number..usize::MAX, code };
+            Machine { faults: vec![fault], ..Machine::default() }.install();
+            drop(Device::new(&instance, &adapter, &options).unwrap());
+            assert!(calls(call) > number, "{call:?} is never called");
+            assert!(std::fs::read(&file).unwrap() == stored, "the file has changed");
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(instance.validation_log().drain(), []);
+}
+
+#[test]
+fn an_instance_that_cannot_start_says_which_call_failed() {
+    let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+    for &call in CALLS_THAT_START {
+        let faults = vec![Fault { call, fails: 0..1, code }];
+        let error = refusal(Machine { faults, ..Machine::default() }, None).to_string();
+        assert!(error.contains(call.to_str().unwrap()) && error.contains("memory"), "{error}");
+    }
+}
+
+/// What the walks below need, made once.
+struct Stage {
+    instance: Instance,
+    adapter: Adapter,
+    scene: Scene,
+    path: CameraPath,
+}
+
+const FRAMES: u32 = 5;
+
+impl Stage {
+    fn new() -> Self {
+        let instance = instance_with(Machine::default().entry());
+        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+        let scene = city(1000, 1).unwrap();
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        Self { instance, adapter, scene, path }
+    }
+
+    /// A user's whole program, from the device to its end.
+    fn walk(&self, options: &RendererOptions, goes: Goes) -> Result<(), render::Error> {
+        let wait_bound = Duration::from_secs(2);
+        let device_options = DeviceOptions { wait_bound, ..Default::default() };
+        let device = Device::new(&self.instance, &self.adapter, &device_options)?;
+        let mut renderer = Renderer::new(&device, &self.scene, options)?;
+        renderer.time_passes()?;
+        let mut histories = [renderer.new_view()?, renderer.new_view()?];
+        let picture = || Readback::new(&device, renderer.size());
+        let pictures = [picture()?, picture()?];
+        let request = |strategy, frame, picture| FrameRequest {
+            picture: Some(picture),
+            ..FrameRequest::new(strategy, self.path.camera(frame))
+        };
+        let (mut failed, mut queries) = (Ok(()), 0);
+        for frame in 0..FRAMES {
+            let strategies = [Strategy::Antumbra, Strategy::Pyramid];
+            for ((history, picture), strategy) in
+                histories.iter_mut().zip(&pictures).zip(strategies)
+            {
+                match renderer.render(history, &request(strategy, frame, picture)) {
+                    Err(error) if goes == Goes::On && failed.is_ok() => failed = Err(error),
+                    result => queries += result?.queries,
+                }
+            }
+        }
+        let [history, other] = &mut histories;
+        renderer.drain(history)?;
+        renderer.drain(other)?;
+        let last = pictures[0].rgba8()?.to_vec();
+        assert!(last == *pictures[1].rgba8()?, "two pictures of one frame");
+        renderer.render(history, &request(Strategy::Frustum, FRAMES - 1, &pictures[0]))?;
+        renderer.drain(history)?;
+        assert!(last == *pictures[0].rgba8()?, "a wrong picture");
+        assert!(queries > 0, "a walk that asks nothing proves little");
+        failed
+    }
+
+    /// Walks on a machine with one fault; says the sentence that came of it, if any.
+    fn walk_with(&self, fault: Fault, options: &RendererOptions, goes: Goes) -> Option<String> {
+        let place = format!("{fault:?}");
+        Machine { faults: vec![fault], ..Machine::default() }.install();
+        let sentence = self.walk(options, goes).err().map(|error| error.to_string());
+        assert_eq!(self.instance.validation_log().drain(), [], "with {place}");
+        if let Some(sentence) = &sentence {
+            assert!(sentence.len() > 30 && !sentence.contains('\n'), "with {place}: {sentence}");
+        }
+        sentence
+    }
+
+    /// The last word of the layers, on what is still there when the instance goes.
+    fn finish(self) {
+        let log = self.instance.validation_log().clone();
+        drop(self.instance);
+        assert_eq!(log.drain(), []);
+    }
+}
+
+/// What a program does after a frame that failed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Goes {
+    On,
+    Home,
+}
+
+fn options(predication: Predication) -> RendererOptions {
+    // Whatever fails in a measurement is forgiven, and how much it does depends on the clock.
+    let costs = Costs::Table(CostTable::default());
+    RendererOptions { size: [64, 64], predication: Some(predication), costs, ..Default::default() }
+}
+
+/// How often a walk that nothing happens to calls each of `names`.
+fn clean_calls(
+    stage: &Stage,
+    options: &RendererOptions,
+    names: &[&'static std::ffi::CStr],
+) -> Vec<usize> {
+    Machine::default().install();
+    stage.walk(options, Goes::Home).unwrap();
+    names.iter().map(|name| calls(name)).collect()
+}
+
+#[test]
+fn out_of_memory_is_an_error_wherever_it_happens() {
+    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
+    let memory = [c"vkAllocateMemory", c"vkBindBufferMemory", c"vkBindImageMemory"];
+    let counts = clean_calls(&stage, &options, &memory);
+    // The allocator takes large blocks, so the driver is asked less often than memory is needed.
+    assert!(counts[0] > 0 && counts[1] > 12 && counts[2] == 2, "{counts:?}");
+    for (call, count) in memory.into_iter().zip(counts) {
+        for first in 0..=count.max(12) {
+            // From then on there is none left: memory of another kind is none either.
+            let fault = Fault { call, fails: first..usize::MAX, code };
+            let sentence = stage.walk_with(fault, &options, Goes::Home);
+            assert_eq!(sentence.is_some(), first < count, "{call:?}, {first}: {sentence:?}");
+            if let Some(sentence) = sentence {
+                assert!(sentence.contains("memory"), "{sentence}");
+                assert!(sentence.contains("use fewer or smaller objects and images"), "{sentence}");
+            }
+        }
+    }
+    stage.finish();
+}
+
+#[test]
+fn any_call_that_makes_something_may_fail() {
+    let (stage, options) = (Stage::new(), options(Predication::Instances));
+    let counts = clean_calls(&stage, &options, CALLS_THAT_MAKE);
+    let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+    for (&call, &count) in CALLS_THAT_MAKE.iter().zip(&counts) {
+        assert!(count > 0, "{call:?} is never called: it need not be in the list");
+        // The first ones, and some of the many others.
+        for number in (0..count.min(3)).chain((3..count).step_by(count.div_ceil(4).max(1))) {
+            let fault = Fault { call, fails: number..number + 1, code };
+            let sentence = stage.walk_with(fault, &options, Goes::Home);
+            let forgiven = [c"vkAllocateMemory", c"vkCreatePipelineCache"].contains(&call);
+            assert!(sentence.is_some() || forgiven, "call {number} of {call:?} failed unnoticed");
+        }
+    }
+    stage.finish();
+}
+
+#[test]
+fn a_lost_device_is_an_error_with_the_call_and_the_code() {
+    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let counts = clean_calls(&stage, &options, CALLS_THAT_RUN);
+    let code = vk::Result::ERROR_DEVICE_LOST;
+    for (&call, &count) in CALLS_THAT_RUN.iter().zip(&counts) {
+        assert!(count > 0, "{call:?} is never called");
+        let at_close = call == c"vkDeviceWaitIdle";
+        for number in 0..count {
+            let fault = Fault { call, fails: number..usize::MAX, code };
+            let sentence = stage.walk_with(fault, &options, Goes::Home);
+            // Closing a device has nobody to tell.
+            let told = sentence.as_deref().unwrap_or("");
+            let last_wait = call == c"vkWaitSemaphores" && number + 1 == count;
+            if !at_close && !last_wait {
+                assert!(told.contains(call.to_str().unwrap()), "{number}: {told}");
+                assert!(told.contains("ERROR_DEVICE_LOST"), "{told}");
+                assert!(told.contains("update the driver"), "{told}");
+            }
+        }
+    }
+    stage.finish();
+}
+
+#[test]
+fn a_frame_that_is_never_over_is_an_error_and_closing_does_not_hang() {
+    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let call = c"vkWaitSemaphores";
+    let [waits] = clean_calls(&stage, &options, &[call])[..] else { unreachable!() };
+    // The last wait is that of closing the device, which has nobody to tell.
+    for number in 0..waits - 1 {
+        for fails in [number..number + 1, number..usize::MAX] {
+            let fault = Fault { call, fails, code: vk::Result::TIMEOUT };
+            let sentence = stage.walk_with(fault, &options, Goes::Home).expect("an error");
+            assert!(sentence.contains("within 2 s"), "{sentence}");
+        }
+    }
+    stage.finish();
+}
+
+#[test]
+fn after_a_frame_that_failed_the_next_ones_are_drawn() {
+    let (stage, options) = (Stage::new(), options(Predication::Conditional));
+    let counts = clean_calls(&stage, &options, &[c"vkQueueSubmit2", c"vkEndCommandBuffer"]);
+    let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+    for (call, count) in [c"vkQueueSubmit2", c"vkEndCommandBuffer"].into_iter().zip(counts) {
+        // All frames but the last three, which make the pictures that are compared.
+        for number in count - 1 - 2 * FRAMES as usize..count - 3 {
+            let fault = Fault { call, fails: number..number + 1, code };
+            let sentence = stage.walk_with(fault, &options, Goes::On).expect("an error");
+            assert!(sentence.contains(call.to_str().unwrap()), "{sentence}");
+        }
+    }
+    stage.finish();
+}
+
+/// Each call fails once, or from then on, somewhere while prices are measured.
+#[test]
+fn prices_that_cannot_be_measured_are_no_reason_to_fail() {
+    let stage = Stage::new();
+    let told = options(Predication::Conditional);
+    let measured = RendererOptions { costs: Costs::Measured, ..told.clone() };
+    let made = |options: &RendererOptions| {
+        let device = Device::new(&stage.instance, &stage.adapter, &DeviceOptions::default())?;
+        let renderer = Renderer::new(&device, &stage.scene, options)?;
+        Ok::<_, render::Error>(renderer.costs())
+    };
+    let all: Vec<_> = CALLS_THAT_MAKE.iter().chain(CALLS_THAT_RUN).copied().collect();
+    let counts = |options: &RendererOptions| -> Vec<usize> {
+        Machine::default().install();
+        assert!(made(options).unwrap().is_some());
+        all.iter().map(|name| calls(name)).collect()
+    };
+    let (without, with) = (counts(&told), counts(&measured));
+    let mut forgiven = 0;
+    for (call, (without, with)) in all.iter().zip(without.into_iter().zip(with)) {
+        // What comes after it is a handful of calls; half of those that it makes are surely its own.
+        let own = with.saturating_sub(without) / 2;
+        for number in (without..without + own).step_by(own.div_ceil(3).max(1)) {
+            let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+            let once = Fault { call, fails: number..number + 1, code };
+            let place = format!("{once:?}");
+            let sentence = stage.walk_with(once.clone(), &measured, Goes::Home);
+            assert_eq!(sentence, None, "with {place}");
+            Machine { faults: vec![once], ..Machine::default() }.install();
+            forgiven += usize::from(made(&measured).unwrap() == Some(CostTable::default()));
+            let lost =
+                Fault { call, fails: number..usize::MAX, code: vk::Result::ERROR_DEVICE_LOST };
+            let sentence = stage.walk_with(lost, &measured, Goes::Home);
+            assert!(sentence.is_some(), "a device that is lost for good, with {place}");
+        }
+    }
+    assert!(forgiven > 10, "{forgiven}");
+    stage.finish();
+}

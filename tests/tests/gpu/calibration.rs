@@ -1,0 +1,81 @@
+//! Costs measured on a device: what comes out can be, the validation layer stays silent, and pictures
+//! stay right whatever things are said to cost.
+
+use cull::{CostTable, Strategy};
+use gpu::{Device, Predication, Readback};
+use render::scene::{CameraPath, PathKind, city};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use tests::{Driver, run, run_on_all};
+
+const SIZE: [u32; 2] = [160, 90];
+
+/// Walks with a renderer of these costs and compares every picture with frustum culling's; answers
+/// how many leaves were not tested because of their cost.
+fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) {
+    let scene = city(400, 5).unwrap();
+    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let mut renderer = Renderer::new(device, &scene, options).unwrap();
+    let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
+    let mut histories = [0, 1].map(|_| renderer.new_view().unwrap());
+    let mut untested = 0;
+    for frame in 0..24 {
+        for (which, strategy) in [Strategy::Frustum, Strategy::Antumbra].into_iter().enumerate() {
+            let request = FrameRequest {
+                picture: Some(&pictures[which]),
+                ..FrameRequest::new(strategy, path.camera(frame))
+            };
+            let report = renderer.render(&mut histories[which], &request).unwrap();
+            untested += report.plan.untested_by_cost;
+        }
+        device.drain().unwrap();
+        let [expected, found] = &pictures;
+        assert!(*expected.rgba8().unwrap() == *found.rgba8().unwrap(), "frame {frame}");
+    }
+    (renderer.costs(), untested)
+}
+
+fn options(costs: Costs) -> RendererOptions {
+    RendererOptions { size: SIZE, costs, ..RendererOptions::default() }
+}
+
+#[test]
+fn measured_costs_can_be_and_pictures_are_right() {
+    run_on_all(|device| {
+        let (costs, _) = walk(device, &options(Costs::Measured));
+        let costs = costs.expect("a table").checked().expect("costs that can be");
+        println!("{costs:?}");
+        // Any one price may drown in the noise of a busy machine; all of them cannot.
+        assert_ne!(costs, CostTable::default(), "nothing was measured");
+        assert_ne!(costs, CostTable::uniform(0.0), "everything is free");
+    });
+}
+
+#[test]
+fn every_way_to_skip_draws_can_be_measured() {
+    run(Driver::Lavapipe, |device| {
+        for predication in [Predication::Counts, Predication::Instances] {
+            let options =
+                RendererOptions { predication: Some(predication), ..options(Costs::Measured) };
+            walk(device, &options);
+        }
+    });
+}
+
+#[test]
+fn pictures_are_right_at_any_price() {
+    run(Driver::Lavapipe, |device| {
+        let dear = CostTable { draw_ns: 1.0, triangle_ns: 1.0, ..CostTable::uniform(1.0e30) };
+        let (costs, untested) = walk(device, &options(Costs::Table(dear)));
+        assert_eq!(costs, Some(dear));
+        assert!(untested > 0, "nothing pays for such tests");
+        let free = CostTable { draw_ns: 1_000.0, ..CostTable::uniform(0.0) };
+        assert_eq!(walk(device, &options(Costs::Table(free))).1, 0, "such tests cost nothing");
+        let by_compute = CostTable { draw_ns: 1.0e6, flag_box_ns: 1.0e5, query_ns: 1.0e5, ..free };
+        walk(device, &options(Costs::Table(by_compute)));
+        let nonsense = CostTable { draw_ns: f32::NAN, ..dear };
+        let refused =
+            Renderer::new(device, &city(400, 5).unwrap(), &options(Costs::Table(nonsense)));
+        assert!(refused.err().expect("no price").to_string().contains("draw_ns"));
+        assert_eq!(walk(device, &options(Costs::Ignored)), (None, 0));
+    });
+}

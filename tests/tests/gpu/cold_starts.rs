@@ -1,0 +1,68 @@
+//! The first frames of a view that knows nothing yet, at standing cameras, in pictures of odd sizes and
+//! scenes of several seeds: every frame is compared, from the first on.
+
+use cull::{Camera, Strategy};
+use gpu::Device;
+use render::scene::{self, CameraPath, PathKind};
+use render::{Renderer, RendererOptions};
+use tests::walk::{frame_loop, pixels_that_differ};
+use tests::{Driver, run};
+
+/// Frames in which a camera stands: answers of the first are home before the last.
+const FRAMES: usize = 4;
+
+/// Those that promise the picture and need nothing found beforehand, but the one that waits for each
+/// object.
+fn strategies() -> impl Iterator<Item = Strategy> {
+    let left_out = [Strategy::Frustum, Strategy::Naive, Strategy::Ideal];
+    Strategy::ALL.into_iter().filter(move |it| it.is_exact() && !left_out.contains(it))
+}
+
+/// Wrong pixels of every strategy, each with a new view, where `camera` stands.
+fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
+    let cameras = [camera; FRAMES];
+    let mut plain = renderer.new_view().unwrap();
+    let expected = frame_loop(renderer, &mut plain, Strategy::Frustum, &cameras[..1]);
+    for strategy in strategies() {
+        let mut view = renderer.new_view().unwrap();
+        let found = frame_loop(renderer, &mut view, strategy, &cameras);
+        for (frame, picture) in found.pictures.iter().enumerate() {
+            let wrong = pixels_that_differ(
+                &expected.pictures[0].rgba8().unwrap(),
+                &picture.rgba8().unwrap(),
+            );
+            assert_eq!(wrong, 0, "{strategy}, {what}, frame {frame}");
+        }
+    }
+}
+
+fn stand_everywhere(device: &Device, seeds: &[u64], size: [u32; 2]) {
+    let options = RendererOptions { size, frames_in_flight: 2, ..Default::default() };
+    for seed in seeds {
+        let scene = scene::city(600, *seed).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        for path in PathKind::ALL {
+            let cameras = CameraPath::new(path, &scene).unwrap();
+            for frame in [0, 45, 170] {
+                let what = format!("seed {seed}, {size:?}, frame {frame} of {path}");
+                check_standing(&mut renderer, cameras.camera(frame), &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn lavapipe_is_exact_from_the_first_frame_on() {
+    run(Driver::Lavapipe, |device| {
+        stand_everywhere(device, &[1, 3], [321, 181]);
+        stand_everywhere(device, &[2], [97, 203]);
+    });
+}
+
+#[test]
+fn swiftshader_is_exact_from_the_first_frame_on() {
+    run(Driver::SwiftShader, |device| {
+        stand_everywhere(device, &[1, 3], [321, 181]);
+        stand_everywhere(device, &[2], [97, 203]);
+    });
+}

@@ -1,0 +1,224 @@
+//! The compute tester against the rasteriser: it never hides what a query on the proxy shows, and shows
+//! little that the query hides.
+
+use cull::{Aabb, Camera, View};
+use glam::Vec3;
+use gpu::{
+    Access, Buffer, Device, FrameRing, MemoryBarrier, Place, QueryIndex, QueryRing, Target, vk,
+};
+use render::{Area, ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ShaderSet};
+use tests::shapes::{DepthBoxes, box_at, proxy_pass};
+use tests::{Driver, run};
+
+/// A seeded source of numbers from 0 to 1 (splitmix64).
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.next()
+    }
+
+    /// Spread evenly over orders of magnitude.
+    fn scale(&mut self, low: f32, high: f32) -> f32 {
+        low * (high / low).powf(self.next())
+    }
+
+    fn vector(&mut self, low: f32, high: f32) -> Vec3 {
+        Vec3::new(self.between(low, high), self.between(low, high), self.between(low, high))
+    }
+}
+
+/// Occluders, boxes to test, and the eye that looks at them.
+struct World {
+    camera: Camera,
+    occluders: Vec<Aabb>,
+    tested: Vec<Aabb>,
+}
+
+const TESTS: usize = 150;
+
+impl World {
+    /// A world around `origin`: small numbers round otherwise than large ones.
+    fn new(numbers: &mut Numbers, origin: Vec3) -> Self {
+        let eye = origin + numbers.vector(-1.0, 1.0);
+        let camera = Camera {
+            eye,
+            forward: numbers.vector(-1.0, 1.0) + Vec3::new(0.0, 0.0, 0.01),
+            up: numbers.vector(-1.0, 1.0),
+            fov_y: numbers.between(0.3, 2.0),
+            near: numbers.scale(0.01, 0.3),
+        };
+        let seen = View::new(&camera, [64, 64], 8);
+        let place = |numbers: &mut Numbers, nearest: f32, farthest: f32| {
+            let distance = numbers.scale(nearest, farthest);
+            let aside = numbers.between(-0.9, 0.9) * seen.tan_half[0];
+            let above = numbers.between(-0.9, 0.9) * seen.tan_half[1];
+            let size = Vec3::new(1.0, 1.0, 1.0) * distance * seen.tan_half[1];
+            (eye + (seen.forward + seen.right * aside + seen.up * above) * distance, size)
+        };
+        let occluders = (0..30).map(|_| {
+            let (centre, size) = place(numbers, 3.0, 30.0);
+            box_at(centre, size * numbers.vector(0.05, 0.5))
+        });
+        let occluders = occluders.collect();
+        let tested = (0..TESTS).map(|number| {
+            let (centre, size) = place(numbers, 5.0, 200.0);
+            let largest = [0.02, 0.2, 1.5][number % 3];
+            let half = size * numbers.vector(0.0, largest);
+            // Some are flat.
+            box_at(
+                centre,
+                half * [Vec3::ONE, Vec3::new(1.0, 0.0, 1.0)][usize::from(number % 5 == 0)],
+            )
+        });
+        Self { camera, occluders, tested: tested.collect() }
+    }
+
+    /// The same boxes, each behind a smaller copy of its proxy seen from the eye, which covers it but
+    /// for less than a pixel: where rounding decides.
+    fn close_calls(numbers: &mut Numbers, size: [u32; 2], bits: u32) -> Self {
+        let world = Self::new(numbers, Vec3::ZERO);
+        let view = View::new(&world.camera, size, bits);
+        let tested = world.tested.into_iter().step_by(10);
+        let (mut occluders, mut kept) = (Vec::new(), Vec::new());
+        for bounds in tested {
+            let Some(proxy) = view.margin.proxy(&bounds) else { continue };
+            let towards = |point: Vec3| view.eye + (point - view.eye) * 0.7;
+            let copy = Aabb::new(towards(proxy.min), towards(proxy.max));
+            let distance = (copy.centre() - view.eye).dot(view.forward);
+            let pixel = 2.0 * view.tan_half[1] / size[1] as f32 * distance;
+            occluders.push(copy.enlarged(numbers.between(-0.15, 0.15) * pixel));
+            kept.push(bounds);
+        }
+        Self { camera: world.camera, occluders, tested: kept }
+    }
+}
+
+/// What both testers said of each box of each world: samples of the query, word of the tester.
+fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)> {
+    let (occluder_pass, proxies) = (DepthBoxes::new(device), proxy_pass(device));
+    let tester = ComputeTest::new(device, &ShaderSet::embedded().unwrap(), size).unwrap();
+    let mut target = Target::new(device, size, "target").unwrap();
+    let mut ring = FrameRing::new(device, 2).unwrap();
+    let mut queries = QueryRing::<usize>::new(device, 2, "proxies").unwrap();
+    let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
+    let size_bytes = TESTS as u64 * 4;
+    let words = Buffer::new(device, "words", size_bytes, storage, Place::Device).unwrap();
+    let to = vk::BufferUsageFlags::TRANSFER_DST;
+    let home = Buffer::new(device, "words home", size_bytes, to, Place::ReadBack).unwrap();
+    let mut said = Vec::new();
+    for world in worlds {
+        let bits = device.adapter().limits.sub_pixel_precision_bits;
+        let view = View::new(&world.camera, size, bits);
+        let enlarged = world.tested.iter().filter_map(|bounds| view.margin.proxy(bounds));
+        let tests: Vec<ProxyBox> = enlarged.map(ProxyBox::from).collect();
+        let count = tests.len() as u32;
+        let tags: Vec<usize> = (0..tests.len()).collect();
+        let mut frame = ring.begin().unwrap();
+        queries.begin(&mut frame, &tags).unwrap();
+        let occluders: Vec<_> = world.occluders.iter().copied().map(ProxyBox::from).collect();
+        let occluders = frame.uploads().push(&occluders).unwrap();
+        let boxes = frame.uploads().push(&tests).unwrap();
+        let commands = frame.commands();
+        target.prepare(commands);
+        commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
+            for index in 0..world.occluders.len() as u32 {
+                occluder_pass.draw(commands, occluders, &view, index);
+            }
+            proxies.bind(commands, &ProxyIo { boxes, flags: None }, &view);
+            for test in 0..count {
+                queries.scope(commands, QueryIndex(test), |c| proxies.draw(c, test));
+            }
+        });
+        tester.record_grid(commands, &mut target, Area::of(&view));
+        // In two parts, as two rounds would.
+        let half = count / 2;
+        for (first, count) in [(0, half), (half, count - half)] {
+            let io = ComputeTestIo { boxes, words: words.whole(), first, count };
+            tester.record_tests(commands, &io, &view);
+        }
+        let between = MemoryBarrier::between;
+        commands.barrier(between(&[Access::ComputeWrite], &[Access::CopyRead]));
+        commands.copy_buffer(words.whole(), home.whole());
+        commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
+        queries.resolve(commands, 0..count);
+        queries.read_back(commands);
+        let tick = frame.submit(None).unwrap();
+        queries.submitted(tick);
+        device.drain().unwrap();
+        let answers = home.read::<u32>(0..tests.len());
+        queries.collect(device.completed().unwrap(), |test, samples| {
+            said.push((samples, answers[test]));
+        });
+    }
+    said
+}
+
+/// Fails if anything was lost; gives how many boxes the query hid, and how many of those showed.
+fn judge(said: &[(u32, u32)], what: &str) -> (usize, usize) {
+    assert!(said.iter().all(|(_, word)| *word <= 1), "{what}: a word is 0 or 1");
+    let lost = said.iter().filter(|(samples, word)| *samples > 0 && *word == 0);
+    let lost: Vec<u32> = lost.map(|(samples, _)| *samples).collect();
+    assert!(lost.is_empty(), "{what}: {} shown boxes were hidden: {lost:?} samples", lost.len());
+    let hidden = said.iter().filter(|(samples, _)| *samples == 0);
+    let shown = hidden.clone().filter(|(_, word)| *word != 0).count();
+    (hidden.count(), shown)
+}
+
+fn worlds(count: u64, origin: Vec3) -> Vec<World> {
+    (0..count).map(|seed| World::new(&mut Numbers(seed), origin)).collect()
+}
+
+#[test]
+fn it_hides_nothing_that_shows_and_shows_little_that_is_hidden() {
+    for (driver, count) in [(Driver::Lavapipe, 40), (Driver::SwiftShader, 20)] {
+        run(driver, |device| {
+            let size = [320, 180];
+            let said = compare(device, size, &worlds(count, Vec3::ZERO));
+            let (hidden, shown) = judge(&said, &format!("{driver:?}"));
+            println!("{driver:?}: {} boxes, {hidden} hidden, {shown} of them shown", said.len());
+            assert!(hidden > said.len() / 5 && hidden < said.len() * 4 / 5, "{hidden} hidden");
+            assert!(shown * 50 < hidden, "{shown} of {hidden} hidden boxes show");
+        });
+    }
+}
+
+#[test]
+fn close_calls_lose_nothing() {
+    for (driver, count) in [(Driver::Lavapipe, 120_u64), (Driver::SwiftShader, 120)] {
+        run(driver, |device| {
+            let size = [320, 180];
+            let bits = device.adapter().limits.sub_pixel_precision_bits;
+            let world = |seed: u64| World::close_calls(&mut Numbers(1000 + seed), size, bits);
+            let said = compare(device, size, &(0..count).map(world).collect::<Vec<_>>());
+            let (hidden, shown) = judge(&said, &format!("{driver:?}"));
+            println!("{driver:?}: {} boxes, {hidden} hidden, {shown} of them shown", said.len());
+            let few = said.iter().filter(|(samples, _)| (1..=8).contains(samples)).count();
+            assert!(few > said.len() / 20, "{few} boxes show by a few samples");
+            assert!(shown * 2 < hidden, "{shown} of {hidden} hidden boxes show");
+        });
+    }
+}
+
+#[test]
+fn odd_sizes_and_far_origins_lose_nothing() {
+    for driver in Driver::ALL {
+        run(driver, |device| {
+            for size in [[1, 1], [8, 8], [333, 7], [9, 65], [641, 363]] {
+                let said = compare(device, size, &worlds(3, Vec3::ZERO));
+                judge(&said, &format!("{driver:?} {size:?}"));
+            }
+            let origin = Vec3::new(3000.0, -700.0, 90_000.0);
+            let said = compare(device, [320, 180], &worlds(4, origin));
+            let (hidden, _) = judge(&said, &format!("{driver:?}, far out"));
+            assert!(hidden > 0);
+        });
+    }
+}

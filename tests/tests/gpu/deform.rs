@@ -1,0 +1,417 @@
+//! Meshes that change their form on the GPU: the same form as the formulas of glTF 2.0 give on the CPU,
+//! and exact pictures while they hide and are hidden.
+
+use cull::{Aabb, Camera, ObjectId, Strategy};
+use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
+use gpu::{Device, Readback};
+use render::scene::{
+    Deformer, DeformerId, Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId,
+    MorphTarget, Object, ObjectChange, PunctualLight, Sampler, Scene, SkinWeights, Surfaces,
+    Texture, TextureId, TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
+};
+use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
+use tests::run_on_all;
+use tests::shapes::{box_scene, cube, surface_of};
+use tests::walk::pixels_that_differ;
+
+const SIZE: [u32; 2] = [160, 90];
+
+/// A slab 4 m wide that bends about two joints along its width, and bulges.
+const WIDTH_M: f32 = 4.0;
+
+fn slab(colour: [f32; 4]) -> Mesh {
+    let mut mesh = cube(pack_unorm(colour), 12);
+    for vertex in &mut mesh.vertices {
+        let [x, y, z] = vertex.position;
+        vertex.position = [x * WIDTH_M, y * 3.0, z * 0.3];
+    }
+    mesh.bounds = bounds_of_vertices(&mesh.vertices);
+    mesh
+}
+
+fn deformer(number: u32, mesh: &Mesh) -> Deformer {
+    let along = |vertex: &render::scene::Vertex| vertex.position[0] / WIDTH_M;
+    let second = |vertex| (along(vertex) * 2.0 - 0.5_f32).clamp(0.0, 1.0);
+    // Two groups of joints, of which the second says what the first could have said, too.
+    let joints = mesh.vertices.iter().flat_map(|_| [[0, 1, 0, 0], [2, 0, 0, 0]]);
+    let weights = mesh.vertices.iter().flat_map(|vertex| {
+        let (second, third) = (second(vertex), along(vertex) * 0.25);
+        let rest = 1.0 - third;
+        [[(1.0 - second) * rest, second * rest, 0.0, 0.0], [third, 0.0, 0.0, 0.0]]
+    });
+    let bulge = |vertex: &render::scene::Vertex| (along(vertex) * std::f32::consts::PI).sin();
+    Deformer {
+        mesh: MeshId(number),
+        skin: Some(SkinWeights {
+            joint_count: 3,
+            joints: joints.collect(),
+            weights: weights.collect(),
+            sets: 2,
+        }),
+        targets: vec![
+            MorphTarget {
+                positions: mesh.vertices.iter().map(|it| [0.0, 0.0, bulge(it)]).collect(),
+                ..MorphTarget::default()
+            },
+            MorphTarget {
+                positions: mesh.vertices.iter().map(|it| [0.0, -bulge(it), 0.0]).collect(),
+                normals: mesh.vertices.iter().map(|it| [0.4 * along(it), 0.1, 0.0]).collect(),
+                tangents: mesh.vertices.iter().map(|_| [0.0, 0.3, 0.1]).collect(),
+            },
+        ],
+    }
+}
+
+/// What is told each frame.
+struct Pose {
+    joints: [Affine3A; 3],
+    weights: [f32; 2],
+}
+
+fn pose(turn: f32) -> Pose {
+    let about = |point: Vec3, turn: Quat| {
+        Affine3A::from_translation(point)
+            * Affine3A::from_quat(turn)
+            * Affine3A::from_translation(-point)
+    };
+    let first = about(Vec3::ZERO, Quat::from_rotation_y(turn * 0.5));
+    let second = first * about(vec3(2.0, 0.0, 0.0), Quat::from_rotation_y(turn));
+    let third = first * Affine3A::from_scale(vec3(1.0, 1.2, 0.7));
+    Pose { joints: [first, second, third], weights: [(turn * 3.0).sin(), 0.0_f32.max(turn * 0.2)] }
+}
+
+/// Morphs and skins as the specification says: glTF 2.0, "Morph Targets", "Skins".
+fn deformed(mesh: &Mesh, deformer: &Deformer, pose: &Pose) -> Mesh {
+    let mut mesh = mesh.clone();
+    let skin = deformer.skin.as_ref().unwrap();
+    for (number, vertex) in mesh.vertices.iter_mut().enumerate() {
+        let (mut position, mut normal) =
+            (Vec3::from(vertex.position), unpack_normal(vertex.normal));
+        for (target, weight) in deformer.targets.iter().zip(pose.weights) {
+            position += weight * Vec3::from(target.positions[number]);
+            if !target.normals.is_empty() {
+                normal += weight * Vec3::from(target.normals[number]);
+            }
+        }
+        let (mut matrix, mut offset) = (Mat3A::ZERO, Vec3::ZERO);
+        let sets = skin.sets as usize;
+        for set in number * sets..(number + 1) * sets {
+            for (joint, weight) in skin.joints[set].iter().zip(skin.weights[set]) {
+                let joint = &pose.joints[*joint as usize];
+                matrix += joint.matrix3 * weight;
+                offset += Vec3::from(joint.translation) * weight;
+            }
+        }
+        vertex.position = (matrix * position + offset).to_array();
+        vertex.normal = pack_normal((matrix.inverse().transpose() * normal).normalize());
+    }
+    mesh.bounds = bounds_of_vertices(&mesh.vertices);
+    mesh
+}
+
+/// Two slabs that move before and behind others: as objects 0 and 1, meshes 0 and 1.
+fn scene() -> Scene {
+    let meshes = vec![
+        slab([0.9, 0.3, 0.2, 1.0]),
+        slab([0.2, 0.5, 0.9, 1.0]),
+        cube(pack_unorm([0.8, 0.8, 0.3, 1.0]), 1),
+        cube(pack_unorm([0.3, 0.8, 0.4, 1.0]), 1),
+    ];
+    let at = |mesh, low: Vec3, size: Vec3| {
+        let transform = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, low);
+        Object { mesh: MeshId(mesh), transform, tint: u32::MAX }
+    };
+    let mut objects = vec![
+        // A door, and someone behind a wall who leans out.
+        at(0, vec3(-2.0, 0.0, -5.0), Vec3::ONE),
+        at(1, vec3(3.0, 0.0, -9.0), Vec3::ONE),
+        at(2, vec3(2.5, -1.0, -8.0), vec3(6.0, 6.0, 0.5)),
+    ];
+    for number in 0..60 {
+        let place = vec3((number % 10) as f32 * 1.3 - 8.0, (number / 10) as f32 * 0.9 - 1.0, -12.0);
+        let forth = vec3(0.0, 0.0, -3.0 * (number % 3) as f32);
+        objects.push(at(2 + number % 2, place + forth, Vec3::splat(0.8)));
+    }
+    let deformers = [0, 1].map(|mesh| deformer(mesh, &meshes[mesh as usize]));
+    let surfaces = Surfaces {
+        meshes: meshes.iter().map(|mesh| surface_of(mesh, MaterialId(0))).collect(),
+        materials: vec![Material { metallic: 0.0, ..Material::default() }],
+        lights: vec![PunctualLight {
+            kind: LightKind::Directional,
+            colour: [1.0; 3],
+            intensity: 3.0,
+            range_m: None,
+            position: Vec3::ZERO,
+            direction: vec3(-0.3, -0.8, -0.6).normalize(),
+        }],
+        deformers: deformers.to_vec(),
+        ..Surfaces::default()
+    };
+    Scene { meshes, objects, surfaces: Some(surfaces), ..box_scene(&[]) }
+}
+
+fn camera() -> Camera {
+    let (forward, up) = (vec3(0.1, 0.0, -1.0), Vec3::Y);
+    Camera { eye: vec3(0.0, 1.4, 0.0), forward, up, fov_y: 1.2, near: 0.05 }
+}
+
+fn options(frames_in_flight: usize) -> RendererOptions {
+    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+}
+
+/// The scene as it is once both slabs took their poses, on the CPU.
+fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
+    let mut bent = scene.clone();
+    for (mesh, turn) in turns.into_iter().enumerate() {
+        let deformers = &scene.surfaces.as_ref().unwrap().deformers;
+        bent.meshes[mesh] = deformed(&scene.meshes[mesh], &deformers[mesh], &pose(turn));
+        let surfaces = bent.surfaces.as_mut().unwrap();
+        surfaces.meshes[mesh] = surface_of(&bent.meshes[mesh], MaterialId(0));
+        surfaces.deformers.clear();
+    }
+    bent
+}
+
+/// Has a renderer take the poses, with the boxes that hold them.
+fn take(renderer: &mut Renderer, scene: &Scene, turns: [f32; 2]) {
+    let bent = bent(scene, turns);
+    for (number, turn) in (0..).zip(turns) {
+        let Pose { joints, weights } = pose(turn);
+        renderer.deform(DeformerId(number), &joints, &weights).unwrap();
+        // A little more than the vertices need: sums are rounded in another order on the GPU.
+        let of_mesh = bent.meshes[number as usize].bounds;
+        let slack = Vec3::splat(1e-4);
+        let change = ObjectChange::Reshape {
+            object: ObjectId(number),
+            transform: scene.objects[number as usize].transform,
+            bounds: Aabb { min: of_mesh.min - slack, max: of_mesh.max + slack },
+        };
+        renderer.update(&[change]).unwrap();
+    }
+}
+
+fn turns(frame: u32) -> [f32; 2] {
+    let time = frame as f32 * 0.35;
+    [1.2 * time.sin().abs(), 1.0 - time.cos()]
+}
+
+fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
+    let picture = Readback::new(renderer.device(), SIZE).unwrap();
+    let mut view = renderer.new_view().unwrap();
+    let request = FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera()) };
+    renderer.render(&mut view, &request).unwrap();
+    renderer.drain(&mut view).unwrap();
+    picture
+}
+
+/// Pixels that differ by more than rounding does.
+fn pixels_far_apart(a: &Readback, b: &Readback) -> usize {
+    let far = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
+    a.rgba8()
+        .unwrap()
+        .chunks_exact(4)
+        .zip(b.rgba8().unwrap().chunks_exact(4))
+        .filter(|it| far(*it))
+        .count()
+}
+
+#[test]
+fn forms_are_those_of_the_specification() {
+    run_on_all(|device| {
+        let scene = scene();
+        let mut moving = Renderer::new(device, &scene, &options(2)).unwrap();
+        let at_rest = draw(&mut moving, Strategy::Frustum);
+        let mut moved = 0;
+        for frame in [0, 1, 2, 3, 5, 8] {
+            take(&mut moving, &scene, turns(frame));
+            let found = draw(&mut moving, Strategy::Frustum);
+            let mut still =
+                Renderer::new(device, &bent(&scene, turns(frame)), &options(2)).unwrap();
+            let expected = draw(&mut still, Strategy::Frustum);
+            let wrong = pixels_far_apart(&expected, &found);
+            // Along edges, where rounding decides which pixel it is.
+            assert!(wrong <= 30, "frame {frame}: {wrong} pixels");
+            moved = moved.max(pixels_far_apart(&at_rest, &found));
+        }
+        assert!(moved > 500, "{moved} pixels of something that moves");
+    });
+}
+
+/// One slab whose normals lean along its bitangents, to be seen mirrored.
+fn leaning() -> Scene {
+    let mut mesh = slab([0.9, 0.9, 0.9, 1.0]);
+    for triangle in mesh.indices.chunks_exact_mut(3) {
+        triangle.swap(1, 2);
+    }
+    let texel = Image { name: "leaning".to_owned(), size: [1, 1], rgba8: vec![128, 230, 200, 255] };
+    let texture =
+        Texture { image: ImageId(0), encoding: Encoding::Linear, sampler: Sampler::default() };
+    let used = TextureUse { texture: TextureId(0), uv_set: 0, transform: glam::Affine2::IDENTITY };
+    let scene = scene();
+    let surfaces = Surfaces {
+        meshes: vec![surface_of(&mesh, MaterialId(0))],
+        materials: vec![Material {
+            metallic: 0.0,
+            normal_texture: Some(used),
+            ..Material::default()
+        }],
+        images: vec![texel],
+        textures: vec![texture],
+        lights: scene.surfaces.unwrap().lights,
+        ..Surfaces::default()
+    };
+    let transform = Affine3A::from_translation(vec3(0.0, 0.0, -5.0));
+    let objects = vec![Object { mesh: MeshId(0), transform, tint: u32::MAX }];
+    Scene { meshes: vec![mesh], objects, surfaces: Some(surfaces), ..box_scene(&[]) }
+}
+
+#[test]
+fn joints_that_mirror_turn_bitangents_as_objects_do() {
+    run_on_all(|device| {
+        let mirror = Affine3A::from_scale(vec3(-1.0, 1.0, 1.0));
+        let scene = leaning();
+        let mut rigid = scene.clone();
+        rigid.objects[0].transform = scene.objects[0].transform * mirror;
+        let expected =
+            draw(&mut Renderer::new(device, &rigid, &options(2)).unwrap(), Strategy::Frustum);
+
+        let mut skinned = scene.clone();
+        let vertices = scene.meshes[0].vertices.len();
+        skinned.surfaces.as_mut().unwrap().deformers = vec![Deformer {
+            mesh: MeshId(0),
+            skin: Some(SkinWeights {
+                joint_count: 1,
+                joints: vec![[0; 4]; vertices],
+                weights: vec![[1.0, 0.0, 0.0, 0.0]; vertices],
+                sets: 1,
+            }),
+            targets: Vec::new(),
+        }];
+        let mut renderer = Renderer::new(device, &skinned, &options(2)).unwrap();
+        let unposed = draw(&mut renderer, Strategy::Frustum);
+        renderer.deform(DeformerId(0), &[mirror], &[]).unwrap();
+        let Aabb { min, max } = scene.meshes[0].bounds;
+        let bounds = Aabb { min: vec3(-max.x, min.y, min.z), max: vec3(-min.x, max.y, max.z) };
+        let transform = scene.objects[0].transform;
+        renderer
+            .update(&[ObjectChange::Reshape { object: ObjectId(0), transform, bounds }])
+            .unwrap();
+        let found = draw(&mut renderer, Strategy::Frustum);
+        assert_eq!(pixels_far_apart(&expected, &found), 0);
+        assert!(pixels_far_apart(&expected, &unposed) > 500, "it is somewhere else");
+    });
+}
+
+/// All frames with one strategy, in one go.
+fn film(device: &Device, strategy: Strategy, frames_in_flight: usize) -> Vec<Readback> {
+    let scene = scene();
+    let mut renderer = Renderer::new(device, &scene, &options(frames_in_flight)).unwrap();
+    let mut view = renderer.new_view().unwrap();
+    let frame = |frame| {
+        take(&mut renderer, &scene, turns(frame));
+        let picture = Readback::new(device, SIZE).unwrap();
+        let request =
+            FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera()) };
+        renderer.render(&mut view, &request).unwrap();
+        picture
+    };
+    let pictures = (0..14).map(frame).collect();
+    renderer.drain(&mut view).unwrap();
+    pictures
+}
+
+#[test]
+fn what_changes_its_form_hides_and_is_hidden_exactly() {
+    run_on_all(|device| {
+        let expected = film(device, Strategy::Frustum, 1);
+        let strategies = [
+            Strategy::Batched,
+            Strategy::Coherent,
+            Strategy::Pyramid,
+            Strategy::Antumbra,
+            Strategy::AntumbraQueries,
+        ];
+        for strategy in strategies {
+            for in_flight in [1, 3] {
+                let found = film(device, strategy, in_flight);
+                for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
+                    let wrong =
+                        pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
+                    assert_eq!(wrong, 0, "{strategy}, {in_flight} in flight, frame {frame}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn a_moved_object_keeps_the_box_it_was_told() {
+    run_on_all(|device| {
+        let scene = scene();
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let size = |renderer: &Renderer, object| {
+            let node = renderer.hierarchy().node_of(ObjectId(object)).unwrap();
+            let bounds = renderer.hierarchy().bounds(node);
+            (bounds.max - bounds.min).x
+        };
+        // One whose mesh changes, and one of many that share theirs.
+        for object in [0, 2] {
+            let transform = Affine3A::IDENTITY;
+            let bounds = Aabb { min: Vec3::ZERO, max: vec3(9.0, 1.0, 1.0) };
+            let object_id = ObjectId(object);
+            let there = Affine3A::from_translation(Vec3::X);
+            renderer
+                .update(&[
+                    ObjectChange::Reshape { object: object_id, transform, bounds },
+                    ObjectChange::Move { object: object_id, transform: there },
+                ])
+                .unwrap();
+            assert!((size(&renderer, object) - 9.0).abs() < 1e-3);
+            renderer.update(&[ObjectChange::Move { object: object_id, transform }]).unwrap();
+            assert!((size(&renderer, object) - 9.0).abs() < 1e-3);
+        }
+        assert!(size(&renderer, 4) < 1.0, "others of the same mesh keep theirs");
+        // Whose box would be that of another.
+        let second = ObjectChange::Add { object: scene.objects[0] };
+        let gone = ObjectChange::Remove { object: ObjectId(0) };
+        assert!(renderer.update(&[second]).unwrap_err().to_string().contains("another object"));
+        assert!(renderer.update(&[gone, second, second]).is_err());
+        renderer.update(&[gone, second]).unwrap();
+        assert!((size(&renderer, 0) - 9.0).abs() < 1e-3, "the mesh keeps its box");
+    });
+}
+
+#[test]
+fn bad_poses_and_boxes_are_refused_and_change_nothing() {
+    run_on_all(|device| {
+        let scene = scene();
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let before = draw(&mut renderer, Strategy::Frustum);
+        let Pose { joints, weights } = pose(0.4);
+        let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
+        let mut refuse = |deformer, joints: &[Affine3A], weights: &[f32], why: &str| {
+            let error = renderer.deform(DeformerId(deformer), joints, weights).unwrap_err();
+            let text = error.to_string();
+            assert!(matches!(error, Error::Deform { .. }) && text.contains(why), "{text}");
+        };
+        refuse(2, &joints, &weights, "no such deformer");
+        refuse(0, &joints[..2], &weights, "3 joints");
+        refuse(0, &joints, &weights[..1], "2 morph targets");
+        refuse(1, &[joints[0], nowhere, joints[2]], &weights, "joint 1");
+        refuse(1, &joints, &[0.0, f32::INFINITY], "target 1");
+        let transform = Affine3A::IDENTITY;
+        for bounds in [
+            Aabb { min: Vec3::ONE, max: Vec3::ZERO },
+            Aabb { min: Vec3::splat(f32::NAN), max: Vec3::ONE },
+            Aabb { min: Vec3::ZERO, max: Vec3::INFINITY },
+        ] {
+            let change = ObjectChange::Reshape { object: ObjectId(0), transform, bounds };
+            assert!(renderer.update(&[change]).is_err());
+        }
+        let after = draw(&mut renderer, Strategy::Frustum);
+        assert_eq!(pixels_that_differ(&before.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
+        let plain = Scene { surfaces: None, ..scene };
+        let mut renderer = Renderer::new(device, &plain, &options(2)).unwrap();
+        assert!(renderer.deform(DeformerId(0), &joints, &weights).is_err());
+    });
+}

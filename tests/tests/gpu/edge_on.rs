@@ -1,0 +1,52 @@
+//! Sills at the height of the eye: a rasteriser that takes depth from where vertices were before it snapped
+//! them draws streaks of such faces through the walls before them, wherever a row of samples lies at
+//! that height. With vertices that are on its grid already there is nothing to streak.
+
+use cull::{Camera, Strategy};
+use gpu::{Device, Readback};
+use render::scene::{CameraPath, PathKind, Scene, city};
+use render::{FrameRequest, Renderer, RendererOptions};
+use tests::run_on_all;
+
+/// Odd, so that the middle of a row of samples is at the height of the eye.
+const SIZE: [u32; 2] = [321, 181];
+
+fn request(strategy: Strategy, camera: Camera, picture: &Readback) -> FrameRequest<'_> {
+    FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) }
+}
+
+/// Compares what strategies draw from nothing, standing still, with frustum culling.
+fn compare(device: &Device, scene: &Scene, camera: Camera) {
+    let options = RendererOptions { size: SIZE, ..RendererOptions::default() };
+    let mut renderer = Renderer::new(device, scene, &options).unwrap();
+    let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
+    let [expected, found] = &pictures;
+    let mut view = renderer.new_view().unwrap();
+    renderer.render(&mut view, &request(Strategy::Frustum, camera, expected)).unwrap();
+    let strategies = [
+        Strategy::Naive,
+        Strategy::StopAndWait,
+        Strategy::Coherent,
+        Strategy::Pyramid,
+        Strategy::Antumbra,
+        Strategy::AntumbraQueries,
+    ];
+    for strategy in strategies {
+        let mut view = renderer.new_view().unwrap();
+        for frame in 0..6 {
+            renderer.render(&mut view, &request(strategy, camera, found)).unwrap();
+            renderer.drain(&mut view).unwrap();
+            let is_equal = *expected.rgba8().unwrap() == *found.rgba8().unwrap();
+            assert!(is_equal, "{}: frame {frame} of {strategy}", device.adapter().name);
+        }
+    }
+}
+
+#[test]
+fn a_street_is_exact_where_its_sills_are_at_the_height_of_the_eye() {
+    run_on_all(|device| {
+        let scene = city(2_000, 3).unwrap();
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        compare(device, &scene, path.camera(5));
+    });
+}

@@ -1,0 +1,155 @@
+//! What explains frames: it is drawn where it belongs, changes nothing of what is decided, and goes.
+
+use cull::Strategy;
+use gpu::{Device, Predication, Readback};
+use render::scene::{CameraPath, PathKind, city};
+use render::{
+    Area, Costs, Explanation, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory,
+};
+use tests::{Driver, run, run_on_all};
+
+const SIZE: [u32; 2] = [320, 180];
+const CORNER: Area = Area { origin: [220, 10], size: [90, 60] };
+
+struct Studio {
+    renderer: Renderer,
+    history: ViewHistory,
+    picture: Readback,
+    path: CameraPath,
+}
+
+impl Studio {
+    fn new(device: &Device) -> Self {
+        Self::with(device, None)
+    }
+
+    fn with(device: &Device, predication: Option<Predication>) -> Self {
+        let scene = city(400, 5).unwrap();
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        // What is measured differs from one renderer to the next, and plans with it.
+        let costs = Costs::Ignored;
+        let options =
+            RendererOptions { size: SIZE, predication, costs, ..RendererOptions::default() };
+        let renderer = Renderer::new(device, &scene, &options).unwrap();
+        let history = renderer.new_view().unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        Self { renderer, history, picture, path }
+    }
+
+    fn render(&mut self, strategy: Strategy) -> (FrameReport, Vec<u8>) {
+        let request = FrameRequest {
+            picture: Some(&self.picture),
+            ..FrameRequest::new(strategy, self.path.camera(7))
+        };
+        let report = self.renderer.render(&mut self.history, &request).unwrap();
+        self.renderer.drain(&mut self.history).unwrap();
+        (report, self.picture.rgba8().unwrap().to_vec())
+    }
+
+    /// A frame under an explanation.
+    fn explained(&mut self, explanation: Explanation) -> Vec<u8> {
+        self.renderer.explain(explanation).unwrap();
+        self.render(Strategy::Antumbra).1
+    }
+}
+
+/// How many pixels differ inside of an area and outside of it.
+fn differences(a: &[u8], b: &[u8], area: Area) -> (usize, usize) {
+    let (mut inside, mut outside) = (0, 0);
+    for (place, (a, b)) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0).enumerate() {
+        let at = [place as u32 % SIZE[0], place as u32 / SIZE[0]];
+        let is_in = |side: usize| {
+            (area.origin[side]..area.origin[side] + area.size[side]).contains(&at[side])
+        };
+        match a == b {
+            true => {}
+            false if is_in(0) && is_in(1) => inside += 1,
+            false => outside += 1,
+        }
+    }
+    (inside, outside)
+}
+
+#[test]
+fn explanations_are_drawn_where_they_belong_and_go() {
+    run_on_all(|device| {
+        let mut studio = Studio::new(device);
+        for _ in 0..8 {
+            studio.render(Strategy::Antumbra);
+        }
+        let plain = studio.render(Strategy::Antumbra).1;
+        let nothing = Explanation::default();
+        let whole = Area { origin: [0, 0], size: SIZE };
+
+        let corner = studio.explained(Explanation { birds_eye: Some(CORNER), ..nothing });
+        let (inside, outside) = differences(&plain, &corner, CORNER);
+        assert!(inside > 90 * 60 / 2 && outside == 0, "{inside} {outside}");
+
+        let boxes = studio.explained(Explanation { has_boxes: true, ..nothing });
+        let wires = studio.explained(Explanation { has_wires: true, ..nothing });
+        for (picture, what) in [(&boxes, "boxes"), (&wires, "wires")] {
+            let changed = differences(&plain, picture, whole).0;
+            let pixels = (SIZE[0] * SIZE[1]) as usize;
+            assert!(changed > 200 && changed < pixels / 2, "{what}: {changed}");
+        }
+        assert!(studio.explained(nothing) == plain, "no trace is left");
+    });
+}
+
+#[test]
+fn an_explanation_decides_nothing() {
+    run_on_all(|device| {
+        let [mut plain, mut explained] = [Studio::new(device), Studio::new(device)];
+        let all = Explanation { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
+        explained.renderer.explain(all).unwrap();
+        assert_eq!(explained.renderer.explanation(), all);
+        for frame in 0..12 {
+            let [a, b] = [&mut plain, &mut explained].map(|it| it.render(Strategy::Antumbra).0);
+            assert_eq!((a.tests, a.plan.visible), (b.tests, b.plan.visible), "frame {frame}");
+        }
+        for strategy in [Strategy::Frustum, Strategy::Pyramid, Strategy::Coherent] {
+            explained.render(strategy);
+        }
+        let beyond = Area { origin: [300, 0], size: [30, 20] };
+        let refused = explained.renderer.explain(Explanation { birds_eye: Some(beyond), ..all });
+        assert!(refused.unwrap_err().to_string().contains("is not within the picture"));
+        assert_eq!(explained.renderer.explanation(), all, "what was explained before still is");
+    });
+}
+
+#[test]
+fn an_explanation_is_the_same_however_draws_are_skipped() {
+    run(Driver::Lavapipe, |device| {
+        let all = Explanation { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
+        let kinds = [Predication::Conditional, Predication::Counts, Predication::Instances];
+        let mut studios = kinds.map(|kind| Studio::with(device, Some(kind)));
+        for frame in 0..8 {
+            let pictures: Vec<_> = studios.iter_mut().map(|it| it.explained(all)).collect();
+            let whole = Area { origin: [0, 0], size: SIZE };
+            let wrong = [1, 2].map(|other| differences(&pictures[0], &pictures[other], whole).0);
+            assert_eq!(wrong, [0, 0], "frame {frame}: pixels that differ from conditional draws");
+        }
+    });
+}
+
+#[test]
+fn a_moment_can_be_walked_around() {
+    run_on_all(|device| {
+        let mut studio = Studio::new(device);
+        for _ in 0..8 {
+            studio.render(Strategy::Antumbra);
+        }
+        let camera = studio.path.camera(7);
+        let view = studio.renderer.view_of(&camera);
+        let moment = studio.renderer.moment(&mut studio.history, view).unwrap();
+        let mut seen = |camera| {
+            studio.renderer.render_moment(&moment, camera, Some(&studio.picture)).unwrap();
+            studio.renderer.drain(&mut studio.history).unwrap();
+            studio.picture.rgba8().unwrap().to_vec()
+        };
+        let same = seen(camera);
+        let elsewhere = seen(cull::Camera { eye: camera.eye + glam::Vec3::Y * 30.0, ..camera });
+        assert!(same != elsewhere);
+        assert!(same == seen(camera), "the moment stands still");
+    });
+}

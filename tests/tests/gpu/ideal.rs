@@ -1,0 +1,134 @@
+//! The yardstick is right: the ideal's picture is the whole one, and nothing in it could be left out.
+
+use cull::{Aabb, Camera, ObjectId, Policy, Strategy};
+use glam::Vec3;
+use gpu::Readback;
+use render::scene::{CameraPath, ObjectChange, PathKind};
+use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use tests::run_on_all;
+use tests::shapes::{box_at, box_scene, square_camera};
+use tests::walk::{SceneKind, pixels_that_differ};
+
+const SIZE: [u32; 2] = [160, 90];
+const AREA: Area = Area { origin: [0, 0], size: SIZE };
+
+#[test]
+fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(600);
+        let path = CameraPath::new(PathKind::Cut, &scene).unwrap();
+        let options = RendererOptions { size: SIZE, ..Default::default() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut finder = renderer.new_view().unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        for frame in [0, 1, 9, 10, 20] {
+            let camera = path.camera(frame);
+            let set = renderer.visible_set(&mut finder, &camera, AREA).unwrap();
+            let request = |strategy, picture| FrameRequest {
+                visible: Some(&set),
+                picture: Some(picture),
+                ..FrameRequest::new(strategy, camera)
+            };
+            let all = request(Strategy::Frustum, &expected);
+            let in_frustum = renderer.render(&mut view, &all).unwrap().plan.visible;
+            renderer.render(&mut view, &request(Strategy::Ideal, &got)).unwrap();
+            renderer.drain(&mut view).unwrap();
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
+            assert!((set.leaves().len() as u32) < in_frustum, "frame {frame}");
+
+            let again = renderer.visible_set(&mut finder, &camera, AREA).unwrap();
+            assert_eq!(again, set, "frame {frame}: the past of the finder must not matter");
+        }
+    });
+}
+
+#[test]
+fn the_ideal_without_a_set_is_refused() {
+    run_on_all(|device| {
+        let scene = SceneKind::Field.build(20);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let options = RendererOptions { size: SIZE, ..Default::default() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let request = FrameRequest::new(Strategy::Ideal, path.camera(0));
+        let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
+        assert!(refused.contains("Renderer::visible_set"), "{refused}");
+        renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
+        renderer.drain(&mut view).unwrap();
+        let set = renderer.visible_set(&mut view, &path.camera(0), AREA).unwrap();
+        let request = FrameRequest { visible: Some(&set), ..request };
+        renderer.update(&[]).unwrap();
+        renderer.render(&mut view, &request).unwrap();
+        renderer.update(&[ObjectChange::Remove { object: ObjectId(3) }]).unwrap();
+        let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
+        assert!(refused.contains("has changed"), "{refused}");
+        renderer.drain(&mut view).unwrap();
+    });
+}
+
+/// More boxes show at once than the list of switched-on draws holds, in layers, so that tests answer
+/// for each other: the set is whole all the same.
+#[test]
+fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
+    run_on_all(|device| {
+        const COLUMNS: usize = 96;
+        let boxes: Vec<Aabb> = (0..COLUMNS * 54 * 3)
+            .map(|number| {
+                let (layer, place) = (number / (COLUMNS * 54), number % (COLUMNS * 54));
+                // Each layer shows through the gaps of the one before.
+                let aside = 0.4 * layer as f32;
+                let [x, y] =
+                    [(place % COLUMNS) as f32 - 47.5 + aside, (place / COLUMNS) as f32 - 26.5];
+                let depth = 30.0 + 9.0 * layer as f32 + 0.001 * (place % 7) as f32;
+                let spread = 0.6 * depth / 30.0;
+                let centre = Vec3::new(x * spread, y * spread, -depth);
+                box_at(centre, Vec3::new(0.2, 0.2, 0.1))
+            })
+            .collect();
+        let camera = Camera { fov_y: 1.0, ..square_camera() };
+        let wall = box_at(camera.eye - 5.0 * camera.forward, Vec3::new(50.0, 50.0, 0.1));
+        let hiding = Camera { eye: camera.eye - 10.0 * camera.forward, ..camera };
+        let scene = box_scene(&[boxes, vec![wall]].concat());
+        let size = [384, 216];
+        // Any test may answer for any number of leaves, through whose gaps much of these shows.
+        let policy = Policy {
+            front_area: 0.0,
+            fronts: 1_000,
+            leaves_behind: u32::MAX,
+            leaves_behind_a_frame: u32::MAX,
+            growth_frames_parts: u32::MAX,
+            ..Policy::default()
+        };
+        // No price keeps a test from being made.
+        let options = RendererOptions { size, policy, costs: Costs::Ignored, ..Default::default() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut finder = renderer.new_view().unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
+        // Only what was hidden answers for others: seen from behind a wall, all of it was.
+        for _ in 0..4 {
+            let set = renderer.visible_set(&mut finder, &hiding, Area::whole(size)).unwrap();
+            assert_eq!(set.leaves().len(), 1);
+        }
+        let set = renderer.visible_set(&mut finder, &camera, Area::whole(size)).unwrap();
+        assert!(set.leaves().len() > gpu::LISTED_DRAWS, "only {} show", set.leaves().len());
+        assert!(finder.plan().stats.behind > 20, "no test answered for another");
+        let again = renderer.visible_set(&mut finder, &camera, Area::whole(size)).unwrap();
+        assert_eq!(again.leaves().len(), set.leaves().len(), "now most of it is drawn untested");
+        for (strategy, picture) in [(Strategy::Frustum, &expected), (Strategy::Ideal, &got)] {
+            let request = FrameRequest {
+                visible: Some(&set),
+                picture: Some(picture),
+                ..FrameRequest::new(strategy, camera)
+            };
+            renderer.render(&mut view, &request).unwrap();
+        }
+        renderer.drain(&mut view).unwrap();
+        assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);
+    });
+}

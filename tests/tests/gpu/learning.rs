@@ -1,0 +1,214 @@
+//! What frames take on the GPU reaches the governors, whatever views there are; pictures stay right.
+
+use cull::{Camera, Corrections, CostTable, Strategy};
+use gpu::{Device, FrameRing, Readback};
+use render::scene::{CameraPath, PathKind, city};
+use render::{
+    Area, Costs, Explanation, Eye, FrameRequest, Renderer, RendererOptions, ViewsRequest,
+};
+use tests::run_on_all;
+use tests::walk::pixels_that_differ;
+
+const SIZE: [u32; 2] = [160, 90];
+const FRAMES: u32 = 64;
+/// One frame in 16 is timed; one may not be home at the end.
+const LEAST_TIMED: u64 = FRAMES as u64 / 16 - 1;
+
+fn renderer(device: &Device, costs: Costs, frames_in_flight: usize) -> (Renderer, Vec<Camera>) {
+    let scene = city(400, 5).unwrap();
+    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let options = RendererOptions { size: SIZE, costs, frames_in_flight, ..Default::default() };
+    let cameras = (0..FRAMES).map(|frame| path.camera(frame)).collect();
+    (Renderer::new(device, &scene, &options).unwrap(), cameras)
+}
+
+fn check(found: Corrections, least_frames: u64, what: &str) {
+    println!("{what}: {found:?}");
+    assert!((least_frames..=least_frames + 2).contains(&found.frames), "{what}: {found:?}");
+    for factor in [found.draws, found.tests, found.proportion] {
+        assert!((0.125..=8.0).contains(&factor), "{what}: {found:?}");
+    }
+    assert_ne!([found.draws, found.tests], [1.0, 1.0], "{what}: nothing was learned: {found:?}");
+}
+
+#[test]
+fn frames_are_learned_from_and_pictures_are_right() {
+    run_on_all(|device| {
+        for frames_in_flight in [1, 2, 4] {
+            for strategy in
+                [Strategy::Antumbra, Strategy::AntumbraQueries, Strategy::AntumbraCompute]
+            {
+                let costs = Costs::default();
+                let (mut renderer, cameras) = renderer(device, costs, frames_in_flight);
+                let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
+                let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
+                let mut learned = Corrections::default();
+                for camera in cameras {
+                    let strategies = [Strategy::Frustum, strategy];
+                    for ((view, picture), strategy) in
+                        views.iter_mut().zip(&pictures).zip(strategies)
+                    {
+                        let request = FrameRequest {
+                            picture: Some(picture),
+                            ..FrameRequest::new(strategy, camera)
+                        };
+                        let report = renderer.render(view, &request).unwrap();
+                        learned = report.corrections.expect("a governor");
+                        let is_known = report.plan.proxy_pixels > 0 || report.tests == 0;
+                        assert!(is_known, "{report:?}");
+                    }
+                    device.drain().unwrap();
+                    let [expected, found] = &pictures;
+                    assert_eq!(
+                        pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap()),
+                        0
+                    );
+                }
+                check(learned, LEAST_TIMED, &format!("{strategy}, {frames_in_flight} in flight"));
+            }
+        }
+    });
+}
+
+#[test]
+fn views_that_are_drawn_together_learn_the_same() {
+    run_on_all(|device| {
+        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
+        let mut learned = [Corrections::default(); 2];
+        for camera in cameras {
+            let areas = Area::side_by_side(SIZE, 2);
+            let mut eyes: Vec<Eye<'_>> = views
+                .iter_mut()
+                .zip(areas)
+                .map(|(history, area)| Eye { history, camera, visible: None, area })
+                .collect();
+            let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
+            renderer.render_views(&mut eyes, &request).unwrap();
+            for (learned, view) in learned.iter_mut().zip(&views) {
+                *learned = view.corrections().expect("a governor");
+            }
+        }
+        check(learned[0], LEAST_TIMED, "two eyes");
+        assert_eq!(learned[0], learned[1]);
+    });
+}
+
+/// With three slots, a view's frame is never in the slot of its frame before.
+#[test]
+fn views_that_take_turns_learn_each_their_own() {
+    run_on_all(|device| {
+        let (mut renderer, cameras) = renderer(device, Costs::default(), 3);
+        let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
+        for camera in cameras {
+            for view in &mut views {
+                renderer.render(view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
+            }
+        }
+        for view in &views {
+            check(view.corrections().unwrap(), LEAST_TIMED, "taking turns");
+        }
+    });
+}
+
+/// Slots and sizes change under frames whose times are not home.
+#[test]
+fn learning_goes_on_whatever_changes_between_frames() {
+    run_on_all(|device| {
+        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
+        let mut known = 0;
+        for (frames_in_flight, size) in [(2, SIZE), (4, SIZE), (1, [96, 101]), (3, [201, 64])] {
+            renderer.set_frames_in_flight(frames_in_flight).unwrap();
+            renderer.resize(size).unwrap();
+            let pictures = [0, 1].map(|_| Readback::new(device, size).unwrap());
+            for (number, camera) in cameras.iter().enumerate() {
+                let strategies = [Strategy::Frustum, Strategy::Antumbra];
+                for ((view, picture), strategy) in views.iter_mut().zip(&pictures).zip(strategies) {
+                    let picture = (number % 8 == 0).then_some(picture);
+                    let request = FrameRequest { picture, ..FrameRequest::new(strategy, *camera) };
+                    renderer.render(view, &request).unwrap();
+                }
+                if number % 8 == 0 {
+                    device.drain().unwrap();
+                    let [expected, found] = &pictures;
+                    let differ =
+                        pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
+                    assert_eq!(differ, 0, "{size:?}, {frames_in_flight} in flight, {number}");
+                }
+            }
+            let learned = views[1].corrections().expect("a governor").frames;
+            let new = learned - known;
+            assert!(new >= LEAST_TIMED, "{size:?}, {frames_in_flight} in flight: {new}");
+            known = learned;
+        }
+    });
+}
+
+#[test]
+fn what_is_drawn_to_explain_is_not_learned_from() {
+    run_on_all(|device| {
+        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let mut view = renderer.new_view().unwrap();
+        renderer.explain(Explanation { has_boxes: true, ..Default::default() }).unwrap();
+        for camera in &cameras {
+            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
+        }
+        assert_eq!(view.corrections(), Some(Corrections::default()));
+        renderer.explain(Explanation::default()).unwrap();
+        for camera in &cameras {
+            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
+        }
+        check(view.corrections().unwrap(), LEAST_TIMED, "explained before");
+    });
+}
+
+#[test]
+fn what_is_not_governed_is_not_learned_from() {
+    run_on_all(|device| {
+        let (mut ungoverned, cameras) = renderer(device, Costs::Ignored, 2);
+        let (mut governed, _) = renderer(device, Costs::Table(CostTable::default()), 2);
+        let mut views = [ungoverned.new_view().unwrap(), governed.new_view().unwrap()];
+        for camera in cameras {
+            let request = FrameRequest::new(Strategy::Antumbra, camera);
+            assert_eq!(ungoverned.render(&mut views[0], &request).unwrap().corrections, None);
+            let request = FrameRequest::new(Strategy::Frustum, camera);
+            let report = governed.render(&mut views[1], &request).unwrap();
+            assert_eq!(report.corrections, Some(Corrections::default()));
+        }
+        device.drain().unwrap();
+    });
+}
+
+#[test]
+fn only_whole_frames_that_ask_are_timed() {
+    run_on_all(|device| {
+        let mut frames = FrameRing::new(device, 2).unwrap();
+        frames.begin().unwrap().begin_timing();
+        assert_eq!(frames.begin().unwrap().last_time(), None, "this ring times nothing");
+        frames.time_frames().unwrap();
+        let mut expected = [None, None];
+        for number in 0..12 {
+            // Given up; leaves no time, and none is left of the frame before.
+            if number == 8 {
+                frames.begin().unwrap().begin_timing();
+                expected[0] = None;
+            }
+            let mut frame = frames.begin().unwrap();
+            let found = frame.last_time();
+            let slot = frame.slot().0;
+            assert_eq!(found.map(|time| time.tick), expected[slot], "frame {number}");
+            assert!(found.is_none_or(|time| time.gpu_ms > 0.0 && time.gpu_ms < 10_000.0));
+            let is_timed = number % 5 != 3;
+            if is_timed {
+                frame.begin_timing();
+                frame.begin_timing();
+            }
+            // A frame may go in several pieces.
+            frame.flush(None).unwrap();
+            let tick = frame.submit(None).unwrap();
+            expected[slot] = is_timed.then_some(tick);
+        }
+        device.drain().unwrap();
+    });
+}

@@ -1,0 +1,43 @@
+//! The engine on both software drivers, under synchronization validation, without a window.
+#![deny(unsafe_code)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+mod bad_machine;
+mod blended;
+mod calibration;
+mod cold_starts;
+mod compute_test;
+mod counts;
+mod deform;
+mod detail;
+mod edge_on;
+mod exactness;
+mod explain;
+mod flat;
+mod frame_loop;
+mod golden;
+mod gpu_layer;
+mod ideal;
+mod learning;
+mod misuse;
+mod moving;
+mod object_pairs;
+mod pick;
+mod pyramid;
+mod query_pages;
+mod relight;
+mod shading;
+mod slivers;
+mod strategies;
+mod testers;
+mod textures;
+mod threshold;
+mod ties;
+mod together;
+mod too_much;
+mod views;

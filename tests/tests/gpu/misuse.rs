@@ -1,0 +1,277 @@
+//! What does not belong together is refused before anything is recorded, with a sentence that helps.
+
+use cull::{Aabb, CostTable, Hierarchy, Strategy};
+use gpu::{Readback, Tick, Timeline};
+use render::scene::{CameraPath, PathKind};
+use render::{
+    Costs, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, ViewsRequest,
+    object_bounds,
+};
+use tests::walk::SceneKind;
+use tests::{Driver, run};
+
+const SIZE: [u32; 2] = [64, 36];
+
+fn options() -> RendererOptions {
+    RendererOptions { size: SIZE, ..Default::default() }
+}
+
+#[test]
+fn a_view_of_another_renderer_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let (small, large) = (SceneKind::City.build(50), SceneKind::City.build(900));
+        let path = CameraPath::new(PathKind::Street, &large).unwrap();
+        let few = Renderer::new(device, &small, &options()).unwrap();
+        let mut many = Renderer::new(device, &large, &options()).unwrap();
+        let mut foreign = few.new_view().unwrap();
+        let mut view = many.new_view().unwrap();
+        let request = FrameRequest::new(Strategy::Antumbra, path.camera(0));
+        let refused = |error: Error| assert!(error.to_string().contains("another renderer"));
+        refused(many.render(&mut foreign, &request).unwrap_err());
+        refused(many.drain(&mut foreign).unwrap_err());
+        let seen = many.view_of(&path.camera(0));
+        refused(many.moment(&mut foreign, seen).unwrap_err());
+        many.render(&mut view, &request).unwrap();
+        many.drain(&mut view).unwrap();
+    });
+}
+
+#[test]
+fn a_picture_of_another_size_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(50);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let picture = Readback::new(device, [SIZE[0], SIZE[1] + 1]).unwrap();
+        let request = FrameRequest {
+            picture: Some(&picture),
+            ..FrameRequest::new(Strategy::Antumbra, path.camera(0))
+        };
+        let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
+        assert!(refused.contains("64x37") && refused.contains("64x36"), "{refused}");
+        renderer.render(&mut view, &FrameRequest { picture: None, ..request }).unwrap();
+        let moment = renderer.moment(&mut view, renderer.view_of(&path.camera(0))).unwrap();
+        assert!(renderer.birds_eye(&moment, &picture).is_err());
+    });
+}
+
+#[test]
+fn a_hierarchy_over_other_objects_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(60);
+        let bounds = object_bounds(&scene).unwrap();
+        let others = [
+            bounds[1..].to_vec(),
+            bounds.iter().copied().chain([bounds[0]]).collect(),
+            bounds.iter().rev().copied().collect::<Vec<Aabb>>(),
+        ];
+        for other in others {
+            let hierarchy = Hierarchy::build(&other).unwrap();
+            let made = Renderer::with_hierarchy(device, &scene, hierarchy, &options());
+            let refused = made.err().unwrap().to_string();
+            assert!(refused.contains("not that of the scene"), "{refused}");
+        }
+        // Larger boxes hold the objects, and free leaves are room for more.
+        let larger = bounds.iter().map(|bounds| bounds.enlarged(0.5)).chain([Aabb::EMPTY; 3]);
+        let hierarchy = Hierarchy::build(&larger.collect::<Vec<Aabb>>()).unwrap();
+        Renderer::with_hierarchy(device, &scene, hierarchy, &options()).unwrap();
+    });
+}
+
+#[test]
+fn options_beyond_all_limits_are_refused_before_anything_is_made() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::Field.build(9);
+        let refused = |options: RendererOptions| {
+            Renderer::new(device, &scene, &options).err().unwrap().to_string()
+        };
+        for frames_in_flight in [MAX_FRAMES_IN_FLIGHT + 1, 100_000, usize::MAX] {
+            let sentence = refused(RendererOptions { frames_in_flight, ..options() });
+            assert!(sentence.starts_with(&format!("{frames_in_flight} frames")), "{sentence}");
+            assert!(sentence.contains("(16)"), "{sentence}");
+            let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+            let before = renderer.frames_in_flight();
+            let later = renderer.set_frames_in_flight(frames_in_flight).unwrap_err().to_string();
+            assert_eq!((later, renderer.frames_in_flight()), (sentence, before));
+        }
+        for spare_objects in [usize::MAX, (1 << 30) + 1, 1 << 30] {
+            let sentence = refused(RendererOptions { spare_objects, ..options() });
+            assert!(sentence.contains("objects are more than one hierarchy holds"), "{sentence}");
+        }
+        // What a hierarchy could hold, and the device cannot: 64 bytes each.
+        let most = device.adapter().limits.max_storage_buffer_range as usize / 64;
+        let sentence = refused(RendererOptions { spare_objects: most, ..options() });
+        let names_limit = sentence.contains(&format!("at most {most} here"));
+        assert!(names_limit && sentence.contains("room"), "{sentence}");
+        for (value, words) in [(f32::NAN, "is NaN"), (-1.0, "is -1")] {
+            let costs = Costs::Table(CostTable { draw_ns: value, ..CostTable::default() });
+            let sentence = refused(RendererOptions { costs, ..options() });
+            assert!(sentence.contains(&format!("`draw_ns` {words}")), "{sentence}");
+        }
+    });
+}
+
+#[test]
+fn the_largest_options_that_are_taken_draw_a_frame() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(60);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let largest = RendererOptions {
+            frames_in_flight: MAX_FRAMES_IN_FLIGHT,
+            query_budget: usize::MAX,
+            ..options()
+        };
+        let mut renderer = Renderer::new(device, &scene, &largest).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        for frame in 0..2 * MAX_FRAMES_IN_FLIGHT as u32 {
+            let request = FrameRequest::new(Strategy::Antumbra, path.camera(frame));
+            renderer.render(&mut view, &request).unwrap();
+        }
+        renderer.drain(&mut view).unwrap();
+    });
+}
+
+#[test]
+fn a_frame_without_a_view_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let mut renderer = Renderer::new(device, &SceneKind::Field.build(9), &options()).unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        for picture in [None, Some(&picture)] {
+            let request = ViewsRequest { strategy: Strategy::Antumbra, picture, after: None };
+            let refused = renderer.render_views(&mut [], &request).unwrap_err();
+            assert!(matches!(refused, Error::NoView), "{refused}");
+        }
+    });
+}
+
+#[test]
+fn outcomes_that_nobody_takes_are_kept_within_bounds() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::Field.build(3);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let tiny = RendererOptions { size: [4, 4], ..options() };
+        let mut renderer = Renderer::new(device, &scene, &tiny).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        for _ in 0..1_100 {
+            let request = FrameRequest::new(Strategy::Frustum, path.camera(0));
+            renderer.render(&mut view, &request).unwrap();
+        }
+        renderer.drain(&mut view).unwrap();
+        let outcomes: Vec<u64> = view.take_outcomes().map(|outcome| outcome.frame.0).collect();
+        assert_eq!(outcomes, (77..=1_100).collect::<Vec<u64>>());
+    });
+}
+
+#[test]
+fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(50);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        let is_refused = |what: &str| {
+            let refused = picture.rgba8().err().expect(what);
+            assert!(matches!(refused, gpu::Error::NoPicture), "{what}: {refused}");
+        };
+        let gate = Timeline::new(device, "gate").unwrap();
+        let request = |number: u32, after| FrameRequest {
+            picture: Some(&picture),
+            after,
+            ..FrameRequest::new(Strategy::Antumbra, path.camera(number))
+        };
+        is_refused("never written");
+        let waits = device.wait_counts().other;
+        let held_back = request(0, Some((&gate, Tick(1))));
+        let tick = renderer.render(&mut view, &held_back).unwrap().tick;
+        is_refused("on its way");
+        assert_eq!(device.wait_counts().other, waits, "nobody waits for a picture");
+        gate.signal(Tick(1)).unwrap();
+        renderer.drain(&mut view).unwrap();
+        assert!(device.completed().unwrap() >= tick);
+        let first = picture.rgba8().unwrap();
+
+        // As long as somebody reads, no frame writes; and the picture stays what it is.
+        let before = first.to_vec();
+        let refused = renderer.render(&mut view, &request(40, None)).unwrap_err().to_string();
+        assert!(refused.contains("that is being read"), "{refused}");
+        device.drain().unwrap();
+        assert!(*first == before);
+        drop(first);
+
+        // Written again: not there, then another one.
+        renderer.render(&mut view, &request(40, Some((&gate, Tick(2))))).unwrap();
+        is_refused("on its way again");
+        gate.signal(Tick(2)).unwrap();
+        renderer.drain(&mut view).unwrap();
+        assert!(*picture.rgba8().unwrap() != before);
+
+        // Dropped on its way.
+        let early = Readback::new(device, SIZE).unwrap();
+        let last = FrameRequest {
+            picture: Some(&early),
+            ..FrameRequest::new(Strategy::Antumbra, path.camera(0))
+        };
+        renderer.render(&mut view, &last).unwrap();
+        drop(early);
+        renderer.drain(&mut view).unwrap();
+    });
+}
+
+#[test]
+fn a_picture_whose_frame_was_given_up_is_never_there() {
+    run(Driver::Lavapipe, |device| {
+        let picture = Readback::new(device, SIZE).unwrap();
+        let mut target = gpu::Target::new(device, SIZE, "target").unwrap();
+        let mut ring = gpu::FrameRing::new(device, 1).unwrap();
+        let mut draw = |is_submitted: bool| {
+            let frame = ring.begin().unwrap();
+            target.prepare(frame.commands());
+            frame.commands().rendering(target.render_target(Some([1.0; 4])), |_| {});
+            target.copy_to(frame.commands(), &picture);
+            if is_submitted {
+                frame.submit(None).unwrap();
+                device.drain().unwrap();
+            }
+        };
+        draw(false);
+        device.drain().unwrap();
+        assert!(matches!(picture.rgba8(), Err(gpu::Error::NoPicture)));
+        draw(true);
+        assert!(picture.rgba8().unwrap().iter().all(|byte| *byte == 255));
+        draw(false);
+        assert!(matches!(picture.rgba8(), Err(gpu::Error::NoPicture)), "the newest was given up");
+    });
+}
+
+/// The older of two open frames could be submitted last, and overwrite what is read after the newer one.
+#[test]
+fn of_two_open_frames_one_copies_a_picture_to_the_same_place() {
+    run(Driver::Lavapipe, |device| {
+        let picture = Readback::new(device, SIZE).unwrap();
+        let mut target = gpu::Target::new(device, SIZE, "target").unwrap();
+        let mut rings = [(); 2].map(|()| gpu::FrameRing::new(device, 1).unwrap());
+        let [first, second] = &mut rings;
+        let mut draw = |frame: &gpu::Frame, colour| {
+            target.prepare(frame.commands());
+            frame.commands().rendering(target.render_target(Some([colour; 4])), |_| {});
+            target.copy_to(frame.commands(), &picture);
+        };
+        let older = first.begin().unwrap();
+        draw(&older, 0.0);
+        let newer = second.begin().unwrap();
+        draw(&newer, 1.0);
+        let refused = newer.submit(None).unwrap_err().to_string();
+        assert!(refused.contains("two frames that are both open"), "{refused}");
+        older.submit(None).unwrap();
+        device.drain().unwrap();
+        assert_eq!(picture.rgba8().unwrap()[..4], [0; 4], "the older one's");
+        // With nothing open any more the next one is as good as any.
+        let newer = second.begin().unwrap();
+        draw(&newer, 1.0);
+        newer.submit(None).unwrap();
+        device.drain().unwrap();
+        assert_eq!(picture.rgba8().unwrap()[..4], [255; 4]);
+    });
+}

@@ -1,0 +1,399 @@
+//! Scenes that change between frames: exact at every frame, on both drivers, at a cost that is that of
+//! the changes.
+
+mod updates;
+
+use cull::{Aabb, Camera, ObjectId, Strategy};
+use glam::{Affine3A, Vec3};
+use gpu::{Device, Predication, Readback};
+use render::scene::{CameraPath, Cast, Motion, ObjectChange, PathKind, Scene};
+use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use tests::shapes::{box_at, box_scene, square_camera};
+use tests::walk::{SceneKind, pixels_that_differ};
+use tests::{Driver, run, run_on_all};
+
+const SIZE: [u32; 2] = [240, 135];
+
+/// Every exact strategy that asks or decides in another way than the device's best.
+const TESTERS: [Strategy; 7] = [
+    Strategy::Batched,
+    Strategy::StopAndWait,
+    Strategy::Coherent,
+    Strategy::Pyramid,
+    Strategy::AntumbraQueries,
+    Strategy::AntumbraFlags,
+    Strategy::AntumbraCompute,
+];
+
+fn options(frames_in_flight: usize) -> RendererOptions {
+    // Prices that are measured differ from run to run; without any, everything is tested.
+    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+}
+
+/// A scene on its way through a motion.
+struct Moving {
+    scene: Scene,
+    path: CameraPath,
+    motion: Motion,
+}
+
+impl Moving {
+    fn new(scene: Scene, path: PathKind, percent: u32) -> Self {
+        let path = CameraPath::new(path, &scene).unwrap();
+        let motion = Motion::new(&scene, percent, 11).unwrap();
+        Self { scene, path, motion }
+    }
+
+    /// Shows `frames` one after the other without looking back; answers their pictures and how many
+    /// objects were drawn.
+    fn walk(
+        &self,
+        renderer: &mut Renderer,
+        cast: &mut Cast,
+        strategy: Strategy,
+        frames: &[u32],
+    ) -> (Vec<Readback>, u64) {
+        let mut view = renderer.new_view().unwrap();
+        let mut pictures = Vec::new();
+        let waits = renderer.device().wait_counts().other;
+        for frame in frames {
+            renderer.show(&self.motion, cast, *frame).unwrap();
+            let picture = Readback::new(renderer.device(), SIZE).unwrap();
+            let camera = self.path.camera(*frame);
+            render(renderer, &mut view, strategy, camera, &picture);
+            pictures.push(picture);
+        }
+        let waited = renderer.device().wait_counts().other - waits;
+        assert_eq!(waited > 0, strategy.is_dialogue(), "{strategy} waited for {waited} answers");
+        renderer.drain(&mut view).unwrap();
+        let draws = view.take_outcomes().map(|outcome| outcome.draws).sum();
+        (pictures, draws)
+    }
+
+    /// Walks with ours and compares; answers the objects drawn by frustum culling and by ours.
+    fn check(&self, device: &Device, options: &RendererOptions, frames: u32) -> [u64; 2] {
+        self.check_with(device, Strategy::Antumbra, options, frames)
+    }
+
+    fn check_with(
+        &self,
+        device: &Device,
+        strategy: Strategy,
+        options: &RendererOptions,
+        frames: u32,
+    ) -> [u64; 2] {
+        let mut renderer = Renderer::new(device, &self.scene, options).unwrap();
+        let mut cast = Cast::new(&self.motion);
+        let frames: Vec<u32> = (0..frames).collect();
+        let [(expected, all), (got, ours)] = [Strategy::Frustum, strategy]
+            .map(|strategy| self.walk(&mut renderer, &mut cast, strategy, &frames));
+        for (frame, (expected, got)) in expected.iter().zip(&got).enumerate() {
+            let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
+            let in_flight = options.frames_in_flight;
+            assert_eq!(wrong, 0, "{strategy}, frame {frame}, {in_flight} in flight");
+        }
+        let changed =
+            pixels_that_differ(&expected[0].rgba8().unwrap(), &expected[1].rgba8().unwrap());
+        assert!(changed > 0, "something moves");
+        [all, ours]
+    }
+}
+
+fn render(
+    renderer: &mut Renderer,
+    view: &mut ViewHistory,
+    strategy: Strategy,
+    camera: Camera,
+    picture: &Readback,
+) {
+    let request = FrameRequest { picture: Some(picture), ..FrameRequest::new(strategy, camera) };
+    renderer.render(view, &request).unwrap();
+}
+
+fn exact_while_moving(device: &Device, objects: u32, frames: u32) {
+    for path in [PathKind::Street, PathKind::Cut] {
+        for percent in [10, 100] {
+            let moving = Moving::new(SceneKind::City.build(objects), path, percent);
+            for in_flight in 1..=3 {
+                let [all, ours] = moving.check(device, &options(in_flight), frames);
+                // Where everything moves, much comes and goes, and hides less.
+                let most = if percent == 10 { all / 2 } else { all * 3 / 4 };
+                assert!(ours < most, "{path}, {percent} %: {ours} of {all} drawn");
+            }
+        }
+    }
+}
+
+#[test]
+fn lavapipe_is_exact_while_objects_move() {
+    run(Driver::Lavapipe, |device| exact_while_moving(device, 1_200, 26));
+}
+
+#[test]
+fn swiftshader_is_exact_while_objects_move() {
+    run(Driver::SwiftShader, |device| exact_while_moving(device, 1_200, 14));
+}
+
+#[test]
+fn every_way_to_skip_draws_is_exact_while_objects_move() {
+    run(Driver::Lavapipe, |device| {
+        let moving = Moving::new(SceneKind::City.build(1_000), PathKind::Cut, 60);
+        for predication in [Predication::Conditional, Predication::Counts, Predication::Instances] {
+            let options = RendererOptions { predication: Some(predication), ..options(2) };
+            moving.check(device, &options, 24);
+        }
+    });
+}
+
+/// What decides is the tester's answer, wherever the objects are now: boxes that moved on the GPU,
+/// draws that others took over, leaves that are free.
+#[test]
+fn every_tester_is_exact_while_objects_move() {
+    run_on_all(|device| {
+        for (path, percent) in [(PathKind::Street, 10), (PathKind::Cut, 100)] {
+            let moving = Moving::new(SceneKind::City.build(1_000), path, percent);
+            for strategy in TESTERS {
+                let [all, ours] = moving.check_with(device, strategy, &options(2), 24);
+                assert!(ours < all, "{strategy}: {ours} of {all} drawn");
+            }
+        }
+    });
+}
+
+#[test]
+fn every_tester_and_way_to_skip_draws_is_exact_while_objects_move() {
+    run(Driver::Lavapipe, |device| {
+        let moving = Moving::new(SceneKind::City.build(800), PathKind::Cut, 60);
+        for predication in [Predication::Counts, Predication::Instances] {
+            let options = RendererOptions { predication: Some(predication), ..options(2) };
+            for strategy in TESTERS {
+                moving.check_with(device, strategy, &options, 22);
+            }
+        }
+    });
+}
+
+#[test]
+fn a_field_that_moves_is_exact_from_above() {
+    run_on_all(|device| {
+        let moving = Moving::new(SceneKind::Field.build(300), PathKind::Fly, 100);
+        moving.check(device, &options(2), 12);
+    });
+}
+
+/// What the updates left on the GPU is what a renderer has that was made with the moved scene.
+#[test]
+fn an_updated_scene_is_the_scene_built_anew() {
+    run_on_all(|device| {
+        let moving = Moving::new(SceneKind::City.build(900), PathKind::Fly, 100);
+        let mut renderer = Renderer::new(device, &moving.scene, &options(2)).unwrap();
+        let mut cast = Cast::new(&moving.motion);
+        let frames = [0, 1, 2, 90, 91, 30, 400];
+        let (pictures, _) = moving.walk(&mut renderer, &mut cast, Strategy::Frustum, &frames);
+        for (frame, picture) in frames.iter().zip(&pictures) {
+            let scene = moving.motion.scene_at(&moving.scene, *frame);
+            let mut fresh = Renderer::new(device, &scene, &options(1)).unwrap();
+            let mut view = fresh.new_view().unwrap();
+            let expected = Readback::new(device, SIZE).unwrap();
+            let camera = moving.path.camera(*frame);
+            render(&mut fresh, &mut view, Strategy::Frustum, camera, &expected);
+            device.drain().unwrap();
+            let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &picture.rgba8().unwrap());
+            assert_eq!(wrong, 0, "frame {frame}");
+        }
+    });
+}
+
+/// Views that take turns, pause and look elsewhere, on one scene that moves.
+#[test]
+fn views_that_pause_stay_exact() {
+    run(Driver::Lavapipe, |device| {
+        let moving = Moving::new(SceneKind::City.build(900), PathKind::Street, 80);
+        let mut renderer = Renderer::new(device, &moving.scene, &options(3)).unwrap();
+        let mut cast = Cast::new(&moving.motion);
+        let mut views = [(); 3].map(|()| renderer.new_view().unwrap());
+        let mut plain = renderer.new_view().unwrap();
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        for frame in 0..60_u32 {
+            renderer.show(&moving.motion, &mut cast, frame * 3).unwrap();
+            let eye = (frame / 7) as usize % 3;
+            let camera = moving.path.camera(frame + 300 * eye as u32);
+            render(&mut renderer, &mut plain, Strategy::Frustum, camera, &expected);
+            render(&mut renderer, &mut views[eye], Strategy::Antumbra, camera, &got);
+            device.drain().unwrap();
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
+        }
+    });
+}
+
+/// A wall before a crowd, and a camera that sees both.
+fn wall_and_crowd(count: usize) -> Vec<Aabb> {
+    let wall = box_at(Vec3::new(0.0, 0.0, -5.0), Vec3::new(20.0, 20.0, 0.1));
+    let crowd = (0..count).map(|number| {
+        let (column, row) = ((number % 12) as f32 - 6.0, (number / 12 % 12) as f32 - 6.0);
+        let centre = Vec3::new(column * 1.3, row * 1.3, -14.0 - (number / 144) as f32 * 1.7);
+        box_at(centre, Vec3::new(0.31, 0.27, 0.23))
+    });
+    std::iter::once(wall).chain(crowd).collect()
+}
+
+#[test]
+fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
+    run_on_all(|device| {
+        let scene = box_scene(&wall_and_crowd(300));
+        // Such small things are cheaper to draw than to test, on some device.
+        let options = options(2);
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let mut plain = renderer.new_view().unwrap();
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        let mut wall = ObjectId(0);
+        for frame in 0..120 {
+            // After it was hidden for long, the crowd is uncovered, covered, and uncovered again.
+            let change = match frame {
+                50 => Some(ObjectChange::Remove { object: wall }),
+                70 => Some(ObjectChange::Add { object: scene.objects[0] }),
+                100 => Some(ObjectChange::Move {
+                    object: wall,
+                    transform: Affine3A::from_translation(Vec3::X * 60.0),
+                }),
+                _ => None,
+            };
+            let report = renderer.update(change.as_slice()).unwrap();
+            wall = report.added.first().copied().unwrap_or(wall);
+            render(&mut renderer, &mut view, Strategy::Antumbra, square_camera(), &got);
+            render(&mut renderer, &mut plain, Strategy::Frustum, square_camera(), &expected);
+            device.drain().unwrap();
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
+            if frame == 49 || frame == 99 {
+                let plan = view.plan();
+                assert_eq!(plan.draws.len() + plan.queried_draws.len(), 1, "all but the wall hide");
+            }
+        }
+    });
+}
+
+/// Everybody changes seats with somebody far away: parts of the hierarchy are rebuilt, or all of it.
+#[test]
+fn objects_that_jump_far_stay_exact() {
+    run_on_all(|device| {
+        let boxes = wall_and_crowd(700);
+        let scene = box_scene(&boxes);
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let mut plain = renderer.new_view().unwrap();
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        let mut moved = scene.clone();
+        let mut drawn = 0;
+        let mut rebuilt = 0;
+        for frame in 0..40_usize {
+            // Every third, among themselves: the others move in the hierarchy all the same. Their
+            // number is a prime, so that no two get the same seat.
+            let seat =
+                |n: usize| scene.objects[1 + 3 * ((n * (frame + 1) + frame) % 233)].transform;
+            let move_to = |n: usize| ObjectChange::Move {
+                object: ObjectId(1 + 3 * n as u32),
+                transform: seat(n),
+            };
+            let changes: Vec<ObjectChange> =
+                (0..233).filter(|_| frame.is_multiple_of(2)).map(move_to).collect();
+            for change in &changes {
+                if let ObjectChange::Move { object, transform } = change {
+                    moved.objects[object.0 as usize].transform = *transform;
+                }
+            }
+            rebuilt += renderer.update(&changes).unwrap().rebuilt_leaves;
+            if frame == 30 {
+                renderer.rebuild_hierarchy().unwrap();
+            }
+            // Over the wall one sees a part of the crowd.
+            let camera = Camera { eye: Vec3::new(0.0, 24.0, -1.0), ..square_camera() };
+            let camera = Camera { forward: Vec3::new(0.0, -1.0, -1.0), ..camera };
+            render(&mut renderer, &mut view, Strategy::Antumbra, camera, &got);
+            render(&mut renderer, &mut plain, Strategy::Frustum, camera, &expected);
+            device.drain().unwrap();
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
+            renderer.drain(&mut view).unwrap();
+            drawn += view.take_outcomes().map(|outcome| outcome.draws).sum::<u64>();
+            // Both draw what is on the GPU; this is what should be there.
+            if frame % 7 == 6 {
+                let mut fresh = Renderer::new(device, &moved, &options(1)).unwrap();
+                let mut view = fresh.new_view().unwrap();
+                render(&mut fresh, &mut view, Strategy::Frustum, camera, &expected);
+                device.drain().unwrap();
+                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
+                assert_eq!(wrong, 0, "frame {frame}, built anew");
+            }
+        }
+        assert!(rebuilt > 0, "nothing was worn");
+        assert!((40 * 20..40 * 500).contains(&drawn), "{drawn}: some show, some do not");
+    });
+}
+
+#[test]
+fn an_update_costs_what_changed_and_not_what_there_is() {
+    run(Driver::Lavapipe, |device| {
+        for objects in [1_000, 8_000] {
+            let scene = SceneKind::Field.build(objects);
+            let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+            let mut view = renderer.new_view().unwrap();
+            let picture = Readback::new(device, SIZE).unwrap();
+            let camera = square_camera();
+            for moved in [1_usize, 10, 100] {
+                let lifted = |frame: usize| {
+                    let lift = Affine3A::from_translation(Vec3::Y * (0.1 + frame as f32 * 0.01));
+                    let step = objects as usize / moved;
+                    let change = |n: usize| ObjectChange::Move {
+                        object: ObjectId((n * step) as u32),
+                        transform: lift * scene.objects[n * step].transform,
+                    };
+                    (0..moved).map(change).collect::<Vec<_>>()
+                };
+                for frame in 0..4 {
+                    let report = renderer.update(&lifted(frame)).unwrap();
+                    let levels = u64::from(2 * objects.ilog2());
+                    assert_eq!(report.stale_leaves, moved);
+                    assert!(report.refitted_nodes <= moved as u64 * levels, "{report:?}");
+                    assert_eq!(report.rebuilt_leaves, 0);
+                    assert!(report.added.is_empty() && !report.is_worn);
+                    render(&mut renderer, &mut view, Strategy::Antumbra, camera, &picture);
+                }
+            }
+            // Nothing changed, nothing is brought.
+            assert_eq!(renderer.update(&[]).unwrap().stale_leaves, 0);
+            device.drain().unwrap();
+        }
+    });
+}
+
+#[test]
+fn memory_does_not_grow_while_objects_come_and_go() {
+    run_on_all(|device| {
+        let moving = Moving::new(SceneKind::City.build(600), PathKind::Street, 100);
+        let mut renderer = Renderer::new(device, &moving.scene, &options(2)).unwrap();
+        let mut cast = Cast::new(&moving.motion);
+        let mut view = renderer.new_view().unwrap();
+        let picture = Readback::new(device, SIZE).unwrap();
+        let mut bytes = Vec::new();
+        for frame in 0..90 {
+            renderer.show(&moving.motion, &mut cast, frame).unwrap();
+            let camera = moving.path.camera(0);
+            render(&mut renderer, &mut view, Strategy::Antumbra, camera, &picture);
+            bytes.push(device.memory_bytes().1);
+        }
+        device.drain().unwrap();
+        assert_eq!(bytes[30], bytes[89], "{bytes:?}");
+    });
+}

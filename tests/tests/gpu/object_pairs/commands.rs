@@ -1,0 +1,222 @@
+//! Calls that record: the recording fails, and with it the submit.
+
+use gpu::{Counting, QueryIndex};
+
+use super::Row;
+use super::side::{SOURCE, Side, recorded};
+
+const BUFFER: &str = "a buffer (`BufferSlice`)";
+const PIPELINE: &str = "a pipeline";
+const TARGET: &str = "a target (`Target`)";
+const TEXTURE: &str = "a texture (`Texture`)";
+const QUERIES: &str = "a query ring (`QueryRing`)";
+const PAGES: &str = "query pages (`QueryPages`)";
+
+fn row(
+    call: &'static str,
+    given: &'static str,
+    mistake: fn(&mut Side, &mut Side) -> String,
+) -> Row {
+    Row { call, given, owner: "Device", mistake }
+}
+
+pub fn rows() -> Vec<Row> {
+    [binds(), buffers(), images(), rings(), predicates()].into_iter().flatten().collect()
+}
+
+fn binds() -> Vec<Row> {
+    vec![
+        row("Commands::bind", PIPELINE, |ours, theirs| {
+            recorded(&ours.device(), |commands| commands.bind(&theirs.graphics, &[]))
+        }),
+        row("Commands::bind", BUFFER, |ours, theirs| {
+            let slices = [theirs.slice()];
+            recorded(&ours.device(), |commands| commands.bind(&ours.graphics, &slices))
+        }),
+        row("Commands::bind_textured", TEXTURE, |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                commands.bind_textured(&ours.graphics, &[], &[&theirs.texture]);
+            })
+        }),
+        row("Commands::bind_arrays", "a texture array (`TextureArray`)", |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                commands.bind_arrays(&ours.graphics, &[], &[&theirs.array]);
+            })
+        }),
+        row("Commands::bind_compute", PIPELINE, |ours, theirs| {
+            let slices = [ours.slice(); 3];
+            recorded(&ours.device(), |commands| commands.bind_compute(&theirs.compute, &slices))
+        }),
+        row("Commands::bind_compute", BUFFER, |ours, theirs| {
+            let slices = [ours.slice(), ours.slice(), theirs.slice()];
+            recorded(&ours.device(), |commands| commands.bind_compute(&ours.compute, &slices))
+        }),
+        row("Commands::push_constants", PIPELINE, |ours, theirs| {
+            recorded(&ours.device(), |commands| commands.push_constants(&theirs.graphics, &[0; 4]))
+        }),
+        row("Commands::push_compute_constants", PIPELINE, |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                commands.push_compute_constants(&theirs.compute, &[0; 3]);
+            })
+        }),
+        row("Commands::rendering", "a target (`RenderTarget`)", |ours, theirs| {
+            let target = theirs.target.render_target(Some([0.0; 4]));
+            recorded(&ours.device(), |commands| {
+                commands.rendering(target, |commands| commands.draw(3, 0));
+            })
+        }),
+    ]
+}
+
+fn buffers() -> Vec<Row> {
+    vec![
+        row("Commands::bind_geometry", BUFFER, |ours, theirs| {
+            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            recorded(&device, |commands| commands.bind_geometry(theirs, None));
+            recorded(&device, |commands| commands.bind_geometry(ours, Some(theirs)))
+        }),
+        row("Commands::bind_geometry_beside", BUFFER, |ours, theirs| {
+            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            recorded(&device, |commands| commands.bind_geometry_beside([ours, theirs], ours));
+            recorded(&device, |commands| commands.bind_geometry_beside([ours; 2], theirs))
+        }),
+        row("Commands::fill", BUFFER, |ours, theirs| {
+            let slice = theirs.slice();
+            recorded(&ours.device(), |commands| commands.fill(slice, 0))
+        }),
+        row("Commands::copy_buffer", BUFFER, |ours, theirs| {
+            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            recorded(&device, |commands| commands.copy_buffer(theirs, ours));
+            recorded(&device, |commands| commands.copy_buffer(ours, theirs))
+        }),
+        row("Commands::draw_indirect", BUFFER, |ours, theirs| {
+            let slice = theirs.slice();
+            recorded(&ours.device(), |commands| commands.draw_indirect(slice))
+        }),
+        row("Commands::draw_indirect_count", BUFFER, |ours, theirs| {
+            let (ours, theirs, device) = (ours.slice(), theirs.slice(), ours.device());
+            recorded(&device, |commands| commands.draw_indirect_count(theirs, ours.part(0, 4)));
+            recorded(&device, |commands| commands.draw_indirect_count(ours, theirs.part(0, 4)))
+        }),
+    ]
+}
+
+fn images() -> Vec<Row> {
+    vec![
+        row("Target::prepare", TARGET, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.target.prepare(commands))
+        }),
+        row("Target::copy_depth_to", TARGET, |ours, theirs| {
+            let slice = ours.slice();
+            recorded(&ours.device(), |commands| {
+                theirs.target.copy_depth_to(commands, [0, 0], [8, 8], slice);
+            })
+        }),
+        row("Target::copy_depth_to", BUFFER, |ours, theirs| {
+            let slice = theirs.slice();
+            recorded(&ours.device(), |commands| {
+                ours.target.prepare(commands);
+                ours.target.copy_depth_to(commands, [0, 0], [8, 8], slice);
+            })
+        }),
+        row("Target::copy_to", TARGET, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.target.copy_to(commands, &ours.picture))
+        }),
+        row("Target::copy_to", "a picture (`Readback`)", |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                ours.target.prepare(commands);
+                ours.target.copy_to(commands, &theirs.picture);
+            })
+        }),
+        row("Texture::write", TEXTURE, |ours, theirs| {
+            let pixels = ours.slice().part(0, 64);
+            recorded(&ours.device(), |commands| {
+                theirs.texture.write(commands, [0, 0], [4, 4], pixels);
+            })
+        }),
+        row("Texture::write", BUFFER, |ours, theirs| {
+            let pixels = theirs.slice().part(0, 64);
+            recorded(&ours.device(), |commands| {
+                ours.texture.write(commands, [0, 0], [4, 4], pixels);
+            })
+        }),
+        row("Texture::prepare", TEXTURE, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.texture.prepare(commands))
+        }),
+    ]
+}
+
+fn rings() -> Vec<Row> {
+    vec![
+        row("QueryRing::scope", QUERIES, |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                theirs.queries.scope(commands, QueryIndex(0), |_| {});
+            })
+        }),
+        row("QueryRing::resolve", QUERIES, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.queries.resolve(commands, 0..1))
+        }),
+        row("QueryRing::read_back", QUERIES, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.queries.read_back(commands))
+        }),
+        row("QueryPages::scope", PAGES, |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                theirs.pages.scope(commands, QueryIndex(0), Counting::Some, |_| {});
+            })
+        }),
+        row("QueryPages::read_back", PAGES, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.pages.read_back(commands, 0..1))
+        }),
+        row("FlagRing::read_back", "a flag ring (`FlagRing`)", |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.flags.read_back(commands))
+        }),
+        row("PartDraws::read_back", "part draws (`PartDraws`)", |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.parts.read_back(commands))
+        }),
+    ]
+}
+
+fn predicates() -> Vec<Row> {
+    const PREDICATES: &str = "predicates (`Predicates`)";
+    vec![
+        row("Predicates::resolve", PREDICATES, |ours, theirs| {
+            recorded(&ours.device(), |commands| {
+                theirs.predicates.resolve(commands, &[(SOURCE, 0..1)]);
+            })
+        }),
+        row("Predicates::draw", PREDICATES, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.predicates.draw(commands, SOURCE, 0))
+        }),
+        row("Predicates::draw_parts", PREDICATES, |ours, theirs| {
+            let draws = ours.slice();
+            recorded(&ours.device(), |commands| {
+                theirs.predicates.draw_parts(commands, SOURCE, 0, draws);
+            })
+        }),
+        row("Predicates::draw_boxes", PREDICATES, |ours, theirs| {
+            recorded(&ours.device(), |commands| theirs.predicates.draw_boxes(commands, SOURCE, 0))
+        }),
+        row("Predicates::draw_always", PREDICATES, |ours, theirs| {
+            let draws = ours.slice().part(0, 20);
+            recorded(&ours.device(), |commands| theirs.predicates.draw_always(commands, draws))
+        }),
+        row("Predicates::draw_after_counted", PREDICATES, |ours, theirs| {
+            let draws = ours.slice().part(0, 20);
+            recorded(&ours.device(), |commands| {
+                theirs.predicates.draw_after_counted(commands, draws);
+            })
+        }),
+        row("Predicates::draw_parts", BUFFER, |ours, theirs| {
+            let draws = theirs.slice();
+            let mut ring = gpu::FrameRing::new(&ours.device(), 1).unwrap();
+            let mut frame = ring.begin().unwrap();
+            ours.begin_predicates(&mut frame);
+            ours.target.prepare(frame.commands());
+            let target = ours.target.render_target(Some([0.0; 4]));
+            frame.commands().rendering(target, |commands| {
+                ours.predicates.draw_parts(commands, SOURCE, 0, draws);
+            });
+            frame.submit(None).expect_err("an error").to_string()
+        }),
+    ]
+}

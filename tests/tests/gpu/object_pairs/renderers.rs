@@ -1,0 +1,140 @@
+//! Calls of a renderer: what is of another renderer, or of another device.
+
+use cull::Strategy;
+use gpu::Tick;
+use render::{Area, Error, Eye, FrameRequest, ViewsRequest};
+
+use super::Row;
+use super::side::{SIZE, Side};
+
+const PICTURE: &str = "a picture (`Readback`)";
+const TIMELINE: &str = "a timeline (`Timeline`)";
+const VIEW: &str = "a view (`ViewHistory`)";
+const MOMENT: &str = "a moment (`Moment`)";
+const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
+
+type Mistake = fn(&mut Side, &mut Side) -> String;
+
+fn text<T>(result: Result<T, Error>) -> String {
+    result.err().expect("an error").to_string()
+}
+
+/// Renders with what `request` makes of a plain request.
+fn rendered<'a>(ours: &mut Side, change: impl FnOnce(&mut FrameRequest<'a>)) -> String {
+    let mut request = FrameRequest::new(Strategy::Antumbra, ours.camera);
+    change(&mut request);
+    text(ours.renderer.render(&mut ours.view, &request))
+}
+
+/// The same by `render_views`, of a view of its own and of another one.
+fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> String {
+    let (camera, area) = (ours.camera, Area::whole(SIZE));
+    let history = if what == VIEW { &mut theirs.view } else { &mut ours.view };
+    let visible = (what == VISIBLE_SET).then_some(&theirs.visible);
+    let eye = Eye { history, camera, visible, area };
+    let request = ViewsRequest {
+        strategy: Strategy::Ideal,
+        picture: (what == PICTURE).then_some(&theirs.picture),
+        after: (what == TIMELINE).then_some((&theirs.timeline, Tick(1))),
+    };
+    let request = match what {
+        VISIBLE_SET => request,
+        _ => ViewsRequest { strategy: Strategy::Frustum, ..request },
+    };
+    text(ours.renderer.render_views(&mut [eye], &request))
+}
+
+pub fn rows() -> Vec<Row> {
+    let row = |call, given, owner, mistake: Mistake| Row { call, given, owner, mistake };
+    let mut rows = vec![
+        row("Renderer::render", PICTURE, "Device", |ours, theirs| {
+            rendered(ours, |request| request.picture = Some(&theirs.picture))
+        }),
+        row("FrameRequest::scene_picture", PICTURE, "Device", |ours, theirs| {
+            rendered(ours, |request| request.scene_picture = Some(&theirs.picture))
+        }),
+        row("Renderer::render", TIMELINE, "Device", |ours, theirs| {
+            rendered(ours, |request| request.after = Some((&theirs.timeline, Tick(1))))
+        }),
+        row("Renderer::render", VIEW, "Renderer", |ours, theirs| {
+            let request = FrameRequest::new(Strategy::Antumbra, ours.camera);
+            text(ours.renderer.render(&mut theirs.view, &request))
+        }),
+        row("Renderer::render", VISIBLE_SET, "Renderer", |ours, theirs| {
+            rendered(ours, |request| request.visible = Some(&theirs.visible))
+        }),
+        row("Renderer::render_views", PICTURE, "Device", |ours, theirs| {
+            views_rendered(ours, theirs, PICTURE)
+        }),
+        row("Renderer::render_views", TIMELINE, "Device", |ours, theirs| {
+            views_rendered(ours, theirs, TIMELINE)
+        }),
+        row("Renderer::render_views", VIEW, "Renderer", |ours, theirs| {
+            views_rendered(ours, theirs, VIEW)
+        }),
+        row("Renderer::render_views", VISIBLE_SET, "Renderer", |ours, theirs| {
+            views_rendered(ours, theirs, VISIBLE_SET)
+        }),
+        row("Renderer::present", "a target (`Target`)", "Device", |ours, theirs| {
+            text(theirs.renderer.present(&mut ours.swapchain, SIZE))
+        }),
+        // Whoever holds two overlays can swap them.
+        row("Renderer::render", "a texture (`Texture`)", "Device", |ours, theirs| {
+            let swap = |ours: &mut Side, theirs: &mut Side| {
+                let (a, b) = (ours.renderer.flat_overlay(), theirs.renderer.flat_overlay());
+                std::mem::swap(a.unwrap(), b.unwrap());
+            };
+            ours.lay_out();
+            theirs.lay_out();
+            swap(ours, theirs);
+            let error = rendered(ours, |_| {});
+            swap(ours, theirs);
+            error
+        }),
+    ];
+    rows.extend(histories(row));
+    rows.extend(moments(row));
+    rows
+}
+
+type MakeRow = fn(&'static str, &'static str, &'static str, Mistake) -> Row;
+
+fn histories(row: MakeRow) -> Vec<Row> {
+    vec![
+        row("Renderer::drain", VIEW, "Renderer", |ours, theirs| {
+            text(ours.renderer.drain(&mut theirs.view))
+        }),
+        row("Renderer::moment", VIEW, "Renderer", |ours, theirs| {
+            let view = ours.renderer.view_of(&ours.camera);
+            text(ours.renderer.moment(&mut theirs.view, view))
+        }),
+        row("Renderer::visible_set", VIEW, "Renderer", |ours, theirs| {
+            let (camera, area) = (ours.camera, Area::whole(SIZE));
+            text(ours.renderer.visible_set(&mut theirs.view, &camera, area))
+        }),
+        row("Renderer::picked", "a pick (`Pick`)", "Renderer", |ours, theirs| {
+            text(ours.renderer.picked(&theirs.pick))
+        }),
+        row("Renderer::visible_again", VISIBLE_SET, "Renderer", |ours, theirs| {
+            text(ours.renderer.visible_again(&mut theirs.visible))
+        }),
+    ]
+}
+
+fn moments(row: MakeRow) -> Vec<Row> {
+    vec![
+        row("Renderer::birds_eye", MOMENT, "Renderer", |ours, theirs| {
+            text(ours.renderer.birds_eye(&theirs.moment, &ours.picture))
+        }),
+        row("Renderer::birds_eye", PICTURE, "Device", |ours, theirs| {
+            text(ours.renderer.birds_eye(&ours.moment, &theirs.picture))
+        }),
+        row("Renderer::render_moment", MOMENT, "Renderer", |ours, theirs| {
+            text(ours.renderer.render_moment(&theirs.moment, ours.camera, None))
+        }),
+        row("Renderer::render_moment", PICTURE, "Device", |ours, theirs| {
+            let picture = Some(&theirs.picture);
+            text(ours.renderer.render_moment(&ours.moment, ours.camera, picture))
+        }),
+    ]
+}

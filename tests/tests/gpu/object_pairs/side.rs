@@ -1,0 +1,225 @@
+//! One of two sides that share nothing: an instance, a device, a renderer, and one of everything.
+
+use cull::{Camera, Strategy};
+use gpu::{
+    Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device, DrawRange, FlagRing, Frame,
+    FrameRing, GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, MipMaking, PartDraws, Place,
+    Predicated, Predicates, QueryIndex, QueryPages, QueryRing, Readback, Reveal, Spirv,
+    StorageLayout, Swapchain, Target, Texture, TextureArray, TextureArrayInfo, TextureUploads,
+    Timeline, VertexLayout, WordSource, vk,
+};
+use render::scene::{CameraPath, PathKind};
+use render::{
+    Area, FlatVertex, FrameRequest, Moment, Pick, Renderer, RendererOptions, ViewHistory,
+    VisibleSet,
+};
+use tests::Driver;
+use tests::walk::SceneKind;
+use tests::xvfb::Xvfb;
+
+use tests::stage::Stage;
+use tests::x11_window::{Library, X11Window};
+
+pub const SIZE: [u32; 2] = [64, 36];
+pub const SOURCE: WordSource = WordSource::Queries;
+
+/// Things of one device. What they own goes before the stage.
+pub struct Side {
+    pub renderer: Renderer,
+    pub view: ViewHistory,
+    pub moment: Moment,
+    pub visible: VisibleSet,
+    pub pick: Pick,
+    pub camera: Camera,
+    pub swapchain: Swapchain,
+    pub target: Target,
+    pub picture: Readback,
+    pub buffer: Buffer,
+    pub texture: Texture,
+    pub array: TextureArray,
+    pub uploads: TextureUploads,
+    pub graphics: GraphicsPipeline,
+    pub compute: ComputePipeline,
+    pub queries: QueryRing<u32>,
+    pub pages: QueryPages,
+    pub flags: FlagRing<u32>,
+    pub parts: PartDraws<u32>,
+    pub predicates: Predicates,
+    pub timeline: Timeline,
+    pub stage: Stage,
+}
+
+fn spirv(name: &str, bytes: &[u8]) -> Spirv {
+    Spirv::from_bytes(name, bytes).unwrap()
+}
+
+fn graphics(device: &Device) -> GraphicsPipeline {
+    let vertex = spirv("sky.vert", include_bytes!("../../../../shaders/sky.vert.spv"));
+    let fragment = spirv("sky.frag", include_bytes!("../../../../shaders/sky.frag.spv"));
+    let info = GraphicsPipelineInfo {
+        name: "sky",
+        vertex: &vertex,
+        fragment: Some(&fragment),
+        vertices: VertexLayout::default(),
+        storage: StorageLayout { push_bytes: 16, ..StorageLayout::default() },
+        topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+        polygon: gpu::Polygon::Filled,
+        cull: vk::CullModeFlags::NONE,
+        depth: gpu::DepthMode::Ignored,
+        blend: gpu::Blend::Opaque,
+    };
+    GraphicsPipeline::new(device, &info).unwrap()
+}
+
+fn compute(device: &Device) -> ComputePipeline {
+    let bytes = include_bytes!("../../../../shaders/predicate_counts.comp.spv");
+    let storage = StorageLayout { buffers: 3, push_bytes: 12, ..StorageLayout::default() };
+    let shader = spirv("predicate_counts.comp", bytes);
+    ComputePipeline::new(device, "counts", &shader, storage).unwrap()
+}
+
+const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {
+    name: "array",
+    size: [4, 4],
+    layers: 1,
+    format: vk::Format::R8G8B8A8_SRGB,
+    wrap: [vk::SamplerAddressMode::REPEAT; 2],
+    magnified: vk::Filter::LINEAR,
+    minified: vk::Filter::LINEAR,
+    between_levels: None,
+    anisotropy: 1.0,
+    mip_making: MipMaking::Cpu,
+};
+
+impl Side {
+    pub fn new(server: &Xvfb) -> Self {
+        let window = X11Window::open(server, Library::Xcb, SIZE);
+        let stage = Stage::new(Driver::Lavapipe, window);
+        let device = &stage.device;
+        let scene = SceneKind::City.build(60);
+        let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(3);
+        let options = RendererOptions { size: SIZE, ..Default::default() };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let visible = renderer.visible_set(&mut view, &camera, Area::whole(SIZE)).unwrap();
+        let moment = renderer.moment(&mut view, renderer.view_of(&camera)).unwrap();
+        let pick = renderer.pick(&camera, [32, 18]).unwrap();
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::VERTEX_BUFFER
+            | vk::BufferUsageFlags::INDEX_BUFFER
+            | vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT
+            | vk::BufferUsageFlags::TRANSFER_DST
+            | vk::BufferUsageFlags::TRANSFER_SRC;
+        let mut target = Target::new(device, SIZE, "target").unwrap();
+        let mut ring = FrameRing::new(device, 1).unwrap();
+        let frame = ring.begin().unwrap();
+        target.prepare(frame.commands());
+        frame.commands().rendering(target.render_target(Some([0.0; 4])), |_| {});
+        frame.submit(None).unwrap();
+        target.submitted();
+        let draws = [IndirectDraw::default(); 2];
+        let mut side = Self {
+            renderer,
+            view,
+            moment,
+            visible,
+            pick,
+            camera,
+            swapchain: stage.swapchain(&Default::default()),
+            target,
+            picture: Readback::new(device, SIZE).unwrap(),
+            buffer: Buffer::new(device, "buffer", 4096 * 4, usage, Place::Device).unwrap(),
+            texture: Texture::new(device, [4, 4], "texture").unwrap(),
+            array: TextureArray::new(device, &ARRAY).unwrap(),
+            uploads: TextureUploads::new(device).unwrap(),
+            graphics: graphics(device),
+            compute: compute(device),
+            queries: QueryRing::new(device, 1, "queries").unwrap(),
+            pages: QueryPages::new(device, 1, "pages"),
+            flags: FlagRing::new(device, 1, WordSource::Fragments, "flags"),
+            parts: PartDraws::new(device, 1, 2),
+            predicates: Predicates::new(device, None, &draws, 1).unwrap(),
+            timeline: Timeline::new(device, "timeline").unwrap(),
+            stage,
+        };
+        side.begin_rings(&mut ring);
+        side
+    }
+
+    /// Begins everything that is begun for a frame, in a frame that never is.
+    fn begin_rings(&mut self, ring: &mut FrameRing) {
+        let mut frame = ring.begin().unwrap();
+        let ranges = [DrawRange { first: 0, count: 1 }];
+        self.queries.begin(&mut frame, &[0]).unwrap();
+        self.pages.begin(frame.slot());
+        self.pages.take(frame.commands(), 1).unwrap();
+        self.pages.scope(frame.commands(), QueryIndex(0), Counting::Some, |_| {});
+        self.flags.begin(&frame, [0].into_iter()).unwrap();
+        let no_draw = |_| IndirectDraw::default();
+        self.parts.begin(&mut frame, 0, ranges.into_iter(), no_draw).unwrap();
+        self.begin_predicates(&mut frame);
+    }
+
+    /// Lets one draw hang on the first word of the buffer.
+    pub fn begin_predicates(&mut self, frame: &mut Frame<'_>) {
+        let range = DrawRange { first: 0, count: 1 };
+        let decided = [Predicated { word: 0, range, reveal: Reveal::Whole }].into_iter();
+        self.predicates.begin(frame, SOURCE, Some(self.buffer.whole()), decided).unwrap();
+    }
+
+    pub fn device(&self) -> Device {
+        self.stage.device.clone()
+    }
+
+    pub fn slice(&self) -> BufferSlice {
+        self.buffer.whole()
+    }
+
+    /// Lays out something flat over the renderer's pictures.
+    pub fn lay_out(&mut self) {
+        let overlay = self.renderer.flat_overlay().unwrap();
+        overlay.begin_atlas([1, 1]).unwrap();
+        overlay.write_atlas([0, 0], [1, 1], [[255; 4]].into_iter()).unwrap();
+        let corner = |position| FlatVertex { position, texture_position: [0.5; 2], colour: [9; 4] };
+        let corners = [[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]].map(corner);
+        overlay.add([0, 0], SIZE, &corners, &[0, 1, 2]);
+    }
+
+    /// Draws a frame with everything of its own, shows it, and waits for it.
+    pub fn draw(&mut self) {
+        let request = FrameRequest {
+            visible: Some(&self.visible),
+            picture: Some(&self.picture),
+            ..FrameRequest::new(Strategy::Ideal, self.camera)
+        };
+        self.renderer.render(&mut self.view, &request).unwrap();
+        self.renderer.present(&mut self.swapchain, SIZE).unwrap();
+        self.renderer.drain(&mut self.view).unwrap();
+        assert!(self.picture.rgba8().unwrap().chunks(4).any(|pixel| pixel[0] > 0));
+    }
+
+    /// Drops everything, the instance last, after which the layers have said nothing.
+    pub fn end(self) {
+        let Self { stage, .. } = self;
+        stage.end();
+    }
+}
+
+/// The error that comes of recording something.
+pub fn recorded(device: &Device, record: impl FnOnce(&Commands)) -> String {
+    device.run_once("mistake", record).expect_err("an error").to_string()
+}
+
+/// The error that comes of a frame that is recorded so.
+pub fn framed(
+    device: &Device,
+    record: impl FnOnce(&mut Frame<'_>) -> Result<(), gpu::Error>,
+) -> String {
+    let mut ring = FrameRing::new(device, 1).unwrap();
+    let mut frame = ring.begin().unwrap();
+    let recorded = record(&mut frame);
+    // A call that says so itself also fails the frame.
+    let submitted = frame.submit(None).expect_err("an error").to_string();
+    recorded.map_or_else(|error| error.to_string(), |()| submitted)
+}

@@ -1,0 +1,227 @@
+//! Which object owns a pixel, why it is drawn or not, its outline, and what the scene alone shows.
+
+use cull::{Camera, Decision, ObjectId, Outcome, Strategy};
+use glam::{Affine3A, Vec3};
+use gpu::Readback;
+use render::scene::{CameraPath, Mesh, MeshId, Object, PathKind, Scene, city};
+use render::{Costs, Explanation, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use tests::shapes::square_camera;
+use tests::{Driver, run, run_on_all};
+
+const SIZE: [u32; 2] = [320, 180];
+
+fn options() -> RendererOptions {
+    RendererOptions { size: SIZE, costs: Costs::Ignored, ..RendererOptions::default() }
+}
+
+/// The object of the triangle that a ray meets first (Möller and Trumbore 1997): backs are not drawn.
+fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<u32> {
+    let mut nearest: Option<(f32, u32)> = None;
+    for (number, object) in (0..).zip(&scene.objects) {
+        let mesh = &scene.meshes[object.mesh.0 as usize];
+        let point = |index: u32| {
+            let position = mesh.vertices[index as usize].position;
+            object.transform.transform_point3(Vec3::from_array(position))
+        };
+        for triangle in mesh.indices.as_chunks::<3>().0 {
+            let [a, b, c] = triangle.map(point);
+            let (ab, ac) = (b - a, c - a);
+            let across = direction.cross(ac);
+            let determinant = ab.dot(across);
+            if determinant <= 0.0 {
+                continue;
+            }
+            let from = origin - a;
+            let u = from.dot(across) / determinant;
+            let v = direction.dot(from.cross(ab)) / determinant;
+            let distance = ac.dot(from.cross(ab)) / determinant;
+            let is_in = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0;
+            if is_in && nearest.is_none_or(|(before, _)| distance < before) {
+                nearest = Some((distance, number));
+            }
+        }
+    }
+    nearest.map(|(_, object)| object)
+}
+
+#[test]
+fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
+    run_on_all(|device| {
+        let scene = city(300, 5).unwrap();
+        let mut camera = CameraPath::new(PathKind::Fly, &scene).unwrap().camera(7);
+        // The horizon is in the picture, and so is the sky.
+        camera.forward.y = -0.1;
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let seen = renderer.view_of(&camera);
+        let (mut right, mut objects, mut empty) = (0, std::collections::BTreeSet::new(), 0);
+        let pixels =
+            (0..SIZE[1]).step_by(15).flat_map(|y| (0..SIZE[0]).step_by(16).map(move |x| [x, y]));
+        let pixels: Vec<[u32; 2]> = pixels.collect();
+        for pixel in &pixels {
+            let pick = renderer.pick(&camera, *pixel).unwrap();
+            // Frames go on meanwhile; none of them waits for the answer.
+            let request = FrameRequest::new(Strategy::Antumbra, camera);
+            renderer.render(&mut view, &request).unwrap();
+            device.drain().unwrap();
+            let found = renderer.picked(&pick).unwrap().expect("it is over");
+            let [x, y] = [0, 1].map(|side| {
+                let middle = (pixel[side] as f32 + 0.5) / SIZE[side] as f32;
+                (2.0 * middle - 1.0) * seen.tan_half[side]
+            });
+            let expected = hit(&scene, seen.eye, seen.forward + seen.right * x - seen.up * y);
+            right += usize::from(found.map(|object| object.0) == expected);
+            empty += usize::from(found.is_none());
+            objects.extend(found);
+        }
+        // At an edge, one sub-pixel decides.
+        assert!(right * 100 >= pixels.len() * 98, "{right} of {}", pixels.len());
+        assert!(objects.len() > 10 && empty > 5, "{objects:?}, {empty}");
+    });
+}
+
+/// A square of `half` metres around the ray, far away, and before it more frames than anyone would count: the boxes of
+/// all of them hold the ray, and their corners alone are there.
+fn behind_frames(frames: u32, half: f32) -> Scene {
+    let corners = |corners: [[f32; 2]; 3]| corners.map(|[x, y]| ([x, y, 0.0], [1.0; 3]));
+    let [low, high] = [
+        corners([[-1.0, -1.0], [-0.9, -1.0], [-1.0, -0.9]]),
+        corners([[1.0, 1.0], [0.9, 1.0], [1.0, 0.9]]),
+    ];
+    let mut scene = Scene::single(Mesh::of_triangles("frame", &[low, high].concat()));
+    let square = [
+        corners([[-half, -half], [half, -half], [half, half]]),
+        corners([[-half, -half], [half, half], [-half, half]]),
+    ];
+    scene.meshes.push(Mesh::of_triangles("square", &square.concat()));
+    let object = |(mesh, distance_m): (u32, f32)| Object {
+        mesh: MeshId(mesh),
+        transform: Affine3A::from_translation(Vec3::NEG_Z * distance_m),
+        tint: u32::MAX,
+    };
+    let places = (0..frames).map(|number| (0, 2.0 + number as f32 / frames as f32));
+    scene.objects = places.chain([(1, 9.0)]).map(object).collect();
+    scene
+}
+
+#[test]
+fn what_is_behind_thousands_of_boxes_is_found() {
+    const FRAMES: u32 = 5_200;
+    run_on_all(|device| {
+        let camera = Camera { fov_y: 0.9, ..square_camera() };
+        for (half, expected) in [(1.0, Some(ObjectId(FRAMES))), (0.0, None)] {
+            let scene = behind_frames(FRAMES, half);
+            let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+            let pick = renderer.pick(&camera, [SIZE[0] / 2, SIZE[1] / 2]).unwrap();
+            device.drain().unwrap();
+            assert_eq!(renderer.picked(&pick).unwrap(), Some(expected));
+        }
+    });
+}
+
+#[test]
+fn what_is_explained_of_objects_is_what_was_drawn() {
+    run(Driver::Lavapipe, |device| {
+        let scene = city(1000, 5).unwrap();
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let mut counts = [0; 3];
+        for frame in 0..120 {
+            let camera = path.camera(frame);
+            renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
+            if frame % 24 == 23 {
+                check(&mut renderer, &mut view, &camera, &scene, &mut counts);
+            }
+        }
+        let [drawn, hidden, outside] = counts;
+        assert!(drawn > 20 && hidden > 100 && outside > 100, "{drawn}, {hidden}, {outside}");
+        let seen = renderer.view_of(&path.camera(119));
+        assert!(renderer.explain_object(&view, &seen, ObjectId(u32::MAX)).is_none());
+    });
+}
+
+/// Every object of the newest frame, which is waited for, was drawn if and only if that is explained; counts those
+/// drawn, hidden and outside.
+fn check(
+    renderer: &mut Renderer,
+    view: &mut ViewHistory,
+    camera: &Camera,
+    scene: &Scene,
+    [drawn, hidden, outside]: &mut [usize; 3],
+) {
+    let seen = renderer.view_of(camera);
+    let moment = renderer.moment(view, seen).unwrap();
+    for (number, object) in (0..).zip(&scene.objects) {
+        let id = ObjectId(number);
+        let (explained, outcome) = renderer.explain_object(view, &seen, id).unwrap();
+        let leaf = renderer.hierarchy().leaf_of(id).unwrap();
+        let was_drawn = moment.drawn.iter().any(|range| range.contains(leaf));
+        let triangles = scene.meshes[object.mesh.0 as usize].triangles();
+        assert_eq!(renderer.triangles_of(id), triangles);
+        let (count, is_drawn) = match (explained.decision, outcome) {
+            (Decision::Outside, _) => (&mut *outside, false),
+            (Decision::Tested { .. }, Some((frame, Outcome::Hidden))) => {
+                assert_eq!(frame, explained.frame);
+                (&mut *hidden, false)
+            }
+            (Decision::Tested { .. }, None) => panic!("{number}: {explained:?}"),
+            _ => (&mut *drawn, true),
+        };
+        *count += 1;
+        assert_eq!(was_drawn, is_drawn, "{number}: {explained:?}, {outcome:?}");
+    }
+}
+
+#[test]
+fn a_pick_is_not_answered_by_what_a_newer_one_found() {
+    run(Driver::Lavapipe, |device| {
+        let scene = city(1000, 5).unwrap();
+        let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(0);
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let [width, height] = renderer.size();
+        let middle = renderer.pick(&camera, [width / 2, height / 2]).unwrap();
+        let below = renderer.pick(&camera, [width / 2, height - 1]).unwrap();
+        device.drain().unwrap();
+        assert_eq!(renderer.picked(&middle).unwrap(), None, "a newer one took its place");
+        assert!(renderer.picked(&below).unwrap().unwrap().is_some(), "the street");
+    });
+}
+
+#[test]
+fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
+    run_on_all(|device| {
+        let scene = city(300, 5).unwrap();
+        let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(7);
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let [plain, whole, alone] = [0; 3].map(|_| Readback::new(device, SIZE).unwrap());
+        let request = FrameRequest::new(Strategy::Antumbra, camera);
+        let bare = FrameRequest { picture: Some(&plain), ..request };
+        renderer.render(&mut view, &bare).unwrap();
+        let pick = renderer.pick(&camera, [160, 100]).unwrap();
+        device.drain().unwrap();
+        let object = renderer.picked(&pick).unwrap().expect("it is over");
+        assert!(object.is_some(), "something is in the middle of the street");
+        renderer.outline(object).unwrap();
+        renderer.explain(Explanation { has_boxes: true, ..Explanation::default() }).unwrap();
+        let both = FrameRequest { picture: Some(&whole), scene_picture: Some(&alone), ..request };
+        renderer.render(&mut view, &both).unwrap();
+        renderer.drain(&mut view).unwrap();
+        let differing = |a: &Readback, b: &Readback| {
+            let [a, b] = [a, b].map(|picture| picture.rgba8().unwrap());
+            a.chunks(4).zip(b.chunks(4)).filter(|(a, b)| a != b).count()
+        };
+        assert_eq!(differing(&plain, &alone), 0);
+        assert!(differing(&plain, &whole) > 50);
+        // The outline alone, and gone again.
+        renderer.explain(Explanation::default()).unwrap();
+        renderer.render(&mut view, &both).unwrap();
+        renderer.drain(&mut view).unwrap();
+        assert!((20..5000).contains(&differing(&plain, &whole)));
+        renderer.outline(None).unwrap();
+        renderer.render(&mut view, &both).unwrap();
+        renderer.drain(&mut view).unwrap();
+        assert_eq!(differing(&plain, &whole), 0);
+    });
+}

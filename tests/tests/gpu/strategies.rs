@@ -1,0 +1,336 @@
+//! The literature's methods on real drivers: exact where they say so, counted where not, and each
+//! waits as it is known to.
+
+use cull::{Camera, CoherentOptions, DialogueOptions, FirstPass, LeafTest, Strategy};
+use glam::Vec3;
+use gpu::{Device, FrameRing, Readback, Tick, Timeline};
+use render::scene::{CameraPath, PathKind};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras_with, walk_with};
+use tests::{Driver, run, run_on_all};
+
+const DIALOGUES: [Strategy; 4] =
+    [Strategy::Naive, Strategy::Batched, Strategy::StopAndWait, Strategy::Coherent];
+
+fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
+    // Prices that are measured differ from run to run; without any, everything is tested.
+    RendererOptions { size, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+}
+
+fn coherent(coherent: CoherentOptions) -> RendererOptions {
+    let dialogue = DialogueOptions { coherent, ..Default::default() };
+    RendererOptions { dialogue, ..options([160, 90], 2) }
+}
+
+fn check(found: &Found, what: &str) {
+    assert_eq!(found.pixels_wrong, 0, "{what}: wrong pixels: {found:?}");
+    assert!(found.draws[1] <= found.draws[0], "{what}: {found:?}");
+}
+
+fn walk_everything(device: &Device, strategy: Strategy, objects: u32, frames: u32) {
+    for scene_kind in SceneKind::ALL {
+        let scene = scene_kind.build(objects);
+        for path in PathKind::ALL {
+            let what = format!("{strategy} {scene_kind:?} {path}, {objects} objects");
+            let options = options([320, 180], 2);
+            check(&walk_with(device, &scene, path, frames, &options, strategy), &what);
+        }
+    }
+}
+
+#[test]
+fn lavapipe_every_dialogue_is_exact() {
+    run(Driver::Lavapipe, |device| {
+        for (strategy, objects, frames) in [
+            (Strategy::Naive, 300, 3),
+            (Strategy::Batched, 500, 12),
+            (Strategy::StopAndWait, 500, 4),
+            (Strategy::Coherent, 500, 24),
+        ] {
+            walk_everything(device, strategy, objects, frames);
+        }
+    });
+}
+
+#[test]
+fn swiftshader_every_dialogue_is_exact() {
+    run(Driver::SwiftShader, |device| {
+        for (strategy, objects, frames) in [
+            (Strategy::Naive, 200, 2),
+            (Strategy::Batched, 400, 8),
+            (Strategy::StopAndWait, 400, 3),
+            (Strategy::Coherent, 500, 12),
+        ] {
+            walk_everything(device, strategy, objects, frames);
+        }
+    });
+}
+
+#[test]
+fn coherent_is_exact_with_ten_thousand_objects() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(10_000);
+        for path in [PathKind::Street, PathKind::Cut] {
+            let options = options([256, 144], 3);
+            let found = walk_with(device, &scene, path, 12, &options, Strategy::Coherent);
+            check(&found, &format!("10,000 objects, {path}"));
+            assert!(found.draws[1] * 4 < found.draws[0], "{found:?}");
+        }
+    });
+}
+
+#[test]
+fn coherent_is_exact_with_all_options() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(500);
+        let plain = CoherentOptions::default();
+        for options in [
+            CoherentOptions { leaf_test: LeafTest::Box, ..plain },
+            CoherentOptions { assumed_visible_frames: 0, ..plain },
+            CoherentOptions { tests_per_submit: 1, draws_per_submit: 1, ..plain },
+            CoherentOptions { tests_per_submit: 10_000, draws_per_submit: 10_000, ..plain },
+        ] {
+            for path in [PathKind::Street, PathKind::Cut] {
+                let renderer = coherent(options);
+                let found = walk_with(device, &scene, path, 12, &renderer, Strategy::Coherent);
+                check(&found, &format!("{options:?} {path}"));
+            }
+        }
+    });
+}
+
+#[test]
+fn a_depth_only_first_pass_gives_the_same_picture() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(500);
+        for path in [PathKind::Street, PathKind::Cut] {
+            let first_pass = FirstPass::DepthOnly;
+            let options = coherent(CoherentOptions { first_pass, ..Default::default() });
+            let found = walk_with(device, &scene, path, 12, &options, Strategy::Coherent);
+            // Faces of one object that have the same depth at a pixel: the last wins, not the first.
+            assert!(found.pixels_wrong <= 12 * 160 * 90 / 10_000, "{path}: {found:?}");
+            assert!(found.draws[1] < found.draws[0], "{path}: {found:?}");
+        }
+    });
+}
+
+#[test]
+fn a_visibility_threshold_leaves_out_what_hardly_shows() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(1000);
+        let walk = |visibility_threshold_samples| {
+            let plain = CoherentOptions { assumed_visible_frames: 0, ..Default::default() };
+            let options = coherent(CoherentOptions { visibility_threshold_samples, ..plain });
+            walk_with(device, &scene, PathKind::Street, 16, &options, Strategy::Coherent)
+        };
+        let (exact, loose) = (walk(0), walk(20));
+        check(&exact, "no threshold");
+        assert!(loose.draws[1] < exact.draws[1], "{loose:?} {exact:?}");
+        // Objects of up to 20 pixels: the picture is a little wrong, not altogether.
+        assert!(loose.pixels_wrong > 0 && loose.pixels_wrong < 16 * 160 * 90 / 20, "{loose:?}");
+    });
+}
+
+#[test]
+fn eyes_in_walls_and_on_the_ground_are_exact() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(300);
+        let boxes = render::object_bounds(&scene).unwrap();
+        let eyes = boxes.iter().step_by(29).flat_map(|b| [b.centre(), b.min, b.max]);
+        let camera = |(number, eye): (usize, Vec3)| {
+            let angle = number as f32 * 2.4;
+            let forward = Vec3::new(angle.cos(), (number % 5) as f32 * 0.3 - 0.6, angle.sin());
+            Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 }
+        };
+        let cameras: Vec<Camera> = eyes.enumerate().map(camera).collect();
+        for strategy in [Strategy::Batched, Strategy::Coherent] {
+            let options = options([160, 90], 2);
+            let found = walk_cameras_with(device, &scene, &cameras, &options, strategy);
+            check(&found, &format!("{strategy}, eyes in boxes"));
+        }
+    });
+}
+
+#[test]
+fn a_dialogue_waits_and_says_how_often() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(500);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let cameras: Vec<Camera> = (0..10).map(|frame| path.camera(frame)).collect();
+        let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
+        let mut waits = Vec::new();
+        for strategy in DIALOGUES {
+            let mut view = renderer.new_view().unwrap();
+            let walked = frame_loop(&mut renderer, &mut view, strategy, &cameras);
+            let told: u64 = walked.reports.iter().map(|report| u64::from(report.waits)).sum();
+            assert_eq!(told, walked.blocking_waits, "{strategy}");
+            for (report, outcome) in walked.reports.iter().zip(&walked.outcomes) {
+                assert_eq!(outcome.draws, u64::from(report.plan.visible), "{strategy}");
+                assert!(report.queries >= report.tests && report.tests > 0, "{strategy}");
+                assert!(report.waits <= report.queries, "{strategy}");
+            }
+            waits.push(told);
+        }
+        let [naive, batched, stop, coherent] = waits[..] else { panic!("{waits:?}") };
+        assert!(coherent * 8 < stop && batched * 8 < naive, "{waits:?}");
+        let mut view = renderer.new_view().unwrap();
+        let walked = frame_loop(&mut renderer, &mut view, Strategy::NextFrame, &cameras);
+        assert_eq!(walked.blocking_waits, 0);
+        assert!(walked.reports.iter().all(|report| report.waits == 0));
+    });
+}
+
+#[test]
+fn next_frame_is_right_at_rest_and_counted_wrong_on_the_way() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(1000);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
+        let mut plain = renderer.new_view().unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let mut wrong = |cameras: &[Camera], renderer: &mut Renderer| -> Vec<usize> {
+            let expected = frame_loop(renderer, &mut plain, Strategy::Frustum, cameras).pictures;
+            let got = frame_loop(renderer, &mut view, Strategy::NextFrame, cameras);
+            let draws: u64 = got.outcomes.iter().map(|outcome| outcome.draws).sum();
+            assert!(draws > 0 && draws < (scene.objects.len() * cameras.len()) as u64);
+            let pairs = expected.iter().zip(&got.pictures);
+            pairs
+                .map(|(a, b)| pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap()))
+                .collect()
+        };
+        let still = vec![path.camera(0); 30];
+        let at_rest = wrong(&still, &mut renderer);
+        assert_eq!(at_rest[0], 0, "of what nothing is known is drawn");
+        assert!(at_rest[20..].iter().all(|pixels| *pixels == 0), "{at_rest:?}");
+        // Five times as fast as a walk.
+        let moving: Vec<Camera> = (0..60).map(|frame| path.camera(5 * frame)).collect();
+        let total: usize = wrong(&moving, &mut renderer).iter().sum();
+        assert!(total > 0, "then it would be exact");
+        assert!(total < 60 * 160 * 90 / 20, "{total} pixels");
+    });
+}
+
+#[test]
+fn strategies_change_from_frame_to_frame() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options([160, 90], 3)).unwrap();
+        let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
+        let mut plain = renderer.new_view().unwrap();
+        let turns = [
+            Strategy::Coherent,
+            Strategy::NextFrame,
+            Strategy::Antumbra,
+            Strategy::Batched,
+            Strategy::Coherent,
+            Strategy::Pyramid,
+            Strategy::StopAndWait,
+        ];
+        for (turn, strategy) in turns.into_iter().cycle().take(21).enumerate() {
+            let cameras: Vec<Camera> =
+                (0..2).map(|frame| path.camera(turn as u32 * 5 + frame)).collect();
+            let expected = frame_loop(&mut renderer, &mut plain, Strategy::Frustum, &cameras);
+            let got = frame_loop(&mut renderer, &mut views[turn % 2], strategy, &cameras);
+            assert_eq!(got.outcomes.len(), cameras.len());
+            for (expected, got) in expected.pictures.iter().zip(&got.pictures) {
+                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
+                assert!(wrong == 0 || !strategy.is_exact(), "turn {turn}, {strategy}: {wrong}");
+            }
+        }
+    });
+}
+
+#[test]
+fn nothing_in_sight_is_an_empty_picture() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(1);
+        let cameras = [Vec3::Y, Vec3::NEG_Y, Vec3::Y].map(|forward| Camera {
+            eye: Vec3::new(1.0, 30.0, 2.0),
+            forward,
+            up: Vec3::X,
+            fov_y: 1.0,
+            near: 0.1,
+        });
+        for strategy in DIALOGUES.into_iter().chain([Strategy::NextFrame]) {
+            let options = options([64, 64], 2);
+            let found = walk_cameras_with(device, &scene, &cameras, &options, strategy);
+            check(&found, strategy.name());
+        }
+    });
+}
+
+#[test]
+fn passes_are_timed_by_their_labels() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let first_pass = FirstPass::DepthOnly;
+        let options = coherent(CoherentOptions { first_pass, ..Default::default() });
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        renderer.time_passes().unwrap();
+        let mut view = renderer.new_view().unwrap();
+        // Nothing is known in the only frame of each slot whose times come home.
+        let cameras: Vec<_> = (0..3).map(|frame| path.camera(frame)).collect();
+        frame_loop(&mut renderer, &mut view, Strategy::Coherent, &cameras);
+        let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
+        let batches = labels.iter().filter(|label| **label == "draw and query").count();
+        assert!(batches > 1, "{labels:?}");
+        assert_eq!(&labels[batches..], ["shade", "copy picture"]);
+        let total_ms: f64 = renderer.pass_times().iter().map(|time| time.gpu_ms).sum();
+        assert!(total_ms > 0.0 && total_ms < 60_000.0, "{total_ms} ms");
+    });
+}
+
+#[test]
+fn a_frame_is_sent_off_in_pieces() {
+    run_on_all(|device| {
+        let gate = Timeline::new(device, "gate").unwrap();
+        let mut ring = FrameRing::new(device, 2).unwrap();
+        let before = device.completed().unwrap();
+        let mut frame = ring.begin().unwrap();
+        // More pieces than share descriptors, and what is recorded in each is in order.
+        let mut ticks: Vec<Tick> =
+            (0..100).map(|_| frame.flush(Some((&gate, Tick(1)))).unwrap()).collect();
+        assert_eq!(device.completed().unwrap(), before, "all pieces are held back");
+        assert_eq!(frame.waits(), 0);
+        gate.signal(Tick(1)).unwrap();
+        frame.wait(ticks[50]).unwrap();
+        assert!(device.completed().unwrap() >= ticks[50]);
+        // What was never submitted is not waited for.
+        frame.wait(Tick(u64::MAX)).unwrap();
+        assert!(frame.waits() <= 2);
+        ticks.push(frame.submit(None).unwrap());
+        assert!(ticks.is_sorted());
+        // A frame that is given up after a piece leaves nothing that the next could disturb.
+        for _ in 0..5 {
+            let mut given_up = ring.begin().unwrap();
+            given_up.flush(None).unwrap();
+        }
+        ring.begin().unwrap().submit(None).unwrap();
+        device.drain().unwrap();
+    });
+}
+
+#[test]
+fn a_host_holds_a_dialogue_back_only_up_to_its_gate() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let gate = Timeline::new(device, "gate").unwrap();
+        gate.signal(Tick(1)).unwrap();
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
+        for (strategy, picture) in [(Strategy::Frustum, &expected), (Strategy::Coherent, &got)] {
+            let request = FrameRequest {
+                picture: Some(picture),
+                after: Some((&gate, Tick(1))),
+                ..FrameRequest::new(strategy, path.camera(3))
+            };
+            renderer.render(&mut view, &request).unwrap();
+        }
+        renderer.drain(&mut view).unwrap();
+        assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);
+    });
+}

@@ -1,0 +1,58 @@
+//! Whoever answers for the proxies, the picture is the same: queries, fragments, a compute shader.
+
+use cull::Strategy;
+use gpu::{Device, Predication};
+use render::scene::PathKind;
+use render::{Costs, RendererOptions};
+use tests::walk::{SceneKind, walk_with};
+use tests::{Driver, run, run_on_all};
+
+const TESTERS: [Strategy; 3] =
+    [Strategy::AntumbraQueries, Strategy::AntumbraFlags, Strategy::AntumbraCompute];
+
+fn walk_testers(device: &Device, objects: u32, options: &RendererOptions, frames: u32) {
+    for scene_kind in SceneKind::ALL {
+        let scene = scene_kind.build(objects);
+        for path in PathKind::ALL {
+            for strategy in TESTERS {
+                let found = walk_with(device, &scene, path, frames, options, strategy);
+                let what = format!("{strategy}, {scene_kind:?} {path}: {found:?}");
+                assert_eq!(found.pixels_wrong, 0, "{what}");
+                assert_eq!(found.blocking_waits, 0, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
+fn every_tester_is_exact() {
+    run_on_all(|device| {
+        for (frames_in_flight, costs) in [(1, Costs::Ignored), (3, Costs::default())] {
+            let options =
+                RendererOptions { size: [160, 90], frames_in_flight, costs, ..Default::default() };
+            walk_testers(device, 400, &options, 22);
+        }
+    });
+}
+
+#[test]
+fn every_tester_is_exact_with_every_way_to_skip_draws() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(900);
+        for predication in [Predication::Conditional, Predication::Counts, Predication::Instances] {
+            for strategy in TESTERS {
+                let options = RendererOptions {
+                    size: [200, 120],
+                    predication: Some(predication),
+                    // Everything is tested that may be hidden, whatever it costs.
+                    costs: Costs::Ignored,
+                    ..Default::default()
+                };
+                let found = walk_with(device, &scene, PathKind::Cut, 25, &options, strategy);
+                let what = format!("{strategy}, {}: {found:?}", predication.name());
+                assert_eq!(found.pixels_wrong, 0, "{what}");
+                assert!(found.draws[1] * 2 < found.draws[0], "{what}");
+            }
+        }
+    });
+}

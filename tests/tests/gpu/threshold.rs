@@ -1,0 +1,229 @@
+//! A visibility threshold: pictures that are not exact, with an error that is counted and never larger
+//! than what was counted.
+
+use cull::{Aabb, Camera, CoherentOptions, DialogueOptions, Strategy};
+use glam::Vec3;
+use gpu::{Device, Predication, Readback};
+use render::scene::{CameraPath, Cast, Motion, PathKind, Scene};
+use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use tests::shapes::{box_at, box_scene, square_camera};
+use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
+use tests::{Driver, run, run_on_all};
+
+const SIZE: [u32; 2] = [240, 135];
+
+fn options(threshold_samples: u32) -> RendererOptions {
+    let coherent = CoherentOptions {
+        visibility_threshold_samples: threshold_samples,
+        ..CoherentOptions::default()
+    };
+    let dialogue = DialogueOptions { coherent, ..DialogueOptions::default() };
+    // Prices that are measured differ from run to run; without any, everything is tested.
+    RendererOptions {
+        size: SIZE,
+        threshold_samples,
+        dialogue,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
+}
+
+/// What a walk found, over all frames.
+#[derive(Debug, Default)]
+struct Found {
+    pixels_wrong: u64,
+    neglected: u64,
+    draws: u64,
+}
+
+/// Walks with `strategy`; no frame may have more wrong pixels than were counted.
+fn walk(
+    device: &Device,
+    scene: &Scene,
+    cameras: &[Camera],
+    options: &RendererOptions,
+    strategy: Strategy,
+) -> Found {
+    let mut renderer = Renderer::new(device, scene, options).unwrap();
+    let [expected, got] = [Strategy::Frustum, strategy].map(|strategy| {
+        let mut view = renderer.new_view().unwrap();
+        frame_loop(&mut renderer, &mut view, strategy, cameras)
+    });
+    assert_eq!(got.outcomes.len(), cameras.len());
+    let mut found = Found::default();
+    let pictures = expected.pictures.iter().zip(&got.pictures);
+    for (number, ((expected, got), outcome)) in pictures.zip(&got.outcomes).enumerate() {
+        let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()) as u64;
+        let what = format!("{strategy}, threshold {}", options.threshold_samples);
+        assert!(wrong <= outcome.neglected_samples, "{what}, frame {number}: {wrong}, {outcome:?}");
+        found.pixels_wrong += wrong;
+        found.neglected += outcome.neglected_samples;
+        found.draws += outcome.draws;
+    }
+    assert!(expected.outcomes.iter().all(|outcome| outcome.neglected_samples == 0));
+    found
+}
+
+fn cameras(scene: &Scene, path: PathKind, frames: u32) -> Vec<Camera> {
+    let path = CameraPath::new(path, scene).unwrap();
+    (0..frames).map(|frame| path.camera(frame)).collect()
+}
+
+#[test]
+fn no_frame_is_more_wrong_than_what_was_counted() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(1_500);
+        for strategy in [Strategy::Antumbra, Strategy::AntumbraQueries, Strategy::Coherent] {
+            for path in [PathKind::Street, PathKind::Cut] {
+                let cameras = cameras(&scene, path, 20);
+                let walk =
+                    |threshold| walk(device, &scene, &cameras, &options(threshold), strategy);
+                let [exact, little, much] = [0, 12, 200].map(walk);
+                let what = format!("{strategy}, {path}: {exact:?} {little:?} {much:?}");
+                assert_eq!((exact.pixels_wrong, exact.neglected), (0, 0), "{what}");
+                assert!(much.pixels_wrong > 0 && little.neglected > 0, "{what}");
+                assert!(little.neglected < much.neglected, "{what}");
+                assert!(much.draws < exact.draws && much.draws < little.draws, "{what}");
+            }
+        }
+    });
+}
+
+#[test]
+fn every_executor_that_can_compare_leaves_out_the_same() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(700);
+        let cameras = cameras(&scene, PathKind::Cut, 24);
+        let mut found = Vec::new();
+        for predication in [Predication::Counts, Predication::Instances] {
+            let options = RendererOptions { predication: Some(predication), ..options(40) };
+            if Renderer::new(device, &scene, &options).is_ok() {
+                found.push(walk(device, &scene, &cameras, &options, Strategy::Antumbra));
+            }
+        }
+        assert!(!found.is_empty());
+        for one in &found {
+            assert!(one.pixels_wrong > 0, "{found:?}");
+            assert_eq!(one.pixels_wrong, found[0].pixels_wrong, "{found:?}");
+        }
+    });
+}
+
+/// A row of boxes behind a wall, each peeping out by a little more than the one before.
+#[test]
+fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
+    run_on_all(|device| {
+        let size = [256, 256];
+        let wall = Aabb::new(Vec3::new(-9.0, -9.0, -10.1), Vec3::new(9.0, 0.0, -10.0));
+        let peeping = (0..8).map(|number| {
+            let x = number as f32 * 2.0 - 7.0;
+            box_at(Vec3::new(x, -0.6 + 0.15 * number as f32, -11.0), Vec3::new(0.5, 0.6, 0.1))
+        });
+        let boxes: Vec<Aabb> = std::iter::once(wall).chain(peeping).collect();
+        let scene = box_scene(&boxes);
+        let cameras = vec![square_camera(); 30];
+        let mut last = None;
+        for threshold in [0, 1, 3, 10, 30, 60, 100, 1_000, u32::MAX] {
+            // All is tested, whatever it costs.
+            let options = RendererOptions { size, ..options(threshold) };
+            let found = walk(device, &scene, &cameras, &options, Strategy::Antumbra);
+            let (draws, wrong) = last.unwrap_or((found.draws, 0));
+            assert!(found.draws <= draws && found.pixels_wrong >= wrong, "{threshold}: {found:?}");
+            last = Some((found.draws, found.pixels_wrong));
+            let is_all_lost = threshold >= 100_000;
+            assert_eq!(found.draws == 0, is_all_lost, "{threshold}: {found:?}");
+        }
+    });
+}
+
+#[test]
+fn moving_scenes_and_prices_keep_the_bound() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(600);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let motion = Motion::new(&scene, 20, 3).unwrap();
+        let options = RendererOptions {
+            costs: render::Costs::Table(cull::CostTable::default()),
+            ..options(50)
+        };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let mut cast = Cast::new(&motion);
+        let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
+        let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        let mut wrong_in_all = 0;
+        for number in 0..30 {
+            renderer.show(&motion, &mut cast, number).unwrap();
+            let strategies = [Strategy::Frustum, Strategy::Antumbra];
+            for ((view, picture), strategy) in views.iter_mut().zip(&pictures).zip(strategies) {
+                let request = FrameRequest {
+                    picture: Some(picture),
+                    ..FrameRequest::new(strategy, path.camera(number * 2))
+                };
+                renderer.render(view, &request).unwrap();
+                renderer.drain(view).unwrap();
+            }
+            let [expected, got] = pictures.each_ref().map(|it| it.rgba8().unwrap());
+            let wrong = pixels_that_differ(&expected, &got) as u64;
+            let outcome = views[1].take_outcomes().next_back().unwrap();
+            assert!(wrong <= outcome.neglected_samples, "frame {number}: {wrong} {outcome:?}");
+            wrong_in_all += wrong;
+        }
+        assert!(wrong_in_all > 0);
+    });
+}
+
+#[test]
+fn the_ideal_and_other_methods_stay_exact() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(400);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options(500)).unwrap();
+        let mut finder = renderer.new_view().unwrap();
+        let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        let others = Strategy::ALL.into_iter().filter(|it| it.is_exact() && !it.can_neglect());
+        for strategy in others.filter(|it| renderer.supports(*it).is_ok()).collect::<Vec<_>>() {
+            let mut view = renderer.new_view().unwrap();
+            for number in 0..4 {
+                let camera = path.camera(number);
+                let set = renderer.visible_set(&mut finder, &camera, Area::whole(SIZE)).unwrap();
+                for (strategy, picture) in [Strategy::Frustum, strategy].into_iter().zip(&pictures)
+                {
+                    let request = FrameRequest {
+                        visible: Some(&set),
+                        picture: Some(picture),
+                        ..FrameRequest::new(strategy, camera)
+                    };
+                    renderer.render(&mut view, &request).unwrap();
+                }
+                renderer.drain(&mut view).unwrap();
+                let [expected, got] = pictures.each_ref().map(|it| it.rgba8().unwrap());
+                assert_eq!(pixels_that_differ(&expected, &got), 0, "{strategy}, frame {number}");
+            }
+            assert!(view.take_outcomes().all(|outcome| outcome.neglected_samples == 0));
+        }
+    });
+}
+
+#[test]
+fn what_cannot_count_or_compare_is_refused() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(60);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let renderer = |predication, threshold| {
+            let options = RendererOptions { predication, ..options(threshold) };
+            Renderer::new(device, &scene, &options)
+        };
+        let refused = renderer(Some(Predication::Conditional), 3).err().unwrap().to_string();
+        assert!(refused.contains("cannot compare samples with a threshold of 3"), "{refused}");
+        let mut chosen = renderer(None, 3).unwrap();
+        assert_ne!(chosen.predication(), Predication::Conditional);
+        let mut view = chosen.new_view().unwrap();
+        for strategy in [Strategy::AntumbraFlags, Strategy::AntumbraCompute] {
+            let request = FrameRequest::new(strategy, path.camera(0));
+            let refused = chosen.render(&mut view, &request).unwrap_err().to_string();
+            assert!(refused.contains("use `antumbra` or `antumbra_queries`"), "{refused}");
+        }
+        chosen.render(&mut view, &FrameRequest::new(Strategy::Antumbra, path.camera(0))).unwrap();
+        chosen.drain(&mut view).unwrap();
+    });
+}

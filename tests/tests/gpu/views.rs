@@ -1,0 +1,291 @@
+//! Several views in one frame: each exact, with a history of its own, in its own part of the picture.
+
+use cull::{Camera, Strategy};
+use gpu::{Device, Predication, Readback};
+use render::scene::{CameraPath, Cast, Motion, PathKind, Scene};
+use render::{
+    Area, Costs, Eye, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory,
+    ViewsRequest, VisibleSet,
+};
+use tests::walk::{SceneKind, pixels_that_differ};
+use tests::{Driver, run, run_on_all};
+
+const SIZE: [u32; 2] = [320, 100];
+
+fn options(frames_in_flight: usize) -> RendererOptions {
+    // Prices that are measured differ from run to run; without any, everything is tested.
+    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+}
+
+/// The eyes of a stereo pair.
+fn pair(camera: Camera) -> [Camera; 2] {
+    let right = camera.forward.cross(camera.up).normalize();
+    [-0.0325, 0.0325].map(|aside| Camera { eye: camera.eye + right * aside, ..camera })
+}
+
+/// Renders a frame with as many views as there are cameras, in `areas`.
+fn render(
+    renderer: &mut Renderer,
+    histories: &mut [ViewHistory],
+    strategy: Strategy,
+    cameras: &[Camera],
+    areas: &[Area],
+    picture: &Readback,
+) -> FrameReport {
+    let mut eyes: Vec<Eye<'_>> = histories
+        .iter_mut()
+        .zip(cameras)
+        .zip(areas)
+        .map(|((history, camera), area)| Eye {
+            history,
+            camera: *camera,
+            visible: None,
+            area: *area,
+        })
+        .collect();
+    let request = ViewsRequest { strategy, picture: Some(picture), after: None };
+    renderer.render_views(&mut eyes, &request).unwrap()
+}
+
+/// Walks with a stereo pair and compares every picture with that of frustum culling.
+fn check_pair(
+    device: &Device,
+    scene: &Scene,
+    walked: (PathKind, u32),
+    options: &RendererOptions,
+    frames: u32,
+) {
+    check_pair_with(device, Strategy::Antumbra, scene, walked, options, frames);
+}
+
+fn check_pair_with(
+    device: &Device,
+    strategy: Strategy,
+    scene: &Scene,
+    (path, percent): (PathKind, u32),
+    options: &RendererOptions,
+    frames: u32,
+) {
+    let path = CameraPath::new(path, scene).unwrap();
+    let motion = Motion::new(scene, percent, 3).unwrap();
+    let mut renderer = Renderer::new(device, scene, options).unwrap();
+    let mut cast = Cast::new(&motion);
+    let areas: Vec<Area> = Area::side_by_side(SIZE, 2).collect();
+    let [expected, got] = [Strategy::Frustum, strategy].map(|strategy| {
+        let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
+        let waits = renderer.device().wait_counts().other;
+        let pictures: Vec<Readback> = (0..frames)
+            .map(|frame| {
+                renderer.show(&motion, &mut cast, frame).unwrap();
+                let picture = Readback::new(device, SIZE).unwrap();
+                let cameras = pair(path.camera(frame));
+                render(&mut renderer, &mut views, strategy, &cameras, &areas, &picture);
+                picture
+            })
+            .collect();
+        let waited = renderer.device().wait_counts().other - waits;
+        assert_eq!(waited > 0, strategy.is_dialogue(), "{strategy} waited for {waited} answers");
+        let mut draws = 0;
+        for view in &mut views {
+            renderer.drain(view).unwrap();
+            draws += view.take_outcomes().map(|outcome| outcome.draws).sum::<u64>();
+        }
+        (pictures, draws)
+    });
+    for (frame, (expected, got)) in expected.0.iter().zip(&got.0).enumerate() {
+        let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
+        assert_eq!(wrong, 0, "{strategy}, frame {frame}, {percent} % move");
+    }
+    assert!(got.1 * 10 < expected.1 * 9, "{strategy}: {} of {} drawn", got.1, expected.1);
+}
+
+#[test]
+fn a_stereo_pair_is_exact() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(1_500);
+        for in_flight in 1..=3 {
+            check_pair(device, &scene, (PathKind::Street, 0), &options(in_flight), 16);
+        }
+        check_pair(device, &scene, (PathKind::Cut, 0), &options(2), 24);
+    });
+}
+
+#[test]
+fn a_stereo_pair_is_exact_with_every_tester() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(1_000);
+        for strategy in [
+            Strategy::Naive,
+            Strategy::Batched,
+            Strategy::StopAndWait,
+            Strategy::Coherent,
+            Strategy::Pyramid,
+            Strategy::AntumbraQueries,
+            Strategy::AntumbraFlags,
+            Strategy::AntumbraCompute,
+        ] {
+            for path in [PathKind::Street, PathKind::Cut] {
+                check_pair_with(device, strategy, &scene, (path, 20), &options(2), 20);
+            }
+        }
+    });
+}
+
+/// Each eye of a pair draws what it alone sees, in a picture that cannot be halved evenly.
+#[test]
+fn each_eye_has_an_ideal_of_its_own() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(800);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let size = [321, 100];
+        let options = RendererOptions { size, ..options(2) };
+        let mut renderer = Renderer::new(device, &scene, &options).unwrap();
+        let areas: Vec<Area> = Area::side_by_side(size, 2).collect();
+        let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
+        let mut ideals = [(); 2].map(|()| renderer.new_view().unwrap());
+        let mut plain = [(); 2].map(|()| renderer.new_view().unwrap());
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
+        for frame in 0..8 {
+            let cameras = [path.camera(frame), path.camera(frame + 400)];
+            let sets: Vec<VisibleSet> = (0..2)
+                .map(|eye| {
+                    renderer.visible_set(&mut views[eye], &cameras[eye], areas[eye]).unwrap()
+                })
+                .collect();
+            render(&mut renderer, &mut plain, Strategy::Frustum, &cameras, &areas, &expected);
+            let mut eyes: Vec<Eye<'_>> = ideals
+                .iter_mut()
+                .enumerate()
+                .map(|(eye, history)| Eye {
+                    history,
+                    camera: cameras[eye],
+                    visible: Some(&sets[eye]),
+                    area: areas[eye],
+                })
+                .collect();
+            let request =
+                ViewsRequest { strategy: Strategy::Ideal, picture: Some(&got), after: None };
+            renderer.render_views(&mut eyes, &request).unwrap();
+            device.drain().unwrap();
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
+            assert_ne!(sets[0], sets[1]);
+        }
+    });
+}
+
+#[test]
+fn a_stereo_pair_is_exact_while_objects_move() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(1_200);
+        for percent in [10, 100] {
+            check_pair(device, &scene, (PathKind::Street, percent), &options(2), 20);
+        }
+    });
+}
+
+#[test]
+fn every_way_to_skip_draws_knows_its_view() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(1_200);
+        for predication in [Predication::Conditional, Predication::Counts, Predication::Instances] {
+            let options = RendererOptions { predication: Some(predication), ..options(2) };
+            check_pair(device, &scene, (PathKind::Cut, 20), &options, 22);
+        }
+    });
+}
+
+/// Four views that look to all sides, in parts of all sizes, one over another.
+#[test]
+fn areas_may_be_anywhere() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(900);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let area = |x, y, width, height| Area { origin: [x, y], size: [width, height] };
+        let areas =
+            [area(0, 0, 320, 100), area(5, 3, 77, 41), area(300, 0, 20, 100), area(9, 60, 1, 1)];
+        let mut views = [(); 4].map(|()| renderer.new_view().unwrap());
+        let mut plain = [(); 4].map(|()| renderer.new_view().unwrap());
+        let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        for frame in 0..24 {
+            let cameras: Vec<Camera> = (0..4).map(|eye| path.camera(frame + 211 * eye)).collect();
+            render(&mut renderer, &mut plain, Strategy::Frustum, &cameras, &areas, &expected);
+            let report =
+                render(&mut renderer, &mut views, Strategy::Antumbra, &cameras, &areas, &got);
+            let queries: usize = views.iter().map(|view| view.plan().query_count()).sum();
+            assert_eq!(report.queries as usize, queries, "a report is of all views");
+            device.drain().unwrap();
+            assert_eq!(
+                pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
+                0,
+                "frame {frame}"
+            );
+        }
+    });
+}
+
+/// A view is what it is alone: the same plan and the same pixels with others beside it. (In another
+/// place of the picture a device may round otherwise.)
+#[test]
+fn a_view_does_not_notice_the_others() {
+    run_on_all(|device| {
+        let scene = SceneKind::City.build(900);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let half = [SIZE[0] / 2, SIZE[1]];
+        // Plans are compared, so no prices that are measured.
+        let options = options(2);
+        let mut both = Renderer::new(device, &scene, &options).unwrap();
+        let alone_options = RendererOptions { size: half, ..options };
+        let mut alone = Renderer::new(device, &scene, &alone_options).unwrap();
+        let mut views = [(); 2].map(|()| both.new_view().unwrap());
+        let mut single = alone.new_view().unwrap();
+        let areas: Vec<Area> = Area::side_by_side(SIZE, 2).collect();
+        let (pair_picture, picture) =
+            (Readback::new(device, SIZE).unwrap(), Readback::new(device, half).unwrap());
+        for frame in 0..20 {
+            let cameras = [path.camera(frame), path.camera(500 + frame)];
+            render(&mut both, &mut views, Strategy::Antumbra, &cameras, &areas, &pair_picture);
+            let request = FrameRequest {
+                picture: Some(&picture),
+                ..FrameRequest::new(Strategy::Antumbra, cameras[0])
+            };
+            alone.render(&mut single, &request).unwrap();
+            device.drain().unwrap();
+            let row_bytes = SIZE[0] as usize * 4;
+            let pixels = pair_picture.rgba8().unwrap();
+            let rows = pixels.chunks_exact(row_bytes);
+            let left: Vec<u8> = rows.flat_map(|row| row[..row_bytes / 2].to_vec()).collect();
+            assert_eq!(pixels_that_differ(&left, &picture.rgba8().unwrap()), 0, "frame {frame}");
+            assert_eq!(views[0].plan().stats, single.plan().stats, "frame {frame}");
+            assert_eq!(views[0].plan().draws, single.plan().draws, "frame {frame}");
+        }
+    });
+}
+
+#[test]
+fn areas_outside_of_the_picture_are_refused() {
+    run(Driver::Lavapipe, |device| {
+        let scene = SceneKind::City.build(50);
+        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        for (origin, size) in [
+            ([0, 0], [321, 100]),
+            ([0, 0], [320, 0]),
+            ([160, 1], [160, 100]),
+            ([u32::MAX, 0], [1, 1]),
+            ([1, 0], [u32::MAX, 1]),
+        ] {
+            let area = Area { origin, size };
+            let camera = path.camera(0);
+            let mut eyes = [Eye { history: &mut view, camera, visible: None, area }];
+            let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
+            let error = renderer.render_views(&mut eyes, &request).unwrap_err().to_string();
+            assert!(error.contains("not within the picture of 320x100"), "{error}");
+        }
+    });
+}

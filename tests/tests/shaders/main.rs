@@ -1,0 +1,60 @@
+//! The shaders: the committed SPIR-V is what the GLSL says, and both sides agree on every layout.
+#![forbid(unsafe_code)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+mod layouts;
+#[path = "../../../shaders/sources.rs"]
+mod sources;
+
+#[cfg(feature = "shader-compiler")]
+mod compiling;
+
+use std::path::PathBuf;
+
+/// What to run after a shader was changed.
+const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antumbra-render \
+    --features shader-compiler --example compile_shaders` and commit what it writes";
+
+/// The shaders that `gpu` embeds for itself.
+const OF_GPU: [&str; 2] = ["predicate_counts.comp", "predicate_instances.comp"];
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shaders")
+}
+
+fn committed_spirv(name: &str) -> Vec<u8> {
+    let file = folder().join(format!("{name}.spv"));
+    std::fs::read(&file).unwrap_or_else(|error| panic!("{}: {error}; {REGENERATE}", file.display()))
+}
+
+#[test]
+fn sources_and_spirv_belong_together() {
+    let recorded = std::fs::read_to_string(folder().join("sources.sha256")).unwrap_or_default();
+    let found = sources::hashes(&folder()).unwrap();
+    let name = |line: &str| line.split_whitespace().last().unwrap_or_default().to_owned();
+    let differs = |a: &str, b: &str| -> Vec<String> {
+        a.lines().filter(|line| !b.lines().any(|other| other == *line)).map(name).collect()
+    };
+    let (changed, gone) = (differs(&found, &recorded), differs(&recorded, &found));
+    assert!(
+        found == recorded,
+        "the shaders changed and were not compiled (new or changed: {changed:?}, recorded: \
+         {gone:?}); {REGENERATE}"
+    );
+}
+
+#[test]
+fn every_stage_is_embedded_as_it_is_committed() {
+    let mut embedded: Vec<&str> = render::SHADERS.iter().map(|shader| shader.name).collect();
+    embedded.extend(OF_GPU);
+    embedded.sort_unstable();
+    assert_eq!(sources::stages(&folder()).unwrap(), embedded);
+    for shader in render::SHADERS {
+        assert_eq!(shader.spirv, committed_spirv(shader.name), "{}", shader.name);
+    }
+}

@@ -1,0 +1,13 @@
+//! What makes no Vulkan object and allocates no memory at rest. The allocator counts.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+mod renderer;
+mod swapchain;
+
+#[global_allocator]
+static ALLOCATOR: tests::counting::Counting = tests::counting::Counting;

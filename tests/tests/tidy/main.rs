@@ -1,0 +1,245 @@
+//! The rules of the house, as tests: style, arrows between crates, what must appear nowhere.
+//!
+//! Each rule is a function from the files to findings, "file:line: reason". One test runs a rule over
+//! the workspace, another shows it something forbidden and expects a finding.
+
+#![allow(clippy::expect_used, reason = "a test fails by panicking")]
+
+mod code;
+mod files;
+mod rules;
+
+use files::{SourceFile, workspace};
+use rules::Rule;
+
+/// Fails with every finding in the workspace.
+fn assert_obeyed(rule: Rule) {
+    let files = workspace();
+    assert!(files.len() > 20, "only {} files found: wrong folder?", files.len());
+    let findings = rule(&files);
+    assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
+}
+
+/// Fails unless the rule finds something in each of these files by itself.
+fn assert_catches(rule: Rule, forbidden: &[(&str, &str)]) {
+    for &(path, text) in forbidden {
+        let findings = rule(&[SourceFile::new(path, text)]);
+        let here = findings.iter().any(|finding| finding.starts_with(path));
+        assert!(here, "nothing said about {path}:\n{text}\nbut: {findings:?}");
+    }
+}
+
+/// Fails if the rule finds something in any of these files.
+fn assert_permits(rule: Rule, allowed: &[(&str, &str)]) {
+    for &(path, text) in allowed {
+        let findings = rule(&[SourceFile::new(path, text)]);
+        assert!(findings.is_empty(), "{findings:?}");
+    }
+}
+
+#[test]
+fn every_file_says_what_it_is_for() {
+    assert_obeyed(rules::purpose);
+    assert_catches(
+        rules::purpose,
+        &[
+            ("a.rs", "use b;\n"),
+            ("a.rs", "//!\n"),
+            ("shaders/a.vert", "#version 460\n"),
+            ("ci/a", "#!/bin/sh\nset -e\n"),
+            ("ci/a", ""),
+        ],
+    );
+    assert_permits(
+        rules::purpose,
+        &[("a.rs", "//! What.\n"), ("ci/a", "#!/bin/sh\n# What.\n"), ("ci/b", "# What.\n")],
+    );
+}
+
+#[test]
+fn no_file_is_too_long() {
+    assert_obeyed(rules::length);
+    let long = "\n".repeat(501);
+    assert_catches(rules::length, &[("a.rs", &long), ("a.comp", &long), ("ci/a", &long)]);
+    assert_permits(rules::length, &[("a.rs", &"\n".repeat(500))]);
+}
+
+#[test]
+fn crates_depend_only_downwards() {
+    assert_obeyed(rules::arrows);
+    assert_catches(
+        rules::arrows,
+        &[
+            ("engine/cull/Cargo.toml", "[dependencies]\ngpu.workspace = true\n"),
+            ("engine/cull/Cargo.toml", "[dev-dependencies]\nash = \"0.38\"\n"),
+            ("engine/cull/Cargo.toml", "[dependencies]\nx = { package = \"antumbra-gpu\" }\n"),
+            ("engine/pacing/Cargo.toml", "[dependencies]\nash.workspace = true\n"),
+            ("engine/pacing/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
+            ("engine/gpu/Cargo.toml", "[dependencies]\ncull.workspace = true\n"),
+            (
+                "engine/gpu/Cargo.toml",
+                "[target.'cfg(unix)'.dependencies]\nrender = { path = \"x\" }\n",
+            ),
+            ("engine/gpu/Cargo.toml", "[dependencies.cull]\nworkspace = true\n"),
+            ("engine/render/Cargo.toml", "[dependencies]\nsamples = { path = \"x\" }\n"),
+        ],
+    );
+    let harmless = "[package]\nname = \"antumbra-gpu\"\n[dependencies]\ngpu-allocator = \"1\"\n";
+    assert_permits(rules::arrows, &[("engine/gpu/Cargo.toml", harmless)]);
+}
+
+#[test]
+fn crates_without_unsafe_code_forbid_it() {
+    assert_obeyed(rules::forbids_unsafe);
+    assert_catches(
+        rules::forbids_unsafe,
+        &[
+            ("engine/cull/src/lib.rs", "//! Cull.\n"),
+            ("engine/pacing/src/lib.rs", "//! Pacing.\n"),
+            ("engine/render/src/lib.rs", "//! #![forbid(unsafe_code)]\n"),
+            ("samples/src/lib.rs", "// #![forbid(unsafe_code)]\n"),
+            ("samples/src/bin/a.rs", "fn main() {}\n"),
+        ],
+    );
+}
+
+#[test]
+fn unsafe_code_lives_in_gpu_alone() {
+    assert_obeyed(rules::unsafe_code);
+    assert_catches(
+        rules::unsafe_code,
+        &[("engine/render/src/a.rs", "fn a() {\n    unsafe { b() }\n}\n")],
+    );
+    assert_permits(
+        rules::unsafe_code,
+        &[
+            ("engine/gpu/src/a.rs", "unsafe fn a() {}"),
+            ("engine/cull/src/a.rs", "// unsafe\n#![forbid(unsafe_code)]\nlet a = \"unsafe\";"),
+        ],
+    );
+}
+
+#[test]
+fn nothing_is_left_for_later() {
+    assert_obeyed(rules::unfinished);
+    let marks = ["TO", "DO"].concat();
+    let call = ["todo", "!()"].concat();
+    assert_catches(
+        rules::unfinished,
+        &[
+            ("a.rs", &format!("// {marks}: more")),
+            ("b.rs", &call),
+            ("c.vert", &format!("// {marks}")),
+        ],
+    );
+    assert_permits(rules::unfinished, &[("a.rs", "let mastodon = autodo; // as todos go")]);
+}
+
+#[test]
+fn only_the_device_waits_for_the_whole_device() {
+    assert_obeyed(rules::device_wait_idle);
+    let once = "fn a() { device.device_wait_idle(); }\n";
+    assert_catches(
+        rules::device_wait_idle,
+        &[("engine/gpu/src/a.rs", &once.repeat(2)), ("engine/render/src/a.rs", once)],
+    );
+    assert_permits(rules::device_wait_idle, &[("engine/gpu/src/a.rs", once)]);
+}
+
+#[test]
+fn no_query_result_is_ever_read_with_a_wait() {
+    assert_obeyed(rules::query_readback);
+    assert_catches(
+        rules::query_readback,
+        &[
+            ("a.rs", "device.get_query_pool_results(pool)"),
+            ("b.rs", "fp.get_query_pool_results_raw"),
+        ],
+    );
+    assert_permits(rules::query_readback, &[("a.rs", "// get_query_pool_results waits")]);
+}
+
+#[test]
+fn every_wait_has_a_bound() {
+    assert_obeyed(rules::unbounded_waits);
+    assert_catches(
+        rules::unbounded_waits,
+        &[
+            ("a.rs", "device.wait_semaphores(&info, u64::MAX)"),
+            (
+                "a.rs",
+                "let timeout = u64::MAX;\ndevice.wait_for_fences(\n    &[fence],\n    timeout)",
+            ),
+            ("a.rs", "swapchain.acquire_next_image(\n    chain,\n    !0,\n)"),
+            ("a.rs", "let bound = Duration::MAX;"),
+        ],
+    );
+    assert_permits(
+        rules::unbounded_waits,
+        &[("a.rs", "device.wait_semaphores(&info, bound_ns)"), ("b.rs", "let mask = u64::MAX;")],
+    );
+}
+
+#[test]
+fn nothing_unwraps_outside_tests() {
+    assert_obeyed(rules::unwraps);
+    assert_catches(
+        rules::unwraps,
+        &[
+            ("engine/gpu/src/a.rs", "fn a() {\n    b.unwrap();\n}\n"),
+            ("engine/gpu/src/a.rs", "#[cfg(test)]\nmod tests {}\nfn a() { b.unwrap() }"),
+            ("engine/gpu/src/a.rs", "#[cfg(test)]\nuse a;\nfn a() { b.unwrap() }"),
+        ],
+    );
+    assert_permits(
+        rules::unwraps,
+        &[
+            ("engine/gpu/src/a.rs", "#[cfg(test)]\nmod tests {\n    fn a() { b.unwrap() }\n}\n"),
+            ("tests/tests/a.rs", "fn a() { b.unwrap() }"),
+            ("samples/src/a_tests.rs", "fn a() { b.unwrap() }"),
+            ("a.rs", "// .unwrap()\nlet a = \".unwrap()\";"),
+        ],
+    );
+}
+
+#[test]
+fn names_say_what_things_are() {
+    assert_obeyed(rules::names);
+    assert_catches(
+        rules::names,
+        &[
+            ("a.rs", "pub fn get_device(&self) {}"),
+            ("a.rs", "struct BufferManager;"),
+            ("a.rs", "mod utils;"),
+        ],
+    );
+    assert_permits(rules::names, &[("a.rs", "device.get_device_queue(0, 0) // no Manager")]);
+}
+
+#[test]
+fn the_map_is_short() {
+    assert_obeyed(rules::architecture);
+    let long = "\n".repeat(200);
+    assert_catches(rules::architecture, &[("engine/ARCHITECTURE.md", &long)]);
+}
+
+#[test]
+fn the_readme_quotes_the_smallest_program_whole() {
+    assert_obeyed(rules::quoted_program);
+    assert_catches(rules::quoted_program, &[("README.md", "```rust\nfn main() {}\n```\n")]);
+    let program = ("samples/src/bin/triangle.rs", "fn main() {}\n");
+    let files =
+        |readme| [SourceFile::new("README.md", readme), SourceFile::new(program.0, program.1)];
+    assert_eq!(rules::quoted_program(&files("A.\n```rust\nfn main() {}\n```\nB.\n")).len(), 0);
+    assert_eq!(rules::quoted_program(&files("A.\n```rust\nfn main() { }\n```\n")).len(), 1);
+}
+
+#[test]
+fn every_shader_has_its_spirv_and_every_spirv_its_shader() {
+    assert_obeyed(rules::committed_spirv);
+    assert_catches(
+        rules::committed_spirv,
+        &[("shaders/a.vert", "// A."), ("shaders/a.frag.spv", "")],
+    );
+    assert_permits(rules::committed_spirv, &[("shaders/common.glsl", "// An include.")]);
+}
