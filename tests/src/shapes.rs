@@ -28,7 +28,7 @@ struct Constants {
 impl DepthBoxes {
     /// Compiles it.
     pub fn new(device: &Device) -> Self {
-        let shader = render::SHADERS.iter().find(|shader| shader.name == "proxy.vert");
+        let shader = shaders::find("proxy.vert");
         let spirv = Spirv::from_bytes("proxy.vert", shader.expect("the shader").spirv);
         let info = GraphicsPipelineInfo {
             name: "depth boxes",

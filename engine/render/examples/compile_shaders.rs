@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-#[path = "../../../shaders/sources.rs"]
-mod sources;
+use shaders::sources;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");

@@ -12,7 +12,7 @@ use crate::passes::{
     ScatterPass,
 };
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::shading::Shading;
 use crate::surfaces::SurfaceResources;
 

@@ -25,7 +25,7 @@ use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{LeafBoxIo, ProxyBox, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::renderer::Renderer;
 use crate::scene::{BlendedId, ENCLOSING, Mesh, Object, Scene, outwardness};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::surfaces::SurfaceResources;
 
 /// The blended objects of a scene.

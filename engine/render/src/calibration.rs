@@ -16,7 +16,7 @@ use gpu::{Device, FrameRing, Optional, Predication};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use batch::{Batch, Bench};
 
 /// No round of measurements begins after this.

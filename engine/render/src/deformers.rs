@@ -11,7 +11,7 @@ use crate::limits::check_storage;
 use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS, ScatterPass};
 use crate::renderer::Renderer;
 use crate::scene::{Deformer, DeformerId, Mesh, MorphTarget, Scene, SurfaceVertex};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// All deformers of a scene and their newest poses.
 pub(crate) struct Deformers {

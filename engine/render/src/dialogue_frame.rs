@@ -24,7 +24,7 @@ use gpu::{
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::{OpaquePass, ProxyBox, ProxyIo};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::view_history::ViewHistory;
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;

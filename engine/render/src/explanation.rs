@@ -11,7 +11,7 @@ use crate::moment::Moment;
 use crate::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::passes::{OpaquePass, OverlayPass};
 use crate::pick::OUTLINE;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::view_history::ViewHistory;
 use crate::views::{Area, view_in};
 

@@ -57,7 +57,7 @@ mod questions;
 mod renderer;
 mod sample_counts;
 pub mod scene;
-mod shaders;
+mod shader_set;
 mod shading;
 mod sprites;
 mod surfaces;
@@ -91,7 +91,7 @@ pub use passes::{
 pub use pick::Pick;
 pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
-pub use shaders::{SHADERS, Shader, ShaderSet};
+pub use shader_set::ShaderSet;
 pub use surfaces::{
     LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LAYERS, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES,
     MAX_TEXTURE_TRANSFORMS, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources,

@@ -25,7 +25,7 @@ use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass, PyramidPass};
 use crate::pyramid_history::{COUNTER_BYTES, PyramidHistory};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::view_history::ViewHistory;
 use crate::views::Area;
 

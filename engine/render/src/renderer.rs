@@ -26,7 +26,7 @@ use crate::object_bounds::{check_hierarchy, object_bounds};
 use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::pyramid_frame::PyramidFrame;
 use crate::scene::Scene;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::shading::Shading;
 use crate::sprites::has_sprites;
 use crate::update::UpdateScratch;

@@ -18,7 +18,7 @@ use gpu::{BufferSlice, Commands, Device, RenderTarget};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::{OpaquePass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::surfaces::SurfaceResources;
 
 /// What scenes with surfaces are drawn with.

@@ -19,7 +19,7 @@ use crate::passes::{ComputeTest, CountPass};
 use crate::pick::record_outline;
 use crate::pyramid_frame::{Lists, PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::view_history::{RendererId, ViewHistory};
 use crate::visible_set::{VISIBLE_SET, VisibleSet};
 

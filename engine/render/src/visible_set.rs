@@ -10,7 +10,7 @@ use gpu::{Access, Buffer, Device, MemoryBarrier, Place, Tick, vk};
 use crate::error::Error;
 use crate::passes::{SeenIo, SeenPass};
 use crate::renderer::Renderer;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::view_history::{RendererId, ViewHistory};
 use crate::views::{Area, Eye, ViewsRequest};
 

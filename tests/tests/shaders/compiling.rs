@@ -19,7 +19,9 @@ impl Copy {
         std::fs::create_dir_all(&copy).unwrap();
         for entry in std::fs::read_dir(folder()).unwrap() {
             let entry = entry.unwrap();
-            std::fs::copy(entry.path(), copy.join(entry.file_name())).unwrap();
+            if entry.file_type().unwrap().is_file() {
+                std::fs::copy(entry.path(), copy.join(entry.file_name())).unwrap();
+            }
         }
         Self(copy)
     }

@@ -8,20 +8,20 @@
 )]
 
 mod layouts;
-#[path = "../../../shaders/sources.rs"]
-mod sources;
 
 #[cfg(feature = "shader-compiler")]
 mod compiling;
 
 use std::path::PathBuf;
 
+use shaders::{Shader, sources};
+
 /// What to run after a shader was changed.
 const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antumbra-render \
     --features shader-compiler --example compile_shaders` and commit what it writes";
 
 /// The shaders that `gpu` embeds for itself.
-const OF_GPU: [&str; 2] = ["predicate_counts.comp", "predicate_instances.comp"];
+const OF_GPU: [Shader; 2] = [shaders::PREDICATE_COUNTS, shaders::PREDICATE_INSTANCES];
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shaders")
@@ -50,11 +50,11 @@ fn sources_and_spirv_belong_together() {
 
 #[test]
 fn every_stage_is_embedded_as_it_is_committed() {
-    let mut embedded: Vec<&str> = render::SHADERS.iter().map(|shader| shader.name).collect();
-    embedded.extend(OF_GPU);
+    let all = || shaders::PASSES.into_iter().chain(OF_GPU);
+    let mut embedded: Vec<&str> = all().map(|shader| shader.name).collect();
     embedded.sort_unstable();
     assert_eq!(sources::stages(&folder()).unwrap(), embedded);
-    for shader in render::SHADERS {
+    for shader in all() {
         assert_eq!(shader.spirv, committed_spirv(shader.name), "{}", shader.name);
     }
 }

@@ -89,6 +89,21 @@ fn crates_depend_only_downwards() {
 }
 
 #[test]
+fn crates_include_no_files_of_others() {
+    assert_obeyed(rules::own_files);
+    assert_catches(
+        rules::own_files,
+        &[
+            ("engine/a/src/b.rs", "const A: &str = include_str!(\"../../c.txt\");\n"),
+            ("engine/a/src/b/c.rs", "    include_bytes!(\"../../../c.spv\"),\n"),
+            ("engine/a/src/lib.rs", "#[path = \"../../../b.rs\"]\nmod b;\n"),
+        ],
+    );
+    let own = "macro_rules! a { ($a:literal) => { include_bytes!(concat!(\"../\", $a)) } }";
+    assert_permits(rules::own_files, &[("shaders/src/lib.rs", own)]);
+}
+
+#[test]
 fn crates_without_unsafe_code_forbid_it() {
     assert_obeyed(rules::forbids_unsafe);
     assert_catches(

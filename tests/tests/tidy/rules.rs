@@ -64,6 +64,23 @@ pub fn length(files: &[SourceFile]) -> Vec<String> {
     files.iter().filter(written).filter_map(too_long).collect()
 }
 
+/// A crate includes no file outside of itself, so that each can be packaged.
+pub fn own_files(files: &[SourceFile]) -> Vec<String> {
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
+        let Some((_, inside)) = file.path.split_once("src/") else { continue };
+        // Folders between the file and its crate's root, `src` among them.
+        let depth = inside.matches('/').count() + 1;
+        for (line, text) in (1..).zip(without_tests(&file.text).lines()) {
+            let includes = text.contains("include") || text.contains("#[path");
+            if includes && text.contains(&format!("\"{}", "../".repeat(depth + 1))) {
+                findings.push(file.finding(line, "must not include a file of another crate"));
+            }
+        }
+    }
+    findings
+}
+
 /// `cull` knows no Vulkan, `gpu` knows no scene, `pacing` knows nobody, `animation` knows
 /// boxes, `import` makes scenes and calls no Vulkan, nobody knows a sample.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
@@ -88,6 +105,7 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
             "engine/pacing/Cargo.toml" => ALL,
             "engine/animation/Cargo.toml" => VULKAN,
             "engine/gpu/Cargo.toml" => SCENE,
+            "shaders/Cargo.toml" => ALL,
             "engine/render/Cargo.toml" => &["import", "antumbra-import"],
             "engine/import/Cargo.toml" => &["gpu", "antumbra-gpu", "ash"],
             _ => continue,

@@ -198,16 +198,10 @@ impl Predicates {
         threshold_samples: u32,
     ) -> Result<Self, Error> {
         let predication = choose(device, predication, draws.len() as u64, threshold_samples)?;
-        let shader: Option<(&str, &[u8])> = match predication {
+        let shader = match predication {
             Predication::Conditional => None,
-            Predication::Counts => Some((
-                "predicate_counts.comp",
-                include_bytes!("../../../../shaders/predicate_counts.comp.spv"),
-            )),
-            Predication::Instances => Some((
-                "predicate_instances.comp",
-                include_bytes!("../../../../shaders/predicate_instances.comp.spv"),
-            )),
+            Predication::Counts => Some(shaders::PREDICATE_COUNTS),
+            Predication::Instances => Some(shaders::PREDICATE_INSTANCES),
         };
         let buffers = writer_buffers(predication) as u32;
         let storage = StorageLayout {
@@ -218,9 +212,9 @@ impl Predicates {
         };
         let writer = match shader {
             None => None,
-            Some((name, bytes)) => {
-                let spirv = Spirv::from_bytes(name, bytes)?;
-                Some(ComputePipeline::new(device, name, &spirv, storage)?)
+            Some(shader) => {
+                let spirv = Spirv::from_bytes(shader.name, shader.spirv)?;
+                Some(ComputePipeline::new(device, shader.name, &spirv, storage)?)
             }
         };
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;

@@ -17,7 +17,7 @@ use crate::scene::{
     Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
     pack_unorm,
 };
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::views::Area;
 
 /// So many of something.

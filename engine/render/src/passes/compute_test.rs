@@ -15,7 +15,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::views::Area;
 
 /// Pixels along each side of a cell, as in the shaders.

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::passes::seen::SeenConstants;
 use crate::passes::{OpaqueIo, ProxyIo};
 use crate::scene::Vertex;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws objects a second time against the depth that they left, and proxies whatever the depth is.
 /// Writes nothing: queries around the draws count. The positions of objects are invariant, so the

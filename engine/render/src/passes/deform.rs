@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Writes the vertices of meshes, morphed and skinned, into their places among all others.
 pub(crate) struct DeformPass {

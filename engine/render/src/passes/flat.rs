@@ -9,7 +9,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws flat triangles out of one atlas, in their order, whatever the depth.
 pub struct FlatPass {

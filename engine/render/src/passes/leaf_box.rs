@@ -8,7 +8,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws the front faces of the leaves' proxies against the depth so far. The fragments that pass
 /// switch on the draws of their leaves.

@@ -9,7 +9,7 @@ use gpu::{
 
 use crate::error::Error;
 use crate::scene::{Light, Vertex};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws opaque objects, nearer ones win.
 pub struct OpaquePass {

@@ -8,7 +8,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws translucent triangles and lines over a finished picture, hidden by its depth or not.
 pub struct OverlayPass {

@@ -8,7 +8,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws the front faces of boxes against the depth so far: no colour, no depth writes. Whether a
 /// box shows is told by the query around its draw, or by a flag that its fragments set.

@@ -11,7 +11,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::views::Area;
 
 /// Levels that one dispatch builds.

@@ -5,7 +5,7 @@ use cull::View;
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Threads of a workgroup, `local_size_x` of the shaders.
 const GROUP: u32 = 64;

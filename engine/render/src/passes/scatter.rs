@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Writes elements of arrays that have one element per leaf.
 pub struct ScatterPass {

@@ -10,7 +10,7 @@ use gpu::{
 use crate::error::Error;
 use crate::passes::OpaqueIo;
 use crate::scene::Vertex;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws objects a second time against the depth that they left. A fragment that passes is one that
 /// is seen; it notes its leaf. The positions are invariant, so equal objects have equal depths.

@@ -7,7 +7,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 
 /// Draws one triangle over all of the area at the farthest depth: it shows where nothing is nearer.
 pub struct SkyPass {

@@ -9,7 +9,7 @@ use gpu::{
 
 use crate::error::Error;
 use crate::scene::{Light, SurfaceVertex, Vertex};
-use crate::shaders::ShaderSet;
+use crate::shader_set::ShaderSet;
 use crate::surfaces::{MAX_PAGES, SurfaceResources};
 
 /// What a surface pass draws.

@@ -9,8 +9,8 @@ use tests::{Driver, open, run, run_on_all};
 
 /// Turns words into counts: the words, what they decide, the counts.
 fn compute(device: &Device) -> ComputePipeline {
-    let bytes = include_bytes!("../../../../shaders/predicate_counts.comp.spv");
-    let spirv = Spirv::from_bytes("predicate_counts.comp", bytes).unwrap();
+    let shader = shaders::PREDICATE_COUNTS;
+    let spirv = Spirv::from_bytes(shader.name, shader.spirv).unwrap();
     let storage = StorageLayout { buffers: 3, textures: 0, texture_arrays: 0, push_bytes: 12 };
     ComputePipeline::new(device, "counts", &spirv, storage).unwrap()
 }

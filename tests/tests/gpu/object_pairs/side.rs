@@ -13,12 +13,12 @@ use render::{
     Area, FlatVertex, FrameRequest, Moment, Pick, Renderer, RendererOptions, ViewHistory,
     VisibleSet,
 };
+use shaders::Shader;
 use tests::Driver;
-use tests::walk::SceneKind;
-use tests::xvfb::Xvfb;
-
 use tests::stage::Stage;
+use tests::walk::SceneKind;
 use tests::x11_window::{Library, X11Window};
+use tests::xvfb::Xvfb;
 
 pub const SIZE: [u32; 2] = [64, 36];
 pub const SOURCE: WordSource = WordSource::Queries;
@@ -49,13 +49,13 @@ pub struct Side {
     pub stage: Stage,
 }
 
-fn spirv(name: &str, bytes: &[u8]) -> Spirv {
-    Spirv::from_bytes(name, bytes).unwrap()
+fn spirv(shader: Shader) -> Spirv {
+    Spirv::from_bytes(shader.name, shader.spirv).unwrap()
 }
 
 fn graphics(device: &Device) -> GraphicsPipeline {
-    let vertex = spirv("sky.vert", include_bytes!("../../../../shaders/sky.vert.spv"));
-    let fragment = spirv("sky.frag", include_bytes!("../../../../shaders/sky.frag.spv"));
+    let vertex = spirv(shaders::find("sky.vert").unwrap());
+    let fragment = spirv(shaders::find("sky.frag").unwrap());
     let info = GraphicsPipelineInfo {
         name: "sky",
         vertex: &vertex,
@@ -72,10 +72,8 @@ fn graphics(device: &Device) -> GraphicsPipeline {
 }
 
 fn compute(device: &Device) -> ComputePipeline {
-    let bytes = include_bytes!("../../../../shaders/predicate_counts.comp.spv");
     let storage = StorageLayout { buffers: 3, push_bytes: 12, ..StorageLayout::default() };
-    let shader = spirv("predicate_counts.comp", bytes);
-    ComputePipeline::new(device, "counts", &shader, storage).unwrap()
+    ComputePipeline::new(device, "counts", &spirv(shaders::PREDICATE_COUNTS), storage).unwrap()
 }
 
 const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {

@@ -1,55 +1,11 @@
-//! The shaders: SPIR-V embedded beside its GLSL, or compiled from a folder while developing.
+//! The shaders of a renderer: the embedded SPIR-V, or GLSL compiled from a folder while developing.
 
 use std::path::Path;
 
 use gpu::Spirv;
+use shaders::{PASSES, Shader};
 
 use crate::error::Error;
-
-/// One shader as it is built into the engine.
-#[derive(Debug, Clone, Copy)]
-pub struct Shader {
-    /// The GLSL file's name.
-    pub name: &'static str,
-    /// The SPIR-V committed beside it.
-    pub spirv: &'static [u8],
-}
-
-macro_rules! shader {
-    ($name:literal) => {
-        Shader { name: $name, spirv: include_bytes!(concat!("../../../shaders/", $name, ".spv")) }
-    };
-}
-
-/// Every shader of the passes.
-pub const SHADERS: [Shader; 26] = [
-    shader!("opaque.vert"),
-    shader!("opaque.frag"),
-    shader!("proxy.vert"),
-    shader!("proxy.frag"),
-    shader!("leaf_box.vert"),
-    shader!("leaf_box.frag"),
-    shader!("overlay.vert"),
-    shader!("overlay.frag"),
-    shader!("wires.frag"),
-    shader!("flat.vert"),
-    shader!("flat.frag"),
-    shader!("seen.vert"),
-    shader!("seen.frag"),
-    shader!("sky.vert"),
-    shader!("sky.frag"),
-    shader!("depth_grid.comp"),
-    shader!("compute_test.comp"),
-    shader!("pyramid_build.comp"),
-    shader!("pyramid_first.comp"),
-    shader!("pyramid_second.comp"),
-    shader!("scatter.comp"),
-    shader!("deform.comp"),
-    shader!("surface.vert"),
-    shader!("surface.frag"),
-    shader!("surface_depth.vert"),
-    shader!("surface_depth.frag"),
-];
 
 /// The shaders a renderer is built from.
 #[derive(Debug, Clone)]
@@ -64,7 +20,7 @@ impl ShaderSet {
     /// None, unless the build itself is broken.
     pub fn embedded() -> Result<Self, Error> {
         let load = |shader: &Shader| Spirv::from_bytes(shader.name, shader.spirv);
-        Ok(Self { loaded: SHADERS.iter().map(load).collect::<Result<_, _>>()? })
+        Ok(Self { loaded: PASSES.iter().map(load).collect::<Result<_, _>>()? })
     }
 
     /// All of them compiled from the GLSL in `folder`.
@@ -75,7 +31,7 @@ impl ShaderSet {
     #[cfg(feature = "shader-compiler")]
     pub fn compiled_from(folder: &Path) -> Result<Self, Error> {
         let compile = |shader: &Shader| gpu::compile(&folder.join(shader.name));
-        Ok(Self { loaded: SHADERS.iter().map(compile).collect::<Result<_, _>>()? })
+        Ok(Self { loaded: PASSES.iter().map(compile).collect::<Result<_, _>>()? })
     }
 
     /// All of them compiled from the GLSL in `folder`.

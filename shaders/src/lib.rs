@@ -1,0 +1,69 @@
+//! The engine's shaders: SPIR-V that is committed beside its GLSL, embedded.
+//!
+//! A file is named after its pass and stage. The feature `sources` compares GLSL and SPIR-V on disk.
+//!
+//! ```
+//! # use antumbra_shaders as shaders;
+//! let sky = shaders::find("sky.frag").expect("a pass");
+//! assert_eq!(sky.spirv[..4], 0x0723_0203_u32.to_le_bytes());
+//! ```
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "sources")]
+pub mod sources;
+
+/// One stage of a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shader {
+    /// The GLSL file's name: the pass and the stage.
+    pub name: &'static str,
+    /// The SPIR-V committed beside it.
+    pub spirv: &'static [u8],
+}
+
+macro_rules! shader {
+    ($name:literal) => {
+        Shader { name: $name, spirv: include_bytes!(concat!("../", $name, ".spv")) }
+    };
+}
+
+/// Writes results of queries into the draw counts of groups (`gpu::Predication::Counts`).
+pub const PREDICATE_COUNTS: Shader = shader!("predicate_counts.comp");
+
+/// Writes results of queries into instance counts of draws (`gpu::Predication::Instances`).
+pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
+
+/// Every shader of the renderer's passes.
+pub const PASSES: [Shader; 26] = [
+    shader!("opaque.vert"),
+    shader!("opaque.frag"),
+    shader!("proxy.vert"),
+    shader!("proxy.frag"),
+    shader!("leaf_box.vert"),
+    shader!("leaf_box.frag"),
+    shader!("overlay.vert"),
+    shader!("overlay.frag"),
+    shader!("wires.frag"),
+    shader!("flat.vert"),
+    shader!("flat.frag"),
+    shader!("seen.vert"),
+    shader!("seen.frag"),
+    shader!("sky.vert"),
+    shader!("sky.frag"),
+    shader!("depth_grid.comp"),
+    shader!("compute_test.comp"),
+    shader!("pyramid_build.comp"),
+    shader!("pyramid_first.comp"),
+    shader!("pyramid_second.comp"),
+    shader!("scatter.comp"),
+    shader!("deform.comp"),
+    shader!("surface.vert"),
+    shader!("surface.frag"),
+    shader!("surface_depth.vert"),
+    shader!("surface_depth.frag"),
+];
+
+/// Returns the stage of that name among [`PASSES`].
+pub fn find(name: &str) -> Option<Shader> {
+    PASSES.into_iter().find(|shader| shader.name == name)
+}
