@@ -1,7 +1,7 @@
 //! Where a camera goes: along a path of the scene, along one that was recorded, as a clip moves it.
 
 use cull::Camera;
-use render::scene::{CameraPath, PathKind, Scene};
+use scenes::{CameraPath, PathKind, Routes};
 
 use crate::choices;
 use crate::film::Orbit;
@@ -24,16 +24,16 @@ pub enum Course {
 }
 
 impl Course {
-    /// The path that was chosen, through `scene`.
+    /// Returns the path that was chosen, along `routes`.
     ///
     /// # Errors
     /// A walk where there are no streets; a file that is no path.
-    pub fn new(choice: &PathChoice, scene: &Scene) -> Result<Self, RunError> {
+    pub fn new(choice: &PathChoice, routes: &Routes) -> Result<Self, RunError> {
         Ok(match choice {
-            PathChoice::Made(path) => Self::Made(CameraPath::new(kind(*path), scene)?),
+            PathChoice::Made(path) => Self::Made(CameraPath::new(kind(*path), routes)?),
             PathChoice::Recorded(file) => {
                 // Every scene can be flown over.
-                let above = CameraPath::new(PathKind::Fly, scene)?;
+                let above = CameraPath::new(PathKind::Fly, routes)?;
                 Self::Recorded(RecordedPath::read(file)?, above.camera(0))
             }
             PathChoice::OfFile(_) => {

@@ -114,12 +114,12 @@ fn camera_of(middle: &Camera, number: u32, views: u32) -> Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use render::scene::{CameraPath, PathKind, city};
+    use scenes::{CameraPath, PathKind, city};
 
     #[test]
     fn eyes_are_beside_each_other_around_the_middle() {
-        let scene = city(100, 1).unwrap();
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let routes = city(100, 1).unwrap().routes;
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         for frame in 0..40 {
             let middle = path.camera(frame);
             assert_eq!(camera_of(&middle, 0, 1), middle);

@@ -6,7 +6,7 @@ use std::fmt::Display;
 use cull::{Aabb, Camera};
 use glam::{Vec2, Vec3};
 use import::Performance;
-use render::scene::FOV_Y_RAD;
+use scene::FOV_Y_RAD;
 
 use crate::choices::unknown;
 use crate::course::Course;

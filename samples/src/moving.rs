@@ -1,10 +1,11 @@
 //! What moves in a walk: brings the renderer's scene to a frame before that is drawn.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use import::Performance;
 use render::Renderer;
-use render::scene::{Cast, Motion, Scene};
+use scene::Scene;
+use scenes::{Cast, Motion};
 
 use crate::film::FrameClock;
 use crate::run::RunError;
@@ -51,9 +52,15 @@ impl Moving {
     pub fn show(&mut self, renderer: &mut Renderer, frame: u32) -> Result<Duration, RunError> {
         match &mut self.0 {
             Movers::Made { motion, .. } if motion.movers() == 0 => Ok(Duration::ZERO),
-            Movers::Made { motion, cast } => Ok(renderer.show(motion, cast, frame)?.cpu),
+            Movers::Made { motion, cast } => {
+                let report = renderer.update(cast.changes(motion, frame))?;
+                cast.came(&report.added);
+                Ok(report.cpu)
+            }
             Movers::Played { performance, clock } => {
-                Ok(performance.show(renderer, clock.seconds(frame))?)
+                let began = Instant::now();
+                renderer.apply(performance.changes(clock.seconds(frame)))?;
+                Ok(began.elapsed())
             }
         }
     }

@@ -20,7 +20,7 @@ pub struct LeftOut {
 }
 
 /// The most objects a scene may have.
-pub const MAX_OBJECTS: u32 = render::scene::MAX_OBJECTS;
+pub const MAX_OBJECTS: u32 = scenes::MAX_OBJECTS;
 /// The most frames a walk may have.
 pub const MAX_FRAMES: u32 = 1_000_000;
 /// The most frames that may be in flight.

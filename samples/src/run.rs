@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
-use render::scene::SceneError;
 use render::{Renderer, RendererOptions, ShaderSet, object_bounds};
+use scenes::GeneratorError;
 use thiserror::Error;
 
 use crate::choices::{DeviceChoice, Predicates, Validation};
@@ -88,8 +88,8 @@ impl From<render::Error> for RunError {
     fn from(error: render::Error) -> Self {
         match error {
             render::Error::Gpu(error) => error.into(),
-            render::Error::Scene(error) => error.into(),
-            render::Error::NoShaderCompiler(_)
+            render::Error::Scene(_)
+            | render::Error::NoShaderCompiler(_)
             | render::Error::SceneTooLarge { .. }
             | render::Error::Image { .. }
             | render::Error::FramesInFlight { .. }
@@ -126,10 +126,10 @@ impl From<gpu::Error> for RunError {
     }
 }
 
-impl From<SceneError> for RunError {
-    fn from(error: SceneError) -> Self {
+impl From<GeneratorError> for RunError {
+    fn from(error: GeneratorError) -> Self {
         match error {
-            SceneError::NoMemory { .. } => Self::machine(error),
+            GeneratorError::NoMemory { .. } => Self::machine(error),
             _ => Self::user(error),
         }
     }
@@ -229,7 +229,7 @@ fn walk_on(
     signals: &Signals,
 ) -> Result<Walked, RunError> {
     let mut clock = Stopwatch::start();
-    let WalkScene { scene, path, path_name, mut moving, mut file } =
+    let WalkScene { scene, seed, path, path_name, mut moving, mut file } =
         WalkScene::build(options, progress, signals)?;
     signals.check()?;
     let scene_ms = clock.lap_ms();
@@ -252,7 +252,7 @@ fn walk_on(
         name: scene_name(&options.scene),
         objects: scene.objects.len() as u64,
         triangles: scene.triangles(),
-        seed: scene.seed,
+        seed,
         file,
     };
     // The device has it all.

@@ -6,7 +6,7 @@ use std::path::Path;
 use cull::Hierarchy;
 use import::{Cause, Imported, LoadOptions, Stage};
 use render::object_bounds;
-use render::scene::Scene;
+use scene::Scene;
 
 use crate::report::FileReport;
 use crate::run::RunError;

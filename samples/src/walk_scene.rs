@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use import::Performance;
-use render::scene::{self, Scene};
+use scene::Scene;
+use scenes::GeneratedScene;
 
 use crate::Options;
 use crate::choices;
@@ -25,6 +26,8 @@ use crate::terminal::shown;
 pub struct WalkScene {
     /// The scene at rest.
     pub scene: Scene,
+    /// The seed it was made from; 0 where it comes out of a file.
+    pub seed: u64,
     /// Where the camera goes.
     pub path: Course,
     /// What that is called.
@@ -59,14 +62,14 @@ impl WalkScene {
     ) -> Result<Self, RunError> {
         let MadeScene { scene: kind, objects, seed } = *made;
         progress.stage(&format!("building the {kind} of about {objects} objects"));
-        let scene = match kind {
-            choices::Scene::City => scene::city(objects, seed)?,
-            choices::Scene::Field => scene::field(objects, seed)?,
+        let GeneratedScene { scene, routes } = match kind {
+            choices::Scene::City => scenes::city(objects, seed)?,
+            choices::Scene::Field => scenes::field(objects, seed)?,
         };
-        let path = Course::new(&options.path, &scene)?;
+        let path = Course::new(&options.path, &routes)?;
         let moving = Moving::new(&scene, options.moving_percent, seed)?;
         let path_name = options.path.to_string();
-        Ok(Self { scene, path, path_name, moving, file: None })
+        Ok(Self { scene, seed, path, path_name, moving, file: None })
     }
 
     fn load(
@@ -117,7 +120,7 @@ impl WalkScene {
             (_, None) => Course::Around(orbit, options.frames),
         };
         let moving = Moving::played(performance, clock);
-        Ok(Self { scene, path, path_name, moving, file: Some(report) })
+        Ok(Self { scene, seed: 0, path, path_name, moving, file: Some(report) })
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! A missing driver or layer fails a test: a test that passes because nothing ran proves nothing.
 // A harness fails by panicking.
-#![allow(clippy::panic, clippy::expect_used)]
+#![allow(clippy::panic, clippy::expect_used, clippy::unwrap_used)]
 
 pub mod counting;
 pub mod machine;

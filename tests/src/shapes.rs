@@ -7,11 +7,11 @@ use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     Polygon, Spirv, StorageLayout, VertexLayout, vk,
 };
-use render::scene::{
-    Flight, Light, Material, MaterialId, Mesh, MeshId, Object, Scene, Streets, SurfaceMesh,
-    SurfaceVertex, Surfaces, Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
-};
 use render::{ProxyPass, ShaderSet};
+use scene::{
+    Light, Material, MaterialId, Mesh, MeshId, Object, Scene, SurfaceMesh, SurfaceVertex, Surfaces,
+    Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
+};
 
 /// Draws boxes into the depth buffer only.
 pub struct DepthBoxes {
@@ -99,12 +99,9 @@ pub fn box_scene(boxes: &[Aabb]) -> Scene {
     });
     Scene {
         name: "boxes".to_owned(),
-        seed: 0,
         meshes: vec![mesh],
         objects: objects.collect(),
         light: Light::afternoon(),
-        streets: Streets::default(),
-        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
         surfaces: None,
     }
 }

@@ -4,13 +4,13 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Camera, Hierarchy, View};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Readback, Target, vk};
-use render::scene::{
-    Flight, Light, Mesh, MeshId, Object, Scene, Streets, SurfaceMesh, SurfaceVertex, Surfaces,
-    Vertex, bounds_of_vertices,
-};
 use render::{
     OpaqueIo, OpaquePass, ShaderSet, SkyPass, SurfaceIo, SurfaceKind, SurfaceOptions, SurfacePass,
     SurfaceResources, object_bounds,
+};
+use scene::{
+    Light, Mesh, MeshId, Object, Scene, SurfaceMesh, SurfaceVertex, Surfaces, Vertex,
+    bounds_of_vertices,
 };
 
 /// An instance as the shaders of scenes with surfaces read it.
@@ -125,7 +125,6 @@ pub fn scene(
     };
     Scene {
         name: "studio".to_owned(),
-        seed: 0,
         meshes,
         objects: (0..).zip(transforms).map(object).collect(),
         light: Light {
@@ -135,8 +134,6 @@ pub fn scene(
             ambient_below: [0.0; 3],
             sky: [0.0; 3],
         },
-        streets: Streets::default(),
-        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
         surfaces: Some(Surfaces { meshes: surface_meshes, ..surfaces }),
     }
 }
@@ -151,7 +148,7 @@ pub fn mesh(
     let corner = |position: &Vec3| Vertex { position: position.to_array(), normal: 0, colour: 0 };
     let corners: Vec<Vertex> = positions.iter().map(corner).collect();
     let bounds = bounds_of_vertices(&corners);
-    let material = render::scene::MaterialId(material);
+    let material = scene::MaterialId(material);
     (
         Mesh { name: "mesh".to_owned(), vertices: corners, indices, bounds, has_backs: false },
         SurfaceMesh { vertices, material },

@@ -2,8 +2,12 @@
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Pixels, Readback};
-use render::scene::{self, CameraPath, PathKind, Scene};
-use render::{FrameOutcome, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{
+    Error, FrameOutcome, FrameReport, FrameRequest, Renderer, RendererOptions, UpdateReport,
+    ViewHistory,
+};
+use scene::Scene;
+use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
 
 /// A scene by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,13 +23,28 @@ impl SceneKind {
     pub const ALL: [SceneKind; 2] = [SceneKind::City, SceneKind::Field];
 
     /// Builds it.
-    pub fn build(self, objects: u32) -> Scene {
+    pub fn build(self, objects: u32) -> GeneratedScene {
         let scene = match self {
-            SceneKind::City => scene::city(objects, 7),
-            SceneKind::Field => scene::field(objects, 7),
+            SceneKind::City => scenes::city(objects, 7),
+            SceneKind::Field => scenes::field(objects, 7),
         };
         scene.expect("a scene")
     }
+}
+
+/// Shows a motion as it is in `frame`.
+///
+/// # Errors
+/// As [`Renderer::update`]; then the scene and `cast` are as they were.
+pub fn show_motion(
+    renderer: &mut Renderer,
+    motion: &Motion,
+    cast: &mut Cast,
+    frame: u32,
+) -> Result<UpdateReport, Error> {
+    let report = renderer.update(cast.changes(motion, frame))?;
+    cast.came(&report.added);
+    Ok(report)
 }
 
 /// What a walk found.
@@ -47,7 +66,7 @@ pub struct Found {
 /// each picture with plain frustum culling.
 pub fn walk(
     device: &Device,
-    scene: &Scene,
+    scene: &GeneratedScene,
     path: PathKind,
     frames: u32,
     options: &RendererOptions,
@@ -58,13 +77,13 @@ pub fn walk(
 /// The same with any strategy.
 pub fn walk_with(
     device: &Device,
-    scene: &Scene,
+    GeneratedScene { scene, routes }: &GeneratedScene,
     path: PathKind,
     frames: u32,
     options: &RendererOptions,
     strategy: Strategy,
 ) -> Found {
-    let path = CameraPath::new(path, scene).expect("a path");
+    let path = CameraPath::new(path, routes).expect("a path");
     let cameras: Vec<Camera> = (0..frames).map(|frame| path.camera(frame)).collect();
     walk_cameras_with(device, scene, &cameras, options, strategy)
 }

@@ -11,8 +11,8 @@
 use std::alloc::System;
 
 use cap::Cap;
-use render::scene::{Material, MaterialId, Mesh, Scene, Surfaces};
 use render::{Costs, Error, Renderer, RendererOptions};
+use scene::{Material, MaterialId, Mesh, Scene, Surfaces};
 use tests::shapes::surface_of;
 use tests::{Driver, run};
 

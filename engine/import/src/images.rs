@@ -13,9 +13,10 @@ use std::sync::PoisonError;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 
+use gate::Gate;
 use gltf::json::Root;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
-use render::scene::Image;
+use scene::Image;
 
 use crate::Limits;
 use crate::buffers::Budget;
@@ -26,7 +27,6 @@ use crate::reach::Kind;
 use crate::source::Told;
 use crate::uri::Wanted;
 use crate::verdict::Verdict;
-use gate::Gate;
 
 /// More threads than that gain little and take memory.
 const MAX_THREADS: usize = 8;

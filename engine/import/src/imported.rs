@@ -5,7 +5,7 @@ use std::sync::Arc;
 use animation::{Clip, NodeId, Pose, Rig, Skin};
 use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Vec3};
-use render::scene::{BlendedId, DeformerId, LightId, Scene};
+use scene::{BlendedId, DeformerId, LightId, Scene};
 
 use crate::Note;
 
@@ -64,7 +64,7 @@ impl Camera {
 pub enum Placed {
     /// An object of [`Scene::objects`].
     Object(ObjectId),
-    /// An object of [`Surfaces::blended`](render::scene::Surfaces::blended).
+    /// An object of [`Surfaces::blended`](scene::Surfaces::blended).
     Blended(BlendedId),
     /// A light.
     Light(LightId),

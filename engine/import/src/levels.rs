@@ -1,7 +1,7 @@
 //! Levels of detail: coarser forms of meshes, by quadric error simplification (the crate `meshopt`).
 
 use ::meshopt::{SimplifyOptions, VertexDataAdapter};
-use render::scene::{Alpha, Level, Mesh, Scene, SurfaceMesh, SurfaceVertex};
+use scene::{Alpha, Level, Mesh, Scene, SurfaceMesh, SurfaceVertex};
 
 use crate::Note;
 use crate::error::quoted;
@@ -146,7 +146,7 @@ fn attributes_of(vertex: &SurfaceVertex) -> [f32; ATTRIBUTES] {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use render::scene::{MaterialId, Surfaces, Vertex, bounds_of_vertices};
+    use scene::{MaterialId, Surfaces, Vertex, bounds_of_vertices};
 
     use super::*;
 
@@ -229,7 +229,7 @@ mod tests {
         assert!(!is_crowded(&ball(200).0));
 
         let ((fan, on_fan), (fine, on_fine)) = (disc(400_000), ball(48));
-        let mut scene = render::scene::city(1, 1).unwrap();
+        let mut scene = Scene::single(fan.clone());
         scene.meshes = vec![fan.clone(), fine, fan];
         let meshes = vec![on_fan.clone(), on_fine, on_fan];
         scene.surfaces = Some(Surfaces { meshes, ..Surfaces::default() });

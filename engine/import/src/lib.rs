@@ -32,5 +32,5 @@ pub use levels::LevelOptions;
 pub use limits::Limits;
 pub use load::{Listener, LoadOptions, Progress, Stage, load, load_bytes};
 pub use notes::Note;
-pub use performance::{BlendedMove, Changes, Deformation, LightMove, ObjectMove, Performance};
+pub use performance::Performance;
 pub use source::{Instancing, SUPPORTED_EXTENSIONS, Source, open, read};

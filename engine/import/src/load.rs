@@ -15,7 +15,7 @@ pub struct LoadOptions {
     /// Default: 65,536.
     pub cut_above_triangles: Option<usize>,
     /// Factor of all light before tone mapping, as
-    /// [`Surfaces::exposure`](render::scene::Surfaces::exposure). `None`, the default, is 1; lights that would
+    /// [`Surfaces::exposure`](scene::Surfaces::exposure). `None`, the default, is 1; lights that would
     /// leave most of what they shine on white are dimmed then, which is noted.
     pub exposure: Option<f32>,
 }
@@ -78,7 +78,7 @@ impl Teller<'_> {
 /// memory than [`Limits`] say; boxes of what changes its form (at most 40 MB) and bones ([`Limits::bones`], some
 /// 40 bytes each) come on top of that. Clips that could take something farther than a renderer can draw are left
 /// out. What can be shown is shown, and what is shown otherwise than the file says is
-/// in [`Imported::notes`]. The scene passes [`Scene::validate`](render::scene::Scene::validate), every
+/// in [`Imported::notes`]. The scene passes [`Scene::validate`](scene::Scene::validate), every
 /// object has a usable box, and all numbers are finite.
 ///
 /// # Errors

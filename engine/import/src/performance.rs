@@ -4,11 +4,9 @@
 //! not looked at, and what is where it was is not changed. Which clips form what is found when it is loaded, and
 //! which boxes hold, when other clips begin to play.
 
-mod changes;
 mod extent;
 mod parts;
 mod playing;
-mod show;
 #[cfg(test)]
 mod tests;
 
@@ -16,14 +14,12 @@ use std::collections::HashSet;
 
 use animation::{Clip, NodeId, Pose, Rig};
 use glam::Affine3A;
-use render::scene::{PunctualLight, Scene};
+use parts::Parts;
+use playing::Playing;
+use scene::{PunctualLight, Scene, SceneUpdate};
 
 use crate::Note;
 use crate::imported::{Camera, Imported, Placed};
-use parts::Parts;
-use playing::Playing;
-
-pub use changes::{BlendedMove, Changes, Deformation, LightMove, ObjectMove};
 
 /// What hangs on the nodes of a file, and the clips that move it.
 ///
@@ -51,8 +47,7 @@ pub struct Performance {
     is_new: bool,
     /// As they were shown last.
     lights: Vec<PunctualLight>,
-    changes: Changes,
-    show: show::Scratch,
+    changes: SceneUpdate,
 }
 
 impl Performance {
@@ -75,8 +70,7 @@ impl Performance {
             movers: Vec::new(),
             lights: scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights).copied().collect(),
             is_new: true,
-            changes: Changes::default(),
-            show: show::Scratch::default(),
+            changes: SceneUpdate::default(),
             rig,
             clips,
             pose,
@@ -175,7 +169,7 @@ impl Performance {
     }
 
     /// What has to be changed so that all is as it is at a time, after what was changed before.
-    pub fn changes(&mut self, seconds: f64) -> &Changes {
+    pub fn changes(&mut self, seconds: f64) -> &SceneUpdate {
         self.pose(seconds);
         self.changes.clear();
         let is_fading = self.playing.weight(seconds) < 1.0;

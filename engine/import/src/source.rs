@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use gltf::json::Root;
-use render::scene::Image;
+use scene::Image;
 
 use crate::buffers::{self, Budget};
 use crate::elements::{self, Store};

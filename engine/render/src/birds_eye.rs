@@ -4,6 +4,7 @@
 use cull::{Aabb, Camera, Hierarchy, Strategy, View};
 use glam::Vec3;
 use gpu::{Frame, Readback, Tick};
+use scene::pack_unorm;
 
 use crate::error::Error;
 use crate::moment::Moment;
@@ -11,7 +12,6 @@ use crate::palette::{FRUSTUM, Swatch, level_colour};
 use crate::passes::{OverlayIo, OverlayPass, OverlayVertex};
 use crate::pick::record_outline;
 use crate::renderer::Renderer;
-use crate::scene::pack_unorm;
 use crate::views::finish_picture;
 
 /// How far the drawn frustum reaches, as a share of what it looks over.

@@ -18,13 +18,13 @@ use gpu::{
     Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
     MemoryBarrier, Parts, Place, vk,
 };
+use scene::{BlendedId, ENCLOSING, Mesh, Object, Scene, outwardness};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{LeafBoxIo, ProxyBox, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::renderer::Renderer;
-use crate::scene::{BlendedId, ENCLOSING, Mesh, Object, Scene, outwardness};
 use crate::shader_set::ShaderSet;
 use crate::surfaces::SurfaceResources;
 

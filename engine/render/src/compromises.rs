@@ -1,7 +1,8 @@
 //! What of a scene is shown otherwise than the scene says, and why.
 
+use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
+
 use crate::renderer::Renderer;
-use crate::surfaces::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
 
 /// What of a scene is more than a renderer shows: it is shown all the same, and not quite as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

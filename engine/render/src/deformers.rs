@@ -4,13 +4,13 @@
 use cull::Hierarchy;
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, vk};
+use scene::{Deformer, DeformerId, Mesh, MorphTarget, Scene, SurfaceVertex};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::limits::check_storage;
 use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS, ScatterPass};
 use crate::renderer::Renderer;
-use crate::scene::{Deformer, DeformerId, Mesh, MorphTarget, Scene, SurfaceVertex};
 use crate::shader_set::ShaderSet;
 
 /// All deformers of a scene and their newest poses.
@@ -304,7 +304,7 @@ impl Renderer {
     /// targets of weight 0.
     ///
     /// The object's box must hold it: tell it with
-    /// [`ObjectChange::Reshape`](crate::scene::ObjectChange::Reshape) before the next frame, or what is
+    /// [`ObjectChange::Reshape`](scene::ObjectChange::Reshape) before the next frame, or what is
     /// outside of the box may be missing in the picture.
     ///
     /// # Errors

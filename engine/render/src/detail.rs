@@ -2,9 +2,9 @@
 
 use cull::{Camera, DetailLevel, DetailPolicy, ObjectId, View};
 use gpu::IndirectDraw;
+use scene::{MeshId, Scene};
 
 use crate::renderer::Renderer;
-use crate::scene::{MeshId, Scene};
 use crate::views::Area;
 
 /// The most objects that [`Renderer::choose_detail`] looks at in one call.
@@ -88,7 +88,7 @@ pub(crate) fn stretch(rows: &[[f32; 4]; 3]) -> f32 {
 }
 
 impl Renderer {
-    /// Lets objects take the forms ([`Surfaces::levels`](crate::scene::Surfaces::levels)) whose errors
+    /// Lets objects take the forms ([`Surfaces::levels`](scene::Surfaces::levels)) whose errors
     /// are too small to be seen by any of the `cameras`; answers how many took another. Once a frame,
     /// before it: each call looks at no more than [`DETAIL_OBJECTS_A_CALL`] objects, in turn, so that
     /// larger scenes follow the camera some frames late.
@@ -128,7 +128,7 @@ impl Renderer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Level, Surfaces, field};
+    use scene::{Level, Mesh, Surfaces};
 
     fn forms() -> (Forms, Vec<u32>, Vec<IndirectDraw>) {
         let level = |triangles: u32, error_m| Level {
@@ -137,7 +137,9 @@ mod tests {
         };
         let levels = vec![vec![], vec![level(4, 0.1), level(2, 0.4)], vec![level(1, 0.2)]];
         let surfaces = Surfaces { levels, ..Surfaces::default() };
-        let mut scene = field(1, 1).unwrap();
+        let mesh = Mesh::of_triangles("mesh", &[]);
+        let mut scene = Scene::single(mesh.clone());
+        scene.meshes = vec![mesh; 3];
         scene.surfaces = Some(surfaces);
         let mut indices = vec![0; 30];
         let draw = |mesh: i32| IndirectDraw {

@@ -11,7 +11,7 @@ pub enum Error {
     Hierarchy(#[from] cull::HierarchyError),
     /// The scene is not whole.
     #[error(transparent)]
-    Scene(#[from] crate::scene::SceneError),
+    Scene(#[from] scene::SceneError),
     /// A scene with more of something than a renderer takes: beyond [`MAX_LIGHTS`](crate::MAX_LIGHTS) and its like,
     /// or beyond what the device's storage buffers hold.
     #[error("the scene has {wanted} {what}, and a renderer takes at most {limit} here: {instead}")]
@@ -108,7 +108,7 @@ pub enum Error {
     #[error("the blended object {} cannot be moved: {reason}", blended.0)]
     Blended {
         /// The object.
-        blended: crate::scene::BlendedId,
+        blended: scene::BlendedId,
         /// Why not.
         reason: &'static str,
     },
@@ -116,7 +116,7 @@ pub enum Error {
     #[error("the deformer {} cannot take this pose: {reason}", deformer.0)]
     Deform {
         /// The deformer.
-        deformer: crate::scene::DeformerId,
+        deformer: scene::DeformerId,
         /// Why not.
         reason: String,
     },
@@ -163,7 +163,7 @@ pub enum Error {
     #[error("the light {} cannot be changed: {reason}", light.0)]
     Light {
         /// The light.
-        light: crate::scene::LightId,
+        light: scene::LightId,
         /// Why not, and what to do.
         reason: &'static str,
     },

@@ -5,6 +5,7 @@ use gpu::{
     Access, BufferSlice, Commands, Frame, IndirectDraw, MemoryBarrier, Parts, Predicates,
     QueryIndex, RenderTarget, Reveal, Target, WordSource,
 };
+use scene::Light;
 
 use crate::blended::Blended;
 use crate::deformers::Deformers;
@@ -15,7 +16,6 @@ use crate::passes::{
     ProxyIo, ProxyPass,
 };
 use crate::questions::{RoundQuestions, draw_range};
-use crate::scene::Light;
 use crate::shading::Shading;
 use crate::view_history::ViewHistory;
 use crate::views::Area;

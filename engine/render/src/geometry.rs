@@ -6,18 +6,19 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
+use scene::limits::INSTANCE_BYTES;
+use scene::{
+    BlendedId, Mesh, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed,
+    unpack_unorm,
+};
 
 use crate::deformers::{DeformedVertices, are_deformed, deformed_vertices, mesh_order};
 use crate::detail::{Forms, stretch};
 use crate::draw_changes::DrawChanges;
 use crate::error::Error;
 use crate::leaf_counts::{Count, LeafCounts};
-use crate::limits::{INSTANCE_BYTES, check_memory, check_storage, room};
+use crate::limits::{check_memory, check_storage, room};
 use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
-use crate::scene::{
-    BlendedId, Mesh, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed,
-    unpack_unorm,
-};
 use crate::sprites;
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 

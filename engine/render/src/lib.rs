@@ -11,15 +11,19 @@
 //! let adapter = instance.pick_adapter(None)?;
 //! let device = gpu::Device::new(&instance, &adapter, &gpu::DeviceOptions::default())?;
 //!
-//! let scene = render::scene::city(10_000, 1)?;
-//! let path = render::scene::CameraPath::new(render::scene::PathKind::Street, &scene)?;
+//! let corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mesh = scene::Mesh::of_triangles("triangle", &corners.map(|corner| (corner, [1.0; 3])));
+//! let scene = scene::Scene::single(mesh);
+//! let [forward, up] = [glam::Vec3::NEG_Z, glam::Vec3::Y];
 //! let mut renderer = render::Renderer::new(&device, &scene, &render::RendererOptions::default())?;
 //! let mut view = renderer.new_view()?;
 //! let picture = gpu::Readback::new(&device, renderer.size())?;
 //! for frame in 0..100 {
+//!     let eye = glam::Vec3::Z * (3.0 + frame as f32 * 0.1);
+//!     let camera = cull::Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
 //!     let request = render::FrameRequest {
 //!         picture: (frame == 99).then_some(&picture),
-//!         ..render::FrameRequest::new(cull::Strategy::Antumbra, path.camera(frame))
+//!         ..render::FrameRequest::new(cull::Strategy::Antumbra, camera)
 //!     };
 //!     renderer.render(&mut view, &request)?;
 //! }
@@ -56,7 +60,6 @@ mod pyramid_history;
 mod questions;
 mod renderer;
 mod sample_counts;
-pub mod scene;
 mod shader_set;
 mod shading;
 mod sprites;
@@ -73,10 +76,6 @@ pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
 pub use explanation::{Explanation, OVERLAY_PASSES};
 pub use flat_overlay::FlatOverlay;
-pub use limits::{
-    DEFORMED_VERTICES_ANYWHERE, IMAGES_ANYWHERE, LIT_OBJECTS_ANYWHERE, MATERIALS_ANYWHERE,
-    OBJECTS_ANYWHERE, STORAGE_BYTES_ANYWHERE,
-};
 pub use moment::Moment;
 pub use object_bounds::object_bounds;
 pub use palette::{
@@ -93,9 +92,7 @@ pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, Re
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use shader_set::ShaderSet;
 pub use surfaces::{
-    LightLists, MAX_DIRECTIONAL_LIGHTS, MAX_LAYERS, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES,
-    MAX_TEXTURE_TRANSFORMS, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources,
-    reach_m,
+    LightLists, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources, reach_m,
 };
 pub use update::UpdateReport;
 pub use view_history::{FrameOutcome, ViewHistory};

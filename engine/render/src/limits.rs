@@ -1,30 +1,8 @@
-//! How much a scene may have: what no renderer takes more of, and what each takes on any device. What is beyond
-//! is refused by [`Error::SceneTooLarge`], before memory is taken for it.
+//! Refuses what a renderer or a device does not take, before memory is taken for it.
 
 use gpu::Device;
 
 use crate::error::Error;
-use crate::surfaces::MAX_PAGES;
-
-/// Bytes that a storage buffer has on every device; many have more.
-pub const STORAGE_BYTES_ANYWHERE: u64 = 1 << 27;
-
-/// Objects, with room for those that come, that every device takes; blended ones count by themselves.
-pub const OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / INSTANCE_BYTES;
-
-/// Objects together with blended ones that every device takes in a scene with points' or spots' lights.
-pub const LIT_OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 32;
-
-/// Materials that every device takes.
-pub const MATERIALS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 64 - 1;
-
-/// Vertices of meshes that change their form that every device takes, all of them together.
-pub const DEFORMED_VERTICES_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 40;
-
-/// Images that every device takes, each counted twice that is both looked at as colours and as numbers.
-pub const IMAGES_ANYWHERE: u64 = MAX_PAGES as u64 * 256;
-
-pub(crate) const INSTANCE_BYTES: u64 = 64;
 
 /// Refuses more of something than there may be.
 pub(crate) fn check(
@@ -72,6 +50,8 @@ pub(crate) fn room<T>(what: &'static str, count: usize) -> Result<Vec<T>, Error>
 
 #[cfg(test)]
 mod tests {
+    use scene::limits::INSTANCE_BYTES;
+
     use super::*;
 
     #[test]
@@ -85,12 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn the_limits_are_those_of_what_lies_in_the_buffers() {
+    fn an_object_takes_what_the_limits_say() {
         assert_eq!(INSTANCE_BYTES, size_of::<crate::geometry::Instance>() as u64);
-        assert_eq!(OBJECTS_ANYWHERE, 2_097_152);
-        assert_eq!(LIT_OBJECTS_ANYWHERE, 4_194_304);
-        assert_eq!(MATERIALS_ANYWHERE, 2_097_151);
-        assert_eq!(DEFORMED_VERTICES_ANYWHERE, 3_355_443);
-        assert_eq!(IMAGES_ANYWHERE, 3072);
     }
 }

@@ -1,10 +1,10 @@
 //! The boxes of a scene's objects, and whether a hierarchy is over them.
 
 use cull::{Aabb, Hierarchy, ObjectId};
+use scene::Scene;
 
 use crate::error::Error;
 use crate::limits::check_memory;
-use crate::scene::Scene;
 
 /// The box of each object of `scene` in the world, in their order: what a hierarchy is built over.
 ///

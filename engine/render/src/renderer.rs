@@ -10,6 +10,7 @@ use gpu::{
     Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
     Timeline,
 };
+use scene::Scene;
 
 use crate::blended::Blended;
 use crate::calibration::{self, Costs};
@@ -25,7 +26,6 @@ use crate::limits::check_memory;
 use crate::object_bounds::{check_hierarchy, object_bounds};
 use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
 use crate::pyramid_frame::PyramidFrame;
-use crate::scene::Scene;
 use crate::shader_set::ShaderSet;
 use crate::shading::Shading;
 use crate::sprites::has_sprites;

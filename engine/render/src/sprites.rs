@@ -4,11 +4,12 @@
 //! neither takes memory for each sprite; `sprites.glsl` finds the rest from the instance.
 
 use gpu::{Device, IndirectDraw};
+use scene::limits::INSTANCE_BYTES;
+use scene::{Scene, Sprites, SurfaceVertex, Vertex};
 
 use crate::error::Error;
 use crate::geometry::Instance;
-use crate::limits::{INSTANCE_BYTES, check_storage};
-use crate::scene::{Scene, Sprites, SurfaceVertex, Vertex};
+use crate::limits::check_storage;
 
 /// Words of four numbers in the place of an instance.
 const WORDS: usize = 4;

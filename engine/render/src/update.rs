@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use cull::{Aabb, HierarchyError, LeafRange, ObjectId};
 use glam::Affine3A;
+use scene::{BlendedMove, Deformation, LightMove, MeshId, Object, ObjectChange, SceneUpdate};
 
 use crate::error::Error;
 use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
-use crate::scene::{Cast, MeshId, Motion, Object, ObjectChange};
 
 /// What an update did.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -47,6 +47,30 @@ pub(crate) struct UpdateScratch {
 }
 
 impl Renderer {
+    /// Applies everything that changes between two frames: objects first, with [`Renderer::update`], then
+    /// forms, blended objects and lights. The next frame shows it.
+    ///
+    /// # Errors
+    /// The first change that cannot be made. Those before it are made.
+    pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
+        let report = match update.objects.as_slice() {
+            [] => UpdateReport::default(),
+            objects => self.update(objects)?,
+        };
+        for Deformation { deformer, joints, weights } in &update.deformations {
+            let joints = update.joints.get(joints.clone()).unwrap_or_default();
+            let weights = update.weights.get(weights.clone()).unwrap_or_default();
+            self.deform(*deformer, joints, weights)?;
+        }
+        for BlendedMove { blended, transform, bounds } in &update.blended {
+            self.move_blended(*blended, *transform, *bounds)?;
+        }
+        for LightMove { light, to } in &update.lights {
+            self.set_light(*light, *to)?;
+        }
+        Ok(report)
+    }
+
     /// Applies `changes` in their order: all of them, or none if one cannot be made. The next frame
     /// shows them; frames on their way do not. The cost is that of the changes, not of the scene:
     /// ancestors of what moved are refitted, leaves that changed are written by the GPU itself.
@@ -210,22 +234,6 @@ impl Renderer {
         self.mark(&mut scratch);
         self.update_scratch = scratch;
         Ok(())
-    }
-
-    /// Shows `motion` as it is in `frame`, with [`Renderer::update`].
-    ///
-    /// # Errors
-    /// As [`Renderer::update`], for instance when someone else removed a mover. Then the scene and
-    /// `cast` are as they were.
-    pub fn show(
-        &mut self,
-        motion: &Motion,
-        cast: &mut Cast,
-        frame: u32,
-    ) -> Result<UpdateReport, Error> {
-        let report = self.update(cast.changes(motion, frame))?;
-        cast.came(&report.added);
-        Ok(report)
     }
 
     /// Makes one change; answers the id of what was added.

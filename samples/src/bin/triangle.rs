@@ -3,7 +3,7 @@
 
 use std::{error::Error, io::Write, process::ExitCode, sync::Arc};
 
-use render::{FrameRequest, Renderer, ViewHistory, scene};
+use render::{FrameRequest, Renderer, ViewHistory};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};

@@ -174,7 +174,7 @@ fn details_that_have_no_room_are_named() {
 fn what_is_said_takes_nothing_from_the_details() {
     let rows = |page: &HudPage, size| {
         let (_, texts, _) = laid_out(page, size);
-        texts.into_iter().filter(|(area, _)| area.max.x < 0.25 * 1920.0).map(|it| it.1).count()
+        texts.into_iter().filter(|(area, _)| area.max.x < 0.25 * 1920.0).count()
     };
     for size in [[960, 540], [1920, 1080]] {
         let quiet = HudPage { notice: None, ..page(size) };

@@ -4,8 +4,9 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 use gpu::Device;
-use render::scene::{self, Mesh, Scene};
 use render::{Costs, Renderer, RendererOptions, ShaderSet};
+use scene::{Mesh, Scene};
+use scenes::{GeneratedScene, Routes};
 
 use super::show::ShowOptions;
 use super::source::FileSource;
@@ -58,14 +59,14 @@ impl Stage {
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<Self, RunError> {
-        let scene = match made.scene {
-            choices::Scene::City => scene::city(made.objects, made.seed)?,
-            choices::Scene::Field => scene::field(made.objects, made.seed)?,
+        let GeneratedScene { scene, routes } = match made.scene {
+            choices::Scene::City => scenes::city(made.objects, made.seed)?,
+            choices::Scene::Field => scenes::field(made.objects, made.seed)?,
         };
-        let course = path.map(|choice| Course::new(choice, &scene)).transpose()?;
+        let course = path.map(|choice| Course::new(choice, &routes)).transpose()?;
         let start = match &course {
             Some(course) => course.camera(0),
-            None => start(&scene)?.camera(0),
+            None => start(&routes)?.camera(0),
         };
         let renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
         Ok(Self {
@@ -104,8 +105,8 @@ impl Stage {
 }
 
 /// Where one stands at first: in a street, or over it all where there are none.
-fn start(scene: &Scene) -> Result<Course, RunError> {
-    let made = |path| Course::new(&PathChoice::Made(path), scene);
+fn start(routes: &Routes) -> Result<Course, RunError> {
+    let made = |path| Course::new(&PathChoice::Made(path), routes);
     made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))
 }
 

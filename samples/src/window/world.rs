@@ -5,7 +5,7 @@ use std::path::Path;
 use cull::{Camera, DetailPolicy, ObjectId};
 use import::{Imported, Performance};
 use render::Renderer;
-use render::scene::Scene;
+use scene::Scene;
 
 use super::page_text::{Facts, fact};
 use super::source::FileSource;
@@ -212,7 +212,7 @@ impl World {
         if !life.is_paused && seconds.is_finite() {
             life.seconds += f64::from(seconds.clamp(0.0, LONGEST_STEP_S));
         }
-        life.performance.show(renderer, life.seconds)?;
+        renderer.apply(life.performance.changes(life.seconds))?;
         Ok(())
     }
 

@@ -56,7 +56,9 @@ pub fn edited_shaders(scratch: &Scratch, name: &str, from: &str, to: &str) {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
     for entry in fs::read_dir(committed).expect("the shaders") {
         let entry = entry.expect("it is read");
-        fs::copy(entry.path(), scratch.0.join(entry.file_name())).expect("a copy");
+        if entry.path().is_file() {
+            fs::copy(entry.path(), scratch.0.join(entry.file_name())).expect("a copy");
+        }
     }
     let file = scratch.0.join(name);
     let text = fs::read_to_string(&file).expect("the shader");

@@ -8,8 +8,9 @@ use gpu::{
     Adapter, Device, DeviceOptions, Error, IndirectDraw, Instance, Predicates, Predication,
     Readback, Required,
 };
-use render::scene::{CameraPath, PathKind, Scene, city};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use scene::Scene;
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::machine::{
     CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_START, Fault, Machine, calls,
 };
@@ -105,8 +106,8 @@ fn a_device_that_does_not_count_says_so_when_asked_to_count() {
     let instance = instance_with(machine.entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
-    let scene = city(50, 1).unwrap();
-    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let GeneratedScene { scene, routes } = city(50, 1).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let options = RendererOptions { size: [32, 32], ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
     let mut view = renderer.new_view().unwrap();
@@ -175,8 +176,8 @@ impl Stage {
     fn new() -> Self {
         let instance = instance_with(Machine::default().entry());
         let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
-        let scene = city(1000, 1).unwrap();
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = city(1000, 1).unwrap();
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         Self { instance, adapter, scene, path }
     }
 

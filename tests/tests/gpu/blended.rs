@@ -3,8 +3,8 @@
 use cull::{Aabb, Camera, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
-use render::scene::{Alpha, BlendedId, Material, MaterialId, MeshId, Object, ObjectChange, Scene};
 use render::{Costs, Error, FrameReport, FrameRequest, Renderer, RendererOptions};
+use scene::{Alpha, BlendedId, Material, MaterialId, MeshId, Object, ObjectChange, Scene};
 use tests::run_on_all;
 use tests::shapes::coloured_cubes;
 use tests::walk::pixels_that_differ;

@@ -3,8 +3,8 @@
 
 use cull::{CostTable, Strategy};
 use gpu::{Device, Predication, Readback};
-use render::scene::{CameraPath, PathKind, city};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 90];
@@ -12,8 +12,8 @@ const SIZE: [u32; 2] = [160, 90];
 /// Walks with a renderer of these costs and compares every picture with frustum culling's; answers
 /// how many leaves were not tested because of their cost.
 fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) {
-    let scene = city(400, 5).unwrap();
-    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let GeneratedScene { scene, routes } = city(400, 5).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let mut renderer = Renderer::new(device, &scene, options).unwrap();
     let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
     let mut histories = [0, 1].map(|_| renderer.new_view().unwrap());
@@ -74,7 +74,7 @@ fn pictures_are_right_at_any_price() {
         walk(device, &options(Costs::Table(by_compute)));
         let nonsense = CostTable { draw_ns: f32::NAN, ..dear };
         let refused =
-            Renderer::new(device, &city(400, 5).unwrap(), &options(Costs::Table(nonsense)));
+            Renderer::new(device, &city(400, 5).unwrap().scene, &options(Costs::Table(nonsense)));
         assert!(refused.err().expect("no price").to_string().contains("draw_ns"));
         assert_eq!(walk(device, &options(Costs::Ignored)), (None, 0));
     });

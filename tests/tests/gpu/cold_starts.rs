@@ -3,8 +3,8 @@
 
 use cull::{Camera, Strategy};
 use gpu::Device;
-use render::scene::{self, CameraPath, PathKind};
 use render::{Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{frame_loop, pixels_that_differ};
 use tests::{Driver, run};
 
@@ -39,10 +39,10 @@ fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
 fn stand_everywhere(device: &Device, seeds: &[u64], size: [u32; 2]) {
     let options = RendererOptions { size, frames_in_flight: 2, ..Default::default() };
     for seed in seeds {
-        let scene = scene::city(600, *seed).unwrap();
+        let GeneratedScene { scene, routes } = scenes::city(600, *seed).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         for path in PathKind::ALL {
-            let cameras = CameraPath::new(path, &scene).unwrap();
+            let cameras = CameraPath::new(path, &routes).unwrap();
             for frame in [0, 45, 170] {
                 let what = format!("seed {seed}, {size:?}, frame {frame} of {path}");
                 check_standing(&mut renderer, cameras.camera(frame), &what);

@@ -4,11 +4,12 @@
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Predication, Readback};
-use render::scene::{CameraPath, MeshId, Object, ObjectChange, PathKind, pack_unorm};
 use render::{
     Area, Costs, Eye, FrameRequest, Renderer, RendererOptions, ViewHistory, ViewsRequest,
     VisibleSamples,
 };
+use scene::{MeshId, Object, ObjectChange, pack_unorm};
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::run_on_all;
 use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, pixels_that_differ};
@@ -126,8 +127,8 @@ fn counts_are_pixels_with_every_strategy() {
 #[test]
 fn counts_of_all_objects_add_up_to_the_picture() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(300);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let all: Vec<ObjectId> = (0..scene.objects.len() as u32).map(ObjectId).collect();
         for predication in [Predication::Counts, Predication::Instances] {
             let options = RendererOptions { predication: Some(predication), ..options() };
@@ -275,8 +276,8 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
 #[test]
 fn counting_changes_nothing() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(400);
-        let path = CameraPath::new(PathKind::Cut, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(400);
+        let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let pictures = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         for strategy in [Strategy::Antumbra, Strategy::Pyramid, Strategy::Batched] {

@@ -4,12 +4,12 @@
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::scene::{
+use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
+use scene::{
     Deformer, DeformerId, Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId,
     MorphTarget, Object, ObjectChange, PunctualLight, Sampler, Scene, SkinWeights, Surfaces,
     Texture, TextureId, TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
 };
-use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
 use tests::run_on_all;
 use tests::shapes::{box_scene, cube, surface_of};
 use tests::walk::pixels_that_differ;
@@ -30,7 +30,7 @@ fn slab(colour: [f32; 4]) -> Mesh {
 }
 
 fn deformer(number: u32, mesh: &Mesh) -> Deformer {
-    let along = |vertex: &render::scene::Vertex| vertex.position[0] / WIDTH_M;
+    let along = |vertex: &scene::Vertex| vertex.position[0] / WIDTH_M;
     let second = |vertex| (along(vertex) * 2.0 - 0.5_f32).clamp(0.0, 1.0);
     // Two groups of joints, of which the second says what the first could have said, too.
     let joints = mesh.vertices.iter().flat_map(|_| [[0, 1, 0, 0], [2, 0, 0, 0]]);
@@ -39,7 +39,7 @@ fn deformer(number: u32, mesh: &Mesh) -> Deformer {
         let rest = 1.0 - third;
         [[(1.0 - second) * rest, second * rest, 0.0, 0.0], [third, 0.0, 0.0, 0.0]]
     });
-    let bulge = |vertex: &render::scene::Vertex| (along(vertex) * std::f32::consts::PI).sin();
+    let bulge = |vertex: &scene::Vertex| (along(vertex) * std::f32::consts::PI).sin();
     Deformer {
         mesh: MeshId(number),
         skin: Some(SkinWeights {

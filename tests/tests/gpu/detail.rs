@@ -3,8 +3,8 @@
 use cull::{Camera, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{Device, Readback};
-use render::scene::{Level, MeshId, Object, Scene};
 use render::{Area, Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use scene::{Level, MeshId, Object, Scene};
 use tests::shapes::{coloured_cubes, square_camera};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run, run_on_all};

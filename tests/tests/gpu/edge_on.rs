@@ -4,8 +4,9 @@
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};
-use render::scene::{CameraPath, PathKind, Scene, city};
 use render::{FrameRequest, Renderer, RendererOptions};
+use scene::Scene;
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
 
 /// Odd, so that the middle of a row of samples is at the height of the eye.
@@ -45,8 +46,8 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
 #[test]
 fn a_street_is_exact_where_its_sills_are_at_the_height_of_the_eye() {
     run_on_all(|device| {
-        let scene = city(2_000, 3).unwrap();
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = city(2_000, 3).unwrap();
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         compare(device, &scene, path.camera(5));
     });
 }

@@ -3,8 +3,8 @@
 use cull::{Camera, Strategy};
 use glam::Vec3;
 use gpu::{Device, Predication, Readback};
-use render::scene::{CameraPath, PathKind};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk, walk_cameras};
 use tests::{Driver, run, run_on_all};
 
@@ -102,7 +102,7 @@ fn odd_sizes_are_exact() {
 #[test]
 fn eyes_in_walls_and_on_the_ground_are_exact() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(600);
+        let scene = SceneKind::City.build(600).scene;
         let boxes = render::object_bounds(&scene).unwrap();
         let eyes = boxes.iter().step_by(23).flat_map(|b| [b.centre(), b.min, b.max]);
         let cameras: Vec<Camera> = eyes
@@ -121,7 +121,7 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
 #[test]
 fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(1);
+        let scene = SceneKind::City.build(1).scene;
         let down = Vec3::new(0.1, -1.0, 0.2);
         let cameras = [Vec3::NEG_Y, Vec3::Y, down, down, Vec3::Y].map(|forward| Camera {
             eye: Vec3::new(1.0, 30.0, 2.0),
@@ -138,8 +138,8 @@ fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
 #[test]
 fn strategies_and_views_can_change_from_frame_to_frame() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(700);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(700);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
@@ -172,8 +172,8 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
 #[test]
 fn the_comparison_sees_a_difference() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::City.build(300);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut view = renderer.new_view().unwrap();
         let cameras = [path.camera(0), path.camera(1)];

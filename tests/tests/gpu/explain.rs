@@ -2,10 +2,10 @@
 
 use cull::Strategy;
 use gpu::{Device, Predication, Readback};
-use render::scene::{CameraPath, PathKind, city};
 use render::{
     Area, Costs, Explanation, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory,
 };
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [320, 180];
@@ -24,8 +24,8 @@ impl Studio {
     }
 
     fn with(device: &Device, predication: Option<Predication>) -> Self {
-        let scene = city(400, 5).unwrap();
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = city(400, 5).unwrap();
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         // What is measured differs from one renderer to the next, and plans with it.
         let costs = Costs::Ignored;
         let options =

@@ -2,9 +2,9 @@
 
 use cull::Strategy;
 use gpu::{Device, Readback};
-use render::scene::{CameraPath, PathKind, city};
 use render::{FlatVertex, FrameRequest, Renderer, RendererOptions, ViewHistory};
 use samples::hud::{Figure, Hud, HudPage, Overview};
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
 
 const SIZE: [u32; 2] = [320, 180];
@@ -18,8 +18,8 @@ struct Studio {
 
 impl Studio {
     fn new(device: &Device) -> Self {
-        let scene = city(200, 5).unwrap();
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = city(200, 5).unwrap();
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let options = RendererOptions { size: SIZE, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
         let history = renderer.new_view().unwrap();

@@ -2,13 +2,13 @@
 
 use cull::Strategy;
 use gpu::{Device, Readback, Tick, Timeline};
-use render::scene::{CameraPath, PathKind};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::run_on_all;
 use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
 
 fn renderer(device: &Device, frames_in_flight: usize) -> (Renderer, CameraPath) {
-    let scene = SceneKind::City.build(600);
+    let GeneratedScene { scene, routes } = SceneKind::City.build(600);
     // Prices that are measured differ from run to run; without any, everything is tested.
     let options = RendererOptions {
         size: [160, 90],
@@ -16,7 +16,7 @@ fn renderer(device: &Device, frames_in_flight: usize) -> (Renderer, CameraPath) 
         costs: Costs::Ignored,
         ..Default::default()
     };
-    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     (Renderer::new(device, &scene, &options).unwrap(), path)
 }
 

@@ -68,7 +68,7 @@ impl Stage {
     }
 
     fn picture(&mut self, view: &mut ViewHistory, strategy: Strategy, seconds: f64) -> Readback {
-        self.performance.show(&mut self.renderer, seconds).unwrap();
+        self.renderer.apply(self.performance.changes(seconds)).unwrap();
         let seen = self.camera.as_ref().map(|camera| self.performance.seen_by(camera, SIZE));
         let picture = Readback::new(self.renderer.device(), SIZE).unwrap();
         let request = FrameRequest {

@@ -3,8 +3,9 @@
 use cull::{Aabb, Camera, ObjectId, Policy, Strategy};
 use glam::Vec3;
 use gpu::Readback;
-use render::scene::{CameraPath, ObjectChange, PathKind};
 use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use scene::ObjectChange;
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::run_on_all;
 use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, pixels_that_differ};
@@ -15,8 +16,8 @@ const AREA: Area = Area { origin: [0, 0], size: SIZE };
 #[test]
 fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(600);
-        let path = CameraPath::new(PathKind::Cut, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(600);
+        let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
         let options = RendererOptions { size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut finder = renderer.new_view().unwrap();
@@ -50,8 +51,8 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
 #[test]
 fn the_ideal_without_a_set_is_refused() {
     run_on_all(|device| {
-        let scene = SceneKind::Field.build(20);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::Field.build(20);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let options = RendererOptions { size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();

@@ -2,10 +2,10 @@
 
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
-use render::scene::{CameraPath, PathKind, city};
 use render::{
     Area, Costs, Explanation, Eye, FrameRequest, Renderer, RendererOptions, ViewsRequest,
 };
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
@@ -15,8 +15,8 @@ const FRAMES: u32 = 64;
 const LEAST_TIMED: u64 = FRAMES as u64 / 16 - 1;
 
 fn renderer(device: &Device, costs: Costs, frames_in_flight: usize) -> (Renderer, Vec<Camera>) {
-    let scene = city(400, 5).unwrap();
-    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let GeneratedScene { scene, routes } = city(400, 5).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let options = RendererOptions { size: SIZE, costs, frames_in_flight, ..Default::default() };
     let cameras = (0..FRAMES).map(|frame| path.camera(frame)).collect();
     (Renderer::new(device, &scene, &options).unwrap(), cameras)

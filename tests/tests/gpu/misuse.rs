@@ -2,11 +2,11 @@
 
 use cull::{Aabb, CostTable, Hierarchy, Strategy};
 use gpu::{Readback, Tick, Timeline};
-use render::scene::{CameraPath, PathKind};
 use render::{
     Costs, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, ViewsRequest,
     object_bounds,
 };
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::SceneKind;
 use tests::{Driver, run};
 
@@ -19,10 +19,11 @@ fn options() -> RendererOptions {
 #[test]
 fn a_view_of_another_renderer_is_refused() {
     run(Driver::Lavapipe, |device| {
-        let (small, large) = (SceneKind::City.build(50), SceneKind::City.build(900));
-        let path = CameraPath::new(PathKind::Street, &large).unwrap();
+        let small = SceneKind::City.build(50).scene;
+        let GeneratedScene { scene, routes } = SceneKind::City.build(900);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let few = Renderer::new(device, &small, &options()).unwrap();
-        let mut many = Renderer::new(device, &large, &options()).unwrap();
+        let mut many = Renderer::new(device, &scene, &options()).unwrap();
         let mut foreign = few.new_view().unwrap();
         let mut view = many.new_view().unwrap();
         let request = FrameRequest::new(Strategy::Antumbra, path.camera(0));
@@ -39,8 +40,8 @@ fn a_view_of_another_renderer_is_refused() {
 #[test]
 fn a_picture_of_another_size_is_refused() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::City.build(50);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(50);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
         let picture = Readback::new(device, [SIZE[0], SIZE[1] + 1]).unwrap();
@@ -59,7 +60,7 @@ fn a_picture_of_another_size_is_refused() {
 #[test]
 fn a_hierarchy_over_other_objects_is_refused() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::City.build(60);
+        let scene = SceneKind::City.build(60).scene;
         let bounds = object_bounds(&scene).unwrap();
         let others = [
             bounds[1..].to_vec(),
@@ -82,7 +83,7 @@ fn a_hierarchy_over_other_objects_is_refused() {
 #[test]
 fn options_beyond_all_limits_are_refused_before_anything_is_made() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::Field.build(9);
+        let scene = SceneKind::Field.build(9).scene;
         let refused = |options: RendererOptions| {
             Renderer::new(device, &scene, &options).err().unwrap().to_string()
         };
@@ -115,8 +116,8 @@ fn options_beyond_all_limits_are_refused_before_anything_is_made() {
 #[test]
 fn the_largest_options_that_are_taken_draw_a_frame() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::City.build(60);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(60);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let largest = RendererOptions {
             frames_in_flight: MAX_FRAMES_IN_FLIGHT,
             query_budget: usize::MAX,
@@ -135,7 +136,8 @@ fn the_largest_options_that_are_taken_draw_a_frame() {
 #[test]
 fn a_frame_without_a_view_is_refused() {
     run(Driver::Lavapipe, |device| {
-        let mut renderer = Renderer::new(device, &SceneKind::Field.build(9), &options()).unwrap();
+        let mut renderer =
+            Renderer::new(device, &SceneKind::Field.build(9).scene, &options()).unwrap();
         let picture = Readback::new(device, SIZE).unwrap();
         for picture in [None, Some(&picture)] {
             let request = ViewsRequest { strategy: Strategy::Antumbra, picture, after: None };
@@ -148,8 +150,8 @@ fn a_frame_without_a_view_is_refused() {
 #[test]
 fn outcomes_that_nobody_takes_are_kept_within_bounds() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::Field.build(3);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::Field.build(3);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let tiny = RendererOptions { size: [4, 4], ..options() };
         let mut renderer = Renderer::new(device, &scene, &tiny).unwrap();
         let mut view = renderer.new_view().unwrap();
@@ -166,8 +168,8 @@ fn outcomes_that_nobody_takes_are_kept_within_bounds() {
 #[test]
 fn a_picture_is_read_when_its_frame_is_over_and_not_before() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::City.build(50);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(50);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
         let picture = Readback::new(device, SIZE).unwrap();

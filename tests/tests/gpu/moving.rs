@@ -6,10 +6,11 @@ mod updates;
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Predication, Readback};
-use render::scene::{CameraPath, Cast, Motion, ObjectChange, PathKind, Scene};
 use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use scene::{ObjectChange, Scene};
+use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
 use tests::shapes::{box_at, box_scene, square_camera};
-use tests::walk::{SceneKind, pixels_that_differ};
+use tests::walk::{SceneKind, pixels_that_differ, show_motion};
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [240, 135];
@@ -38,8 +39,9 @@ struct Moving {
 }
 
 impl Moving {
-    fn new(scene: Scene, path: PathKind, percent: u32) -> Self {
-        let path = CameraPath::new(path, &scene).unwrap();
+    fn new(generated: GeneratedScene, path: PathKind, percent: u32) -> Self {
+        let GeneratedScene { scene, routes } = generated;
+        let path = CameraPath::new(path, &routes).unwrap();
         let motion = Motion::new(&scene, percent, 11).unwrap();
         Self { scene, path, motion }
     }
@@ -57,7 +59,7 @@ impl Moving {
         let mut pictures = Vec::new();
         let waits = renderer.device().wait_counts().other;
         for frame in frames {
-            renderer.show(&self.motion, cast, *frame).unwrap();
+            show_motion(renderer, &self.motion, cast, *frame).unwrap();
             let picture = Readback::new(renderer.device(), SIZE).unwrap();
             let camera = self.path.camera(*frame);
             render(renderer, &mut view, strategy, camera, &picture);
@@ -215,7 +217,7 @@ fn views_that_pause_stay_exact() {
         let mut plain = renderer.new_view().unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         for frame in 0..60_u32 {
-            renderer.show(&moving.motion, &mut cast, frame * 3).unwrap();
+            show_motion(&mut renderer, &moving.motion, &mut cast, frame * 3).unwrap();
             let eye = (frame / 7) as usize % 3;
             let camera = moving.path.camera(frame + 300 * eye as u32);
             render(&mut renderer, &mut plain, Strategy::Frustum, camera, &expected);
@@ -346,7 +348,7 @@ fn objects_that_jump_far_stay_exact() {
 fn an_update_costs_what_changed_and_not_what_there_is() {
     run(Driver::Lavapipe, |device| {
         for objects in [1_000, 8_000] {
-            let scene = SceneKind::Field.build(objects);
+            let scene = SceneKind::Field.build(objects).scene;
             let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
             let mut view = renderer.new_view().unwrap();
             let picture = Readback::new(device, SIZE).unwrap();
@@ -388,7 +390,7 @@ fn memory_does_not_grow_while_objects_come_and_go() {
         let picture = Readback::new(device, SIZE).unwrap();
         let mut bytes = Vec::new();
         for frame in 0..90 {
-            renderer.show(&moving.motion, &mut cast, frame).unwrap();
+            show_motion(&mut renderer, &moving.motion, &mut cast, frame).unwrap();
             let camera = moving.path.camera(0);
             render(&mut renderer, &mut view, Strategy::Antumbra, camera, &picture);
             bytes.push(device.memory_bytes().1);

@@ -3,8 +3,9 @@
 use cull::{Camera, Decision, ObjectId, Outcome, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::Readback;
-use render::scene::{CameraPath, Mesh, MeshId, Object, PathKind, Scene, city};
 use render::{Costs, Explanation, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use scene::{Mesh, MeshId, Object, Scene};
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::shapes::square_camera;
 use tests::{Driver, run, run_on_all};
 
@@ -47,8 +48,8 @@ fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<u32> {
 #[test]
 fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
     run_on_all(|device| {
-        let scene = city(300, 5).unwrap();
-        let mut camera = CameraPath::new(PathKind::Fly, &scene).unwrap().camera(7);
+        let GeneratedScene { scene, routes } = city(300, 5).unwrap();
+        let mut camera = CameraPath::new(PathKind::Fly, &routes).unwrap().camera(7);
         // The horizon is in the picture, and so is the sky.
         camera.forward.y = -0.1;
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
@@ -122,8 +123,8 @@ fn what_is_behind_thousands_of_boxes_is_found() {
 #[test]
 fn what_is_explained_of_objects_is_what_was_drawn() {
     run(Driver::Lavapipe, |device| {
-        let scene = city(1000, 5).unwrap();
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = city(1000, 5).unwrap();
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
         let mut counts = [0; 3];
@@ -176,8 +177,8 @@ fn check(
 #[test]
 fn a_pick_is_not_answered_by_what_a_newer_one_found() {
     run(Driver::Lavapipe, |device| {
-        let scene = city(1000, 5).unwrap();
-        let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(0);
+        let GeneratedScene { scene, routes } = city(1000, 5).unwrap();
+        let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let [width, height] = renderer.size();
         let middle = renderer.pick(&camera, [width / 2, height / 2]).unwrap();
@@ -191,8 +192,8 @@ fn a_pick_is_not_answered_by_what_a_newer_one_found() {
 #[test]
 fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
     run_on_all(|device| {
-        let scene = city(300, 5).unwrap();
-        let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(7);
+        let GeneratedScene { scene, routes } = city(300, 5).unwrap();
+        let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(7);
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
         let [plain, whole, alone] = [0; 3].map(|_| Readback::new(device, SIZE).unwrap());

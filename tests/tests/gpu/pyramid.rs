@@ -3,10 +3,11 @@
 use cull::{Camera, Strategy};
 use glam::Vec3;
 use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, Place, Target, vk};
-use render::scene::{CameraPath, PathKind, Scene};
 use render::{
     Area, ProxyBox, PyramidLevel, PyramidPass, Renderer, RendererOptions, ShaderSet, pyramid_levels,
 };
+use scene::Scene;
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::shapes::{DepthBoxes, box_at, box_scene, square_camera, square_view};
 use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras_with, walk_with};
 use tests::{Driver, run, run_on_all};
@@ -68,7 +69,7 @@ fn odd_sizes_are_exact() {
 #[test]
 fn eyes_in_walls_and_on_the_ground_are_exact() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(600);
+        let scene = SceneKind::City.build(600).scene;
         let boxes = render::object_bounds(&scene).unwrap();
         let eyes = boxes.iter().step_by(11).flat_map(|b| [b.centre(), b.min, b.max]);
         let cameras: Vec<Camera> = eyes
@@ -134,7 +135,7 @@ fn culling_culls() {
 #[test]
 fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(1);
+        let scene = SceneKind::City.build(1).scene;
         let down = Vec3::new(0.1, -1.0, 0.2);
         let cameras = [Vec3::NEG_Y, Vec3::Y, down, down, Vec3::Y].map(|forward| Camera {
             eye: Vec3::new(1.0, 30.0, 2.0),
@@ -152,8 +153,8 @@ fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
 #[test]
 fn a_frame_tells_what_it_drew() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(600);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(600);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut view = renderer.new_view().unwrap();
         let still = vec![path.camera(0); 6];
@@ -188,8 +189,8 @@ fn a_frame_tells_what_it_drew() {
 #[test]
 fn strategies_and_views_change_from_frame_to_frame() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(700);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(700);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 3)).unwrap();
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
@@ -215,8 +216,8 @@ fn strategies_and_views_change_from_frame_to_frame() {
 #[test]
 fn passes_are_timed_by_their_labels() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(300);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();

@@ -3,11 +3,11 @@
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::scene::{
+use render::{Error, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use scene::{
     Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, ObjectChange, PunctualLight,
     Scene, SurfaceVertex, Surfaces,
 };
-use render::{Error, FrameRequest, Renderer, RendererOptions, ViewHistory};
 use tests::studio::{mesh, scene, snorm16};
 use tests::{run_on_all, shapes};
 
@@ -18,8 +18,8 @@ fn room() -> Scene {
     let cube = shapes::box_scene(&[]).meshes.remove(0);
     let positions: Vec<Vec3> =
         cube.vertices.iter().map(|vertex| Vec3::from_array(vertex.position)).collect();
-    let vertex = |vertex: &render::scene::Vertex| SurfaceVertex {
-        normal: snorm16(render::scene::unpack_normal(vertex.normal).normalize(), 0),
+    let vertex = |vertex: &scene::Vertex| SurfaceVertex {
+        normal: snorm16(scene::unpack_normal(vertex.normal).normalize(), 0),
         tangent: snorm16(Vec3::X, 1),
         uv: [[0.0; 2]; 2],
         colour: [u16::MAX; 4],

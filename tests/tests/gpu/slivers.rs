@@ -6,8 +6,8 @@ use glam::Vec3;
 use gpu::{
     BufferSlice, Device, FrameRing, IndirectDraw, QueryIndex, QueryRing, Target, Uploads, vk,
 };
-use render::scene::{Mesh, Object, Scene};
 use render::{OpaqueIo, OpaquePass, ProxyBox, ProxyIo, ShaderSet};
+use scene::{Mesh, Object, Scene};
 use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
 use tests::{Driver, run};
 

@@ -4,8 +4,8 @@
 use cull::{Camera, CoherentOptions, DialogueOptions, FirstPass, LeafTest, Strategy};
 use glam::Vec3;
 use gpu::{Device, FrameRing, Readback, Tick, Timeline};
-use render::scene::{CameraPath, PathKind};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras_with, walk_with};
 use tests::{Driver, run, run_on_all};
 
@@ -134,7 +134,7 @@ fn a_visibility_threshold_leaves_out_what_hardly_shows() {
 #[test]
 fn eyes_in_walls_and_on_the_ground_are_exact() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(300);
+        let scene = SceneKind::City.build(300).scene;
         let boxes = render::object_bounds(&scene).unwrap();
         let eyes = boxes.iter().step_by(29).flat_map(|b| [b.centre(), b.min, b.max]);
         let camera = |(number, eye): (usize, Vec3)| {
@@ -154,8 +154,8 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
 #[test]
 fn a_dialogue_waits_and_says_how_often() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(500);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(500);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let cameras: Vec<Camera> = (0..10).map(|frame| path.camera(frame)).collect();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut waits = Vec::new();
@@ -183,8 +183,8 @@ fn a_dialogue_waits_and_says_how_often() {
 #[test]
 fn next_frame_is_right_at_rest_and_counted_wrong_on_the_way() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(1000);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(1000);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut plain = renderer.new_view().unwrap();
         let mut view = renderer.new_view().unwrap();
@@ -213,8 +213,8 @@ fn next_frame_is_right_at_rest_and_counted_wrong_on_the_way() {
 #[test]
 fn strategies_change_from_frame_to_frame() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(300);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 3)).unwrap();
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
@@ -244,7 +244,7 @@ fn strategies_change_from_frame_to_frame() {
 #[test]
 fn nothing_in_sight_is_an_empty_picture() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(1);
+        let scene = SceneKind::City.build(1).scene;
         let cameras = [Vec3::Y, Vec3::NEG_Y, Vec3::Y].map(|forward| Camera {
             eye: Vec3::new(1.0, 30.0, 2.0),
             forward,
@@ -263,8 +263,8 @@ fn nothing_in_sight_is_an_empty_picture() {
 #[test]
 fn passes_are_timed_by_their_labels() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(300);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let first_pass = FirstPass::DepthOnly;
         let options = coherent(CoherentOptions { first_pass, ..Default::default() });
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
@@ -315,8 +315,8 @@ fn a_frame_is_sent_off_in_pieces() {
 #[test]
 fn a_host_holds_a_dialogue_back_only_up_to_its_gate() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(300);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(300);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut view = renderer.new_view().unwrap();
         let gate = Timeline::new(device, "gate").unwrap();

@@ -2,8 +2,8 @@
 
 use cull::Strategy;
 use gpu::{Device, Predication};
-use render::scene::PathKind;
 use render::{Costs, RendererOptions};
+use scenes::PathKind;
 use tests::walk::{SceneKind, walk_with};
 use tests::{Driver, run, run_on_all};
 

@@ -4,12 +4,12 @@
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
-use render::scene::{
-    Alpha, MaterialId, Mesh, MeshId, Object, Scene, SpriteEnd, SpriteShape, Sprites, SurfaceMesh,
-    pack_sprite_colour,
-};
 use render::{
     Area, Costs, Explanation, Eye, FrameRequest, Renderer, RendererOptions, ShaderSet, ViewsRequest,
+};
+use scene::{
+    Alpha, MaterialId, Mesh, MeshId, Object, Scene, SpriteEnd, SpriteShape, Sprites, SurfaceMesh,
+    pack_sprite_colour,
 };
 use tests::shapes::coloured_cubes;
 use tests::walk::{frame_loop, pixels_that_differ};

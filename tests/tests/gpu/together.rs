@@ -4,11 +4,11 @@
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::scene::{
+use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use scene::{
     Alpha, BlendedId, Deformer, DeformerId, LightId, LightKind, Material, MaterialId, MeshId,
     MorphTarget, Object, ObjectChange, PunctualLight, Scene, pack_unorm,
 };
-use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
 use tests::run_on_all;
 use tests::shapes::{coloured_cubes, cube, surface_of};
 use tests::walk::pixels_that_differ;
@@ -76,7 +76,7 @@ fn scene() -> Scene {
             ..Material::default()
         });
     }
-    let bulge = |vertex: &render::scene::Vertex| [0.0, vertex.position[0] * 1.5, 0.0];
+    let bulge = |vertex: &scene::Vertex| [0.0, vertex.position[0] * 1.5, 0.0];
     let positions = scene.meshes[SOFT as usize].vertices.iter().map(bulge).collect();
     surfaces.deformers = vec![Deformer {
         mesh: MeshId(SOFT),

@@ -4,13 +4,11 @@
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::scene::{
+use render::{Compromises, Error, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use scene::limits::{MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, MAX_TEXTURE_TRANSFORMS};
+use scene::{
     Encoding, Image, ImageId, LightId, LightKind, Material, MaterialId, MeshId, Object,
     ObjectChange, PunctualLight, Sampler, Scene, Surfaces, Texture, TextureId, TextureUse,
-};
-use render::{
-    Compromises, Error, FrameRequest, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES,
-    MAX_TEXTURE_TRANSFORMS, Renderer, RendererOptions, ViewHistory,
 };
 use tests::run_on_all;
 use tests::shapes::coloured_cubes;
@@ -157,7 +155,7 @@ fn images_of_hundreds_of_sizes_show_their_colours() {
         let (mesh, mut surface) = (scene.meshes[0].clone(), surfaces.meshes[0].clone());
         surface.vertices.iter_mut().for_each(|vertex| vertex.colour = [u16::MAX; 4]);
         scene.meshes = vec![mesh; COUNT as usize];
-        let of = |material| render::scene::SurfaceMesh { material, ..surface.clone() };
+        let of = |material| scene::SurfaceMesh { material, ..surface.clone() };
         surfaces.meshes = (0..COUNT).map(|it| of(MaterialId(it))).collect();
         for (mesh, object) in (0..).zip(&mut scene.objects) {
             object.mesh = MeshId(mesh);

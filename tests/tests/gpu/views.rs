@@ -2,12 +2,12 @@
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Predication, Readback};
-use render::scene::{CameraPath, Cast, Motion, PathKind, Scene};
 use render::{
     Area, Costs, Eye, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory,
     ViewsRequest, VisibleSet,
 };
-use tests::walk::{SceneKind, pixels_that_differ};
+use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
+use tests::walk::{SceneKind, pixels_that_differ, show_motion};
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [320, 100];
@@ -50,7 +50,7 @@ fn render(
 /// Walks with a stereo pair and compares every picture with that of frustum culling.
 fn check_pair(
     device: &Device,
-    scene: &Scene,
+    scene: &GeneratedScene,
     walked: (PathKind, u32),
     options: &RendererOptions,
     frames: u32,
@@ -61,12 +61,12 @@ fn check_pair(
 fn check_pair_with(
     device: &Device,
     strategy: Strategy,
-    scene: &Scene,
+    GeneratedScene { scene, routes }: &GeneratedScene,
     (path, percent): (PathKind, u32),
     options: &RendererOptions,
     frames: u32,
 ) {
-    let path = CameraPath::new(path, scene).unwrap();
+    let path = CameraPath::new(path, routes).unwrap();
     let motion = Motion::new(scene, percent, 3).unwrap();
     let mut renderer = Renderer::new(device, scene, options).unwrap();
     let mut cast = Cast::new(&motion);
@@ -76,7 +76,7 @@ fn check_pair_with(
         let waits = renderer.device().wait_counts().other;
         let pictures: Vec<Readback> = (0..frames)
             .map(|frame| {
-                renderer.show(&motion, &mut cast, frame).unwrap();
+                show_motion(&mut renderer, &motion, &mut cast, frame).unwrap();
                 let picture = Readback::new(device, SIZE).unwrap();
                 let cameras = pair(path.camera(frame));
                 render(&mut renderer, &mut views, strategy, &cameras, &areas, &picture);
@@ -135,8 +135,8 @@ fn a_stereo_pair_is_exact_with_every_tester() {
 #[test]
 fn each_eye_has_an_ideal_of_its_own() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(800);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(800);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let size = [321, 100];
         let options = RendererOptions { size, ..options(2) };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
@@ -202,8 +202,8 @@ fn every_way_to_skip_draws_knows_its_view() {
 #[test]
 fn areas_may_be_anywhere() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(900);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(900);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
         let area = |x, y, width, height| Area { origin: [x, y], size: [width, height] };
         let areas =
@@ -233,8 +233,8 @@ fn areas_may_be_anywhere() {
 #[test]
 fn a_view_does_not_notice_the_others() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(900);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(900);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let half = [SIZE[0] / 2, SIZE[1]];
         // Plans are compared, so no prices that are measured.
         let options = options(2);
@@ -269,8 +269,8 @@ fn a_view_does_not_notice_the_others() {
 #[test]
 fn areas_outside_of_the_picture_are_refused() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::City.build(50);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(50);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
         let mut view = renderer.new_view().unwrap();
         for (origin, size) in [

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use gpu::Readback;
-use render::scene::{CameraPath, PathKind, city};
 use render::{FrameRequest, Renderer, RendererOptions, ShaderSet};
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::Driver;
 
 use crate::{REGENERATE, committed_spirv, folder, sources};
@@ -121,8 +121,8 @@ fn a_set_with_one_broken_shader_is_refused() {
 
 /// One frame of a small city, drawn with `shaders`.
 fn picture(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
-    let scene = city(200, 1).unwrap();
-    let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+    let GeneratedScene { scene, routes } = city(200, 1).unwrap();
+    let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let options = RendererOptions { size: [160, 90], shaders, ..Default::default() };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
     let mut history = renderer.new_view().unwrap();

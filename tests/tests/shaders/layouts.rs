@@ -27,7 +27,7 @@ fn interface(name: &str) -> (Buffers, usize) {
                     let is_array = name.starts_with("surface");
                     assert_eq!(
                         *nbind,
-                        if is_array { render::MAX_PAGES as u32 } else { 1 },
+                        if is_array { scene::limits::MAX_PAGES as u32 } else { 1 },
                         "{name}"
                     );
                     continue;
@@ -131,8 +131,9 @@ fn predicates_read_words_and_ranges() {
 fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
     assert_eq!(interface("pyramid_build.comp"), (vec![(0, 4, vec![0])], 16));
     let draw = (size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
+    // Boxes carry the number of triangles that are shown in the word behind their lower corner.
     let first = vec![
-        (0, 32, vec![0, 16]),
+        (0, 32, vec![0, 12, 16, 28]),
         (1, draw.0, draw.1.clone()),
         (2, 4, vec![0]),
         (3, draw.0, draw.1),
@@ -168,7 +169,7 @@ fn surfaces_have_materials_transforms_lights_and_lists() {
     assert_eq!(interface("surface.frag"), (vec![transforms.clone(), lights, (4, 4, vec![0])], 112));
     assert_eq!(interface("surface_depth.frag").0, vec![transforms]);
     let source = std::fs::read_to_string(crate::folder().join("lights.glsl")).unwrap();
-    let words = render::MAX_LIGHTS_PER_OBJECT / 2;
+    let words = scene::limits::MAX_LIGHTS_PER_OBJECT / 2;
     assert!(source.contains(&format!("LIST_WORDS = {words};")));
 }
 
@@ -192,8 +193,8 @@ fn the_deform_pass_reads_and_writes_words() {
     let words = |binding| (binding, 4, vec![0]);
     assert_eq!(interface("deform.comp"), ([0, 1, 2, 3].map(words).to_vec(), 32));
     // What its words are: a vertex is five of them, a surface vertex ten.
-    assert_eq!(size_of::<render::scene::Vertex>(), 5 * 4);
-    assert_eq!(size_of::<render::scene::SurfaceVertex>(), 10 * 4);
-    assert_eq!(offset_of!(render::scene::Vertex, normal), 3 * 4);
-    assert_eq!(offset_of!(render::scene::SurfaceVertex, tangent), 2 * 4);
+    assert_eq!(size_of::<scene::Vertex>(), 5 * 4);
+    assert_eq!(size_of::<scene::SurfaceVertex>(), 10 * 4);
+    assert_eq!(offset_of!(scene::Vertex, normal), 3 * 4);
+    assert_eq!(offset_of!(scene::SurfaceVertex, tangent), 2 * 4);
 }

@@ -5,8 +5,8 @@ use std::ffi::CStr;
 
 use cull::Strategy;
 use gpu::{PresentMode, Readback, SwapchainOptions};
-use render::scene::{CameraPath, PathKind, city};
 use render::{FrameRequest, Renderer, RendererOptions};
+use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::Driver;
 use tests::counting::allocations;
 use tests::machine::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, Machine, calls};
@@ -41,8 +41,8 @@ fn is_ours(strategy: &Strategy) -> bool {
 #[test]
 fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
     let server = Xvfb::start();
-    let scene = city(300, 1).unwrap();
-    let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(0);
+    let GeneratedScene { scene, routes } = city(300, 1).unwrap();
+    let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
     let mut allocating = Vec::new();
     for (driver, _) in MODES {
         for strategy in Strategy::ALL.into_iter().filter(is_ours) {
@@ -81,8 +81,8 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
 #[test]
 fn a_thousand_switches_leave_the_picture_and_keep_nothing() {
     let server = Xvfb::start();
-    let scene = city(300, 1).unwrap();
-    let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(0);
+    let GeneratedScene { scene, routes } = city(300, 1).unwrap();
+    let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
     for (driver, modes) in MODES {
         let window = X11Window::open(&server, Library::Xcb, SIZE);
         let stage = Stage::with_entry(Machine::default().entry(), driver, window);

@@ -5,14 +5,13 @@ use std::time::Duration;
 
 use cull::Strategy;
 use gpu::{PresentId, Readback, Shown, SwapchainOptions};
-use render::scene::{CameraPath, PathKind};
 use render::{FrameRequest, Renderer, RendererOptions};
-use tests::walk::SceneKind;
-use tests::xvfb::Xvfb;
-
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::stage::{Stage, await_picture};
+use tests::walk::SceneKind;
 use tests::ways::{WAYS, modes};
 use tests::x11_window::X11Window;
+use tests::xvfb::Xvfb;
 
 #[test]
 fn the_renderers_picture_in_a_window_is_the_one_without_it() {
@@ -21,8 +20,8 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         let size = [256, 144];
         let window = X11Window::open(&server, library, size);
         let stage = Stage::new(driver, window.clone());
-        let scene = SceneKind::City.build(600);
-        let path = CameraPath::new(PathKind::Street, &scene).unwrap();
+        let GeneratedScene { scene, routes } = SceneKind::City.build(600);
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let options = RendererOptions { size, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());

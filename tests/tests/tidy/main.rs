@@ -82,6 +82,9 @@ fn crates_depend_only_downwards() {
             ),
             ("engine/gpu/Cargo.toml", "[dependencies.cull]\nworkspace = true\n"),
             ("engine/render/Cargo.toml", "[dependencies]\nsamples = { path = \"x\" }\n"),
+            ("engine/import/Cargo.toml", "[dependencies]\nrender.workspace = true\n"),
+            ("engine/scene/Cargo.toml", "[dev-dependencies]\nscenes.workspace = true\n"),
+            ("shaders/Cargo.toml", "[dependencies]\nantumbra-gpu = \"0.1\"\n"),
         ],
     );
     let harmless = "[package]\nname = \"antumbra-gpu\"\n[dependencies]\ngpu-allocator = \"1\"\n";

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use animation::{Clip, NodeId};
 use cull::{Aabb, ObjectId};
 use glam::Affine3A;
-use render::scene::{BlendedId, Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces};
+use scene::{BlendedId, Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces};
 
 use super::budget::Budget;
 use super::forms::Forms;

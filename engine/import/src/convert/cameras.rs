@@ -93,15 +93,15 @@ fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32)
     if let Some(given) = perspective(given) {
         let is_angle = given.yfov.abs() > 0.0 && given.yfov.abs() < PI;
         notes.count(faults::ANGLE, usize::from(!is_angle), place);
-        let angle_rad = if is_angle { given.yfov.abs() } else { render::scene::FOV_Y_RAD };
+        let angle_rad = if is_angle { given.yfov.abs() } else { scene::FOV_Y_RAD };
         let zfar = given.zfar.unwrap_or(f32::INFINITY);
         let near_m = if given.znear > 0.0 { given.znear.min(zfar) } else { zfar.min(0.0) };
         let is_in_order = given.znear > 0.0 && zfar > given.znear;
         notes.count(faults::NEAR, usize::from(!is_in_order), place);
-        return from(angle_rad, if near_m > 0.0 { near_m } else { render::scene::NEAR_M });
+        return from(angle_rad, if near_m > 0.0 { near_m } else { scene::NEAR_M });
     }
     let Some(parallel) = &given.orthographic else {
-        return from(render::scene::FOV_Y_RAD, render::scene::NEAR_M);
+        return from(scene::FOV_Y_RAD, scene::NEAR_M);
     };
     notes.count("orthographic cameras, shown by a narrow view from far away", 1, place);
     let has_height = parallel.ymag != 0.0;
@@ -181,13 +181,13 @@ mod tests {
 
     #[test]
     fn projections_that_cannot_be_are_replaced_and_noted() {
-        let default = render::scene::FOV_Y_RAD;
+        let default = scene::FOV_Y_RAD;
         for (projection, angle_rad, near_m, noted) in [
             (r#""yfov": 0.5, "znear": 0.25, "zfar": 9"#, 0.5, 0.25, None),
             (r#""yfov": 0, "znear": 0.25"#, default, 0.25, Some(faults::ANGLE)),
             (r#""yfov": 3.2, "znear": 0.25"#, default, 0.25, Some(faults::ANGLE)),
             (r#""yfov": 0.5, "znear": 100, "zfar": 0.5"#, 0.5, 0.5, Some(faults::NEAR)),
-            (r#""yfov": 0.5, "znear": 0"#, 0.5, render::scene::NEAR_M, Some(faults::NEAR)),
+            (r#""yfov": 0.5, "znear": 0"#, 0.5, scene::NEAR_M, Some(faults::NEAR)),
         ] {
             let text = format!(r#"{{"type": "perspective", "perspective": {{{projection}}}}}"#);
             let given = json::deserialize::from_str(&text).expect("a camera");

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use cull::Aabb;
 use glam::Vec3;
-use render::scene::{ENCLOSING, outwardness};
+use scene::{ENCLOSING, outwardness};
 
 use super::geometry::Geometry;
 use super::pieces;

@@ -2,7 +2,7 @@
 
 use animation::NodeId;
 use glam::Affine3A;
-use render::scene::{Deformer, DeformerId, Object};
+use scene::{Deformer, DeformerId, Object};
 
 use super::assembly::{Assembly, NO_TINT};
 use super::forms::{Form, Formed};

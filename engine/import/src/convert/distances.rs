@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use animation::{Clip, Extents, Rig, Skeleton, Skin};
 use cull::{Aabb, MAX_COORDINATE};
-use render::scene::{Scene, Surfaces};
+use scene::{Scene, Surfaces};
 
 use super::nodes::Tree;
 use super::skins::used_joints;

@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 
 use cull::Aabb;
-use render::scene::{LightKind, PunctualLight, Scene, Surfaces};
+use scene::{LightKind, PunctualLight, Scene, Surfaces};
 
 use crate::notes::Notes;
 

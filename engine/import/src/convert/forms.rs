@@ -13,7 +13,7 @@ use animation::{
 };
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
-use render::scene::SkinWeights;
+use scene::SkinWeights;
 
 use super::geometry::Geometry;
 use super::nodes::Tree;

@@ -2,15 +2,7 @@
 
 use cull::{Aabb, Camera};
 use glam::{Vec3, vec3};
-use render::scene::{FOV_Y_RAD, Flight};
-
-/// A circle over a scene from which it is seen.
-pub(super) fn flight(bounds: &Aabb) -> Flight {
-    let size = bounds.half_extent();
-    let reach = size.x.hypot(size.z).max(0.5);
-    let top = Vec3::new(bounds.centre().x, bounds.max.y, bounds.centre().z);
-    Flight { centre: top + Vec3::Y * (reach * 0.35), radius_m: reach * 0.75, down_rad: 0.5 }
-}
+use scene::FOV_Y_RAD;
 
 /// How much wider than high a picture is at least that shows everything.
 const ASPECT: f32 = 4.0 / 3.0;
@@ -65,14 +57,5 @@ mod tests {
         let bounds = Aabb::new(Vec3::ZERO, Vec3::splat(1e-4));
         let camera = overview(&bounds);
         assert!(camera.eye.distance(bounds.centre()) < 4e-4 && camera.near < 2e-6);
-    }
-
-    #[test]
-    fn a_flight_goes_round_over_the_scene() {
-        let bounds = Aabb::new(vec3(-10.0, 0.0, 5.0), vec3(70.0, 4.0, 9.0));
-        let flight = flight(&bounds);
-        assert!(flight.centre.y > 4.0 && flight.radius_m > 20.0);
-        assert!((flight.centre.x, flight.centre.z) == (30.0, 7.0));
-        assert!(super::flight(&Aabb::new(Vec3::ZERO, Vec3::ZERO)).radius_m > 0.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use cull::Aabb;
 use glam::{Vec2, Vec3, Vec4};
-use render::scene::{MorphTarget, SkinWeights};
+use scene::{MorphTarget, SkinWeights};
 
 /// Attributes of vertices, and the triangles between them. A list of an attribute is empty or has one
 /// element a vertex.

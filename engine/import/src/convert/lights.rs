@@ -6,7 +6,7 @@ use animation::NodeId;
 use glam::{Affine3A, Vec3, vec3};
 use gltf::json::extensions::scene::khr_lights_punctual as khr;
 use gltf::json::validation::Checked;
-use render::scene::{Light, LightKind, PunctualLight};
+use scene::{Light, LightKind, PunctualLight};
 
 use super::nodes::Tree;
 use super::numbers::direction;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use gltf::json;
 use gltf::json::validation::Checked;
 use gltf::material::AlphaMode;
-use render::scene::{Alpha, Encoding, Image, Material, MaterialId, Texture, TextureUse};
+use scene::{Alpha, Encoding, Image, Material, MaterialId, Texture, TextureUse};
 
 use super::sidedness::Backs;
 use super::tangents::NormalUvs;

@@ -36,7 +36,7 @@ use std::collections::HashMap;
 use animation::NodeId;
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
-use render::scene::{Flight, LightId, Scene, Streets, Surfaces};
+use scene::{LightId, Scene, Surfaces};
 
 use self::assembly::{Assembly, rigid};
 use self::budget::Budget;
@@ -141,7 +141,6 @@ pub(crate) fn convert(
     let bounds = imported.bounds();
     cameras::settle(&mut cameras, &lenses, &places, &bounds, &mut notes);
     (imported.cameras, imported.notes) = (cameras, notes.finish());
-    imported.scene.flight = framing::flight(&bounds);
     Ok(imported)
 }
 
@@ -149,12 +148,9 @@ pub(crate) fn convert(
 fn empty(name: String) -> Scene {
     Scene {
         name,
-        seed: 0,
         meshes: Vec::new(),
         objects: Vec::new(),
         light: lights::surroundings(),
-        streets: Streets::default(),
-        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.5 },
         surfaces: None,
     }
 }

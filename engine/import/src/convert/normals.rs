@@ -1,7 +1,7 @@
 //! Normals: flat ones where a file has none, as the specification asks, and repairs of broken ones.
 
 use glam::Vec3;
-use render::scene::MorphTarget;
+use scene::MorphTarget;
 
 use super::geometry::Geometry;
 use super::numbers::{direction, triangle_normal};

@@ -1,7 +1,7 @@
 //! Packs geometry into the vertices that the engine draws.
 
 use glam::Vec3;
-use render::scene::{
+use scene::{
     MaterialId, Mesh, SurfaceMesh, SurfaceVertex, Vertex, bounds_of_vertices, pack_normal,
     pack_unorm,
 };

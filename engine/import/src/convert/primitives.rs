@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use gltf::json;
 use gltf::json::validation::Checked;
 use gltf::mesh::{Mode, Semantic};
-use render::scene::{MorphTarget, SkinWeights};
+use scene::{MorphTarget, SkinWeights};
 
 use super::budget::Budget;
 use super::geometry::Geometry;

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use animation::NodeId;
-use render::scene::{Encoding, Material, PunctualLight, Sampler, Surfaces, TextureUse};
-use render::{MAX_LAYERS, MAX_LIGHTS, MAX_PAGES, MAX_TEXTURE_TRANSFORMS};
+use scene::limits::{MAX_LAYERS, MAX_LIGHTS, MAX_PAGES, MAX_TEXTURE_TRANSFORMS};
+use scene::{Encoding, Material, PunctualLight, Sampler, Surfaces, TextureUse};
 
 use super::nodes::Tree;
 use crate::{Cause, ImportError, Limits, Source};

@@ -7,7 +7,7 @@ use glam::Affine3A;
 use gltf::json;
 use gltf::json::validation::Checked;
 use gltf::mesh::{Mode, Semantic};
-use render::scene::{MeshId, Object};
+use scene::{MeshId, Object};
 
 use super::assembly::{Assembly, NO_TINT, rigid};
 use super::geometry::Geometry;

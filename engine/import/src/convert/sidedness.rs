@@ -68,7 +68,7 @@ pub(super) fn mirror(geometry: &mut Geometry) {
 mod tests {
     use super::*;
     use glam::{Vec2, Vec3, Vec4};
-    use render::scene::{MorphTarget, SkinWeights};
+    use scene::{MorphTarget, SkinWeights};
 
     fn triangle() -> Geometry {
         Geometry {

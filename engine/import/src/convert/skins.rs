@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use animation::{NodeId, Skin};
 use glam::{Affine3A, Mat4};
-use render::scene::SkinWeights;
+use scene::SkinWeights;
 
 use super::nodes::Tree;
 use super::numbers::{has_volume, mirrors};

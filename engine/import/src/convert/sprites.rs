@@ -3,7 +3,7 @@
 
 use glam::{Affine3A, Vec3};
 use gltf::mesh::Semantic;
-use render::scene::{MAX_SPRITES, MeshId, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
+use scene::{MAX_SPRITES, MeshId, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 
 use super::budget::Budget;
 use super::geometry::Geometry;

@@ -6,7 +6,7 @@ use glam::{Affine2, Vec2};
 use gltf::json::validation::Checked;
 use gltf::json::{Value, texture};
 use gltf::texture::{MagFilter, MinFilter, WrappingMode};
-use render::scene::{Encoding, Filter, Image, ImageId, Sampler, Texture, TextureId, Wrap};
+use scene::{Encoding, Filter, Image, ImageId, Sampler, Texture, TextureId, Wrap};
 
 use crate::Source;
 

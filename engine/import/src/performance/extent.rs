@@ -2,7 +2,7 @@
 
 use cull::Aabb;
 use glam::Vec3;
-use render::scene::{Object, Scene};
+use scene::{Object, Scene};
 
 use super::Performance;
 use crate::imported::Placed;

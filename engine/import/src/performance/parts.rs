@@ -7,9 +7,11 @@ use std::ops::Range;
 use animation::{Clip, ClipIndex, NodeId, Pose, Rig, Skeleton, Skin};
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
-use render::scene::{Deformer, PunctualLight, bounds_of_transformed};
+use scene::{
+    BlendedMove, Deformation, Deformer, LightMove, ObjectChange, PunctualLight, SceneUpdate,
+    bounds_of_transformed,
+};
 
-use super::changes::{BlendedMove, Changes, Deformation, LightMove, ObjectMove};
 use crate::convert::used_joints;
 use crate::imported::{Placed, Placement};
 
@@ -20,6 +22,8 @@ pub(super) struct Parts {
     skeletons: Vec<Hung>,
     /// For each node whose weights clips change, these clips.
     weighing: HashMap<NodeId, Vec<usize>>,
+    /// Matrices of a skeleton in the making, kept to allocate nothing.
+    matrices: Vec<Affine3A>,
 }
 
 /// A skeleton, whatever hangs on it.
@@ -231,13 +235,13 @@ impl Parts {
         &mut self,
         part: usize,
         (rig, pose): (&Rig, &Pose),
-        changes: &mut Changes,
+        changes: &mut SceneUpdate,
     ) {
         let Some(part) = self.parts.get_mut(part) else { return };
         let Some((deformer, _)) = part.placement.deformer else { return };
         let mut hung = part.skeleton.and_then(|skeleton| self.skeletons.get_mut(skeleton));
         if let Some(hung) = hung.as_mut().filter(|hung| !hung.is_known_now) {
-            hung.pose(rig, pose, changes);
+            hung.pose(rig, pose, &mut self.matrices);
         }
         let version = hung.as_ref().map_or(0, |hung| hung.version);
         let weights = pose.weights(part.placement.node);
@@ -261,7 +265,7 @@ impl Parts {
         world: &[Affine3A],
         is_fading: bool,
         lights: &mut [PunctualLight],
-        changes: &mut Changes,
+        changes: &mut SceneUpdate,
     ) {
         if let Some(part) = self.parts.get_mut(part) {
             part.change_place(world, is_fading, lights, changes);
@@ -275,17 +279,17 @@ fn rig_weights(rig: &Rig, node: NodeId) -> &[f32] {
 
 impl Hung {
     /// Looks at where the joints are now.
-    fn pose(&mut self, rig: &Rig, pose: &Pose, changes: &mut Changes) {
+    fn pose(&mut self, rig: &Rig, pose: &Pose, matrices: &mut Vec<Affine3A>) {
         self.is_known_now = true;
-        self.skeleton.joint_matrices(rig, pose, &mut changes.matrices);
-        if self.version == 0 || self.matrices != changes.matrices {
-            self.matrices.clone_from(&changes.matrices);
+        self.skeleton.joint_matrices(rig, pose, matrices);
+        if self.version == 0 || self.matrices != *matrices {
+            self.matrices.clone_from(matrices);
             self.version += 1;
         }
     }
 
     /// Where its matrices are among the changes.
-    fn bring(&mut self, changes: &mut Changes) -> Range<usize> {
+    fn bring(&mut self, changes: &mut SceneUpdate) -> Range<usize> {
         let matrices = &self.matrices;
         let now = self.now.get_or_insert_with(|| {
             let first = changes.joints.len();
@@ -322,7 +326,7 @@ impl Part {
         world: &[Affine3A],
         is_fading: bool,
         lights: &mut [PunctualLight],
-        changes: &mut Changes,
+        changes: &mut SceneUpdate,
     ) {
         let bounds = self.bounds.map(|[fading, settled]| if is_fading { fading } else { settled });
         let transform = self.place(world);
@@ -334,7 +338,10 @@ impl Part {
         self.shown_bounds = bounds.unwrap_or(self.shown_bounds);
         match self.placement.placed {
             Placed::Object(object) => {
-                changes.objects.push(ObjectMove { object, transform, bounds });
+                changes.objects.push(match bounds {
+                    Some(bounds) => ObjectChange::Reshape { object, transform, bounds },
+                    None => ObjectChange::Move { object, transform },
+                });
             }
             Placed::Blended(blended) => {
                 changes.blended.push(BlendedMove { blended, transform, bounds });

@@ -3,9 +3,9 @@
 use animation::{Channel, Clip, Interpolation, Node, NodeId, Rest, Rig, Skin, Track, Trs, Values};
 use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Quat, Vec3};
-use render::scene::{
+use scene::{
     BlendedId, Deformer, DeformerId, LightId, LightKind, Mesh, MeshId, MorphTarget, Object,
-    PunctualLight, Scene, SkinWeights, SurfaceMesh, Surfaces,
+    ObjectChange, PunctualLight, Scene, SkinWeights, SurfaceMesh, Surfaces,
 };
 
 use super::*;
@@ -70,7 +70,7 @@ fn imported() -> Imported {
     scene.meshes = vec![mesh; 3];
     let object = |mesh| Object { mesh: MeshId(mesh), transform: Affine3A::IDENTITY, tint: 0 };
     scene.objects = [0, 1, 2, 0].map(object).to_vec();
-    let look = SurfaceMesh { vertices: Vec::new(), material: render::scene::MaterialId(0) };
+    let look = SurfaceMesh { vertices: Vec::new(), material: scene::MaterialId(0) };
     let weights = SkinWeights {
         joint_count: 2,
         joints: vec![[0, 1, 0, 0]; 3],
@@ -149,9 +149,18 @@ fn performance() -> Performance {
     performance
 }
 
+/// The object of a change, where it is then, and the box that it stays in.
+fn parts(change: &ObjectChange) -> (ObjectId, Affine3A, Option<Aabb>) {
+    match *change {
+        ObjectChange::Move { object, transform } => (object, transform, None),
+        ObjectChange::Reshape { object, transform, bounds } => (object, transform, Some(bounds)),
+        other => panic!("files bring and take no objects: {other:?}"),
+    }
+}
+
 /// The objects that change at a time.
 fn moved(performance: &mut Performance, seconds: f64) -> Vec<u32> {
-    performance.changes(seconds).objects.iter().map(|moved| moved.object.0).collect()
+    performance.changes(seconds).objects.iter().map(|moved| parts(moved).0.0).collect()
 }
 
 #[test]
@@ -161,7 +170,7 @@ fn at_first_only_what_has_no_form_yet_gets_one() {
     let deformers: Vec<u32> = changes.deformations.iter().map(|it| it.deformer.0).collect();
     assert_eq!(deformers, [0, 1]);
     assert_eq!((changes.joints.len(), changes.weights.as_slice()), (2, &[0.0][..]));
-    let bounds: Vec<Option<Aabb>> = changes.objects.iter().map(|moved| moved.bounds).collect();
+    let bounds: Vec<Option<Aabb>> = changes.objects.iter().map(|moved| parts(moved).2).collect();
     assert_eq!(bounds, [Some(unit_box(1.0)); 2]);
     assert!(changes.lights.is_empty() && changes.blended.is_empty());
     assert!(performance.changes(0.5).is_empty(), "nothing plays");
@@ -177,8 +186,9 @@ fn what_hangs_on_a_node_goes_where_it_goes() {
     let changes = performance.changes(0.5).clone();
     let at = Vec3::new(3.0, 1.0, 0.0);
     let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
-    assert_eq!((moved.object, moved.bounds), (ObjectId(0), None));
-    assert_eq!(Vec3::from(moved.transform.translation), at);
+    let (object, transform, bounds) = parts(moved);
+    assert_eq!((object, bounds), (ObjectId(0), None));
+    assert_eq!(Vec3::from(transform.translation), at);
     let [light] = changes.lights.as_slice() else { panic!("{changes:?}") };
     assert_eq!((light.to.position, light.to.intensity), (at, 7.0));
     let [blended] = changes.blended.as_slice() else { panic!("{changes:?}") };
@@ -218,7 +228,7 @@ fn boxes_are_those_of_the_clips_that_change_the_form() {
     performance.play(&[1], 0.0, 0.0);
     let changes = performance.changes(0.5).clone();
     let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
-    assert_eq!(moved.transform.translation.z, 2.0);
+    assert_eq!(parts(moved).1.translation.z, 2.0);
     assert_eq!(changes.joints[0], Affine3A::IDENTITY);
     assert_eq!(changes.joints[1].translation.z, 0.5);
 }

@@ -18,8 +18,6 @@ pub fn check(imported: &Imported) {
     let camera = imported.default_camera([3, 2]);
     assert!(camera.eye.is_finite() && camera.near > 0.0 && camera.forward.is_finite());
     assert!(camera.forward.length() > 0.5, "{camera:?}");
-    let flight = &imported.scene.flight;
-    assert!(flight.centre.is_finite() && flight.radius_m > 0.0 && flight.radius_m.is_finite());
 }
 
 fn check_surfaces(imported: &Imported) {

@@ -1,6 +1,7 @@
 //! What was loaded plays: all clips, faded into each other, at any time and at none.
 
-use antumbra_import::{Changes, Imported, LevelOptions, Performance};
+use antumbra_import::{Imported, LevelOptions, Performance};
+use scene::{ObjectChange, SceneUpdate};
 
 /// Times to look at, in this order: seeks forwards and back, before the beginning, and what is no time.
 const SECONDS: [f64; 7] = [0.0, 0.37, 1.0e9, -3.5, f64::NAN, f64::INFINITY, 0.5];
@@ -37,13 +38,20 @@ pub fn perform(mut imported: Imported) {
     }
 }
 
-fn check(changes: &Changes, scene: &render::scene::Scene) {
+fn check(changes: &SceneUpdate, scene: &scene::Scene) {
     let surfaces = scene.surfaces.as_ref().expect("surfaces");
     for moved in &changes.objects {
-        let mesh = scene.mesh_of(&scene.objects[moved.object.0 as usize]).expect("its mesh");
-        let corners = moved.bounds.unwrap_or(mesh.bounds).corners();
-        let corners = corners.map(|corner| moved.transform.transform_point3(corner));
-        assert!(moved.transform.is_finite(), "{moved:?}");
+        let (object, transform, bounds) = match *moved {
+            ObjectChange::Move { object, transform } => (object, transform, None),
+            ObjectChange::Reshape { object, transform, bounds } => {
+                (object, transform, Some(bounds))
+            }
+            other => panic!("files bring and take no objects: {other:?}"),
+        };
+        let mesh = scene.mesh_of(&scene.objects[object.0 as usize]).expect("its mesh");
+        let corners = bounds.unwrap_or(mesh.bounds).corners();
+        let corners = corners.map(|corner| transform.transform_point3(corner));
+        assert!(transform.is_finite(), "{moved:?}");
         assert!(corners.iter().all(|at| at.abs().max_element() <= FARTHEST), "{moved:?}");
     }
     for moved in &changes.blended {

@@ -160,7 +160,7 @@ fn points_that_are_blended_are_solids_unless_they_are_a_crowd() {
     let crowd = cloud(70_000);
     let surfaces = crowd.scene.surfaces.as_ref().expect("surfaces");
     assert_eq!(surfaces.blended.len(), 0);
-    let count: usize = surfaces.sprites.iter().map(render::scene::Sprites::count).sum();
+    let count: usize = surfaces.sprites.iter().map(scene::Sprites::count).sum();
     assert_eq!(count, 70_000);
     assert_eq!(surfaces.sprites[0].ends[0].colour, 65_280.0, "the material's green");
     assert!(notes(&crowd, "points and lines too many to be blended"), "{:?}", crowd.notes);

@@ -28,7 +28,7 @@ fn with(material: Value) -> Scene {
     scene
 }
 
-fn surfaces(imported: &Imported) -> &render::scene::Surfaces {
+fn surfaces(imported: &Imported) -> &scene::Surfaces {
     imported.scene.surfaces.as_ref().expect("surfaces")
 }
 
@@ -54,19 +54,19 @@ fn every_value_of_a_material_is_read() {
     assert_eq!((material.metallic, material.roughness), (0.6, 0.7));
     assert_eq!((material.normal_scale, material.occlusion_strength), (-0.5, 0.75));
     assert_eq!(material.emission, [4.0, 2.0, 0.0]);
-    assert_eq!(material.alpha, render::scene::Alpha::Mask { cutoff: 0.25 });
+    assert_eq!(material.alpha, scene::Alpha::Mask { cutoff: 0.25 });
     assert!(material.is_double_sided && !material.is_unlit);
     let occlusion = material.occlusion_texture.expect("a texture");
     let metallic = material.metallic_roughness_texture.expect("a texture");
     assert_eq!((occlusion.uv_set, metallic.uv_set), (1, 0));
     assert_eq!(occlusion.texture, metallic.texture, "one image, read in one way");
-    let texture = |used: Option<render::scene::TextureUse>| {
+    let texture = |used: Option<scene::TextureUse>| {
         let used = used.expect("a texture");
         surfaces(&imported).textures[used.texture.0 as usize].encoding
     };
-    assert_eq!(texture(material.base_colour_texture), render::scene::Encoding::Srgb);
-    assert_eq!(texture(material.emission_texture), render::scene::Encoding::Srgb);
-    assert_eq!(texture(material.normal_texture), render::scene::Encoding::Linear);
+    assert_eq!(texture(material.base_colour_texture), scene::Encoding::Srgb);
+    assert_eq!(texture(material.emission_texture), scene::Encoding::Srgb);
+    assert_eq!(texture(material.normal_texture), scene::Encoding::Linear);
     assert_eq!(surfaces(&imported).images.len(), 3);
     assert!(surfaces(&imported).images.iter().all(|image| image.size == [16, 8]));
 }
@@ -74,7 +74,7 @@ fn every_value_of_a_material_is_read() {
 #[test]
 fn defaults_are_those_of_the_specification() {
     let imported = load(&Scene::triangle());
-    let expected = render::scene::Material { name: "default".to_owned(), ..Default::default() };
+    let expected = scene::Material { name: "default".to_owned(), ..Default::default() };
     assert_eq!(surfaces(&imported).materials, [expected]);
 }
 
@@ -89,7 +89,7 @@ fn numbers_out_of_range_are_brought_into_it() {
     assert_eq!(material.base_colour, [1.0, 0.0, 0.5, 1.0]);
     assert_eq!((material.metallic, material.roughness), (0.0, 1.0));
     assert_eq!(material.emission, [0.0, 65504.0, 1.0]);
-    assert_eq!(material.alpha, render::scene::Alpha::Mask { cutoff: 0.0 });
+    assert_eq!(material.alpha, scene::Alpha::Mask { cutoff: 0.0 });
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn one_image_read_in_two_ways_is_two_textures() {
 
 #[test]
 fn samplers_say_how_textures_are_looked_at() {
-    use render::scene::{Filter, Wrap};
+    use scene::{Filter, Wrap};
     let levels = [
         (9728, Filter::Nearest, None),
         (9729, Filter::Linear, None),
@@ -134,7 +134,7 @@ fn samplers_say_how_textures_are_looked_at() {
         );
     }
     let plain = load(&with(json!({ "emissiveTexture": { "index": 0 } })));
-    assert_eq!(surfaces(&plain).textures[0].sampler, render::scene::Sampler::default());
+    assert_eq!(surfaces(&plain).textures[0].sampler, scene::Sampler::default());
 }
 
 #[test]

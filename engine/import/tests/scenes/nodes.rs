@@ -153,10 +153,10 @@ fn what_moves_is_told_and_what_stays_is_not() {
     assert_eq!(placed, [(1, antumbra_import::Placed::Object(cull::ObjectId(0)))]);
     let light = imported.scene.surfaces.as_ref().expect("surfaces").lights[0];
     assert_eq!(light.position, vec3(1.0, 2.0, 3.0));
-    assert_eq!(light.kind, render::scene::LightKind::Point);
+    assert_eq!(light.kind, scene::LightKind::Point);
     animate(&mut scene, 3);
     let placed: Vec<_> = load(&scene).placements.iter().map(|it| it.placed).collect();
-    assert_eq!(placed, [antumbra_import::Placed::Light(render::scene::LightId(0))]);
+    assert_eq!(placed, [antumbra_import::Placed::Light(scene::LightId(0))]);
 }
 
 #[test]

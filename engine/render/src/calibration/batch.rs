@@ -7,16 +7,15 @@ use gpu::{
     MemoryBarrier, Place, Predicated, Predicates, Predication, QueryIndex, QueryRing, Reveal,
     WordSource, vk,
 };
+use scene::{
+    Light, Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm,
+};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
 use crate::object_bounds::object_bounds;
 use crate::passes::{ComputeTest, ComputeTestIo, OpaqueIo, ProxyBox, ProxyIo};
-use crate::scene::{
-    Flight, Light, Mesh, MeshId, Object, Scene, Streets, Vertex, bounds_of_vertices, pack_normal,
-    pack_unorm,
-};
 use crate::shader_set::ShaderSet;
 use crate::views::Area;
 
@@ -373,12 +372,9 @@ fn scene() -> Scene {
     let places = [(-1.2 * DISTANCE_M, 0.1), (-1.2 * DISTANCE_M, 0.7)];
     Scene {
         name: "calibration".to_owned(),
-        seed: 0,
         meshes: vec![single(), patch()],
         objects: (0..).zip(places).map(object).collect(),
         light: Light::afternoon(),
-        streets: Streets::default(),
-        flight: Flight { centre: Vec3::ZERO, radius_m: 1.0, down_rad: 0.0 },
         surfaces: None,
     }
 }

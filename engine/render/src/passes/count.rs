@@ -6,11 +6,11 @@ use gpu::{
     BOX_VERTICES, Blend, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     IndirectDraw, Polygon, StorageLayout, VertexLayout, vk,
 };
+use scene::Vertex;
 
 use crate::error::Error;
 use crate::passes::seen::SeenConstants;
 use crate::passes::{OpaqueIo, ProxyIo};
-use crate::scene::Vertex;
 use crate::shader_set::ShaderSet;
 
 /// Draws objects a second time against the depth that they left, and proxies whatever the depth is.

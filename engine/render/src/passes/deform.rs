@@ -14,9 +14,9 @@ pub(crate) struct DeformPass {
 /// Reads forms and poses; writes positions, normals and tangents.
 #[derive(Clone, Copy)]
 pub(crate) struct DeformIo {
-    /// [`Vertex`](crate::scene::Vertex) after vertex.
+    /// [`Vertex`](scene::Vertex) after vertex.
     pub(crate) vertices: BufferSlice,
-    /// [`SurfaceVertex`](crate::scene::SurfaceVertex) after vertex, of the same vertices.
+    /// [`SurfaceVertex`](scene::SurfaceVertex) after vertex, of the same vertices.
     pub(crate) surfaces: BufferSlice,
     /// Words: what the forms are made of.
     pub(crate) forms: BufferSlice,

@@ -6,9 +6,9 @@ use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     Polygon, StorageLayout, VertexLayout, vk,
 };
+use scene::{Light, Vertex};
 
 use crate::error::Error;
-use crate::scene::{Light, Vertex};
 use crate::shader_set::ShaderSet;
 
 /// Draws opaque objects, nearer ones win.

@@ -6,10 +6,10 @@ use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     Optional, Polygon, StorageLayout, VertexLayout, vk,
 };
+use scene::Vertex;
 
 use crate::error::Error;
 use crate::passes::OpaqueIo;
-use crate::scene::Vertex;
 use crate::shader_set::ShaderSet;
 
 /// Draws objects a second time against the depth that they left. A fragment that passes is one that

@@ -6,11 +6,12 @@ use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     Polygon, StorageLayout, VertexLayout, vk,
 };
+use scene::limits::MAX_PAGES;
+use scene::{Light, SurfaceVertex, Vertex};
 
 use crate::error::Error;
-use crate::scene::{Light, SurfaceVertex, Vertex};
 use crate::shader_set::ShaderSet;
-use crate::surfaces::{MAX_PAGES, SurfaceResources};
+use crate::surfaces::SurfaceResources;
 
 /// What a surface pass draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,20 +3,15 @@
 
 use cull::{Aabb, Hierarchy, NodeId, ObjectId};
 use glam::Vec3;
+use scene::limits::MAX_LIGHTS_PER_OBJECT;
+use scene::{LightKind, PunctualLight};
 
-use crate::scene::{LightKind, PunctualLight};
 use crate::surfaces::light_tree::{LightTree, Reach, Strongest};
 use crate::surfaces::lights::LightTable;
 use crate::surfaces::marked::Marked;
 
-/// The most points' and spots' lights that shine on an object; weaker ones are left out.
-pub const MAX_LIGHTS_PER_OBJECT: usize = 16;
-
 /// Two lights a word.
 pub(crate) const LIST_WORDS: usize = MAX_LIGHTS_PER_OBJECT / 2;
-
-/// The most lights of a scene: a place in the light table has 16 bits.
-pub const MAX_LIGHTS: usize = 1 << 16;
 
 /// The most nodes of the tree of lights that one object's search may visit: all of them up to 8192 lights.
 /// More are only wanted where thousands of lights end just short of an object.

@@ -2,10 +2,11 @@
 
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
+use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT};
+use scene::{LightKind, PunctualLight, Surfaces};
 
-use super::light_lists::{LightLists, MAX_LIGHTS_PER_OBJECT};
-use super::lights::{LightTable, MAX_DIRECTIONAL_LIGHTS, reach_m};
-use crate::scene::{LightKind, PunctualLight, Surfaces};
+use super::light_lists::LightLists;
+use super::lights::{LightTable, reach_m};
 
 fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
     PunctualLight {

@@ -5,9 +5,9 @@ use std::ops::Range;
 
 use cull::Aabb;
 use glam::Vec3;
+use scene::limits::MAX_LIGHTS_PER_OBJECT;
+use scene::{LightKind, PunctualLight};
 
-use crate::scene::{LightKind, PunctualLight};
-use crate::surfaces::light_lists::MAX_LIGHTS_PER_OBJECT;
 use crate::surfaces::lights::{is_bright, reach_m, strongest_part};
 
 /// What decides whether a light reaches a box.

@@ -1,11 +1,8 @@
 //! The light table: what of each light the shaders read.
 
 use bytemuck::{Pod, Zeroable};
-
-use crate::scene::{LightKind, PunctualLight, Surfaces};
-
-/// The most directional lights that shine: each reaches every pixel.
-pub const MAX_DIRECTIONAL_LIGHTS: usize = 4;
+use scene::limits::MAX_DIRECTIONAL_LIGHTS;
+use scene::{LightKind, PunctualLight, Surfaces};
 
 /// A light that falls below this share of white, at an exposure of 1, is taken for dark.
 const DARK: f32 = 1.0 / 256.0;

@@ -3,13 +3,14 @@
 use std::collections::{BTreeSet, HashSet};
 
 use glam::Affine2;
-
-use super::page_groups::SMALL_PAGES_BYTES;
-use super::pages::{MAX_PAGES, PagePlan};
-use crate::scene::{
+use scene::limits::MAX_PAGES;
+use scene::{
     Encoding, Filter, Image, ImageId, Material, Sampler, Surfaces, Texture, TextureId, TextureUse,
     Wrap,
 };
+
+use super::page_groups::SMALL_PAGES_BYTES;
+use super::pages::PagePlan;
 
 type Look = (u32, Encoding, Sampler);
 

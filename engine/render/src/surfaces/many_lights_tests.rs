@@ -3,13 +3,12 @@
 
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
+use scene::limits::MAX_LIGHTS_PER_OBJECT;
+use scene::{LightKind, PunctualLight, Surfaces};
 
-use super::light_lists::{
-    LEAST_VISITS, LightLists, MAX_LIGHTS_PER_OBJECT, MOST_VISITS, VISITS_A_FRAME,
-};
+use super::light_lists::{LEAST_VISITS, LightLists, MOST_VISITS, VISITS_A_FRAME};
 use super::light_tree::{LightTree, Reach};
 use super::lights::{LightTable, is_bright, reach_m, strongest_part};
-use crate::scene::{LightKind, PunctualLight, Surfaces};
 
 /// Numbers of `0.0..1.0` out of a seed.
 struct Random(u64);

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
+use scene::limits::MAX_TEXTURE_TRANSFORMS;
+use scene::{Alpha, Material, Surfaces, TextureUse};
 
 use crate::error::Error;
 use crate::limits;
-use crate::scene::{Alpha, Material, Surfaces, TextureUse};
 use crate::surfaces::pages::PagePlan;
 
 /// One material as `material.glsl` declares it.
@@ -43,9 +44,6 @@ const _: () = assert!(size_of::<TransformEntry>() == 32);
 /// A texture word without a page.
 const NO_TEXTURE: u32 = 15;
 const UNLIT_FLAG: u32 = 1 << 16;
-/// The most texture transforms that differ, beside none at all: a transform's number has 16 bits.
-pub const MAX_TEXTURE_TRANSFORMS: usize = (1 << 16) - 1;
-
 /// All materials of a scene; the last one is for meshes that name none.
 pub(crate) struct MaterialTable {
     pub(crate) entries: Vec<MaterialEntry>,

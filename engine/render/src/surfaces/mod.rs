@@ -11,11 +11,10 @@ mod pages;
 mod relight;
 mod resources;
 
-pub use light_lists::{LightLists, MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT};
-pub use lights::{MAX_DIRECTIONAL_LIGHTS, reach_m};
-pub use materials::MAX_TEXTURE_TRANSFORMS;
+pub use light_lists::LightLists;
+pub use lights::reach_m;
 pub use page_groups::SMALL_PAGES_BYTES;
-pub use pages::{MAX_LAYERS, MAX_PAGES, Page, PagePlan};
+pub use pages::{Page, PagePlan};
 pub use resources::{SurfaceOptions, SurfaceResources};
 
 #[cfg(test)]

@@ -4,8 +4,8 @@
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
-use crate::scene::{Encoding, ImageId, Sampler, Wrap};
-use crate::surfaces::pages::MAX_PAGES;
+use scene::limits::MAX_PAGES;
+use scene::{Encoding, ImageId, Sampler, Wrap};
 
 /// Pages may take this many bytes whatever their images take.
 pub const SMALL_PAGES_BYTES: u64 = 256 << 20;

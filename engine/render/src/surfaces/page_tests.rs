@@ -1,12 +1,13 @@
 //! Which image lies on which page, as plain data.
 
 use glam::Affine2;
-
-use super::pages::{MAX_PAGES, PagePlan};
-use crate::scene::{
+use scene::limits::MAX_PAGES;
+use scene::{
     Encoding, Filter, Image, ImageId, Material, Sampler, Surfaces, Texture, TextureId, TextureUse,
     Wrap,
 };
+
+use super::pages::PagePlan;
 
 /// Surfaces with an image of each size, and textures that all are used.
 fn surfaces(sizes: &[[u32; 2]], textures: &[(u32, Encoding, Sampler)]) -> Surfaces {

@@ -1,11 +1,12 @@
 //! Texture pages on the GPU.
 
 use gpu::{Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
+use scene::limits::{MAX_LAYERS, MAX_PAGES};
+use scene::{Encoding, Filter, Sampler, Surfaces, Wrap};
 
 use crate::error::Error;
 use crate::limits;
-use crate::scene::{Encoding, Filter, Sampler, Surfaces, Wrap};
-use crate::surfaces::pages::{MAX_LAYERS, MAX_PAGES, Page, PagePlan};
+use crate::surfaces::pages::{Page, PagePlan};
 use crate::surfaces::resources::SurfaceOptions;
 
 /// Which image goes where.

@@ -3,14 +3,10 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::scene::{Encoding, ImageId, Sampler, Surfaces, Texture, TextureId};
+use scene::limits::MAX_LAYERS;
+use scene::{Encoding, ImageId, Sampler, Surfaces, Texture, TextureId};
+
 use crate::surfaces::page_groups::{Group, joined, most_texels};
-
-/// The most pages of a scene: with room to spare within the 16 samplers that every device has.
-pub const MAX_PAGES: usize = 12;
-
-/// The most layers of a page, whatever the device can: a texture's place must fit a word.
-pub const MAX_LAYERS: u32 = 2048;
 
 /// Images of one size, encoding and sampler.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -144,7 +140,7 @@ fn fitting(mut size: [u32; 2], max_side: u32) -> [u32; 2] {
 
 /// The textures that some material uses, once each.
 fn used_textures(surfaces: &Surfaces) -> HashSet<TextureId> {
-    let of_material = |material: &crate::scene::Material| {
+    let of_material = |material: &scene::Material| {
         [
             material.base_colour_texture,
             material.metallic_roughness_texture,

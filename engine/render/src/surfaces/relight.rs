@@ -1,11 +1,11 @@
 //! Lights that move or change between frames.
 
 use cull::Hierarchy;
+use scene::{LightId, LightKind, PunctualLight};
 
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::renderer::Renderer;
-use crate::scene::{LightId, LightKind, PunctualLight};
 use crate::surfaces::SurfaceResources;
 
 impl Renderer {

@@ -2,23 +2,24 @@
 
 use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
+use scene::limits::{MAX_LIGHTS, MAX_PAGES};
+use scene::{
+    Alpha, BlendedId, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
+    Surfaces,
+};
 
 use crate::compromises::Compromises;
 use crate::deformers::mesh_order;
 use crate::error::Error;
 use crate::limits;
 use crate::passes::{ScatterIo, ScatterPass};
-use crate::scene::{
-    Alpha, BlendedId, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
-    Surfaces,
-};
 use crate::sprites;
-use crate::surfaces::light_lists::{LIST_WORDS, LightLists, MAX_LIGHTS};
+use crate::surfaces::light_lists::{LIST_WORDS, LightLists};
 use crate::surfaces::lights::{LightEntry, LightTable};
 use crate::surfaces::marked::Marked;
 use crate::surfaces::materials::{Features, MaterialEntry, MaterialTable};
 use crate::surfaces::page_upload::{plan, upload_pages};
-use crate::surfaces::pages::{MAX_PAGES, PagePlan};
+use crate::surfaces::pages::PagePlan;
 
 /// How surfaces are brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -310,7 +311,7 @@ fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> 
     let materials = (surfaces.materials.len() as u64 + 1, size_of::<MaterialEntry>() as u64);
     limits::check_storage(device, "materials", materials, "let meshes share materials")?;
     const SPLIT: &str = "split the scene, or join objects that stand still";
-    let instances = (blended, limits::INSTANCE_BYTES);
+    let instances = (blended, scene::limits::INSTANCE_BYTES);
     limits::check_storage(device, "blended objects", instances, SPLIT)?;
     if surfaces.lights.iter().any(|light| light.kind != LightKind::Directional) {
         let slots = hierarchy.leaf_objects().len() as u64 + blended;
@@ -331,12 +332,11 @@ fn check(scene: &Scene, surfaces: &Surfaces) -> Result<(), Error> {
     {
         let name = scene.meshes.get(mesh).map(|mesh| mesh.name.clone()).unwrap_or_default();
         let fault = "it has not as many surface vertices as vertices";
-        return Err(crate::scene::SceneError::BrokenMesh { mesh: name, fault }.into());
+        return Err(scene::SceneError::BrokenMesh { mesh: name, fault }.into());
     }
-    let pixels = |image: &crate::scene::Image| u64::from(image.size[0]) * u64::from(image.size[1]);
-    let is_whole = |image: &crate::scene::Image| {
-        pixels(image) > 0 && pixels(image) * 4 == image.rgba8.len() as u64
-    };
+    let pixels = |image: &scene::Image| u64::from(image.size[0]) * u64::from(image.size[1]);
+    let is_whole =
+        |image: &scene::Image| pixels(image) > 0 && pixels(image) * 4 == image.rgba8.len() as u64;
     match surfaces.images.iter().find(|image| !is_whole(image)) {
         Some(image) => Err(Error::Image {
             image: image.name.clone(),
@@ -354,12 +354,11 @@ fn features(
     lists: &LightLists,
 ) -> [Features; 2] {
     [false, true].map(|is_blended| {
-        let fallback = crate::scene::Material::default();
+        let fallback = scene::Material::default();
         let is_of_class =
-            |material: &&crate::scene::Material| (material.alpha == Alpha::Blend) == is_blended;
+            |material: &&scene::Material| (material.alpha == Alpha::Blend) == is_blended;
         let materials = surfaces.materials.iter().filter(is_of_class).chain([&fallback]);
-        let is_spot =
-            |light: &PunctualLight| matches!(light.kind, crate::scene::LightKind::Spot { .. });
+        let is_spot = |light: &PunctualLight| matches!(light.kind, scene::LightKind::Spot { .. });
         Features {
             directional_lights: table.directional,
             has_local_lights: lists.has_lights(),

@@ -3,10 +3,11 @@
 use cull::{Aabb, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::Readback;
-use render::scene::{Cast, MeshId, Object, ObjectChange, PathKind, pack_unorm};
 use render::{Renderer, RendererOptions};
+use scene::{MeshId, Object, ObjectChange, pack_unorm};
+use scenes::{Cast, PathKind};
 use tests::shapes::{box_scene, square_camera};
-use tests::walk::SceneKind;
+use tests::walk::{SceneKind, show_motion};
 use tests::{Driver, run};
 
 use super::{Moving, SIZE, options, render, wall_and_crowd};
@@ -31,16 +32,16 @@ fn a_motion_that_could_not_be_shown_is_shown_later() {
         let fewest = (0..200).min_by_key(|frame| away(*frame)).unwrap();
         let most = (0..200).max_by_key(|frame| away(*frame)).unwrap();
         assert!(away(most) > away(fewest), "nobody comes and goes");
-        renderer.show(&moving.motion, &mut cast, most).unwrap();
+        show_motion(&mut renderer, &moving.motion, &mut cast, most).unwrap();
         let add = ObjectChange::Add { object: moving.scene.objects[0] };
         let intruders = renderer.update(&vec![add; away(most)]).unwrap().added;
-        let refused = renderer.show(&moving.motion, &mut cast, fewest).unwrap_err();
+        let refused = show_motion(&mut renderer, &moving.motion, &mut cast, fewest).unwrap_err();
         let names = ["no free leaf", "`RendererOptions::spare_objects`"];
         assert!(names.iter().all(|name| refused.to_string().contains(name)), "{refused}");
         let gone = |object: &ObjectId| ObjectChange::Remove { object: *object };
         renderer.update(&intruders.iter().map(gone).collect::<Vec<_>>()).unwrap();
         for frame in [fewest, most, fewest] {
-            renderer.show(&moving.motion, &mut cast, frame).unwrap();
+            show_motion(&mut renderer, &moving.motion, &mut cast, frame).unwrap();
             let there = boxes(&renderer).iter().filter(|bounds| !bounds.is_empty()).count();
             assert_eq!(there, moving.motion.scene_at(&moving.scene, frame).objects.len());
         }

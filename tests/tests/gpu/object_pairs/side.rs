@@ -8,11 +8,11 @@ use gpu::{
     StorageLayout, Swapchain, Target, Texture, TextureArray, TextureArrayInfo, TextureUploads,
     Timeline, VertexLayout, WordSource, vk,
 };
-use render::scene::{CameraPath, PathKind};
 use render::{
     Area, FlatVertex, FrameRequest, Moment, Pick, Renderer, RendererOptions, ViewHistory,
     VisibleSet,
 };
+use scenes::{CameraPath, GeneratedScene, PathKind};
 use shaders::Shader;
 use tests::Driver;
 use tests::stage::Stage;
@@ -94,8 +94,8 @@ impl Side {
         let window = X11Window::open(server, Library::Xcb, SIZE);
         let stage = Stage::new(Driver::Lavapipe, window);
         let device = &stage.device;
-        let scene = SceneKind::City.build(60);
-        let camera = CameraPath::new(PathKind::Street, &scene).unwrap().camera(3);
+        let GeneratedScene { scene, routes } = SceneKind::City.build(60);
+        let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(3);
         let options = RendererOptions { size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();

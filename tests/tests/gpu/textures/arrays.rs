@@ -2,7 +2,7 @@
 
 use gpu::{Error, FrameRing, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
 use render::SurfaceOptions;
-use render::scene::{Encoding, Filter, Sampler};
+use scene::{Encoding, Filter, Sampler};
 use tests::run_on_all;
 
 use super::{SHARP, SIDE, draw_with, image, one, scene_of, texture, unlit, whole};

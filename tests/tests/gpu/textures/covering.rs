@@ -1,7 +1,7 @@
 //! How surfaces cover each other: holes, ties, blending, the sky.
 
 use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};
-use render::scene::{
+use scene::{
     Alpha, Encoding, Material, MaterialId, MeshId, Object, SurfaceMesh, SurfaceVertex, Surfaces,
 };
 use tests::{run_on_all, studio};
@@ -139,8 +139,8 @@ fn numbers_out_of_range_leave_pictures_whole() {
             texture(0, Encoding::Linear, SHARP),
             strange,
         );
-        let bulb = render::scene::PunctualLight {
-            kind: render::scene::LightKind::Point,
+        let bulb = scene::PunctualLight {
+            kind: scene::LightKind::Point,
             colour: [1.0; 3],
             intensity: 1.0e9,
             range_m: None,
@@ -149,9 +149,9 @@ fn numbers_out_of_range_leave_pictures_whole() {
         };
         surfaces.lights = vec![
             bulb,
-            render::scene::PunctualLight { intensity: f32::NAN, ..bulb },
-            render::scene::PunctualLight { position: glam::Vec3::INFINITY, ..bulb },
-            render::scene::PunctualLight { kind: render::scene::LightKind::Directional, ..bulb },
+            scene::PunctualLight { intensity: f32::NAN, ..bulb },
+            scene::PunctualLight { position: glam::Vec3::INFINITY, ..bulb },
+            scene::PunctualLight { kind: scene::LightKind::Directional, ..bulb },
         ];
         surfaces.exposure = 1.0e30;
         let square = whole(ONCE, |vertex| {

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Vec3, dvec3};
 use gpu::Device;
-use render::scene::{Encoding, LightKind, Material, PunctualLight, Surfaces};
+use scene::{Encoding, LightKind, Material, PunctualLight, Surfaces};
 use tests::run_on_all;
 use tests::studio::snorm16;
 
@@ -76,7 +76,7 @@ fn bumpy(
     for vertex in &mut mesh.vertices {
         vertex.position = back.transform_point3(Vec3::from_array(vertex.position)).to_array();
     }
-    mesh.bounds = render::scene::bounds_of_vertices(&mesh.vertices);
+    mesh.bounds = scene::bounds_of_vertices(&mesh.vertices);
     // In a mirror the back of a triangle is seen, all of whose directions are turned.
     let is_back = has_both_sides && transform.matrix3.determinant() < 0.0;
     let side = if is_back { -1 } else { 1 };

@@ -1,0 +1,257 @@
+//! What there is to draw, as pure data: meshes, materials, objects, lights, and how they change.
+//!
+//! No Vulkan, no files, no unsafe code. [`Scene::validate`] says whether a renderer can draw a scene,
+//! [`limits`] how much of everything each takes on any device.
+//!
+//! ```
+//! # use antumbra_scene as scene;
+//! use scene::{Mesh, Scene};
+//!
+//! let red = [1.0, 0.1, 0.1];
+//! let corners = [([-1.0, 0.0, 0.0], red), ([1.0, 0.0, 0.0], red), ([0.0, 1.0, 0.0], red)];
+//! let scene = Scene::single(Mesh::of_triangles("triangle", &corners));
+//! assert_eq!((scene.triangles(), scene.validate()), (1, Ok(())));
+//! ```
+#![forbid(unsafe_code)]
+
+mod check;
+pub mod limits;
+mod mesh;
+mod outwardness;
+mod single;
+mod sprites;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod update;
+
+use std::f32::consts::PI;
+
+use cull::{Aabb, ObjectId};
+use glam::{Affine3A, Vec3, Vec3A, vec3};
+
+pub use mesh::{
+    Mesh, MeshId, Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal, unpack_unorm,
+};
+pub use outwardness::{ENCLOSING, outwardness};
+pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
+pub use surface::{
+    Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, Level, LightId,
+    LightKind, Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
+    SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, Wrap,
+};
+pub use update::{BlendedMove, Deformation, LightMove, SceneUpdate};
+
+/// The vertical field of view where nobody asks for another, in radians.
+pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;
+
+/// The distance of the near plane where nobody asks for another, in metres.
+pub const NEAR_M: f32 = 0.2;
+
+/// A part of a scene that cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A mesh that cannot be drawn.
+    #[error("the mesh \"{mesh}\" cannot be drawn: {fault}")]
+    BrokenMesh {
+        /// The mesh's name.
+        mesh: String,
+        /// What is wrong with it.
+        fault: &'static str,
+    },
+    /// Surfaces that cannot be drawn.
+    #[error("{part} {index} of the surfaces cannot be drawn: {fault}")]
+    BrokenSurfaces {
+        /// Which kind of part: a mesh, a material, a deformer...
+        part: &'static str,
+        /// Its place among its like.
+        index: usize,
+        /// What is wrong with it.
+        fault: &'static str,
+    },
+    /// An object that cannot be drawn.
+    #[error("object {index} cannot be drawn: {fault}")]
+    BrokenObject {
+        /// Its place in [`Scene::objects`].
+        index: usize,
+        /// What is wrong with it.
+        fault: &'static str,
+    },
+}
+
+/// A mesh somewhere in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Object {
+    /// What is drawn.
+    pub mesh: MeshId,
+    /// From the mesh's space to the world's, in metres; y is up.
+    pub transform: Affine3A,
+    /// Linear red, green, blue as unorm8x4, red in the lowest byte; alpha has no meaning. See
+    /// [`Vertex::colour`].
+    pub tint: u32,
+}
+
+/// Something that happens to an object between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObjectChange {
+    /// It is somewhere else.
+    Move {
+        /// The object.
+        object: ObjectId,
+        /// Where it is now.
+        transform: Affine3A,
+    },
+    /// It has another form, for which its mesh's box may be too small, and perhaps another place.
+    Reshape {
+        /// The object.
+        object: ObjectId,
+        /// Where it is now.
+        transform: Affine3A,
+        /// The box around it in its own space, before `transform`. It stays that of the object when
+        /// it moves, until it is told another.
+        bounds: Aabb,
+    },
+    /// It is gone; its id may be given to another.
+    Remove {
+        /// The object.
+        object: ObjectId,
+    },
+    /// It was not there before. The update says which id it gets.
+    Add {
+        /// What comes. Its mesh is one of the scene's.
+        object: Object,
+    },
+}
+
+/// One directional light, and what comes from everywhere else. All colours are linear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Unit vector from the scene to the sun.
+    pub towards_sun: Vec3,
+    /// The sun's light on a surface that faces it.
+    pub sun: [f32; 3],
+    /// Light on surfaces that face up.
+    pub ambient_above: [f32; 3],
+    /// Light on surfaces that face down; in between, mix by the normal's y.
+    pub ambient_below: [f32; 3],
+    /// What is seen where nothing is.
+    pub sky: [f32; 3],
+}
+
+impl Light {
+    /// A clear afternoon.
+    pub fn afternoon() -> Self {
+        Self {
+            towards_sun: vec3(0.48, 0.72, 0.5).normalize_or(Vec3::Y),
+            sun: [1.02, 0.93, 0.78],
+            ambient_above: [0.36, 0.42, 0.52],
+            ambient_below: [0.20, 0.18, 0.16],
+            sky: [0.36, 0.56, 0.80],
+        }
+    }
+}
+
+/// A world to draw.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// What it is, for people and reports.
+    pub name: String,
+    /// The meshes that objects name.
+    pub meshes: Vec<Mesh>,
+    /// The objects, neighbours near each other.
+    pub objects: Vec<Object>,
+    /// Its light.
+    pub light: Light,
+    /// What it looks like close by; `None` where vertices say it all.
+    pub surfaces: Option<Surfaces>,
+}
+
+impl Scene {
+    /// The mesh of an object, if the scene has it.
+    pub fn mesh_of(&self, object: &Object) -> Option<&Mesh> {
+        self.meshes.get(object.mesh.0 as usize)
+    }
+
+    /// The box around an object in the world, in metres: the box of its mesh's box, exact for quarter
+    /// turns, larger than need be for others. `None` if the object's mesh is not in the scene.
+    ///
+    /// Each bound is computed in the order of operations of `transform * position` (after J. Arvo,
+    /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex that is transformed in
+    /// that order never lies outside; one that is transformed in another order, or with fused
+    /// multiplication, may by the last place.
+    pub fn bounds_of(&self, object: &Object) -> Option<Aabb> {
+        Some(bounds_of_transformed(&self.mesh_of(object)?.bounds, &object.transform))
+    }
+
+    /// How many triangles its objects have together.
+    pub fn triangles(&self) -> u64 {
+        let mut of_mesh: Vec<u64> = self.meshes.iter().map(Mesh::triangles).collect();
+        for sprites in self.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
+            if let Some(triangles) = of_mesh.get_mut(sprites.mesh.0 as usize) {
+                *triangles = 2 * sprites.count() as u64;
+            }
+        }
+        let of_object = |object: &Object| of_mesh.get(object.mesh.0 as usize).copied();
+        self.objects.iter().filter_map(of_object).sum()
+    }
+
+    /// Checks that everything can be drawn.
+    ///
+    /// # Errors
+    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the first
+    /// object that names no mesh or stands nowhere, or the first of its surfaces that does not belong
+    /// to it or has a number that is none.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        for mesh in &self.meshes {
+            let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });
+            if !mesh.indices.len().is_multiple_of(3) {
+                return broken("its number of indices is no multiple of 3");
+            }
+            if mesh.indices.iter().any(|&index| index as usize >= mesh.vertices.len()) {
+                return broken("an index names a vertex that it does not have");
+            }
+            if mesh
+                .vertices
+                .iter()
+                .any(|vertex| vertex.position.iter().any(|part| !part.is_finite()))
+            {
+                return broken("a position is not a finite number");
+            }
+        }
+        let are_sprites = check::sprite_meshes(self);
+        for (mesh, are_sprites) in self.meshes.iter().zip(are_sprites) {
+            if !are_sprites && mesh.bounds != bounds_of_vertices(&mesh.vertices) {
+                let fault = "its bounds are not the box around its vertices";
+                return Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });
+            }
+        }
+        for (index, object) in self.objects.iter().enumerate() {
+            let broken = |fault| Err(SceneError::BrokenObject { index, fault });
+            if self.mesh_of(object).is_none() {
+                return broken("the scene does not have its mesh");
+            }
+            if !object.transform.is_finite() {
+                return broken("its transform has a number that is not finite");
+            }
+        }
+        match &self.surfaces {
+            Some(surfaces) => check::check_surfaces(self, surfaces),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The box around a transformed box; [`Scene::bounds_of`] says how exact it is.
+pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
+    let extremes = |column: Vec3A, low: f32, high: f32| {
+        let (a, b) = (column * low, column * high);
+        (a.min(b), a.max(b))
+    };
+    let x = extremes(transform.matrix3.x_axis, bounds.min.x, bounds.max.x);
+    let y = extremes(transform.matrix3.y_axis, bounds.min.y, bounds.max.y);
+    let z = extremes(transform.matrix3.z_axis, bounds.min.z, bounds.max.z);
+    Aabb {
+        min: (x.0 + y.0 + z.0 + transform.translation).into(),
+        max: (x.1 + y.1 + z.1 + transform.translation).into(),
+    }
+}

@@ -1,0 +1,54 @@
+//! How much of everything a renderer takes on any device. Many devices take more.
+
+/// Bytes that a storage buffer has on every device.
+pub const STORAGE_BYTES_ANYWHERE: u64 = 1 << 27;
+
+/// Bytes that an object takes in a storage buffer: three rows of its transform, its tint and its mesh.
+pub const INSTANCE_BYTES: u64 = 64;
+
+/// Objects, with room for those that come; blended ones count by themselves.
+pub const OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / INSTANCE_BYTES;
+
+/// Objects together with blended ones in a scene with points' or spots' lights.
+pub const LIT_OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 32;
+
+/// Materials.
+pub const MATERIALS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 64 - 1;
+
+/// Vertices of meshes that change their form, all of them together.
+pub const DEFORMED_VERTICES_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 40;
+
+/// Images, each counted twice that is both looked at as colours and as numbers.
+pub const IMAGES_ANYWHERE: u64 = MAX_PAGES as u64 * 256;
+
+/// The most pages of a scene: with room to spare within the 16 samplers that every device has.
+pub const MAX_PAGES: usize = 12;
+
+/// The most layers of a page, whatever the device can: a texture's place must fit a word.
+pub const MAX_LAYERS: u32 = 2048;
+
+/// The most texture transforms that differ, beside none at all: a transform's number has 16 bits.
+pub const MAX_TEXTURE_TRANSFORMS: usize = (1 << 16) - 1;
+
+/// The most lights of a scene: a place in the light table has 16 bits.
+pub const MAX_LIGHTS: usize = 1 << 16;
+
+/// The most points' and spots' lights that shine on an object; weaker ones are left out.
+pub const MAX_LIGHTS_PER_OBJECT: usize = 16;
+
+/// The most directional lights that shine: each reaches every pixel.
+pub const MAX_DIRECTIONAL_LIGHTS: usize = 4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limits_are_those_of_what_lies_in_the_buffers() {
+        assert_eq!(OBJECTS_ANYWHERE, 2_097_152);
+        assert_eq!(LIT_OBJECTS_ANYWHERE, 4_194_304);
+        assert_eq!(MATERIALS_ANYWHERE, 2_097_151);
+        assert_eq!(DEFORMED_VERTICES_ANYWHERE, 3_355_443);
+        assert_eq!(IMAGES_ANYWHERE, 3072);
+    }
+}

@@ -1,0 +1,107 @@
+//! Meshes as plain data: packed vertices, triangles, bounds.
+
+use cull::Aabb;
+use glam::Vec3;
+
+/// Names a mesh of its scene: an index into [`Scene::meshes`](super::Scene::meshes).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MeshId(pub u32);
+
+/// A vertex of 20 bytes, ready for the GPU.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct Vertex {
+    /// Position in metres, in the space of the mesh; y is up.
+    pub position: [f32; 3],
+    /// Unit normal as snorm8x4: x in the lowest byte, w is 0.
+    pub normal: u32,
+    /// **Linear** red, green, blue as unorm8x4, red in the lowest byte. Alpha is no opacity but the
+    /// share of the object's tint: `albedo = rgb * mix(vec3(1), tint.rgb, alpha)`.
+    pub colour: u32,
+}
+
+const _: () = assert!(size_of::<Vertex>() == 20);
+
+/// Triangles that many objects may share. Counter-clockwise seen from outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// What it is, for people.
+    pub name: String,
+    /// The vertices.
+    pub vertices: Vec<Vertex>,
+    /// Three indices into `vertices` for each triangle.
+    pub indices: Vec<u32>,
+    /// The tight box around the vertices, in the space of the mesh, in metres.
+    pub bounds: Aabb,
+    /// Whether the back of each triangle is a triangle of its own, as meshes of double-sided materials have it.
+    pub has_backs: bool,
+}
+
+impl Mesh {
+    /// Returns how many triangles it has; a triangle and its back are one.
+    pub fn triangles(&self) -> u64 {
+        self.triangles_of(self.indices.len())
+    }
+
+    /// Returns how many triangles so many indices of it are.
+    pub fn triangles_of(&self, indices: usize) -> u64 {
+        let sides = if self.has_backs { 2 } else { 1 };
+        // A coarser form may keep a triangle and not its back.
+        (indices as u64 / 3).div_ceil(sides)
+    }
+}
+
+/// The tight box around the vertices; an empty list gives a box of no size at the origin.
+pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
+    let mut points = vertices.iter().map(|vertex| Vec3::from_array(vertex.position));
+    let Some(first) = points.next() else {
+        return Aabb { min: Vec3::ZERO, max: Vec3::ZERO };
+    };
+    let (min, max) =
+        points.fold((first, first), |(min, max), point| (min.min(point), max.max(point)));
+    Aabb { min, max }
+}
+
+/// Packs a unit vector as snorm8x4 with w = 0.
+pub fn pack_normal(normal: Vec3) -> u32 {
+    let byte = |value: f32| u32::from((value.clamp(-1.0, 1.0) * 127.0).round() as i8 as u8);
+    byte(normal.x) | byte(normal.y) << 8 | byte(normal.z) << 16
+}
+
+/// The inverse of [`pack_normal`], not normalised again.
+pub fn unpack_normal(packed: u32) -> Vec3 {
+    let part = |shift: u32| (f32::from((packed >> shift) as u8 as i8) / 127.0).max(-1.0);
+    Vec3::new(part(0), part(8), part(16))
+}
+
+/// Packs four numbers of `0.0..=1.0` as unorm8x4, the first in the lowest byte.
+pub fn pack_unorm(values: [f32; 4]) -> u32 {
+    u32::from_le_bytes(values.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
+}
+
+/// The inverse of [`pack_unorm`].
+pub fn unpack_unorm(packed: u32) -> [f32; 4] {
+    packed.to_le_bytes().map(|byte| f32::from(byte) / 255.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_and_colours_survive_packing() {
+        for normal in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, -0.64, 0.48)] {
+            assert!(unpack_normal(pack_normal(normal)).distance(normal) < 0.01);
+        }
+        let colour = [0.0, 0.25, 0.5, 1.0];
+        for (packed, given) in unpack_unorm(pack_unorm(colour)).iter().zip(colour) {
+            assert!((packed - given).abs() < 0.003);
+        }
+        assert_eq!(pack_unorm([1.0, 0.0, 0.0, 0.0]), 0xFF);
+    }
+
+    #[test]
+    fn an_empty_mesh_has_bounds_without_size() {
+        assert_eq!(bounds_of_vertices(&[]), Aabb { min: Vec3::ZERO, max: Vec3::ZERO });
+    }
+}

@@ -1,0 +1,117 @@
+//! Surfaces that cannot be drawn are refused by name.
+
+use glam::{Affine2, Affine3A, Vec2, Vec3};
+
+use super::*;
+
+/// A triangle with a skin of two joints and a morph target, as an object and as a blended one's mesh.
+fn scene() -> Scene {
+    let vertex = |x: f32, y: f32| Vertex {
+        position: [x, y, 0.0],
+        normal: pack_normal(Vec3::Z),
+        colour: u32::MAX,
+    };
+    let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(0.0, 1.0)];
+    let bounds = bounds_of_vertices(&vertices);
+    let mesh = |name: &str| Mesh {
+        name: name.to_owned(),
+        vertices: vertices.clone(),
+        indices: vec![0, 1, 2],
+        bounds,
+        has_backs: false,
+    };
+    let object =
+        |mesh| Object { mesh: MeshId(mesh), transform: Affine3A::IDENTITY, tint: u32::MAX };
+    let surface_vertex = SurfaceVertex {
+        normal: [0, 0, 32767, 0],
+        tangent: [32767, 0, 0, 32767],
+        uv: [[0.0; 2]; 2],
+        colour: [u16::MAX; 4],
+    };
+    let surface = || SurfaceMesh { vertices: vec![surface_vertex; 3], material: MaterialId(0) };
+    let texture = TextureUse { texture: TextureId(0), uv_set: 1, transform: Affine2::IDENTITY };
+    let skin = SkinWeights {
+        joint_count: 2,
+        joints: vec![[0, 1, 9, 9]; 3],
+        weights: vec![[0.5, 0.5, 0.0, 0.0]; 3],
+        sets: 1,
+    };
+    let target = MorphTarget { positions: vec![[0.0; 3]; 3], ..MorphTarget::default() };
+    let surfaces = Surfaces {
+        meshes: vec![surface(), surface()],
+        materials: vec![Material { base_colour_texture: Some(texture), ..Material::default() }],
+        textures: vec![Texture {
+            image: ImageId(0),
+            encoding: Encoding::Srgb,
+            sampler: Sampler::default(),
+        }],
+        images: vec![Image { name: String::new(), size: [1, 1], rgba8: vec![255; 4] }],
+        blended: vec![object(1)],
+        deformers: vec![Deformer { mesh: MeshId(0), skin: Some(skin), targets: vec![target] }],
+        ..Surfaces::default()
+    };
+    Scene {
+        meshes: vec![mesh("bent"), mesh("glass")],
+        surfaces: Some(surfaces),
+        ..Scene::single(mesh("bent"))
+    }
+}
+
+#[test]
+fn whole_surfaces_are_accepted() {
+    assert_eq!(scene().validate(), Ok(()));
+}
+
+#[test]
+fn broken_surfaces_are_refused_by_name() {
+    type Break = fn(&mut Scene, &mut Surfaces);
+    let cases: [(&str, Break); 24] = [
+        ("as many as the scene has meshes", |_, it| it.meshes.truncate(1)),
+        ("as many surface vertices", |_, it| it.meshes[1].vertices.truncate(2)),
+        ("texture coordinate", |_, it| it.meshes[0].vertices[2].uv[1][0] = f32::NAN),
+        ("its image", |_, it| it.textures[0].image = ImageId(1)),
+        ("one of its textures", |_, it| it.textures.clear()),
+        ("another set of coordinates", |_, it| {
+            it.materials[0].base_colour_texture.as_mut().unwrap().uv_set = 2;
+        }),
+        ("transform of a texture", |_, it| {
+            let texture = it.materials[0].base_colour_texture.as_mut().unwrap();
+            texture.transform = Affine2::from_translation(Vec2::splat(f32::INFINITY));
+        }),
+        ("numbers is not finite", |_, it| it.materials[0].roughness = f32::NAN),
+        ("numbers is not finite", |_, it| it.materials[0].emission[2] = f32::INFINITY),
+        ("numbers is not finite", |_, it| {
+            it.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN };
+        }),
+        ("exposure", |_, it| it.exposure = f32::NAN),
+        ("blended object 0", |_, it| it.blended[0].mesh = MeshId(2)),
+        ("takes it nowhere", |_, it| {
+            it.blended[0].transform = Affine3A::from_translation(Vec3::splat(f32::NAN));
+        }),
+        ("deformer 0", |_, it| it.deformers[0].mesh = MeshId(7)),
+        ("several objects", |scene, _| scene.objects.push(scene.objects[0])),
+        ("several objects", |_, it| it.blended[0].mesh = MeshId(0)),
+        ("another one", |_, it| it.deformers.push(it.deformers[0].clone())),
+        ("as long as", |_, it| it.deformers[0].targets[0].normals = vec![[0.0; 3]; 2]),
+        ("morph target has a number", |_, it| {
+            it.deformers[0].targets[0].positions[1] = [f32::NAN; 3];
+        }),
+        ("joints and weights", |_, it| skin(it).sets = 0),
+        ("joints and weights", |_, it| skin(it).weights.truncate(2)),
+        ("not a positive finite", |_, it| skin(it).weights[0] = [1.5, -0.5, 0.0, 0.0]),
+        ("not 1 together", |_, it| skin(it).weights[1] = [0.5, 0.0, 0.0, 0.0]),
+        ("does not have", |_, it| skin(it).joints[2] = [2, 0, 0, 0]),
+    ];
+    for (says, break_it) in cases {
+        let mut scene = scene();
+        let mut surfaces = scene.surfaces.take().unwrap();
+        break_it(&mut scene, &mut surfaces);
+        scene.surfaces = Some(surfaces);
+        let error = scene.validate().expect_err(says).to_string();
+        assert!(error.contains(says), "{says}: {error}");
+    }
+}
+
+fn skin(surfaces: &mut Surfaces) -> &mut SkinWeights {
+    surfaces.deformers[0].skin.as_mut().unwrap()
+}

@@ -1,0 +1,77 @@
+//! Everything that changes in a scene between two frames, as plain values.
+
+use std::ops::Range;
+
+use cull::Aabb;
+use glam::Affine3A;
+
+use super::{BlendedId, DeformerId, LightId, ObjectChange, PunctualLight};
+
+/// A blended object in another place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlendedMove {
+    /// The object.
+    pub blended: BlendedId,
+    /// From its space to the world's.
+    pub transform: Affine3A,
+    /// The box that it stays in, in its own space; `None` where its form does not change.
+    pub bounds: Option<Aabb>,
+}
+
+/// A light in another place, or of another colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightMove {
+    /// The light.
+    pub light: LightId,
+    /// As it is now; of the same kind.
+    pub to: PunctualLight,
+}
+
+/// A mesh in another form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deformation {
+    /// The mesh, by its deformer.
+    pub deformer: DeformerId,
+    /// Its joints' matrices, in [`SceneUpdate::joints`], which those that hang on the same joints share;
+    /// none without a skin.
+    pub joints: Range<usize>,
+    /// Its morph targets' weights, in [`SceneUpdate::weights`]; none without targets.
+    pub weights: Range<usize>,
+}
+
+/// Everything that changes in a scene between two frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SceneUpdate {
+    /// Objects that move, change their form, come or go, in this order.
+    pub objects: Vec<ObjectChange>,
+    /// Blended objects that move.
+    pub blended: Vec<BlendedMove>,
+    /// Lights that change.
+    pub lights: Vec<LightMove>,
+    /// Meshes that change their form.
+    pub deformations: Vec<Deformation>,
+    /// Matrices of joints: from the mesh's space at rest to its space now.
+    pub joints: Vec<Affine3A>,
+    /// Weights of morph targets.
+    pub weights: Vec<f32>,
+}
+
+impl SceneUpdate {
+    /// Forgets all changes and keeps the memory.
+    pub fn clear(&mut self) {
+        self.objects.clear();
+        self.blended.clear();
+        self.lights.clear();
+        self.deformations.clear();
+        self.joints.clear();
+        self.weights.clear();
+    }
+
+    /// Returns true if nothing changes.
+    pub fn is_empty(&self) -> bool {
+        self.objects.is_empty()
+            && self.blended.is_empty()
+            && self.lights.is_empty()
+            && self.deformations.is_empty()
+    }
+}

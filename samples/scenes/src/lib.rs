@@ -1,0 +1,148 @@
+//! Scenes made from a number of objects and a seed, and where one can walk or fly through them.
+//!
+//! [`city`] and [`field`] make them. Objects of a generated scene
+//! neither touch nor have coplanar faces, and what stands on the ground hovers 2 cm over it: so each
+//! pixel's colour does not depend on the order in which objects are drawn. Only the ground's tiles
+//! share edges, with bit-identical vertices. Transforms are quarter turns about y (exact: each column
+//! one of the axes) and uniform scales only.
+//!
+//! ```
+//! use scenes::{CameraPath, PathKind};
+//!
+//! let city = scenes::city(1_000, 7)?;
+//! let path = CameraPath::new(PathKind::Street, &city.routes)?;
+//! assert_eq!(city.scene.objects.len(), 1_000);
+//! assert!(path.camera(30).eye.y > 1.0);
+//! # Ok::<(), scenes::GeneratorError>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod builder;
+mod city;
+mod field;
+mod motion;
+mod path;
+mod random;
+#[cfg(test)]
+mod tests;
+
+use glam::{Affine3A, Mat3A, Vec3, Vec3A, vec3a};
+use scene::{Object, Scene, SceneError};
+
+pub use city::city;
+pub use field::field;
+pub use motion::{Cast, Motion, MotionError};
+pub use path::{CameraPath, EYE_HEIGHT_M, PathKind};
+
+/// The most objects that a generated scene can have.
+pub const MAX_OBJECTS: u32 = 2_000_000;
+
+/// How far a thing hovers over what carries it, in metres.
+const HOVER_M: f32 = 0.02;
+
+/// Why a scene, a path or a motion cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GeneratorError {
+    /// No objects at all, or more than a generated scene can hold.
+    #[error("a scene has 1 to {MAX_OBJECTS} objects, not {asked}: choose a number in that range")]
+    ObjectCount {
+        /// The number that was asked for.
+        asked: u32,
+    },
+    /// Less memory can be had than the objects take.
+    #[error("there is no memory for a scene of {count} objects: use fewer, or end other programs")]
+    NoMemory {
+        /// How many there were.
+        count: u32,
+    },
+    /// A motion that cannot be made.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// A name that no camera path has.
+    #[error("there is no camera path named \"{name}\": choose street, fly or cut")]
+    UnknownPath {
+        /// The name that was asked for.
+        name: String,
+    },
+    /// The scene has no streets, so nobody can walk in it.
+    #[error("the scene has no streets to walk along: choose the path fly")]
+    NoStreets,
+    /// A scene that cannot be drawn has no motion.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// A scene, and what is known about it since it was generated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeneratedScene {
+    /// What is drawn.
+    pub scene: Scene,
+    /// Where one can walk and fly.
+    pub routes: Routes,
+}
+
+/// Where one can walk and fly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Routes {
+    /// What the scene was made from, and what decides where walks lead; the same seed and number
+    /// of objects give the same bytes.
+    pub seed: u64,
+    /// Where to walk; empty where one cannot.
+    pub streets: Streets,
+    /// Where to fly.
+    pub flight: Flight,
+}
+
+/// Where one can walk: straight lines parallel to x and z, all of them crossing. At least 0.3 m around
+/// every line, and around every turn with the given radius, no object's box is met at eye level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Streets {
+    /// The x of the lines that run along z, in metres, ascending.
+    pub xs: Vec<f32>,
+    /// The z of the lines that run along x, in metres, ascending.
+    pub zs: Vec<f32>,
+    /// The radius of turns from line to line, in metres.
+    pub turn_radius_m: f32,
+}
+
+/// A round trip over the roofs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flight {
+    /// The middle of the circle, at the height of the eye, in metres.
+    pub centre: Vec3,
+    /// Its radius in metres.
+    pub radius_m: f32,
+    /// How far the view looks down, in radians.
+    pub down_rad: f32,
+}
+
+/// Returns room for so many objects.
+fn room_for_objects(asked: u32) -> Result<Vec<Object>, GeneratorError> {
+    if !(1..=MAX_OBJECTS).contains(&asked) {
+        return Err(GeneratorError::ObjectCount { asked });
+    }
+    let mut objects = Vec::new();
+    let reserved = objects.try_reserve_exact(asked as usize);
+    reserved.map(|()| objects).map_err(|_| GeneratorError::NoMemory { count: asked })
+}
+
+/// Turns +z to side `side` (0: +z, 1: +x, 2: -z, 3: -x), scales, and moves. Exact: the matrix holds
+/// zeros and the scale only.
+fn placement(side: usize, scale: f32, position: Vec3) -> Affine3A {
+    let (x, z) = match side % 4 {
+        0 => (Vec3A::X, Vec3A::Z),
+        1 => (Vec3A::NEG_Z, Vec3A::X),
+        2 => (Vec3A::NEG_X, Vec3A::NEG_Z),
+        _ => (Vec3A::Z, Vec3A::NEG_X),
+    };
+    Affine3A {
+        matrix3: Mat3A::from_cols(x * scale, vec3a(0.0, scale, 0.0), z * scale),
+        translation: position.into(),
+    }
+}
+
+/// The part of `total` that the `index`-th of `count` gets when it is dealt out evenly.
+fn share(total: u32, index: u32, count: u32) -> u32 {
+    let up_to = |index: u64| u64::from(total) * index / u64::from(count.max(1));
+    (up_to(u64::from(index) + 1) - up_to(u64::from(index))) as u32
+}
