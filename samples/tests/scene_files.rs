@@ -220,13 +220,11 @@ fn a_camera_whose_clip_plays_no_more_gives_way_to_a_view_of_everything() {
     assert!(last("small.glb", "seen") == last("none.glb", "unseen"));
 }
 
-/// A camera that nobody asked for and that a clip moves may be close to a wall; one that stands is a place
-/// that somebody chose.
 #[test]
-fn the_first_camera_is_where_one_begins_unless_a_clip_moves_it() {
+fn the_first_camera_is_where_one_begins_unless_a_clip_has_it_before_a_wall() {
     let scratch = scratch("viewer-begin");
     fs::write(scratch.0.join("none.glb"), scene::small_without_cameras()).unwrap();
-    fs::write(scratch.0.join("still.glb"), scene::small_with_still_camera()).unwrap();
+    fs::write(scratch.0.join("wall.glb"), scene::small_before_the_wall()).unwrap();
     let seen = |arguments: &[&str], out: &str| {
         let rest = ["--headless", "--frames", "1", "--out", out, "--size", "128x72"];
         let mut command = program(env!("CARGO_BIN_EXE_viewer"), &scratch.0, arguments);
@@ -236,15 +234,15 @@ fn the_first_camera_is_where_one_begins_unless_a_clip_moves_it() {
         (pixels(&scratch.0.join(out).join("frame_00000.png")), stderr(&output))
     };
     let hint = "a clip moves the file's first camera, walk: key 1 looks through it, 2 through";
-    let (moved, log) = seen(&["small.glb"], "moved");
+    let (before, log) = seen(&["wall.glb"], "wall");
     assert!(log.contains(hint), "{log}");
     let (none, log) = seen(&["none.glb"], "none");
-    assert!(moved == none && !log.contains("key 1"), "{log}");
-    let (asked, log) = seen(&["small.glb", "--camera", "walk"], "asked");
+    assert!(before == none && !log.contains("key 1"), "{log}");
+    let (asked, log) = seen(&["wall.glb", "--camera", "walk"], "asked");
     assert!(asked != none && !log.contains("key 1"), "{log}");
-    let (still, log) = seen(&["still.glb"], "still");
-    assert!(still != none && !log.contains("key 1"), "{log}");
-    assert!(still == seen(&["small.glb", "--camera", "still"], "still-asked").0);
+    let (clear, log) = seen(&["small.glb"], "clear");
+    assert!(clear != none && !log.contains("key 1"), "{log}");
+    assert!(clear == seen(&["small.glb", "--camera", "walk"], "clear-asked").0);
 }
 
 /// The message of a refusal: one line that names the file.

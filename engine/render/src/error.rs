@@ -12,7 +12,7 @@ pub enum Error {
     /// The scene is not whole.
     #[error(transparent)]
     Scene(#[from] scene::SceneError),
-    /// A scene with more of something than a renderer takes: beyond [`MAX_LIGHTS`](crate::MAX_LIGHTS) and its like,
+    /// A scene with more of something than a renderer takes: beyond [`MAX_LIGHTS`](scene::limits::MAX_LIGHTS) and its like,
     /// or beyond what the device's storage buffers hold.
     #[error("the scene has {wanted} {what}, and a renderer takes at most {limit} here: {instead}")]
     SceneTooLarge {

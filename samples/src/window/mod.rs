@@ -11,6 +11,7 @@ pub mod app;
 pub mod args;
 mod arrivals;
 pub mod capture;
+mod clearance;
 mod clipboard;
 pub mod clock;
 mod comparing;

@@ -41,7 +41,7 @@ pub struct ViewerArguments {
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
     /// The camera of the file to begin with, by its name [default: the first one; where there is none or
-    /// a clip moves it, a place from which all is seen]
+    /// a clip has it right before a wall, a place from which all is seen]
     #[arg(long, value_name = "NAME", help_heading = "World")]
     pub camera: Option<String>,
     /// The camera goes along a path that was recorded, whose name ends in .txt or has a slash

@@ -7,6 +7,7 @@ use import::{Imported, Performance};
 use render::Renderer;
 use scene::Scene;
 
+use super::clearance::clearance_m;
 use super::page_text::{Facts, fact};
 use super::source::FileSource;
 use crate::course::Course;
@@ -22,6 +23,8 @@ const STEP_S: f64 = 1.0 / 60.0;
 const LONGEST_STEP_S: f32 = 0.25;
 /// Where everything is of a size that people walk in, so many metres a second.
 const WALKING_M: f32 = 4.0;
+/// A view is before a wall where its middle is not clear for so many metres.
+const WALL_M: f32 = 2.5;
 /// A scene is crossed in about so many seconds.
 const CROSSING_S: f32 = 30.0;
 
@@ -149,10 +152,13 @@ impl World {
         performance.pose(0.0);
         let around = film::portrait(&bounds, size, covered);
         let first = camera.and_then(|place| Some((place, cameras.get(place)?)));
-        // Where a clip moves a camera that nobody asked for, it may be close to a wall at any time.
+        // A camera that nobody asked for and that a clip moves may begin in a wall, or right before one.
         let is_free = wanted.is_none() && recorded.is_none();
-        let moved =
-            first.filter(|(_, camera)| is_free && performance.drive(clips.playing(), camera));
+        let moved = first.filter(|(_, camera)| {
+            is_free
+                && performance.drive(clips.playing(), camera)
+                && clearance_m(&scene, &performance.seen_by(camera, size)) < WALL_M
+        });
         let (start, guide) = match (recorded, first) {
             (Some(path), _) => {
                 let start = path.camera(0).unwrap_or(around);

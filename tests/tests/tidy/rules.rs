@@ -82,8 +82,12 @@ pub fn own_files(files: &[SourceFile]) -> Vec<String> {
 }
 
 /// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know Vulkan's.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("engine/animation/Cargo.toml", &["cull"]),
+    (
+        "engine/antumbra/Cargo.toml",
+        &["animation", "cull", "gpu", "import", "pacing", "render", "scene"],
+    ),
     ("engine/cull/Cargo.toml", &[]),
     ("engine/gpu/Cargo.toml", &["shaders"]),
     ("engine/import/Cargo.toml", &["animation", "cull", "scene"]),
@@ -96,8 +100,9 @@ const ARROWS: [(&str, &[&str]); 9] = [
 
 /// Crates depend on each other as [`ARROWS`] says and no other way.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
-    const OURS: [&str; 11] = [
+    const OURS: [&str; 12] = [
         "animation",
+        "antumbra",
         "cull",
         "gpu",
         "import",
@@ -152,6 +157,7 @@ pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     let must = |file: &&SourceFile| {
         [
             "engine/animation/src/lib.rs",
+            "engine/antumbra/src/lib.rs",
             "engine/cull/src/lib.rs",
             "engine/import/src/lib.rs",
             "engine/pacing/src/lib.rs",

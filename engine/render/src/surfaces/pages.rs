@@ -24,7 +24,7 @@ pub struct Page {
 /// Where each texture of a scene lies.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PagePlan {
-    /// At most [`MAX_PAGES`].
+    /// At most [`MAX_PAGES`](scene::limits::MAX_PAGES).
     pub pages: Vec<Page>,
     /// Page and layer of each texture; `None` for one whose image is not there.
     pub places: Vec<Option<(usize, u32)>>,
@@ -44,7 +44,7 @@ impl PagePlan {
     /// `max_side` pixels a side and `max_layers` layers. Textures of the same image and sampler share a
     /// layer. Images beyond the device's size are halved until they fit.
     ///
-    /// Where there would be more than [`MAX_PAGES`], the two pages whose union costs least become one:
+    /// Where there would be more than [`MAX_PAGES`](scene::limits::MAX_PAGES), the two pages whose union costs least become one:
     /// first those of the same sampler and aspect, so that images are made larger before any is made
     /// smaller; then those of the same wrapping; samplers are given up last, encodings never. Where there
     /// are very many, those of sizes near each other come together first.

@@ -1,0 +1,56 @@
+//! A Vulkan engine that draws only what can be seen, never waits for the GPU to find out, and never shows a
+//! wrong pixel.
+//!
+//! This crate is what programs depend on: the crates of the engine under their short names, and at its
+//! root what every program needs.
+//!
+//! ```no_run
+//! use antumbra::scene::{Mesh, Scene};
+//! use antumbra::{Camera, FrameRequest, Readback, Renderer, Strategy, glam::Vec3};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let (device, _) = antumbra::open(None)?;
+//! let red = [0.8, 0.1, 0.1];
+//! let corners = [([-1.0, -1.0, 0.0], red), ([1.0, -1.0, 0.0], red), ([0.0, 1.0, 0.0], red)];
+//! let scene = Scene::single(Mesh::of_triangles("triangle", &corners));
+//! let mut renderer = Renderer::new(&device, &scene, &Default::default())?;
+//! let mut view = renderer.new_view()?;
+//! let picture = Readback::new(&device, renderer.size())?;
+//!
+//! let [eye, forward, up] = [Vec3::Z * 3.0, Vec3::NEG_Z, Vec3::Y];
+//! let camera = Camera { eye, forward, up, fov_y: 0.9, near: 0.1 };
+//! let request = FrameRequest::new(Strategy::Antumbra, camera);
+//! renderer.render(&mut view, &FrameRequest { picture: Some(&picture), ..request })?;
+//! renderer.drain(&mut view)?;
+//! println!("{} bytes of RGBA", picture.rgba8()?.len());
+//! # Ok(()) }
+//! ```
+//!
+//! | module | what is in it |
+//! |---|---|
+//! | [`scene`] | meshes, materials, objects, lights, and how they change |
+//! | [`render`] | the renderer: frames, views, updates, what explains them |
+//! | [`gpu`] | devices, windows, pictures |
+//! | [`cull`] | cameras, strategies, the hierarchy; decisions as pure values |
+//! | `import`, `animation` | glTF files and their clips, with the feature `import` |
+//! | `pacing` | when to start a frame, with the feature `pacing` |
+#![forbid(unsafe_code)]
+
+#[cfg(feature = "import")]
+pub use animation;
+pub use cull;
+pub use glam;
+pub use gpu;
+#[cfg(feature = "import")]
+pub use import;
+#[cfg(feature = "pacing")]
+pub use pacing;
+pub use render;
+pub use scene;
+
+pub use cull::{Camera, ObjectId, Strategy};
+#[cfg(feature = "loaded")]
+pub use gpu::open;
+pub use gpu::{Device, Readback, Swapchain};
+pub use render::{FrameRequest, Renderer, RendererOptions, ViewHistory};
+pub use scene::{Scene, SceneUpdate};

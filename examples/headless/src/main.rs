@@ -1,0 +1,54 @@
+//! Draws a scene of its own without a window, and says how much of it was drawn.
+#![forbid(unsafe_code)]
+
+use std::error::Error;
+
+use antumbra::glam::{Affine3A, Vec3, vec3};
+use antumbra::scene::{Mesh, MeshId, Object};
+use antumbra::{Camera, FrameRequest, Readback, Renderer, RendererOptions, Scene, Strategy};
+
+const SIZE: [u32; 2] = [320, 180];
+
+/// A square of 2 m that faces +z.
+fn square(name: &str, colour: [f32; 3]) -> Mesh {
+    let [a, b] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
+    let [c, d] = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+    Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, colour)))
+}
+
+/// A wall, and behind it a thousand tiles that nobody can see, and one that peeps out.
+fn scene() -> Scene {
+    let object = |mesh: u32, scale: f32, at: Vec3| {
+        let transform = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(scale));
+        Object { mesh: MeshId(mesh), transform, tint: u32::MAX }
+    };
+    let mut scene = Scene::single(square("wall", [0.6, 0.6, 0.5]));
+    scene.meshes.push(square("tile", [0.8, 0.02, 0.02]));
+    let tile = |number: u32| {
+        let [x, y, z] = [number % 10, number / 10 % 10, number / 100].map(|part| part as f32);
+        object(1, 0.04, vec3(x * 0.1 - 0.45, y * 0.1 - 0.45, -1.0 - z * 0.1))
+    };
+    scene.objects.extend((0..1000).map(tile));
+    scene.objects.push(object(1, 0.2, vec3(2.0, 0.0, -1.0)));
+    scene
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let (device, _) = antumbra::open(None)?;
+    let options = RendererOptions { size: SIZE, ..Default::default() };
+    let mut renderer = Renderer::new(&device, &scene(), &options)?;
+    let mut view = renderer.new_view()?;
+    let picture = Readback::new(&device, renderer.size())?;
+    for frame in 0..30_u8 {
+        let eye = vec3(f32::from(frame) * 0.01, 0.0, 3.0);
+        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+        let request = FrameRequest::new(Strategy::Antumbra, camera);
+        renderer.render(&mut view, &FrameRequest { picture: Some(&picture), ..request })?;
+    }
+    // Results of the last frames are on their way: this waits for them.
+    renderer.drain(&mut view)?;
+    let drawn = view.take_outcomes().last().map_or(0, |outcome| outcome.draws);
+    let red = picture.rgba8()?.chunks_exact(4).filter(|pixel| pixel[0] / 2 > pixel[1]).count();
+    println!("{drawn} of 1002 objects drawn; {red} pixels of the tile that peeps out");
+    Ok(())
+}

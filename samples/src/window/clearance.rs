@@ -1,0 +1,85 @@
+//! How far a view is clear of what stands around it.
+
+use cull::{Aabb, Camera};
+use glam::{Affine3A, Vec3};
+use scene::{Mesh, Scene};
+
+/// Rays per row and per column, over the middle half of the picture.
+const RAYS: usize = 5;
+
+/// Returns the median distance, in metres, at which rays through the middle of a view meet a triangle of
+/// the scene at rest; infinite where most meet none.
+pub fn clearance_m(scene: &Scene, camera: &Camera) -> f32 {
+    let right = camera.forward.cross(camera.up).normalize_or(Vec3::X);
+    let up = right.cross(camera.forward).normalize_or(Vec3::Y);
+    let reach = (camera.fov_y * 0.5).tan() * 0.5;
+    let part = |place: usize| (place as f32 / (RAYS - 1) as f32 * 2.0 - 1.0) * reach;
+    let rays = (0..RAYS * RAYS).map(|ray| {
+        let across = right * part(ray % RAYS) + up * part(ray / RAYS);
+        (camera.forward.normalize_or(Vec3::NEG_Z) + across).normalize()
+    });
+    let mut distances_m: Vec<f32> = rays.map(|ray| nearest_m(scene, camera.eye, ray)).collect();
+    distances_m.sort_by(f32::total_cmp);
+    distances_m.get(RAYS * RAYS / 2).copied().unwrap_or(f32::INFINITY)
+}
+
+fn nearest_m(scene: &Scene, eye: Vec3, ray: Vec3) -> f32 {
+    let near = scene.objects.iter().filter_map(|object| {
+        let is_met = scene.bounds_of(object).is_some_and(|bounds| meets_box(&bounds, eye, ray));
+        scene.mesh_of(object).filter(|_| is_met).map(|mesh| (mesh, object.transform))
+    });
+    near.map(|(mesh, transform)| nearest_of_mesh_m(mesh, &transform, eye, ray))
+        .fold(f32::INFINITY, f32::min)
+}
+
+fn meets_box(bounds: &Aabb, eye: Vec3, ray: Vec3) -> bool {
+    let (a, b) = ((bounds.min - eye) / ray, (bounds.max - eye) / ray);
+    let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
+    enter <= leave && leave >= 0.0
+}
+
+/// The nearest triangle along the ray, from either side (Möller and Trumbore, 1997).
+fn nearest_of_mesh_m(mesh: &Mesh, transform: &Affine3A, eye: Vec3, ray: Vec3) -> f32 {
+    let inverse = transform.inverse();
+    let (eye, ray) = (inverse.transform_point3(eye), inverse.transform_vector3(ray));
+    let corner = |index: u32| mesh.vertices.get(index as usize).map(|it| Vec3::from(it.position));
+    let (triangles, _) = mesh.indices.as_chunks::<3>();
+    let distances = triangles.iter().filter_map(|&[a, b, c]| {
+        let (a, b, c) = (corner(a)?, corner(b)?, corner(c)?);
+        let (side, other) = (b - a, c - a);
+        let slope = ray.cross(other);
+        let scale = 1.0 / side.dot(slope);
+        let from = eye - a;
+        let u = from.dot(slope) * scale;
+        let turned = from.cross(side);
+        let v = ray.dot(turned) * scale;
+        let distance = other.dot(turned) * scale;
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0).then_some(distance)
+    });
+    distances.fold(f32::INFINITY, f32::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wall_is_as_near_as_it_is_and_a_door_in_its_box_is_clear() {
+        let corner = |x: f32, y: f32| ([x, y, 0.0], [1.0; 3]);
+        let quad = |x: [f32; 2], y: [f32; 2]| {
+            let [a, b] = [corner(x[0], y[0]), corner(x[1], y[0])];
+            let [c, d] = [corner(x[1], y[1]), corner(x[0], y[1])];
+            [a, b, c, a, c, d]
+        };
+        let camera =
+            |eye: Vec3| Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+        let wall = Scene::single(Mesh::of_triangles("wall", &quad([-9.0, 9.0], [-9.0, 9.0])));
+        let near_m = clearance_m(&wall, &camera(Vec3::Z * 1.5));
+        assert!((1.5..1.6).contains(&near_m), "{near_m}");
+        let door = [quad([-9.0, -2.0], [-9.0, 9.0]), quad([2.0, 9.0], [-9.0, 9.0])].concat();
+        let door = Scene::single(Mesh::of_triangles("door", &door));
+        assert_eq!(clearance_m(&door, &camera(Vec3::Z * 1.5)), f32::INFINITY);
+        // Nothing is behind the eye.
+        assert_eq!(clearance_m(&wall, &camera(Vec3::Z * -1.5)), f32::INFINITY);
+    }
+}
