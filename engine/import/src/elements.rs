@@ -58,81 +58,60 @@ pub(crate) fn sparse_indices<'a>(
     store: &'a Store,
     sparse: &'a Sparse,
 ) -> impl Iterator<Item = u32> + 'a {
+    let (bytes, component) = index_bytes(root, store, sparse);
+    let read = integer_reader(component).unwrap_or(|_| 0);
+    bytes.chunks(component.size()).map(read).take(sparse.count.0 as usize)
+}
+
+/// The bytes of those indices from the first on, and what each is.
+fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8], ComponentType) {
     let indices = &sparse.indices;
     let component = match indices.component_type {
         Checked::Valid(component) => component.0,
         Checked::Invalid => ComponentType::U8,
     };
-    let bytes = store.from(root, indices.buffer_view.value(), indices.byte_offset.0);
-    let read = integer_reader(component).unwrap_or(|_| 0);
-    bytes.chunks(component.size()).map(read).take(sparse.count.0 as usize)
+    (store.from(root, indices.buffer_view.value(), indices.byte_offset.0), component)
 }
 
-/// Calls `visit` with each element of an accessor of unsigned integers; `None` and no call if it is not
-/// one, or has not `N` components.
+/// Calls `visit` with the picked elements of an accessor of unsigned integers, all without `picks`; `None` and no
+/// call if it is not one, or has not `N` components. Picks increase.
 pub(crate) fn for_each_integers<const N: usize>(
-    root: &Root,
-    store: &Store,
+    (root, store): (&Root, &Store),
     accessor: usize,
+    picks: Option<&[u32]>,
     visit: impl FnMut([u32; N]),
 ) -> Option<()> {
-    let accessor = root.accessors.get(accessor)?;
-    let layout = Layout::of(accessor).ok().filter(|layout| layout.components == N)?;
-    let elements = Elements { root, store, accessor, layout };
-    match layout.component {
-        ComponentType::U8 => elements.for_each(unsigned8, visit),
-        ComponentType::U16 => elements.for_each(unsigned16, visit),
-        ComponentType::U32 => elements.for_each(unsigned32, visit),
+    let elements = Elements::of::<N>(root, store, accessor)?;
+    match elements.layout.component {
+        ComponentType::U8 => elements.for_each(picks, unsigned8, visit),
+        ComponentType::U16 => elements.for_each(picks, unsigned16, visit),
+        ComponentType::U32 => elements.for_each(picks, unsigned32, visit),
         ComponentType::I8 | ComponentType::I16 | ComponentType::F32 => return None,
     }
     Some(())
 }
 
-/// Calls `visit` with each element of an accessor as floats; `None` and no call if it has not `N` components.
+/// Calls `visit` with the picked elements of an accessor as floats, all without `picks`; `None` and no call if it
+/// has not `N` components. Picks increase.
 pub(crate) fn for_each_floats<const N: usize>(
-    root: &Root,
-    store: &Store,
+    (root, store): (&Root, &Store),
     accessor: usize,
+    picks: Option<&[u32]>,
     visit: impl FnMut([f32; N]),
 ) -> Option<()> {
-    let is_normalised = root.accessors.get(accessor)?.normalized;
-    for_each_number((root, store), accessor, is_normalised, visit)
+    let elements = Elements::of::<N>(root, store, accessor)?;
+    elements.for_each_number(elements.accessor.normalized, picks, visit);
+    Some(())
 }
 
 /// Calls `visit` with each element of an accessor as the numbers that are stored, also where they are normalised;
 /// `None` and no call if it has not `N` components.
 pub(crate) fn for_each_raw<const N: usize>(
-    root: &Root,
-    store: &Store,
-    accessor: usize,
-    visit: impl FnMut([f32; N]),
-) -> Option<()> {
-    for_each_number((root, store), accessor, false, visit)
-}
-
-fn for_each_number<const N: usize>(
     (root, store): (&Root, &Store),
     accessor: usize,
-    is_normalised: bool,
     visit: impl FnMut([f32; N]),
 ) -> Option<()> {
-    let accessor = root.accessors.get(accessor)?;
-    let layout = Layout::of(accessor).ok().filter(|layout| layout.components == N)?;
-    let elements = Elements { root, store, accessor, layout };
-    match (layout.component, is_normalised) {
-        (ComponentType::F32, _) => elements.for_each(float, visit),
-        (ComponentType::U8, false) => elements.for_each(|b| unsigned8(b) as f32, visit),
-        (ComponentType::U16, false) => elements.for_each(|b| unsigned16(b) as f32, visit),
-        (ComponentType::U32, _) => elements.for_each(|b| unsigned32(b) as f32, visit),
-        (ComponentType::I8, false) => elements.for_each(signed8, visit),
-        (ComponentType::I16, false) => elements.for_each(signed16, visit),
-        (ComponentType::U8, true) => elements.for_each(|b| unsigned8(b) as f32 / 255.0, visit),
-        (ComponentType::U16, true) => elements.for_each(|b| unsigned16(b) as f32 / 65535.0, visit),
-        (ComponentType::I8, true) => elements.for_each(|b| (signed8(b) / 127.0).max(-1.0), visit),
-        (ComponentType::I16, true) => {
-            elements.for_each(|b| (signed16(b) / 32767.0).max(-1.0), visit)
-        }
-    }
+    Elements::of::<N>(root, store, accessor)?.for_each_number(false, None, visit);
     Some(())
 }
 
@@ -179,46 +158,129 @@ struct Elements<'a> {
     layout: Layout,
 }
 
-impl Elements<'_> {
-    fn for_each<T: Copy + Default, const N: usize>(
+impl<'a> Elements<'a> {
+    /// Finds the elements of an accessor, if it has `N` components.
+    fn of<const N: usize>(root: &'a Root, store: &'a Store, accessor: usize) -> Option<Self> {
+        let accessor = root.accessors.get(accessor)?;
+        let layout = Layout::of(accessor).ok().filter(|layout| layout.components == N)?;
+        Some(Self { root, store, accessor, layout })
+    }
+
+    fn for_each_number<const N: usize>(
         &self,
-        read: impl Fn(&[u8]) -> T,
-        mut visit: impl FnMut([T; N]),
+        is_normalised: bool,
+        picks: Option<&[u32]>,
+        visit: impl FnMut([f32; N]),
     ) {
-        let offsets: [usize; N] = std::array::from_fn(|component| self.layout.offset(component));
-        let element =
-            |bytes: &[u8]| offsets.map(|at| bytes.get(at..).map_or_else(T::default, &read));
-        let count = self.accessor.count.0 as usize;
-        let mut base = self.base();
-        let Some(sparse) = &self.accessor.sparse else {
-            match base {
-                Some(base) => base.take(count).for_each(|bytes| visit(element(bytes))),
-                None => (0..count).for_each(|_| visit([T::default(); N])),
+        match (self.layout.component, is_normalised) {
+            (ComponentType::F32, _) => self.for_each(picks, float, visit),
+            (ComponentType::U8, false) => self.for_each(picks, |b| unsigned8(b) as f32, visit),
+            (ComponentType::U16, false) => self.for_each(picks, |b| unsigned16(b) as f32, visit),
+            (ComponentType::U32, _) => self.for_each(picks, |b| unsigned32(b) as f32, visit),
+            (ComponentType::I8, false) => self.for_each(picks, signed8, visit),
+            (ComponentType::I16, false) => self.for_each(picks, signed16, visit),
+            (ComponentType::U8, true) => {
+                self.for_each(picks, |b| unsigned8(b) as f32 / 255.0, visit)
             }
-            return;
-        };
-        let values = self.store.from(
-            self.root,
-            sparse.values.buffer_view.value(),
-            sparse.values.byte_offset.0,
-        );
-        let values = values.chunks(self.layout.element_bytes);
-        let mut replaced = sparse_indices(self.root, self.store, sparse).zip(values).peekable();
-        for index in 0..count {
-            let below = base.as_mut().and_then(Iterator::next);
-            let above = replaced.next_if(|&(at, _)| at as usize == index);
-            match (above, below) {
-                (Some((_, bytes)), _) | (None, Some(bytes)) => visit(element(bytes)),
-                (None, None) => visit([T::default(); N]),
+            (ComponentType::U16, true) => {
+                self.for_each(picks, |b| unsigned16(b) as f32 / 65535.0, visit)
+            }
+            (ComponentType::I8, true) => {
+                self.for_each(picks, |b| (signed8(b) / 127.0).max(-1.0), visit)
+            }
+            (ComponentType::I16, true) => {
+                self.for_each(picks, |b| (signed16(b) / 32767.0).max(-1.0), visit)
             }
         }
     }
 
-    /// The bytes of each element in its view, if it has one.
-    fn base(&self) -> Option<std::slice::Chunks<'_, u8>> {
+    fn for_each<T: Copy + Default, const N: usize>(
+        &self,
+        picks: Option<&[u32]>,
+        read: impl Fn(&[u8]) -> T,
+        mut visit: impl FnMut([T; N]),
+    ) {
+        let offsets: [usize; N] = std::array::from_fn(|component| self.layout.offset(component));
+        let base = self.base();
+        let mut replaced = self.accessor.sparse.as_ref().map(|it| Replaced::of(self, it));
+        let mut element = |index: usize| {
+            #[cfg(test)]
+            tests::READ.with(|read| read.set(read.get() + 1));
+            let above = replaced.as_mut().and_then(|replaced| replaced.at(index));
+            let bytes = above.or_else(|| {
+                let (bytes, stride) = base?;
+                bytes.get(index.checked_mul(stride)?..)
+            });
+            let bytes = bytes.unwrap_or_default();
+            visit(offsets.map(|at| bytes.get(at..).map_or_else(T::default, &read)));
+        };
+        match picks {
+            Some(picks) => picks.iter().for_each(|&pick| element(pick as usize)),
+            None => (0..self.accessor.count.0 as usize).for_each(element),
+        }
+    }
+
+    /// The bytes from the first element on in its view, if it has one, and how far apart elements are.
+    fn base(&self) -> Option<(&'a [u8], usize)> {
         let view = self.accessor.buffer_view?.value();
         let stride = layout::stride(self.root, view, &self.layout);
         let offset = self.accessor.byte_offset.unwrap_or_default().0;
-        Some(self.store.from(self.root, view, offset).chunks(stride))
+        Some((self.store.from(self.root, view, offset), stride))
     }
 }
+
+/// The elements that a sparse accessor replaces, asked for in increasing order.
+struct Replaced<'a> {
+    indices: &'a [u8],
+    index_bytes: usize,
+    read: fn(&[u8]) -> u32,
+    values: &'a [u8],
+    value_bytes: usize,
+    count: usize,
+    /// The first that may be asked for yet.
+    next: usize,
+}
+
+impl<'a> Replaced<'a> {
+    fn of(elements: &Elements<'a>, sparse: &'a Sparse) -> Self {
+        let Elements { root, store, layout, .. } = elements;
+        let (indices, component) = index_bytes(root, store, sparse);
+        let values = &sparse.values;
+        Self {
+            indices,
+            index_bytes: component.size(),
+            read: integer_reader(component).unwrap_or(|_| 0),
+            values: store.from(root, values.buffer_view.value(), values.byte_offset.0),
+            value_bytes: layout.element_bytes,
+            count: sparse.count.0 as usize,
+            next: 0,
+        }
+    }
+
+    fn index(&self, place: usize) -> usize {
+        let bytes = place.checked_mul(self.index_bytes).and_then(|at| self.indices.get(at..));
+        (self.read)(bytes.unwrap_or_default()) as usize
+    }
+
+    /// The bytes of an element, if it is replaced.
+    fn at(&mut self, index: usize) -> Option<&'a [u8]> {
+        // Where elements are asked for one after the other, it is the next or none.
+        if self.next < self.count && self.index(self.next) < index {
+            let (mut low, mut high) = (self.next, self.count);
+            while low < high {
+                let middle = low.midpoint(high);
+                if self.index(middle) < index { low = middle + 1 } else { high = middle }
+            }
+            self.next = low;
+        }
+        if self.next >= self.count || self.index(self.next) != index {
+            return None;
+        }
+        let at = self.next.checked_mul(self.value_bytes)?;
+        self.next += 1;
+        self.values.get(at..)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,5 +1,6 @@
 //! The JSON of a file: weighed, read, and where `gltf` does not take all of it, read element by element.
 
+mod huge;
 mod lenient;
 mod lists;
 mod version;
@@ -35,7 +36,14 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
     let json = json.get(..end).unwrap_or_default();
 
     weight::check(json, limits).map_err(|reason| reason.of("JSON"))?;
-    let mut parsed = match serde_json::from_slice(json) {
+    let read = serde_json::from_slice(json);
+    if read.is_err()
+        && let Some(bounded) = huge::bounded(json)
+    {
+        // What comes after the first such number was not weighed.
+        return parse(&bounded, limits, notes);
+    }
+    let mut parsed = match read {
         Ok(root) if !wide::may_be_in(json) && !lists::may_be_in(json) => {
             Parsed { root, faults: Vec::new() }
         }
@@ -60,10 +68,6 @@ fn syntax(error: &serde_json::Error) -> Reason {
         return Reason::malformed(format!("it ends too early, in line {line}, column {column}"));
     }
     let text = error.to_string();
-    if text.starts_with("number out of range") {
-        let what = format!("a number in line {line}, column {column} is greater than any can be");
-        return Reason::malformed(what);
-    }
     let what = text.split(" at line ").next().unwrap_or_default();
     Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
 }

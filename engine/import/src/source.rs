@@ -122,26 +122,43 @@ impl Source {
     /// themselves. `None` if there is no such accessor or its elements have not `N` components. Matrices
     /// are in column order, without padding.
     pub fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
-        let mut all = self.room_for(accessor);
-        elements::for_each_floats(self.document.as_json(), &self.store, accessor, |each| {
-            all.push(each)
-        })?;
-        Some(all)
+        self.picked_floats(accessor, None)
     }
 
     /// All elements of an accessor of unsigned integers. `None` if there is no such accessor, its elements
     /// have not `N` components, or they are not unsigned integers.
     pub fn integers<const N: usize>(&self, accessor: usize) -> Option<Vec<[u32; N]>> {
-        let mut all = self.room_for(accessor);
-        elements::for_each_integers(self.document.as_json(), &self.store, accessor, |each| {
-            all.push(each)
-        })?;
+        self.picked_integers(accessor, None)
+    }
+
+    /// As [`Source::floats`], only those of an increasing list, if there is one: no other is looked at.
+    pub(crate) fn picked_floats<const N: usize>(
+        &self,
+        accessor: usize,
+        picks: Option<&[u32]>,
+    ) -> Option<Vec<[f32; N]>> {
+        let mut all = Vec::with_capacity(self.count_of(accessor, picks));
+        let file = (self.document.as_json(), &self.store);
+        elements::for_each_floats(file, accessor, picks, |each| all.push(each))?;
         Some(all)
     }
 
-    fn room_for<T>(&self, accessor: usize) -> Vec<T> {
+    /// As [`Source::integers`], only those of an increasing list, if there is one: no other is looked at.
+    pub(crate) fn picked_integers<const N: usize>(
+        &self,
+        accessor: usize,
+        picks: Option<&[u32]>,
+    ) -> Option<Vec<[u32; N]>> {
+        let mut all = Vec::with_capacity(self.count_of(accessor, picks));
+        let file = (self.document.as_json(), &self.store);
+        elements::for_each_integers(file, accessor, picks, |each| all.push(each))?;
+        Some(all)
+    }
+
+    /// How many elements an accessor has, or how many of them are picked.
+    pub(crate) fn count_of(&self, accessor: usize, picks: Option<&[u32]>) -> usize {
         let accessor = self.document.as_json().accessors.get(accessor);
-        Vec::with_capacity(accessor.map_or(0, |accessor| accessor.count.0 as usize))
+        picks.map_or(accessor.map_or(0, |accessor| accessor.count.0 as usize), <[u32]>::len)
     }
 
     /// An error about something in this file.

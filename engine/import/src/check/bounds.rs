@@ -78,7 +78,7 @@ fn extents_of<const N: usize>(
     accessor: usize,
 ) -> Option<[Vec<f32>; 2]> {
     let (mut least, mut most) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N]);
-    elements::for_each_raw::<N>(root, store, accessor, |element| {
+    elements::for_each_raw::<N>((root, store), accessor, |element| {
         for (place, number) in element.into_iter().enumerate() {
             least[place] = least[place].min(number);
             most[place] = most[place].max(number);
@@ -98,7 +98,7 @@ fn holds(accessor: &Accessor, least: &[f32], most: &[f32]) -> bool {
         };
         numbers.iter().zip(extents).all(|(bound, extent)| {
             let bound = bound.as_f64().map(|bound| bound as f32);
-            bound.is_some_and(|bound| holds(bound, *extent, margin(bound)))
+            bound.is_some_and(|bound| bound.is_finite() && holds(bound, *extent, margin(bound)))
         })
     };
     all(&accessor.min, least, |bound, least, margin| bound <= least + margin)

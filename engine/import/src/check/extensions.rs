@@ -54,6 +54,9 @@ const LACKING: &[(&str, &str)] = &[
 const NOTHING: &str = "the picture lacks nothing without it";
 const PLAIN_TEXTURES: &str = "textures are shown by their plain copies";
 
+/// What readers that do not know it would refuse or show wrongly.
+pub(super) const QUANTISATION: &str = "KHR_mesh_quantization";
+
 /// Refuses a file that requires what is not supported; notes what it merely uses.
 pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     let is_unknown = |name: &&String| !SUPPORTED_EXTENSIONS.contains(&name.as_str());
@@ -66,6 +69,12 @@ pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     let used: BTreeSet<&String> = root.extensions_used.iter().filter(is_unknown).collect();
     for name in used {
         notes.add(|| Note::new(format!("extension {}", quoted(name)), lacking(name)));
+    }
+    let names = |list: &[String]| list.iter().any(|name| name == QUANTISATION);
+    if names(&root.extensions_used) && !names(&root.extensions_required) {
+        let what =
+            "extensionsRequired must name it, but does not: its meshes are shown all the same";
+        notes.add(|| Note::new(format!("extension {}", quoted(QUANTISATION)), what));
     }
     Ok(())
 }

@@ -7,18 +7,36 @@ use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Mesh, Root};
 
 use super::attributes::{self, INDICES};
+use super::extensions::QUANTISATION;
 use super::{finite, in_range, uses};
 use crate::error::{At, Fault, Reason};
 use crate::reach::Kind;
 use crate::verdict::Verdict;
 
 pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
-    let is_quantised = uses(root, "KHR_mesh_quantization");
+    let is_quantised = uses(root, QUANTISATION);
     for (index, mesh) in root.meshes.iter().enumerate() {
         let checked = check_mesh(root, index, mesh, is_quantised);
         verdict.judge(Kind::Mesh.at(index), checked)?;
+        if verdict.is_required(Kind::Mesh.at(index)) {
+            note_targets_alone(index, mesh, verdict);
+        }
     }
     Ok(())
+}
+
+/// Notes morph targets that turn normals or tangents which the primitive does not have.
+fn note_targets_alone(number: usize, mesh: &Mesh, verdict: &mut Verdict) {
+    for (index, primitive) in mesh.primitives.iter().enumerate() {
+        let lacks = |semantic| !primitive.attributes.contains_key(&Checked::Valid(semantic));
+        let (no_normals, no_tangents) = (lacks(Semantic::Normals), lacks(Semantic::Tangents));
+        let is_alone = |target: &&MorphTarget| {
+            target.normals.is_some() && no_normals || target.tangents.is_some() && no_tangents
+        };
+        let alone = primitive.targets.iter().flatten().filter(is_alone).count();
+        let what = "morph targets with normals or tangents that the primitive does not have: computed instead";
+        verdict.notes.count(what, alone, || format!("mesh {number}, primitive {index}"));
+    }
 }
 
 fn check_mesh(root: &Root, number: usize, mesh: &Mesh, is_quantised: bool) -> Result<(), Fault> {

@@ -107,7 +107,7 @@ impl Greatest<'_> {
         let (root, store) = (self.root, self.store);
         *self.known.entry(accessor.value()).or_insert_with(|| {
             let mut greatest = 0;
-            elements::for_each_integers::<N>(root, store, accessor.value(), |values| {
+            elements::for_each_integers::<N>((root, store), accessor.value(), None, |values| {
                 greatest = values.into_iter().fold(greatest, u32::max);
             });
             greatest
@@ -142,12 +142,12 @@ impl Greatest<'_> {
         let (root, store) = (self.root, self.store);
         let greatest = |[joints, weights]: [usize; 2]| {
             let mut has_weight: Vec<u8> = Vec::new();
-            elements::for_each_floats::<4>(root, store, weights, |weights| {
+            elements::for_each_floats::<4>((root, store), weights, None, |weights| {
                 let bits = (0..4).zip(weights).filter(|(_, weight)| *weight > 0.0);
                 has_weight.push(bits.map(|(place, _)| 1 << place).sum());
             })?;
             let (mut vertices, mut greatest) = (has_weight.iter(), None);
-            elements::for_each_integers::<4>(root, store, joints, |joints| {
+            elements::for_each_integers::<4>((root, store), joints, None, |joints| {
                 let bits = vertices.next().copied().unwrap_or_default();
                 let followed = (0..4).zip(joints).filter(|(place, _)| bits & 1 << place != 0);
                 greatest = greatest.max(followed.map(|(_, joint)| joint).max());

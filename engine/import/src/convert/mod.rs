@@ -30,6 +30,7 @@ mod sprites;
 mod tangents;
 mod textures;
 mod topology;
+mod vertices;
 
 use std::collections::HashMap;
 

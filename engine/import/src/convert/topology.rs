@@ -3,6 +3,10 @@
 
 use gltf::mesh::Mode;
 
+/// As large a part of its vertices as this has to be used by a primitive before all are looked at: about what
+/// sorting costs more than marking.
+const FEW: usize = 16;
+
 /// What a list of vertices means.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Elements {
@@ -57,8 +61,34 @@ impl Elements {
         }
     }
 
+    /// Names only vertices that are used, by their order. Returns which those are, `None` if all of `count`.
+    ///
+    /// # Errors
+    /// A vertex that is not there.
+    pub(super) fn compact(&mut self, count: usize) -> Result<Option<Vec<u32>>, u32> {
+        if let Some(&beyond) = self.vertices().iter().find(|&&vertex| vertex as usize >= count) {
+            return Err(beyond);
+        }
+        // A few vertices of many are sorted, so that those which are not used cost nothing.
+        let is_few = self.vertices().len() < count / FEW;
+        let picks = if is_few { sorted(self.vertices()) } else { marked(self.vertices(), count) };
+        if picks.len() == count {
+            return Ok(None);
+        }
+        if is_few {
+            self.rename(|vertex| picks.binary_search(&vertex).map_or(0, |name| name as u32));
+        } else {
+            let mut names = vec![0; count];
+            for (name, &vertex) in (0..).zip(&picks) {
+                names[vertex as usize] = name;
+            }
+            self.rename(|vertex| names[vertex as usize]);
+        }
+        Ok(Some(picks))
+    }
+
     /// Names all vertices anew.
-    pub(super) fn rename(&mut self, new: impl Fn(u32) -> u32) {
+    fn rename(&mut self, new: impl Fn(u32) -> u32) {
         let all = match self {
             Self::Triangles(triangles) => triangles.as_flattened_mut(),
             Self::Lines(lines) => lines.as_flattened_mut(),
@@ -68,6 +98,23 @@ impl Elements {
             *vertex = new(*vertex);
         }
     }
+}
+
+/// Returns the vertices of a list once each and in order, by sorting it.
+fn sorted(list: &[u32]) -> Vec<u32> {
+    let mut picks = list.to_vec();
+    picks.sort_unstable();
+    picks.dedup();
+    picks
+}
+
+/// Returns the vertices of a list once each and in order, by marking those below `count`.
+fn marked(list: &[u32], count: usize) -> Vec<u32> {
+    let mut is_used = vec![false; count];
+    for &vertex in list {
+        is_used[vertex as usize] = true;
+    }
+    (0..).zip(is_used).filter_map(|(vertex, is_used)| is_used.then_some(vertex)).collect()
 }
 
 fn strip(list: &[u32]) -> impl Iterator<Item = [u32; 2]> {
@@ -123,5 +170,28 @@ mod tests {
                 assert_eq!(Elements::of(mode, list), Elements::Triangles(vec![]));
             }
         }
+    }
+
+    #[test]
+    fn sorting_and_marking_find_the_same_vertices() {
+        let mut random = 1_u32;
+        for round in 1..200_u32 {
+            let mut next = || {
+                random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                random >> 8
+            };
+            let list: Vec<u32> = (0..next() % 90).map(|_| next() % (9 * round)).collect();
+            let (count, picks) = (9 * round as usize, sorted(&list));
+            assert_eq!(picks, marked(&list, count), "{list:?}");
+            let mut elements = Elements::Points(list.clone());
+            match elements.compact(count) {
+                Ok(Some(kept)) => assert_eq!(kept, picks),
+                Ok(None) => assert_eq!(picks.len(), count),
+                Err(vertex) => panic!("vertex {vertex} is there"),
+            }
+            let named = elements.vertices().iter().map(|&name| picks[name as usize]);
+            assert_eq!(named.collect::<Vec<_>>(), list);
+        }
+        assert_eq!(Elements::Points(vec![3, 9, 8]).compact(8), Err(9));
     }
 }

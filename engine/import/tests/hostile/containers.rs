@@ -44,7 +44,7 @@ fn headers_that_lie_are_named() {
 #[test]
 fn what_is_no_json_is_named() {
     for text in
-        ["", "{", "[]", "null", "{\"asset\":{\"version\":\"2.0\"}} x", "\u{0}", "{\"asset\":1e999}"]
+        ["", "{", "[]", "null", "{\"asset\":{\"version\":\"2.0\"}} x", "\u{0}", "{\"asset\":1e}"]
     {
         assert!(refused(text.as_bytes()).contains("JSON") || text.is_empty(), "{text}");
         assert!(refused(&glb_of(&[(b"JSON", text.as_bytes())])).contains(": "), "{text}");

@@ -202,6 +202,39 @@ pub const SHOWN: &[Row] = &[
         Noted(&["mesh 0, primitive 0: textures by coordinates that it does not have"]),
     ),
     (
+        "a target of normals without normals",
+        |s| s.set("/meshes/1/primitives/0/targets/0/NORMAL", json!(0)),
+        Noted(&["mesh 1, primitive 0: morph targets with normals or tangents"]),
+    ),
+    (
+        "a target of tangents without tangents",
+        |s| {
+            let normals = s.floats("VEC3", &[0.0, 0.0, 1.0].repeat(3));
+            s.set("/meshes/1/primitives/0/attributes/NORMAL", json!(normals));
+            s.set("/meshes/1/primitives/0/targets/0/NORMAL", json!(0));
+            s.set("/meshes/1/primitives/0/targets/0/TANGENT", json!(0))
+        },
+        Noted(&["mesh 1, primitive 0: morph targets with normals or tangents"]),
+    ),
+    (
+        "quantised meshes that need not be known",
+        |s| s.set("/extensionsUsed/4", json!("KHR_mesh_quantization")),
+        Noted(&["KHR_mesh_quantization", "extensionsRequired must name it"]),
+    ),
+    (
+        "quantised meshes that must be known",
+        |s| {
+            s.set("/extensionsUsed/4", json!("KHR_mesh_quantization"));
+            s.set("/extensionsRequired", json!(["KHR_mesh_quantization"]))
+        },
+        Opens,
+    ),
+    (
+        "bounds beyond 32 bits",
+        |s| s.set("/accessors/0/max", json!([1e39, 1, 0])),
+        Noted(&["accessor 0: its min and max"]),
+    ),
+    (
         "a broken light",
         |s| s.set("/extensions/KHR_lights_punctual/lights/0/type", json!("area")),
         Refused(&["light 0: its type"]),

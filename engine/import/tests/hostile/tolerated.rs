@@ -229,6 +229,58 @@ fn a_chain_whose_nodes_are_all_named_as_roots_is_shown_once() {
 }
 
 #[test]
+fn numbers_beyond_64_bits_are_faults_of_what_they_are_in() {
+    use Outcome::*;
+    let rows: &[Row] = &[
+        (
+            "an unused node",
+            |s| s.set("/nodes/4", json!({ "scale": [1, 1, 7e77] })),
+            Unused("node 4: its scale is"),
+        ),
+        (
+            "an unused node's mesh",
+            |s| s.set("/nodes/4", json!({ "mesh": 7e77 })),
+            Unused("node 4, mesh: it must be"),
+        ),
+        (
+            "an unused camera",
+            |s| {
+                let lens = json!({ "yfov": 1, "znear": 7e77 });
+                s.set("/cameras/1", json!({ "type": "perspective", "perspective": lens }))
+            },
+            Unused("camera 1: its projection is beyond"),
+        ),
+        ("extras", |s| s.set("/nodes/0/extras", json!({ "far": 7e77 })), Opens),
+        ("another's", |s| s.set("/extensions/VENDOR_x", json!([7e77])), Opens),
+        (
+            "bounds",
+            |s| s.set("/accessors/0/max", json!([7e77, 1, 0])),
+            Noted(&["accessor 0: its min"]),
+        ),
+        (
+            "a node",
+            |s| s.set("/nodes/0/scale", json!([1, 7e77, 1])),
+            Refused(&["node 0: its scale is"]),
+        ),
+        (
+            "a camera",
+            |s| s.set("/cameras/0/perspective/znear", json!(7e77)),
+            Refused(&["camera 0: its"]),
+        ),
+    ];
+    for &(name, change, outcome) in rows {
+        let mut scene = everything();
+        change(&mut scene);
+        let text = String::from_utf8(scene.gltf()).expect("JSON");
+        assert!(text.contains("7e77") || text.contains("7e+77"), "{text}");
+        let text = text.replace("7e77", "7e777").replace("7e+77", "-7e+777");
+        let result = load(text.into_bytes());
+        let said = result.as_ref().map(texts).map_err(ToString::to_string);
+        assert!(is_as_expected(&result, outcome), "{name}: {said:?}, not {outcome:?}");
+    }
+}
+
+#[test]
 fn names_that_occur_twice_are_noted() {
     let text = String::from_utf8(Scene::triangle().gltf()).expect("JSON");
     let twice = text.replacen("{", "{\"scene\":0,", 1);

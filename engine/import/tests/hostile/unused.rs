@@ -175,6 +175,29 @@ pub const UNUSED: &[Row] = &[
         Noted(&["node 2 is a child of node 1 already", "not all"]),
     ),
     (
+        "node beyond 32 bits",
+        |s| add(s, "nodes", json!({ "translation": [0, 1e39, 0] })),
+        Unused("node 4: its translation is beyond"),
+    ),
+    (
+        "camera beyond 32 bits",
+        |s| {
+            let lens = json!({ "yfov": 1, "znear": 1e39 });
+            add(s, "cameras", json!({ "type": "perspective", "perspective": lens }))
+        },
+        Unused("camera 1: its projection is beyond"),
+    ),
+    (
+        "light beyond 32 bits",
+        |s| light(s, json!({ "type": "point", "intensity": 1e39 })),
+        Unused("light 1: its intensity is beyond"),
+    ),
+    (
+        "material beyond 32 bits",
+        |s| add(s, "materials", json!({ "emissiveFactor": [1e39, 0, 0] })),
+        Unused("material 1: its emissiveFactor is beyond"),
+    ),
+    (
         "skin without joints",
         |s| add(s, "skins", json!({ "joints": [] })),
         Unused("skin 1: it has no joints"),

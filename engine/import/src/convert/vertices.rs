@@ -1,0 +1,206 @@
+//! Vertices of primitives: their attributes as lists of numbers that are all finite.
+
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json;
+use gltf::mesh::Semantic;
+use scene::{MorphTarget, SkinWeights};
+
+use super::geometry::Geometry;
+use super::materials::MaterialUse;
+use super::primitives::{Primitive, Variant};
+use crate::notes::Notes;
+use crate::{Cause, ImportError};
+
+/// Texture coordinates beyond this are cut off: no number left between two of them is a texture's part.
+const LARGEST_UV: f32 = 1e6;
+
+/// The vertices of a primitive that something is drawn with: no other is read.
+pub(super) struct Vertices<'a> {
+    primitive: &'a Primitive<'a>,
+    /// Increasing; all if there are none.
+    picks: Option<&'a [u32]>,
+}
+
+impl<'a> Vertices<'a> {
+    pub(super) fn new(primitive: &'a Primitive<'a>, picks: Option<&'a [u32]>) -> Self {
+        Self { primitive, picks }
+    }
+
+    /// All attributes that count.
+    pub(super) fn read(
+        &self,
+        positions: usize,
+        variant: Variant,
+        material: &MaterialUse,
+        notes: &mut Notes,
+    ) -> Result<Geometry, ImportError> {
+        let mut geometry = Geometry { positions: self.vectors(positions), ..Geometry::default() };
+        let is_broken = |position: &Vec3| !position.is_finite();
+        if let Some(place) = geometry.positions.iter().position(is_broken) {
+            let vertex = self.vertex(place);
+            let reason = format!("the position of vertex {vertex} is not a finite number");
+            return Err(self.primitive.error(Cause::Malformed, reason));
+        }
+        let of = |semantic| self.primitive.attribute(semantic);
+        geometry.normals = of(Semantic::Normals).map(|it| self.vectors(it)).unwrap_or_default();
+        if let Some(tangents) = of(Semantic::Tangents)
+            && !geometry.normals.is_empty()
+        {
+            let tangents = self.floats::<4>(tangents).unwrap_or_default();
+            geometry.tangents = tangents.into_iter().map(Vec4::from_array).collect();
+        }
+        for (uvs, set) in geometry.uvs.iter_mut().zip(material.sets) {
+            match set.map(|set| of(Semantic::TexCoords(set))) {
+                Some(Some(accessor)) => *uvs = self.uvs(accessor, notes),
+                Some(None) => {
+                    let what = "textures by coordinates that it does not have, shown by one texel";
+                    notes.count(what, 1, || self.primitive.place());
+                }
+                None => {}
+            }
+        }
+        if let Some(colours) = of(Semantic::Colors(0)) {
+            geometry.colours = self.colours(colours, notes);
+        }
+        if let Some(joint_count) = variant.joints {
+            geometry.skin = Some(self.skin(joint_count, geometry.positions.len(), notes));
+        }
+        if variant.is_morphed {
+            geometry.targets = self.morph_targets()?;
+        }
+        Ok(geometry)
+    }
+
+    /// The number in the file of the vertex that is read at this place.
+    fn vertex(&self, place: usize) -> usize {
+        self.picks.and_then(|it| it.get(place)).map_or(place, |&vertex| vertex as usize)
+    }
+
+    fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
+        self.primitive.source.picked_floats(accessor, self.picks)
+    }
+
+    fn vectors(&self, accessor: usize) -> Vec<Vec3> {
+        let vectors = self.floats::<3>(accessor).unwrap_or_default();
+        vectors.into_iter().map(Vec3::from_array).collect()
+    }
+
+    fn uvs(&self, accessor: usize, notes: &mut Notes) -> Vec<Vec2> {
+        let mut broken = 0;
+        let uvs = self.floats::<2>(accessor).unwrap_or_default().into_iter().map(|uv| {
+            let uv = Vec2::from_array(uv);
+            if uv.abs().max_element() <= LARGEST_UV && uv.is_finite() {
+                return uv;
+            }
+            broken += 1;
+            if uv.is_finite() {
+                uv.clamp(Vec2::splat(-LARGEST_UV), Vec2::splat(LARGEST_UV))
+            } else {
+                Vec2::ZERO
+            }
+        });
+        let uvs = uvs.collect();
+        notes.count("texture coordinates that are huge or no numbers", broken, || {
+            self.primitive.place()
+        });
+        uvs
+    }
+
+    fn colours(&self, accessor: usize, notes: &mut Notes) -> Vec<[f32; 4]> {
+        let opaque = |[red, green, blue]: [f32; 3]| [red, green, blue, 1.0];
+        let mut colours = self.floats::<4>(accessor).unwrap_or_else(|| {
+            let colours = self.floats::<3>(accessor).unwrap_or_default();
+            colours.into_iter().map(opaque).collect()
+        });
+        let (mut broken, mut cut) = (0, 0);
+        for colour in &mut colours {
+            if colour.iter().any(|part| !part.is_finite()) {
+                *colour = [1.0; 4];
+                broken += 1;
+            }
+            cut += usize::from(colour.iter().any(|part| !(0.0..=1.0).contains(part)));
+        }
+        notes.count("colours of vertices below 0 or above 1, cut off there", cut, || {
+            self.primitive.place()
+        });
+        notes.count("colours of vertices that are no numbers, white instead", broken, || {
+            self.primitive.place()
+        });
+        colours
+    }
+
+    /// All sets of joints and weights, which are 1 together for each vertex.
+    fn skin(&self, joint_count: u32, vertices: usize, notes: &mut Notes) -> SkinWeights {
+        let (source, attribute) =
+            (self.primitive.source, |semantic| self.primitive.attribute(semantic));
+        let of_set = |set| {
+            let joints =
+                source.picked_integers::<4>(attribute(Semantic::Joints(set))?, self.picks)?;
+            let weights = self.floats::<4>(attribute(Semantic::Weights(set))?)?;
+            Some((joints, weights))
+        };
+        let sets: Vec<_> = (0..).map_while(of_set).collect();
+        let mut skin = SkinWeights {
+            joint_count,
+            joints: Vec::with_capacity(vertices * sets.len()),
+            weights: Vec::with_capacity(vertices * sets.len()),
+            sets: sets.len() as u32,
+        };
+        let mut broken = 0;
+        for vertex in 0..vertices {
+            let start = skin.weights.len();
+            for (joints, weights) in &sets {
+                let joints = joints.get(vertex).copied().unwrap_or_default();
+                let weights = weights.get(vertex).copied().unwrap_or_default();
+                let weights =
+                    weights.map(|weight| if weight.is_finite() { weight.max(0.0) } else { 0.0 });
+                skin.joints.push(std::array::from_fn(|place| {
+                    // What weighs nothing may name a joint that is not there.
+                    let is_there = weights[place] > 0.0 && joints[place] < joint_count;
+                    if is_there { joints[place] as u16 } else { 0 }
+                }));
+                skin.weights.push(weights);
+            }
+            let own = skin.weights.get_mut(start..).unwrap_or_default().as_flattened_mut();
+            let sum: f64 = own.iter().map(|weight| f64::from(*weight)).sum();
+            if sum > 0.0 {
+                own.iter_mut().for_each(|weight| *weight = (f64::from(*weight) / sum) as f32);
+            } else if let Some(first) = own.first_mut() {
+                *first = 1.0;
+                broken += 1;
+            }
+        }
+        notes.count(
+            "vertices without any weight, hung on their skin's first joint",
+            broken,
+            || self.primitive.place(),
+        );
+        skin
+    }
+
+    fn morph_targets(&self) -> Result<Vec<MorphTarget>, ImportError> {
+        let deltas = |accessor: &Option<json::Index<json::Accessor>>| {
+            let deltas = accessor.as_ref().and_then(|it| self.floats::<3>(it.value()));
+            deltas.unwrap_or_default()
+        };
+        let finite = |delta: [f32; 3]| {
+            if delta.iter().all(|part| part.is_finite()) { delta } else { [0.0; 3] }
+        };
+        let mut targets = Vec::with_capacity(self.primitive.targets().len());
+        for (number, target) in self.primitive.targets().iter().enumerate() {
+            let positions = deltas(&target.positions);
+            let is_broken = |delta: &[f32; 3]| delta.iter().any(|part| !part.is_finite());
+            if let Some(place) = positions.iter().position(is_broken) {
+                let vertex = self.vertex(place);
+                let reason = format!(
+                    "morph target {number} moves vertex {vertex} by what is not a finite number"
+                );
+                return Err(self.primitive.error(Cause::Malformed, reason));
+            }
+            let normals = deltas(&target.normals).into_iter().map(finite).collect();
+            let tangents = deltas(&target.tangents).into_iter().map(finite).collect();
+            targets.push(MorphTarget { positions, normals, tangents });
+        }
+        Ok(targets)
+    }
+}
