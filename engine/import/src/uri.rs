@@ -200,14 +200,32 @@ pub(crate) fn read_file(
     }
     memory::ask(count)?;
     let mut bytes = Vec::with_capacity(count as usize);
-    // The file may have grown since.
+    // The file may have grown since. A pointer is known by more bytes than a small buffer has.
     File::open(path)
         .map_err(unreadable)?
-        .take(count)
+        .take(count.max(LFS_POINTER.len() as u64))
         .read_to_end(&mut bytes)
         .map_err(unreadable)?;
     if bytes.starts_with(LFS_POINTER) {
         return Err(lfs_pointer(shown));
     }
     cut(bytes, wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pointer_of_git_lfs_is_known_however_little_is_wanted() {
+        let path = std::env::temp_dir().join(format!("antumbra-pointer-{}", std::process::id()));
+        std::fs::write(&path, [LFS_POINTER, b"v1\noid sha256:4d7a\nsize 9\n"].concat()).unwrap();
+        for wanted in [Wanted::First(8), Wanted::First(60), Wanted::First(1000), Wanted::All] {
+            let error = read_file(&path, "it", wanted, 1 << 20).unwrap_err();
+            assert!(format!("{error:?}").contains("Git LFS pointer"), "{error:?}");
+        }
+        std::fs::write(&path, b"0123456789").unwrap();
+        assert_eq!(read_file(&path, "it", Wanted::First(8), 1 << 20).unwrap(), b"01234567");
+        std::fs::remove_file(&path).unwrap();
+    }
 }

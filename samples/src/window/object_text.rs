@@ -57,8 +57,7 @@ impl ObjectCard<'_> {
             facts.push(fact("last answer", self.answer(&explained.history)));
         }
         if let (Some(next), true) = (explained.history.next_test, self.is_drawn_at_once()) {
-            let frames = next.0.saturating_sub(explained.frame.0);
-            facts.push(fact("next test", format!("in {}", in_frames(frames))));
+            facts.push(fact("next test", until(next.0, explained.frame.0)));
         }
         facts
     }
@@ -134,6 +133,14 @@ impl ObjectCard<'_> {
     }
 }
 
+/// Says when a test comes that is due in frame `due`. It waits where it is not worth its price yet.
+fn until(due: u64, now: u64) -> String {
+    match due.checked_sub(now) {
+        None | Some(0) => "due, once it is worth its price".to_owned(),
+        Some(frames) => format!("in {}", in_frames(frames)),
+    }
+}
+
 fn in_frames(frames: u64) -> String {
     if frames == 1 { "1 frame".to_owned() } else { format!("{frames} frames") }
 }
@@ -195,6 +202,12 @@ mod tests {
         let size = "object: 0, wall\nbox: 8.00 x 8.00 x 1.00 m\ndistance: 5.0 m\ntriangles: 12\n";
         assert_says(&text, &[size, "decision: drawn: taken as visible"]);
         assert_says(&text, &["object is: visible since frame", "asked in frame", "next test: in"]);
+    }
+
+    #[test]
+    fn a_test_that_is_late_is_said_to_be_due() {
+        assert_eq!(until(7, 5), "in 2 frames");
+        assert!(until(5, 5).starts_with("due") && until(5, 90).starts_with("due"));
     }
 
     #[test]

@@ -172,6 +172,9 @@ impl Opened {
             self.session.resize(self.size)?;
             self.next_layout = now;
         }
+        // Before anything is said: what was measured under other conditions is not of this scene.
+        self.session.present_mode = Some(self.screen.swapchain().mode());
+        self.screen.follow(self.session.conditions(), frame);
         if self.session.take_stale_page() || now >= self.next_layout {
             let facts = self.screen.facts();
             self.session.lay_out(Some(&facts), self.window.scale_factor() as f32)?;
@@ -183,8 +186,6 @@ impl Opened {
         if let Some(title) = self.title.count(now, self.session.subject()) {
             self.window.set_title(&title);
         }
-        self.session.present_mode = Some(self.screen.swapchain().mode());
-        self.screen.follow(self.session.conditions(), frame);
         let mut steering = input.steering();
         if let Some(gamepad) = &self.gamepad {
             let pad = gamepad.state();

@@ -31,6 +31,7 @@ impl Session {
     pub fn lay_out(&mut self, screen: Option<&ScreenFacts>, scale: f32) -> Result<(), RunError> {
         let began = self.clock.now();
         self.time_passes()?;
+        self.times.follow(self.conditions());
         let page = self.page(screen);
         self.log_selection();
         if page == HudPage::default() {

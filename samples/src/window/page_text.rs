@@ -255,7 +255,12 @@ fn ms(ms: Option<f64>) -> String {
 
 /// Three digits that matter, and the unit.
 pub(super) fn in_ms(ms: Option<f32>) -> String {
-    ms.map_or(UNKNOWN.to_owned(), |ms| format!("{} ms", digits(ms.into())))
+    match ms {
+        None => UNKNOWN.to_owned(),
+        // Wider than its column in milliseconds.
+        Some(ms) if ms >= 9_999.5 => format!("{} s", digits(f64::from(ms) * 1e-3)),
+        Some(ms) => format!("{} ms", digits(ms.into())),
+    }
 }
 
 /// Three digits that matter.

@@ -275,5 +275,7 @@ fn numbers_fit_their_columns() {
     for (time, text) in [(0.123, "0.12"), (9.999, "10.0"), (45.67, "45.7"), (151.4, "151")] {
         assert_eq!(digits(time), text);
     }
+    assert_eq!(in_ms(Some(9_999.0)), "9999 ms");
+    assert_eq!(in_ms(Some(18_858.0)), "18.9 s");
     assert_eq!((ms(None), ms(Some(1.234))), ("-".to_owned(), "1.23 ms".to_owned()));
 }

@@ -8,8 +8,10 @@ use pacing::Time;
 const INTERVAL: Duration = Duration::from_millis(500);
 
 /// Counts frames between two titles.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Title {
+    /// Scene, strategy and unit of the frames that are counted.
+    subject: [String; 3],
     since: Option<Time>,
     frames: u32,
 }
@@ -18,6 +20,11 @@ impl Title {
     /// Counts a frame that began at `now`; returns the next title when one is due. The `unit` is what
     /// frames a second are called.
     pub fn count(&mut self, now: Time, [scene, strategy, unit]: [&str; 3]) -> Option<String> {
+        if self.subject != [scene, strategy, unit] {
+            // Frames of another scene or strategy say nothing of these.
+            let subject = [scene, strategy, unit].map(str::to_owned);
+            *self = Self { subject, ..Self::default() };
+        }
         let since = *self.since.get_or_insert(now);
         let passed = now.since(since);
         if passed < INTERVAL {
@@ -45,9 +52,9 @@ mod tests {
         for (frame_ms, said) in [(20, "50 frames/s"), (400, "2.5 frames/s")] {
             let mut title = Title::default();
             let at = |frame: u64| Time::from_nanos(frame * frame_ms * 1_000_000);
-            let first = title.count(at(0), ["city", "antumbra", "frames/s"]);
-            assert_eq!(first.as_deref(), Some("city - antumbra - Antumbra"));
             let subject = ["city", "frustum", "frames/s"];
+            let first = title.count(at(0), subject);
+            assert_eq!(first.as_deref(), Some("city - frustum - Antumbra"));
             let titles = (1..=100).filter_map(|frame| title.count(at(frame), subject));
             let titles: Vec<String> = titles.collect();
             assert_eq!(
@@ -57,5 +64,17 @@ mod tests {
             let expected = format!("city - frustum - {said} - Antumbra");
             assert!(titles.iter().all(|title| *title == expected), "{titles:?}");
         }
+    }
+
+    #[test]
+    fn another_scene_does_not_take_the_rate_of_the_one_before() {
+        let mut title = Title::default();
+        let at = |ms: u64| Time::from_nanos(ms * 1_000_000);
+        for ms in 0..400 {
+            title.count(at(ms), ["nothing", "antumbra", "frames/s"]);
+        }
+        let mut next = |ms: u64| title.count(at(ms), ["rooms", "antumbra", "frames/s"]);
+        assert_eq!(next(400).as_deref(), Some("rooms - antumbra - Antumbra"));
+        assert_eq!(next(1400).as_deref(), Some("rooms - antumbra - 1.0 frames/s - Antumbra"));
     }
 }
