@@ -267,15 +267,15 @@ mod tests {
     /// What the window has, the README has.
     #[test]
     fn the_readme_lists_every_key() {
-        let readme = include_str!("../../../README.md");
+        let readme = include_str!("../../README.md");
         let table: String = readme.lines().filter(|line| line.starts_with("| ")).collect();
         for (key, _, _) in KEYS {
             let words = table.split(['|', ',', ' ']).any(|word| word == key);
-            assert!(words, "{key} is not in the table of keys of README.md");
+            assert!(words, "{key} is not in the table of keys of samples/README.md");
         }
         for (key, _, _) in FILE_KEYS {
             let is_there = readme.split([' ', ',', ';', '(', '`', '\n']).any(|word| word == key);
-            assert!(is_there, "{key} is not in README.md");
+            assert!(is_there, "{key} is not in samples/README.md");
         }
     }
 

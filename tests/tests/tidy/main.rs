@@ -242,14 +242,29 @@ fn the_map_is_short() {
 }
 
 #[test]
-fn the_readme_quotes_the_smallest_program_whole() {
-    assert_obeyed(rules::quoted_program);
-    assert_catches(rules::quoted_program, &[("README.md", "```rust\nfn main() {}\n```\n")]);
-    let program = ("samples/src/bin/triangle.rs", "fn main() {}\n");
-    let files =
-        |readme| [SourceFile::new("README.md", readme), SourceFile::new(program.0, program.1)];
-    assert_eq!(rules::quoted_program(&files("A.\n```rust\nfn main() {}\n```\nB.\n")).len(), 0);
-    assert_eq!(rules::quoted_program(&files("A.\n```rust\nfn main() { }\n```\n")).len(), 1);
+fn the_readme_quotes_an_example_that_is_compiled() {
+    assert_obeyed(rules::quoted_example);
+    assert_catches(rules::quoted_example, &[("README.md", "```rust\nfn main() {}\n```\n")]);
+    let facade = "//! A.\n//! ```no_run\n//! a();\n//! # hidden();\n//! ```\n";
+    let files = |readme| {
+        [
+            SourceFile::new("README.md", readme),
+            SourceFile::new("engine/antumbra/src/lib.rs", facade),
+        ]
+    };
+    assert_eq!(rules::quoted_example(&files("A.\n```rust\na();\n```\nB.\n")).len(), 0);
+    assert_eq!(rules::quoted_example(&files("A.\n```rust\nb();\n```\n")).len(), 1);
+}
+
+#[test]
+fn links_lead_somewhere() {
+    assert_obeyed(rules::links);
+    assert_catches(rules::links, &[("docs/a.md", "[b](../b.md) "), ("a.md", "see [c](d/e#f).")]);
+    let files = [
+        SourceFile::new("docs/a.md", "[b](../b/c.rs) and [folder](../b), [x](https://x.org/y)"),
+        SourceFile::new("b/c.rs", ""),
+    ];
+    assert_eq!(rules::links(&files).len(), 0);
 }
 
 #[test]

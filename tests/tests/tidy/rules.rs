@@ -298,18 +298,47 @@ pub fn architecture(files: &[SourceFile]) -> Vec<String> {
     if lines > MAX_MAP_LINES { vec![map.finding(lines, &reason)] } else { Vec::new() }
 }
 
-/// The program that the README shows is the one that runs.
-pub fn quoted_program(files: &[SourceFile]) -> Vec<String> {
-    const PROGRAM: &str = "samples/src/bin/triangle.rs";
+/// The code that the README shows is the example that is compiled with the facade's documentation.
+pub fn quoted_example(files: &[SourceFile]) -> Vec<String> {
+    const FACADE: &str = "engine/antumbra/src/lib.rs";
     let of = |path: &str| files.iter().find(|file| file.path == path);
-    match (of("README.md"), of(PROGRAM)) {
-        (Some(readme), Some(program)) => {
-            let quote = format!("```rust\n{}```\n", program.text);
-            let reason = format!("must quote {PROGRAM} whole, as it is");
-            if readme.text.contains(&quote) { Vec::new() } else { vec![readme.finding(1, &reason)] }
+    let (Some(readme), Some(facade)) = (of("README.md"), of(FACADE)) else {
+        return vec![format!("README.md:1: or {FACADE} is missing")];
+    };
+    let lines = facade.text.lines().skip_while(|line| *line != "//! ```no_run").skip(1);
+    let shown = lines.take_while(|line| *line != "//! ```").filter(|it| !it.starts_with("//! # "));
+    let code = shown.map(|line| line.strip_prefix("//! ").unwrap_or_default());
+    let code: String = code.flat_map(|line| [line, "\n"]).collect();
+    let is_quoted = readme.text.contains(&format!("```rust\n{code}```\n"));
+    let reason = format!("must quote the example of {FACADE}");
+    if is_quoted { Vec::new() } else { vec![readme.finding(1, &reason)] }
+}
+
+/// Links of documents lead to files and folders that are there.
+pub fn links(files: &[SourceFile]) -> Vec<String> {
+    let exists = |path: &str| {
+        let folder = format!("{path}/");
+        files.iter().any(|file| file.path == path || file.path.starts_with(&folder))
+    };
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.extension() == "md") {
+        for (line, text) in (1..).zip(file.text.lines()) {
+            let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+            let local = targets.filter(|it| !it.contains("://") && !it.starts_with('#'));
+            for target in local {
+                let path = target.split('#').next().unwrap_or_default();
+                let mut parts: Vec<&str> = file.path.split('/').collect();
+                parts.pop();
+                for part in path.split('/').filter(|part| !part.is_empty()) {
+                    if part == ".." { drop(parts.pop()) } else { parts.push(part) }
+                }
+                if !exists(&parts.join("/")) {
+                    findings.push(file.finding(line, &format!("{target} leads nowhere")));
+                }
+            }
         }
-        _ => vec![format!("README.md:1: or {PROGRAM} is missing")],
     }
+    findings
 }
 
 /// Whoever builds without a shader compiler finds what the shaders say today.
