@@ -3,7 +3,7 @@
 use cull::{Camera, FrameId, Strategy, View};
 use gpu::Readback;
 use render::{
-    Area, Eye, FrameOutcome, FrameReport, Renderer, ViewHistory, ViewsRequest, VisibleSet,
+    Area, FrameOutcome, FrameReport, Renderer, ViewState, ViewTarget, ViewsRequest, VisibleSet,
 };
 
 use crate::run::RunError;
@@ -13,7 +13,7 @@ const BETWEEN_EYES_M: f32 = 0.065;
 
 /// One strategy's eyes, each with what it saw.
 pub struct Eyes {
-    histories: Vec<ViewHistory>,
+    histories: Vec<ViewState>,
 }
 
 impl Eyes {
@@ -41,13 +41,14 @@ impl Eyes {
     ) -> Result<FrameReport, RunError> {
         let views = self.histories.len() as u32;
         let areas = Area::side_by_side(renderer.size(), views);
-        let eye = |((number, history), area)| Eye {
+        let eye = |((number, history), area)| ViewTarget {
             history,
             camera: camera_of(camera, number, views),
             visible: visible.get(number as usize),
             area,
         };
-        let mut eyes: Vec<Eye<'_>> = (0..).zip(&mut self.histories).zip(areas).map(eye).collect();
+        let mut eyes: Vec<ViewTarget<'_>> =
+            (0..).zip(&mut self.histories).zip(areas).map(eye).collect();
         let request = ViewsRequest { strategy, picture, after: None };
         Ok(renderer.render_views(&mut eyes, &request)?)
     }
@@ -88,7 +89,7 @@ impl Eyes {
 
     /// What became of the frames whose answers came home: one outcome an eye and frame.
     pub fn take_outcomes(&mut self) -> impl Iterator<Item = FrameOutcome> {
-        self.histories.iter_mut().flat_map(ViewHistory::take_outcomes)
+        self.histories.iter_mut().flat_map(ViewState::take_outcomes)
     }
 
     /// The first eye's history, and its view where the middle of the eyes is at `camera`.
@@ -96,7 +97,7 @@ impl Eyes {
         &mut self,
         renderer: &Renderer,
         camera: &Camera,
-    ) -> Option<(&mut ViewHistory, View)> {
+    ) -> Option<(&mut ViewState, View)> {
         let views = self.histories.len() as u32;
         let area = Area::side_by_side(renderer.size(), views).next()?;
         let view = renderer.view_in(&camera_of(camera, 0, views), area);

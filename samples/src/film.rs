@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use cull::{Aabb, Camera};
 use glam::{Vec2, Vec3};
-use import::Performance;
+use import::SceneAnimator;
 use scene::FOV_Y_RAD;
 
 use crate::choices::unknown;
@@ -91,20 +91,20 @@ impl FrameClock {
 /// Where a camera of a file is in so many frames by that clock, on pictures of `size` pixels, while the clips
 /// play that do.
 pub fn cameras(
-    performance: &mut Performance,
+    animator: &mut SceneAnimator,
     camera: &import::Camera,
     clock: FrameClock,
     (frames, size): (u32, [u32; 2]),
 ) -> Course {
-    performance.pose(clock.seconds(0));
-    let first = performance.seen_by(camera, size);
-    let others = match performance.moves(camera.node) {
+    animator.pose(clock.seconds(0));
+    let first = animator.seen_by(camera, size);
+    let others = match animator.moves(camera.node) {
         true => 1..frames,
         false => 1..1,
     };
     let others = others.map(|frame| {
-        performance.pose(clock.seconds(frame));
-        performance.seen_by(camera, size)
+        animator.pose(clock.seconds(frame));
+        animator.seen_by(camera, size)
     });
     Course::Filmed(first, others.collect())
 }
@@ -117,17 +117,17 @@ pub struct Clips {
 
 impl Clips {
     /// All of them, but for those that move what an earlier one moves; `first` comes before all others.
-    pub fn all(performance: &Performance, first: Option<usize>) -> Self {
-        Self { playing: performance.compatible(first) }
+    pub fn all(animator: &SceneAnimator, first: Option<usize>) -> Self {
+        Self { playing: animator.compatible(first) }
     }
 
     /// The one after the one that plays alone; after the last one, and after several, the first.
-    pub fn next(&self, performance: &Performance) -> Self {
+    pub fn next(&self, animator: &SceneAnimator) -> Self {
         let after = match self.playing.as_slice() {
             [clip] => clip + 1,
             _ => 0,
         };
-        let clip = after.checked_rem(performance.clips().len());
+        let clip = after.checked_rem(animator.clips().len());
         Self { playing: clip.into_iter().collect() }
     }
 
@@ -137,8 +137,8 @@ impl Clips {
     }
 
     /// For people.
-    pub fn describe(&self, performance: &Performance) -> String {
-        let all = performance.clips();
+    pub fn describe(&self, animator: &SceneAnimator) -> String {
+        let all = animator.clips();
         match self.playing.as_slice() {
             [] => "none".to_owned(),
             [clip] => all.get(*clip).map_or_else(String::new, |clip| clip.name.clone()),
@@ -148,8 +148,8 @@ impl Clips {
     }
 
     /// A sentence about those that cannot play, for people.
-    pub fn conflicts(&self, performance: &Performance) -> Option<String> {
-        let left_out = performance.clips().iter().enumerate();
+    pub fn conflicts(&self, animator: &SceneAnimator) -> Option<String> {
+        let left_out = animator.clips().iter().enumerate();
         let left_out = left_out.filter(|(place, _)| !self.playing.contains(place));
         let names: Vec<String> = left_out.map(|(_, clip)| format!("'{}'", clip.name)).collect();
         match names.len() {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use import::Performance;
+use import::SceneAnimator;
 use render::Renderer;
 use scene::Scene;
 use scenes::{Cast, Motion};
@@ -18,7 +18,7 @@ enum Movers {
     /// Objects of a scene that was made.
     Made { motion: Motion, cast: Cast },
     /// What the clips of a file move.
-    Played { performance: Box<Performance>, clock: FrameClock },
+    Played { animator: Box<SceneAnimator>, clock: FrameClock },
 }
 
 impl Moving {
@@ -33,15 +33,15 @@ impl Moving {
     }
 
     /// The clips that play in `performance`, by that clock.
-    pub fn played(performance: Performance, clock: FrameClock) -> Self {
-        Self(Movers::Played { performance: Box::new(performance), clock })
+    pub fn played(animator: SceneAnimator, clock: FrameClock) -> Self {
+        Self(Movers::Played { animator: Box::new(animator), clock })
     }
 
     /// How many objects move.
     pub fn movers(&self) -> usize {
         match &self.0 {
             Movers::Made { motion, .. } => motion.movers(),
-            Movers::Played { performance, .. } => performance.moving_objects(),
+            Movers::Played { animator, .. } => animator.moving_objects(),
         }
     }
 
@@ -57,9 +57,9 @@ impl Moving {
                 cast.came(&report.added);
                 Ok(report.cpu)
             }
-            Movers::Played { performance, clock } => {
+            Movers::Played { animator, clock } => {
                 let began = Instant::now();
-                renderer.apply(performance.changes(clock.seconds(frame)))?;
+                renderer.apply(animator.changes(clock.seconds(frame)))?;
                 Ok(began.elapsed())
             }
         }

@@ -79,12 +79,12 @@ impl Pictures {
             let mut eyes = eyes?;
             save(format!("birds_eye_{frame:05}_seen.png"));
             if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
-                let moment = renderer.moment(history, view)?;
+                let snapshot = renderer.snapshot(history, view)?;
                 let page =
                     HudPage { legends: vec![legends::from_above(None)], ..HudPage::default() };
                 let size = renderer.size();
                 Hud::default().lay_out(&page, size, 1.0, renderer.flat_overlay()?)?;
-                renderer.birds_eye(&moment, &picture)?;
+                renderer.birds_eye(&snapshot, &picture)?;
                 renderer.drop_flat_overlay();
                 save(format!("birds_eye_{frame:05}.png"));
             }

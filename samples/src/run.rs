@@ -246,7 +246,7 @@ fn walk_on(
         )?;
     let upload_ms = clock.lap_ms();
     if let Some(file) = &mut file {
-        file.notes.extend(renderer.compromises().texts());
+        file.notes.extend(renderer.degradations().texts());
     }
     let scene_report = SceneReport {
         name: scene_name(&options.scene),

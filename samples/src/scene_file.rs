@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use cull::Hierarchy;
-use import::{Cause, Imported, LoadOptions, Stage};
+use import::{Cause, GltfScene, LoadOptions, Stage};
 use render::object_bounds;
 use scene::Scene;
 
@@ -43,7 +43,7 @@ pub fn load(
     file: &Path,
     exposure: Option<f32>,
     told: &mut Listener<'_>,
-) -> Result<Imported, RunError> {
+) -> Result<GltfScene, RunError> {
     tell(told, &format!("reading {}", shown(file)), None)?;
     if file.is_dir() {
         let shown = shown(file);
@@ -82,7 +82,7 @@ pub fn hierarchy(scene: &Scene, told: &mut Listener<'_>) -> Result<Hierarchy, Ru
 }
 
 /// What reports say of a file.
-pub fn report(file: &Path, imported: &Imported, load_ms: f64) -> FileReport {
+pub fn report(file: &Path, imported: &GltfScene, load_ms: f64) -> FileReport {
     let scene = &imported.scene;
     let surfaces = scene.surfaces.as_ref();
     let count = |number: Option<usize>| number.unwrap_or_default() as u64;

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use import::Performance;
+use import::SceneAnimator;
 use scene::Scene;
 use scenes::GeneratedScene;
 
@@ -93,19 +93,19 @@ impl WalkScene {
         let load_ms = clock.lap_ms();
         let mut report = scene_file::report(file, &imported, load_ms);
         let size = [options.size.width / options.views.max(1), options.size.height];
-        let (scene, mut performance, cameras, _) = Performance::of(imported);
+        let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
         let way = Way::of(&options.path, &cameras, file)?;
         let camera = match way {
             Way::Camera(place) => cameras.get(place),
             Way::Recorded(_) | Way::Around => None,
         };
-        let own = camera.and_then(|camera| performance.clip_of(camera));
-        let clips = Clips::all(&performance, own);
+        let own = camera.and_then(|camera| animator.clip_of(camera));
+        let clips = Clips::all(&animator, own);
         report.playing = clips.playing().len() as u64;
-        report.notes.extend(clips.conflicts(&performance));
-        performance.play(clips.playing(), 0.0, 0.0);
-        let orbit = Orbit::around(&performance.bounds_playing(&scene), size);
-        let seconds = own.and_then(|clip| performance.duration_s(clip));
+        report.notes.extend(clips.conflicts(&animator));
+        animator.play(clips.playing(), 0.0, 0.0);
+        let orbit = Orbit::around(&animator.bounds_playing(&scene), size);
+        let seconds = own.and_then(|clip| animator.duration_s(clip));
         let clock = FrameClock::of_walk(seconds, options.frames);
         let path_name = match (&way, camera) {
             (Way::Recorded(_), _) => options.path.to_string(),
@@ -115,11 +115,11 @@ impl WalkScene {
         let path = match (way, camera) {
             (Way::Recorded(path), _) => Course::Recorded(path, orbit.camera(0, 1)),
             (_, Some(camera)) => {
-                film::cameras(&mut performance, camera, clock, (options.frames, size))
+                film::cameras(&mut animator, camera, clock, (options.frames, size))
             }
             (_, None) => Course::Around(orbit, options.frames),
         };
-        let moving = Moving::played(performance, clock);
+        let moving = Moving::played(animator, clock);
         Ok(Self { scene, seed: 0, path, path_name, moving, file: Some(report) })
     }
 }

@@ -4,7 +4,7 @@ use cull::{Camera, Strategy};
 use gpu::{Device, Pixels, Readback};
 use render::{
     Error, FrameOutcome, FrameReport, FrameRequest, Renderer, RendererOptions, UpdateReport,
-    ViewHistory,
+    ViewState,
 };
 use scene::Scene;
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
@@ -140,7 +140,7 @@ pub struct Loop {
 /// Renders `cameras` one after the other without looking back, then drains.
 pub fn frame_loop(
     renderer: &mut Renderer,
-    view: &mut ViewHistory,
+    view: &mut ViewState,
     strategy: Strategy,
     cameras: &[Camera],
 ) -> Loop {

@@ -52,5 +52,5 @@ pub use cull::{Camera, ObjectId, Strategy};
 #[cfg(feature = "loaded")]
 pub use gpu::open;
 pub use gpu::{Device, Readback, Swapchain};
-pub use render::{FrameRequest, Renderer, RendererOptions, ViewHistory};
+pub use render::{FrameRequest, Renderer, RendererOptions, ViewState};
 pub use scene::{Scene, SceneUpdate};

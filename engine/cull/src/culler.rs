@@ -12,9 +12,9 @@ mod traversal;
 
 use glam::Vec3;
 
+use crate::cost_model::CostModel;
 use crate::costs::{BadCost, CostTable, SceneCosts};
 use crate::frustum::PlaneMask;
-use crate::governor::Governor;
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, LeafIndex, NodeId};
 use crate::next_frame::NextFrame;
@@ -49,7 +49,7 @@ pub struct Culler {
     scratch: Scratch,
     grouping: Grouping,
     fronts: Vec<Front>,
-    governor: Option<Governor>,
+    governor: Option<CostModel>,
     /// Samples of a query that count as none.
     neglected_samples: u32,
     /// The policy with what the governor made of it.
@@ -113,18 +113,18 @@ impl Culler {
     /// # Errors
     /// [`BadCost`] for prices that cannot be; the culler is then as it was.
     pub fn govern(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
-        self.governor = Some(Governor::new(table, scene)?);
+        self.governor = Some(CostModel::new(table, scene)?);
         Ok(())
     }
 
     /// What weighs costs against savings, if anything does.
     #[must_use]
-    pub fn governor(&self) -> Option<&Governor> {
+    pub fn governor(&self) -> Option<&CostModel> {
         self.governor.as_ref()
     }
 
-    /// The same, to tell it what frames took ([`Governor::observe`]).
-    pub fn governor_mut(&mut self) -> Option<&mut Governor> {
+    /// The same, to tell it what frames took ([`CostModel::observe`]).
+    pub fn governor_mut(&mut self) -> Option<&mut CostModel> {
         self.governor.as_mut()
     }
 

@@ -15,7 +15,7 @@
 //! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] says how large a
 //!   proxy must be, and why that is enough.
 //! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once a frame.
-//! - [`Governor`]: leaves out tests that cost more than they save, by the prices of a [`CostTable`].
+//! - [`CostModel`]: leaves out tests that cost more than they save, by the prices of a [`CostTable`].
 //! - [`Dialogue`]: the methods of the literature that wait for answers within the frame, to compare with.
 //! - [`Policy`]: all constants. They change costs, never the image.
 //!
@@ -71,13 +71,13 @@
 
 mod bounds;
 mod camera;
+mod cost_model;
 mod costs;
 mod culler;
 mod detail;
 mod dialogue;
 mod front_to_back;
 mod frustum;
-mod governor;
 mod hierarchy;
 mod ids;
 mod margin;
@@ -90,6 +90,7 @@ mod view;
 
 pub use bounds::Aabb;
 pub use camera::Camera;
+pub use cost_model::{Corrections, CostModel, FrameContents, Judgement, Question};
 pub use costs::{BadCost, CostTable, SceneCosts};
 pub use culler::{Culler, Decision, LeafExplanation, NodeHistory, NodeState, Outcome};
 pub use detail::{DetailLevel, DetailPolicy};
@@ -98,7 +99,6 @@ pub use dialogue::{
     DialogueOptions, DialogueStats, FirstPass, LeafTest, Step, TestAnswer, TestToken,
 };
 pub use frustum::{Containment, Frustum, PlaneMask};
-pub use governor::{Corrections, FrameContents, Governor, Judgement, Question};
 pub use hierarchy::{
     BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS,
 };

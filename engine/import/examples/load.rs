@@ -53,7 +53,7 @@ fn report(began: Instant, before: f64) {
     println!("{ms:.1} ms; memory {now:.1} MiB afterwards, {peak:.1} MiB at most");
 }
 
-fn tell(imported: &import::Imported) {
+fn tell(imported: &import::GltfScene) {
     let scene = &imported.scene;
     println!(
         "{}: {} meshes, {} objects, {} triangles; {} nodes, {} clips, {} skins, {} placements",

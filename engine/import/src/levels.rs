@@ -5,7 +5,7 @@ use scene::{Alpha, Level, Mesh, Scene, SurfaceMesh, SurfaceVertex};
 
 use crate::Note;
 use crate::error::quoted;
-use crate::imported::Imported;
+use crate::gltf_scene::GltfScene;
 
 /// How coarser forms are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ impl Default for LevelOptions {
 const ATTRIBUTES: usize = 5;
 const ATTRIBUTE_WEIGHTS: [f32; ATTRIBUTES] = [0.5, 0.5, 0.5, 0.2, 0.2];
 
-impl Imported {
+impl GltfScene {
     /// Makes coarser forms of all meshes but those that change their form or are blended. They take
     /// index memory, about as much again as the meshes. Meshes with corners in which triangles meet by the
     /// thousands have one form, and a note says so: simplifying them takes the square of that.

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use crate::{Cause, ImportError, Imported, Limits, convert, source};
+use crate::{Cause, GltfScene, ImportError, Limits, convert, source};
 
 /// How a file is loaded.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,7 +78,7 @@ impl Teller<'_> {
 /// memory than [`Limits`] say; boxes of what changes its form (at most 40 MB) and bones ([`Limits::bones`], some
 /// 40 bytes each) come on top of that. Clips that could take something farther than a renderer can draw are left
 /// out. What can be shown is shown, and what is shown otherwise than the file says is
-/// in [`Imported::notes`]. The scene passes [`Scene::validate`](scene::Scene::validate), every
+/// in [`GltfScene::notes`]. The scene passes [`Scene::validate`](scene::Scene::validate), every
 /// object has a usable box, and all numbers are finite.
 ///
 /// # Errors
@@ -89,7 +89,7 @@ pub fn load(
     path: &Path,
     options: &LoadOptions,
     listener: &mut Listener<'_>,
-) -> Result<Imported, ImportError> {
+) -> Result<GltfScene, ImportError> {
     let mut teller = Teller { file: path.display().to_string(), listener };
     teller.tell(Stage::Reading, 0.0)?;
     let mut tell = |fraction| teller.go_on(Stage::Reading, fraction);
@@ -108,7 +108,7 @@ pub fn load_bytes(
     folder: Option<&Path>,
     options: &LoadOptions,
     listener: &mut Listener<'_>,
-) -> Result<Imported, ImportError> {
+) -> Result<GltfScene, ImportError> {
     let mut teller = Teller { file: "memory".to_owned(), listener };
     teller.tell(Stage::Reading, 0.0)?;
     let mut tell = |fraction| teller.go_on(Stage::Reading, fraction);

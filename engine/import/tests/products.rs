@@ -13,7 +13,7 @@ mod target;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use antumbra_import::{Imported, LoadOptions, load_bytes};
+use antumbra_import::{GltfScene, LoadOptions, load_bytes};
 use files::{F32, Scene};
 use peak_alloc::PeakAlloc;
 use serde_json::{Value, json};
@@ -25,7 +25,7 @@ const MIB: usize = 1 << 20;
 /// Far more than any of these takes, and far less than their pairs would.
 const LONGEST: Duration = Duration::from_secs(30);
 
-fn load(scene: &Scene) -> Imported {
+fn load(scene: &Scene) -> GltfScene {
     let options = LoadOptions::default();
     let imported = load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()));
     imported.unwrap_or_else(|error| panic!("{error}"))

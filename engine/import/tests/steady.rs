@@ -9,7 +9,7 @@
 use std::alloc::System;
 use std::ops::ControlFlow;
 
-use antumbra_import::{LoadOptions, Performance, load_bytes};
+use antumbra_import::{LoadOptions, SceneAnimator, load_bytes};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
@@ -68,14 +68,14 @@ fn scene() -> Vec<u8> {
 fn the_loop_does_not_allocate() {
     let go_on = &mut |_| ControlFlow::Continue(());
     let imported = load_bytes(scene(), None, &LoadOptions::default(), go_on).unwrap();
-    let (_, mut performance, _, _) = Performance::of(imported);
-    performance.play(&performance.compatible(None), 0.0, 0.0);
-    assert_eq!(performance.compatible(None).len(), 2);
-    assert!(!performance.changes(0.0).is_empty());
+    let (_, mut animator, _, _) = SceneAnimator::of(imported);
+    animator.play(&animator.compatible(None), 0.0, 0.0);
+    assert_eq!(animator.compatible(None).len(), 2);
+    assert!(!animator.changes(0.0).is_empty());
     let mut run = |first: u32| {
         let region = Region::new(GLOBAL);
         for frame in first..first + 200 {
-            let changes = performance.changes(f64::from(frame) / 60.0);
+            let changes = animator.changes(f64::from(frame) / 60.0);
             assert!(changes.objects.len() <= 2 && changes.deformations.len() <= 1);
         }
         let change = region.change();

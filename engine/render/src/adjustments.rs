@@ -4,9 +4,9 @@
 use gpu::{FrameRing, Target};
 
 use crate::blended::Blended;
+use crate::debug_overlay::DebugRenderer;
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
-use crate::explanation::Explainer;
 use crate::passes::{
     ComputeTest, CountPass, DeformPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass,
     ScatterPass,
@@ -134,7 +134,7 @@ impl Renderer {
         };
         let explanation = self.explanation();
         let explainer =
-            again(self.explainer.as_ref(), || Explainer::new(device, &shaders, explanation))?;
+            again(self.explainer.as_ref(), || DebugRenderer::new(device, &shaders, explanation))?;
         if let Some(overlay) = &mut self.flat_overlay {
             overlay.reload(&shaders)?;
         }

@@ -7,12 +7,12 @@ use gpu::{Frame, Readback, Tick};
 use scene::pack_unorm;
 
 use crate::error::Error;
-use crate::moment::Moment;
 use crate::palette::{FRUSTUM, Swatch, level_colour};
 use crate::passes::{OverlayIo, OverlayPass, OverlayVertex};
 use crate::pick::record_outline;
 use crate::renderer::Renderer;
 use crate::views::finish_picture;
+use crate::visibility_snapshot::VisibilitySnapshot;
 
 /// How far the drawn frustum reaches, as a share of what it looks over.
 const FRUSTUM_REACH: f32 = 1.0;
@@ -33,9 +33,13 @@ impl Renderer {
     /// # Errors
     /// A moment of another renderer, a picture of another device or size, no memory, a shader that does
     /// not compile, a failed call.
-    pub fn birds_eye(&mut self, moment: &Moment, picture: &Readback) -> Result<(), Error> {
-        let camera = self.above(moment);
-        self.draw_moment(moment, camera, Some(picture), Backdrop::Dark)?;
+    pub fn birds_eye(
+        &mut self,
+        snapshot: &VisibilitySnapshot,
+        picture: &Readback,
+    ) -> Result<(), Error> {
+        let camera = self.above(snapshot);
+        self.draw_snapshot(snapshot, camera, Some(picture), Backdrop::Dark)?;
         Ok(self.device.drain()?)
     }
 
@@ -46,29 +50,29 @@ impl Renderer {
     ///
     /// # Errors
     /// A moment of another renderer, a picture of another device or size, no memory, a failed call.
-    pub fn render_moment(
+    pub fn render_snapshot(
         &mut self,
-        moment: &Moment,
+        snapshot: &VisibilitySnapshot,
         camera: Camera,
         picture: Option<&Readback>,
     ) -> Result<Tick, Error> {
-        self.draw_moment(moment, camera, picture, Backdrop::Sky)
+        self.draw_snapshot(snapshot, camera, picture, Backdrop::Sky)
     }
 
-    fn draw_moment(
+    fn draw_snapshot(
         &mut self,
-        moment: &Moment,
+        snapshot: &VisibilitySnapshot,
         camera: Camera,
         picture: Option<&Readback>,
         backdrop: Backdrop,
     ) -> Result<Tick, Error> {
-        self.check_renderer(moment.renderer, "a moment (`Moment`)")?;
+        self.check_renderer(snapshot.renderer, "a moment (`VisibilitySnapshot`)")?;
         picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         if self.birds_eye.is_none() {
             self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
         }
         let view = self.view_of(&camera);
-        let sketch = Sketch::of(moment, self.reach(moment));
+        let sketch = Sketch::of(snapshot, self.reach(snapshot));
         let outlined = match backdrop {
             Backdrop::Dark => None,
             Backdrop::Sky => self.outlined_bounds(),
@@ -81,7 +85,7 @@ impl Renderer {
         let mut frame = frames.begin()?;
         passes.bring(&mut frame, hierarchy, scatter)?;
         passes.gather_blended(&mut frame, &view, Strategy::Frustum)?;
-        let draws = moment.upload(&mut frame, &passes.geometry)?;
+        let draws = snapshot.upload(&mut frame, &passes.geometry)?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
         passes.target.prepare(commands);
@@ -96,7 +100,7 @@ impl Renderer {
             });
         });
         if let Some(explainer) = explainer {
-            explainer.record_moment(&mut frame, passes, hierarchy, &view, (moment, draws))?;
+            explainer.record_snapshot(&mut frame, passes, hierarchy, &view, (snapshot, draws))?;
         }
         if let (Some(bounds), Some(overlay)) = (outlined, birds_eye.as_ref()) {
             record_outline(&mut frame, passes, overlay, (bounds, &view))?;
@@ -108,35 +112,35 @@ impl Renderer {
     }
 
     /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
-    fn reach(&self, moment: &Moment) -> f32 {
-        reach(&self.hierarchy, moment)
+    fn reach(&self, snapshot: &VisibilitySnapshot) -> f32 {
+        reach(&self.hierarchy, snapshot)
     }
 
-    fn above(&self, moment: &Moment) -> Camera {
-        above(moment, self.reach(moment))
+    fn above(&self, snapshot: &VisibilitySnapshot) -> Camera {
+        above(snapshot, self.reach(snapshot))
     }
 }
 
 /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
-pub(crate) fn reach(hierarchy: &Hierarchy, moment: &Moment) -> f32 {
+pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32 {
     let distance = |range: &cull::LeafRange| {
         let object = hierarchy.leaf_objects().get(range.first.0 as usize)?;
         let bounds = hierarchy.bounds(hierarchy.node_of(*object)?);
-        Some((bounds.centre() - moment.view.eye).length())
+        Some((bounds.centre() - snapshot.view.eye).length())
     };
-    let mut distances: Vec<f32> = moment.drawn.iter().filter_map(distance).collect();
+    let mut distances: Vec<f32> = snapshot.drawn.iter().filter_map(distance).collect();
     distances.sort_unstable_by(f32::total_cmp);
     let most = distances.len() * 9 / 10;
     distances.get(most).copied().unwrap_or(50.0).clamp(20.0, 2000.0)
 }
 
 /// A camera behind and above the moment's, looking down on what it looks at.
-pub(crate) fn above(moment: &Moment, reach: f32) -> Camera {
+pub(crate) fn above(snapshot: &VisibilitySnapshot, reach: f32) -> Camera {
     let reach = reach * FRUSTUM_REACH;
-    let flat = Vec3::new(moment.view.forward.x, 0.0, moment.view.forward.z);
+    let flat = Vec3::new(snapshot.view.forward.x, 0.0, snapshot.view.forward.z);
     let along = flat.try_normalize().unwrap_or(Vec3::X);
-    let eye = moment.view.eye - along * reach * 0.55 + Vec3::Y * reach * 1.5;
-    let target = moment.view.eye + along * reach * 0.75;
+    let eye = snapshot.view.eye - along * reach * 0.55 + Vec3::Y * reach * 1.5;
+    let target = snapshot.view.eye + along * reach * 0.75;
     Camera { eye, forward: target - eye, up: Vec3::Y, fov_y: 0.9, near: 0.5 }
 }
 
@@ -149,9 +153,9 @@ pub(crate) struct Sketch {
 
 impl Sketch {
     /// As it looks from above.
-    pub(crate) fn of(moment: &Moment, reach: f32) -> Self {
+    pub(crate) fn of(snapshot: &VisibilitySnapshot, reach: f32) -> Self {
         let (mut triangles, mut lines) = (Vec::new(), Vec::new());
-        for (bounds, level) in &moment.hidden {
+        for (bounds, level) in &snapshot.hidden {
             let colour = level_colour(*level).linear();
             let corners = corners_of(bounds);
             let face_colour = pack_unorm(colour.truncate().extend(0.10).to_array());
@@ -163,7 +167,7 @@ impl Sketch {
             }
             push_edges(&mut lines, &corners, pack_unorm(colour.to_array()));
         }
-        let frustum = frustum_corners(&moment.view, reach);
+        let frustum = frustum_corners(&snapshot.view, reach);
         push_edges(&mut lines, &frustum, pack_unorm(FRUSTUM.linear().to_array()));
         Self { triangles, lines, lines_through: Vec::new() }
     }

@@ -25,7 +25,7 @@ use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::{OpaquePass, ProxyBox, ProxyIo};
 use crate::shader_set::ShaderSet;
-use crate::view_history::ViewHistory;
+use crate::view_state::ViewState;
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
@@ -104,12 +104,12 @@ impl DialogueFrame {
     pub(crate) fn record(
         &self,
         frame: &mut Frame<'_>,
-        history: &mut ViewHistory,
+        history: &mut ViewState,
         passes: &mut FramePasses,
         request: &DialogueRequest<'_>,
     ) -> Result<DialogueStats, Error> {
         history.begin_unplanned(frame, request.hierarchy)?;
-        let ViewHistory { dialogue: kept, plan, device, frames_in_flight, .. } = history;
+        let ViewState { dialogue: kept, plan, device, frames_in_flight, .. } = history;
         let neglected = &mut history.neglected_by_dialogue;
         let new = || DialogueHistory::new(device, *frames_in_flight, self.options);
         let DialogueHistory { dialogue, queries } = kept.get_or_insert_with(new);

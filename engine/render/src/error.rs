@@ -69,7 +69,7 @@ pub enum Error {
     #[error(transparent)]
     Cost(#[from] cull::BadCost),
     /// A frame without a view.
-    #[error("a frame needs a view, or there is nothing to draw: name at least one `Eye`")]
+    #[error("a frame needs a view, or there is nothing to draw: name at least one `ViewTarget`")]
     NoView,
     /// Something was used that another renderer made.
     #[error("{thing} was made by another renderer: each renderer uses only what it made itself")]

@@ -17,7 +17,7 @@ use crate::passes::{
 };
 use crate::questions::{RoundQuestions, draw_range};
 use crate::shading::Shading;
-use crate::view_history::ViewHistory;
+use crate::view_state::ViewState;
 use crate::views::Area;
 
 /// Everything a frame of a scene is recorded with.
@@ -57,7 +57,7 @@ impl FrameIo {
     /// Writes the newest plan of `history` into the memory of `frame`, and starts its questions.
     pub(crate) fn write(
         frame: &mut Frame<'_>,
-        history: &mut ViewHistory,
+        history: &mut ViewState,
         passes: &mut FramePasses,
     ) -> Result<Self, Error> {
         let geometry = &passes.geometry;
@@ -104,7 +104,7 @@ impl FramePasses {
     pub(crate) fn record(
         &mut self,
         commands: &Commands,
-        history: &ViewHistory,
+        history: &ViewState,
         view: &View,
         io: &FrameIo,
     ) {
@@ -162,7 +162,7 @@ impl FramePasses {
     }
 
     /// Draws what is taken as visible: in one call from one that is asked about to the next.
-    fn draw_visible(&self, commands: &Commands, history: &ViewHistory, view: &View, io: &FrameIo) {
+    fn draw_visible(&self, commands: &Commands, history: &ViewState, view: &View, io: &FrameIo) {
         let plan = history.plan();
         self.bind_rounds(commands, view);
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
@@ -188,7 +188,7 @@ impl FramePasses {
     fn draw_proxies(
         &self,
         commands: &Commands,
-        history: &ViewHistory,
+        history: &ViewState,
         view: &View,
         io: &FrameIo,
         round: Option<&RoundQuestions>,
@@ -236,7 +236,7 @@ impl FramePasses {
     fn resolve(
         &self,
         commands: &Commands,
-        history: &ViewHistory,
+        history: &ViewState,
         known: Option<&RoundQuestions>,
         before: Option<&RoundQuestions>,
     ) {
@@ -257,7 +257,7 @@ impl FramePasses {
     fn draw_revealed(
         &self,
         commands: &Commands,
-        history: &ViewHistory,
+        history: &ViewState,
         view: &View,
         io: &FrameIo,
         known: Option<&RoundQuestions>,
@@ -272,7 +272,7 @@ impl FramePasses {
     fn draw_parts(
         &self,
         commands: &Commands,
-        history: &ViewHistory,
+        history: &ViewState,
         io: &FrameIo,
         round: Option<&RoundQuestions>,
     ) {
@@ -283,19 +283,14 @@ impl FramePasses {
     }
 
     /// Draws the ranges of a round that showed.
-    fn draw_whole(
-        &self,
-        commands: &Commands,
-        history: &ViewHistory,
-        round: Option<&RoundQuestions>,
-    ) {
+    fn draw_whole(&self, commands: &Commands, history: &ViewState, round: Option<&RoundQuestions>) {
         for decision in history.questions.revealing(round, Reveal::Whole) {
             self.predicates.draw(commands, decision.source, decision.number);
         }
     }
 
     /// Draws what all rounds of a frame drew: their words still say what that was.
-    fn draw_again(&self, commands: &Commands, history: &ViewHistory, io: &FrameIo) {
+    fn draw_again(&self, commands: &Commands, history: &ViewState, io: &FrameIo) {
         let plan = history.plan();
         for (draws, count) in
             [(io.visible, plan.draws.len()), (io.queried, plan.queried_draws.len())]
@@ -315,7 +310,7 @@ impl FramePasses {
     fn test_leaves(
         &self,
         commands: &Commands,
-        history: &ViewHistory,
+        history: &ViewState,
         view: &View,
         io: &FrameIo,
         known: Option<&RoundQuestions>,

@@ -9,8 +9,8 @@ use std::collections::VecDeque;
 use cull::{FrameContents, FrameId, FramePlan};
 use gpu::{FrameTime, Tick};
 
-use crate::view_history::FrameOutcome;
-use crate::views::Eye;
+use crate::view_state::FrameOutcome;
+use crate::views::ViewTarget;
 
 /// Times that are kept for views that are not drawn at the moment; older ones are lost.
 const TIMES_KEPT: usize = 8;
@@ -40,7 +40,7 @@ impl FrameTimes {
     }
 
     /// Tells governors of the frames that showed their views. Their answers are home too.
-    pub(crate) fn tell(&mut self, eyes: &mut [Eye<'_>]) {
+    pub(crate) fn tell(&mut self, eyes: &mut [ViewTarget<'_>]) {
         self.home.retain(|time| {
             let sent = || eyes.iter().filter_map(|eye| eye.history.sent.of(time.tick));
             let Some(views) = sent().map(|sent| sent.views).next() else { return true };

@@ -37,20 +37,18 @@ mod adjustments;
 mod birds_eye;
 mod blended;
 mod calibration;
-mod compromises;
+mod debug_overlay;
 mod deformers;
 mod detail;
 mod dialogue_frame;
 mod draw_changes;
 mod error;
-mod explanation;
 mod flat_overlay;
 mod frame_passes;
 mod frame_times;
 mod geometry;
 mod leaf_counts;
 mod limits;
-mod moment;
 mod object_bounds;
 mod palette;
 mod passes;
@@ -60,23 +58,23 @@ mod pyramid_history;
 mod questions;
 mod renderer;
 mod sample_counts;
+mod scene_degradations;
 mod shader_set;
 mod shading;
 mod sprites;
 mod surfaces;
 mod update;
-mod view_history;
+mod view_state;
 mod views;
+mod visibility_snapshot;
 mod visible_set;
 mod window;
 
 pub use calibration::Costs;
-pub use compromises::Compromises;
+pub use debug_overlay::{DebugOverlay, OVERLAY_PASSES};
 pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
-pub use explanation::{Explanation, OVERLAY_PASSES};
 pub use flat_overlay::FlatOverlay;
-pub use moment::Moment;
 pub use object_bounds::object_bounds;
 pub use palette::{
     BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, FRUSTUM, SELECTED, Swatch, WIRES, level_colour,
@@ -90,11 +88,13 @@ pub use passes::{
 pub use pick::Pick;
 pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
+pub use scene_degradations::SceneDegradations;
 pub use shader_set::ShaderSet;
 pub use surfaces::{
     LightLists, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources, reach_m,
 };
 pub use update::UpdateReport;
-pub use view_history::{FrameOutcome, ViewHistory};
-pub use views::{Area, Eye, ViewsRequest};
+pub use view_state::{FrameOutcome, ViewState};
+pub use views::{Area, ViewTarget, ViewsRequest};
+pub use visibility_snapshot::VisibilitySnapshot;
 pub use visible_set::VisibleSet;

@@ -10,7 +10,7 @@ use crate::frame_passes::FramePasses;
 use crate::palette::SELECTED;
 use crate::passes::OverlayPass;
 use crate::renderer::Renderer;
-use crate::view_history::{RendererId, ViewHistory};
+use crate::view_state::{RendererId, ViewState};
 
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";
@@ -91,7 +91,7 @@ impl Renderer {
     /// object, or the view is of another renderer.
     pub fn explain_object(
         &self,
-        history: &ViewHistory,
+        history: &ViewState,
         view: &View,
         object: ObjectId,
     ) -> Option<(LeafExplanation, Option<(FrameId, Outcome)>)> {

@@ -26,7 +26,7 @@ use crate::frame_passes::FramePasses;
 use crate::passes::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass, PyramidPass};
 use crate::pyramid_history::{COUNTER_BYTES, PyramidHistory};
 use crate::shader_set::ShaderSet;
-use crate::view_history::ViewHistory;
+use crate::view_state::ViewState;
 use crate::views::Area;
 
 /// What all views share: the passes and the list of draws.
@@ -138,7 +138,7 @@ impl PyramidFrame {
     pub(crate) fn record(
         &self,
         frame: &mut Frame<'_>,
-        history: &mut ViewHistory,
+        history: &mut ViewState,
         passes: &mut FramePasses,
         request: &PyramidRequest<'_>,
     ) -> Result<(), Error> {

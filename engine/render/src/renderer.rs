@@ -14,10 +14,10 @@ use scene::Scene;
 
 use crate::blended::Blended;
 use crate::calibration::{self, Costs};
+use crate::debug_overlay::{DebugOverlay, DebugRenderer};
 use crate::deformers::Deformers;
 use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
-use crate::explanation::{Explainer, Explanation};
 use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
 use crate::frame_times::FrameTimes;
@@ -30,9 +30,9 @@ use crate::shader_set::ShaderSet;
 use crate::shading::Shading;
 use crate::sprites::has_sprites;
 use crate::update::UpdateScratch;
-use crate::view_history::{RendererId, ViewHistory};
-use crate::views::{Area, Eye, ViewsRequest};
-use crate::visible_set::{Edition, SeenLeaves, VisibleSet};
+use crate::view_state::{RendererId, ViewState};
+use crate::views::{Area, ViewTarget, ViewsRequest};
+use crate::visible_set::{SceneRevision, SeenLeaves, VisibleSet};
 
 /// The most frames that may be in flight: each has memory of its own for everything that a frame
 /// writes, and beyond a few they only make answers older.
@@ -168,12 +168,12 @@ pub struct Renderer {
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
     pub(crate) flat_overlay: Option<FlatOverlay>,
-    pub(crate) explainer: Option<Explainer>,
+    pub(crate) explainer: Option<DebugRenderer>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
     pub(crate) pyramid: Option<PyramidFrame>,
     pub(crate) dialogue: Option<DialogueFrame>,
     pub(crate) dialogue_options: DialogueOptions,
-    pub(crate) edition: Edition,
+    pub(crate) edition: SceneRevision,
     pub(crate) update_scratch: UpdateScratch,
     pub(crate) scatter: ScatterPass,
     pub(crate) pass_times: Vec<PassTime>,
@@ -278,7 +278,7 @@ impl Renderer {
             pyramid: None,
             dialogue: None,
             dialogue_options: options.dialogue,
-            edition: Edition::first(id),
+            edition: SceneRevision::first(id),
             update_scratch: UpdateScratch::default(),
             scatter,
             pass_times: Vec::new(),
@@ -295,13 +295,13 @@ impl Renderer {
     ///
     /// # Errors
     /// A failed call.
-    pub fn new_view(&self) -> Result<ViewHistory, Error> {
+    pub fn new_view(&self) -> Result<ViewState, Error> {
         let mut culler = Culler::with_abilities(self.policy, self.abilities());
         culler.neglect(self.threshold_samples);
         if let Some(Err(error)) = self.costs.map(|table| culler.govern(table, self.scene_costs())) {
             tracing::warn!("{error}");
         }
-        ViewHistory::new(self, culler)
+        ViewState::new(self, culler)
     }
 
     /// What things cost on this device, as told or measured.
@@ -397,11 +397,11 @@ impl Renderer {
     /// # Errors
     /// Wires on a device that lacks [`gpu::Optional::Wires`]; an area that is not within the picture;
     /// a failed call. What was explained before still is, then.
-    pub fn explain(&mut self, explanation: Explanation) -> Result<(), Error> {
+    pub fn explain(&mut self, explanation: DebugOverlay) -> Result<(), Error> {
         explanation.birds_eye.map_or(Ok(()), |area| self.check_area(area))?;
-        let is_something = explanation != Explanation::default();
+        let is_something = explanation != DebugOverlay::default();
         let explainer =
-            is_something.then(|| Explainer::new(&self.device, &self.shaders, explanation));
+            is_something.then(|| DebugRenderer::new(&self.device, &self.shaders, explanation));
         self.explainer = explainer.transpose()?;
         Ok(())
     }
@@ -413,7 +413,7 @@ impl Renderer {
     }
 
     /// What is explained.
-    pub fn explanation(&self) -> Explanation {
+    pub fn explanation(&self) -> DebugOverlay {
         self.explainer.as_ref().map(|explainer| explainer.explanation).unwrap_or_default()
     }
 
@@ -444,12 +444,12 @@ impl Renderer {
     /// As [`Renderer::render_views`].
     pub fn render(
         &mut self,
-        history: &mut ViewHistory,
+        history: &mut ViewState,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let area = Area::whole(self.size());
         let FrameRequest { strategy, camera, visible, picture, scene_picture, after } = *request;
-        let eye = Eye { history, camera, visible, area };
+        let eye = ViewTarget { history, camera, visible, area };
         let request = ViewsRequest { strategy, picture, after };
         self.render_eyes(&mut [eye], &request, scene_picture)
     }
@@ -459,7 +459,7 @@ impl Renderer {
     ///
     /// # Errors
     /// A view of another renderer, a lost device, or a frame that takes too long.
-    pub fn drain(&mut self, history: &mut ViewHistory) -> Result<(), Error> {
+    pub fn drain(&mut self, history: &mut ViewState) -> Result<(), Error> {
         self.check_view(history)?;
         self.device.drain()?;
         history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);

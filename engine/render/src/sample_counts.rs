@@ -14,7 +14,7 @@ use crate::frame_passes::FramePasses;
 use crate::geometry::Geometry;
 use crate::passes::{ProxyBox, ProxyIo};
 use crate::renderer::Renderer;
-use crate::view_history::ViewHistory;
+use crate::view_state::ViewState;
 
 /// How many samples of an object a frame showed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -231,7 +231,7 @@ impl FramePasses {
     pub(crate) fn count_samples(
         &mut self,
         frame: &mut Frame<'_>,
-        history: &mut ViewHistory,
+        history: &mut ViewState,
         hierarchy: &Hierarchy,
         view: &View,
     ) -> Result<(), Error> {
@@ -295,7 +295,7 @@ impl FramePasses {
     }
 }
 
-impl ViewHistory {
+impl ViewState {
     /// Counts the visible samples of these objects in every frame from now on, and of no others. Of an
     /// id that no object has nothing is found out until one has it. Costs two or three small
     /// draws an object and frame, and nothing where the list is empty.
@@ -318,7 +318,7 @@ impl ViewHistory {
 }
 
 impl Renderer {
-    /// Whether the device counts samples, for [`ViewHistory::watch`].
+    /// Whether the device counts samples, for [`ViewState::watch`].
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing.

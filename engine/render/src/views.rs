@@ -20,7 +20,7 @@ use crate::pick::record_outline;
 use crate::pyramid_frame::{Lists, PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
 use crate::shader_set::ShaderSet;
-use crate::view_history::{RendererId, ViewHistory};
+use crate::view_state::{RendererId, ViewState};
 use crate::visible_set::{VISIBLE_SET, VisibleSet};
 
 /// A part of the picture.
@@ -66,9 +66,9 @@ impl Area {
 }
 
 /// One view of a frame.
-pub struct Eye<'a> {
+pub struct ViewTarget<'a> {
     /// What it saw so far. Every eye needs one of its own, the same in each frame.
-    pub history: &'a mut ViewHistory,
+    pub history: &'a mut ViewState,
     /// Where it is. Its angle of sight is that of the height of `area`.
     pub camera: Camera,
     /// What owns a pixel, for [`Strategy::Ideal`], which knows nothing else.
@@ -101,7 +101,7 @@ impl Renderer {
     /// frame that takes too long.
     pub fn render_views(
         &mut self,
-        eyes: &mut [Eye<'_>],
+        eyes: &mut [ViewTarget<'_>],
         request: &ViewsRequest<'_>,
     ) -> Result<FrameReport, Error> {
         self.render_eyes(eyes, request, None)
@@ -110,7 +110,7 @@ impl Renderer {
     /// Renders the same, and copies what the scene alone shows to `scene_picture`.
     pub(crate) fn render_eyes(
         &mut self,
-        eyes: &mut [Eye<'_>],
+        eyes: &mut [ViewTarget<'_>],
         request: &ViewsRequest<'_>,
         scene_picture: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
@@ -153,7 +153,7 @@ impl Renderer {
             frame.begin_timing();
         }
         let mut report = FrameReport::default();
-        for Eye { history, camera, visible, area } in eyes.iter_mut() {
+        for ViewTarget { history, camera, visible, area } in eyes.iter_mut() {
             let view = &view_in(&self.device, camera, *area);
             history.ingest(self.device.completed()?, hierarchy, &passes.geometry);
             report.blended += passes.gather_blended(&mut frame, view, request.strategy)?;
@@ -212,7 +212,7 @@ impl Renderer {
         report.tick = tick;
         self.submitted();
         let views = eyes.len();
-        for Eye { history, .. } in eyes.iter_mut() {
+        for ViewTarget { history, .. } in eyes.iter_mut() {
             if is_timed {
                 history.sent.submitted(tick, &history.plan, views);
             }
@@ -254,8 +254,8 @@ impl Renderer {
     }
 
     /// Makes what counting needs, for the first frame that counts.
-    fn prepare_counts(&mut self, eyes: &[Eye<'_>]) -> Result<(), Error> {
-        let is_watching = |eye: &Eye<'_>| eye.history.counts.is_watching();
+    fn prepare_counts(&mut self, eyes: &[ViewTarget<'_>]) -> Result<(), Error> {
+        let is_watching = |eye: &ViewTarget<'_>| eye.history.counts.is_watching();
         if self.passes.counts.is_none() && eyes.iter().any(is_watching) {
             self.passes.counts = Some(CountPass::new(&self.device, &self.shaders)?);
         }
@@ -268,8 +268,8 @@ impl Renderer {
     }
 
     /// Refuses a view of another renderer.
-    pub(crate) fn check_view(&self, history: &ViewHistory) -> Result<(), Error> {
-        self.check_renderer(history.renderer, "a view (`ViewHistory`)")
+    pub(crate) fn check_view(&self, history: &ViewState) -> Result<(), Error> {
+        self.check_renderer(history.renderer, "a view (`ViewState`)")
     }
 
     /// Refuses what another renderer made.
@@ -316,7 +316,7 @@ pub(crate) fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
 
 impl FrameReport {
     /// Adds what a view did.
-    fn add(&mut self, history: &ViewHistory) {
+    fn add(&mut self, history: &ViewState) {
         let plan = history.plan();
         let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0);
         self.tests += plan.tests.len() as u32;

@@ -11,8 +11,8 @@ use crate::error::Error;
 use crate::passes::{SeenIo, SeenPass};
 use crate::renderer::Renderer;
 use crate::shader_set::ShaderSet;
-use crate::view_history::{RendererId, ViewHistory};
-use crate::views::{Area, Eye, ViewsRequest};
+use crate::view_state::{RendererId, ViewState};
+use crate::views::{Area, ViewTarget, ViewsRequest};
 
 /// The leaves that own at least one pixel of a frame, nearest first. Of masked materials the holes count
 /// as theirs: those may be too many, never too few.
@@ -22,7 +22,7 @@ pub struct VisibleSet {
     /// The same, whatever place they get in the hierarchy.
     objects: Vec<ObjectId>,
     /// The scene as it was then.
-    edition: Edition,
+    edition: SceneRevision,
 }
 
 /// The set's name in errors.
@@ -30,12 +30,12 @@ pub(crate) const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
 /// Counts the changes of a renderer's scene: what is visible of one edition is not what is of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Edition {
+pub(crate) struct SceneRevision {
     renderer: RendererId,
     changes: u64,
 }
 
-impl Edition {
+impl SceneRevision {
     pub(crate) fn first(renderer: RendererId) -> Self {
         Self { renderer, changes: 0 }
     }
@@ -57,7 +57,7 @@ impl VisibleSet {
     }
 
     /// Whether it is of the scene as it is in this edition.
-    pub(crate) fn is_of(&self, edition: Edition) -> bool {
+    pub(crate) fn is_of(&self, edition: SceneRevision) -> bool {
         self.edition == edition
     }
 }
@@ -108,23 +108,23 @@ impl Renderer {
     /// a failed call.
     pub fn visible_set(
         &mut self,
-        history: &mut ViewHistory,
+        history: &mut ViewState,
         camera: &Camera,
         area: Area,
     ) -> Result<VisibleSet, Error> {
         self.check_view(history)?;
-        let eye = Eye { history: &mut *history, camera: *camera, visible: None, area };
+        let eye = ViewTarget { history: &mut *history, camera: *camera, visible: None, area };
         // With a threshold ours leaves out what this is to find.
         let strategy = if self.is_exact() { Strategy::Antumbra } else { Strategy::Frustum };
         let request = ViewsRequest { strategy, picture: None, after: None };
         self.render_views(&mut [eye], &request)?;
         let view = self.view_in(camera, area);
-        let moment = self.moment(history, view)?;
-        let drawn = moment.drawn.iter();
+        let snapshot = self.snapshot(history, view)?;
+        let drawn = snapshot.drawn.iter();
         let drawn: Vec<LeafIndex> = drawn
             .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex))
             .collect();
-        self.submit_seen(&moment.view, &drawn)?;
+        self.submit_seen(&snapshot.view, &drawn)?;
         self.device.drain()?;
         let edition = self.edition;
         let Some(seen) = &self.seen_leaves else {

@@ -3,14 +3,14 @@
 
 use std::{error::Error, io::Write, process::ExitCode, sync::Arc};
 
-use render::{FrameRequest, Renderer, ViewHistory};
+use render::{FrameRequest, Renderer, ViewState};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};
 
 const USAGE: &str = "usage: triangle [--headless]";
 
-struct Triangle(Renderer, ViewHistory, Option<gpu::Swapchain>);
+struct Triangle(Renderer, ViewState, Option<gpu::Swapchain>);
 
 impl Triangle {
     fn open(window: Option<Arc<dyn gpu::Window>>) -> Result<Self, Box<dyn Error>> {

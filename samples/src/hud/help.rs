@@ -32,7 +32,7 @@ pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
         let rows = columns.iter().map(Vec::len).max()?;
         let widths: Vec<[f32; 2]> = columns.iter().map(|column| widths(canvas, column)).collect();
         let gutters = (columns.len() - 1) as f32 * GUTTER;
-        let texts: f32 = widths.iter().map(|[keys, deeds]| keys + MARGIN + deeds).sum();
+        let texts: f32 = widths.iter().map(|[keys, actions]| keys + MARGIN + actions).sum();
         let size = vec2(texts + gutters + 4.0 * MARGIN, rows as f32 * row + 2.0 * MARGIN);
         (size.x <= room.x && size.y <= room.y).then_some((columns, widths, size))
     })?;
@@ -41,32 +41,32 @@ pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
     let panel = canvas.open_panel();
     canvas.close_panel(panel, area);
     let mut left = corner.x + 2.0 * MARGIN;
-    for (rows, [keys, deeds]) in columns.iter().zip(widths) {
+    for (rows, [keys, actions]) in columns.iter().zip(widths) {
         for (down, content) in rows.iter().enumerate() {
             let y = corner.y + MARGIN + down as f32 * row;
             match content {
                 Row::Title(text) => {
                     canvas.text(pos2(left, y), Align::Left, text, TITLE);
                 }
-                Row::Key(name, deed) => {
+                Row::Key(name, action) => {
                     canvas.text(pos2(left + keys, y + 1.0), Align::Right, name, KEY);
-                    canvas.text(pos2(left + keys + MARGIN, y), Align::Left, deed, WHAT);
+                    canvas.text(pos2(left + keys + MARGIN, y), Align::Left, action, WHAT);
                 }
                 Row::Empty => {}
             }
         }
-        left += keys + MARGIN + deeds + GUTTER;
+        left += keys + MARGIN + actions + GUTTER;
     }
     Some(area)
 }
 
 /// The widths of a column's keys and of what they do.
 fn widths(canvas: &mut Canvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
-    rows.iter().fold([0.0, 0.0], |[keys, deeds], row| match row {
-        Row::Key(key, deed) => {
-            [canvas.width(key, KEY).max(keys), canvas.width(deed, WHAT).max(deeds)]
+    rows.iter().fold([0.0, 0.0], |[keys, actions], row| match row {
+        Row::Key(key, action) => {
+            [canvas.width(key, KEY).max(keys), canvas.width(action, WHAT).max(actions)]
         }
-        Row::Title(_) | Row::Empty => [keys, deeds],
+        Row::Title(_) | Row::Empty => [keys, actions],
     })
 }
 
@@ -86,7 +86,7 @@ fn columns(help: &Help, most: usize) -> Vec<Vec<Row<'_>>> {
             column.push(Row::Empty);
         }
         column.push(Row::Title(title));
-        column.extend(keys.iter().map(|(key, deed)| Row::Key(key, deed)));
+        column.extend(keys.iter().map(|(key, action)| Row::Key(key, action)));
     }
     columns
 }

@@ -4,7 +4,7 @@ use epaint::{Rect, Shape};
 
 use super::style::PANEL;
 use super::*;
-use crate::window::deeds::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
+use crate::window::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 
 const SIZES: [[u32; 2]; 11] = [
     [960, 540],
@@ -190,9 +190,9 @@ fn what_is_said_takes_nothing_from_the_details() {
 
 #[test]
 fn the_page_of_keys_fits_at_960x540() {
-    let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
-    let mut keys = KEYS.iter().map(|(key, deed, _)| own((key, deed)));
-    let of_file = FILE_KEYS.iter().map(|(key, deed, _)| (*key, *deed)).chain([CAMERA_KEYS]);
+    let own = |(key, action): (&str, &str)| (key.to_owned(), action.to_owned());
+    let mut keys = KEYS.iter().map(|(key, action, _)| own((key, action)));
+    let of_file = FILE_KEYS.iter().map(|(key, action, _)| (*key, *action)).chain([CAMERA_KEYS]);
     let mut groups = vec![("Camera", STEERING.map(own).to_vec())];
     groups.extend(GROUPS.map(|(title, count)| (title, keys.by_ref().take(count).collect())));
     groups.push(("Scene out of a file", of_file.map(own).collect()));

@@ -1,6 +1,6 @@
 //! What deeds do to a session. Those that are about a window do nothing here.
 
-use super::deeds::Deed;
+use super::actions::Action;
 use super::menu;
 use super::session::Session;
 use super::world::World;
@@ -19,51 +19,51 @@ impl Session {
     ///
     /// # Errors
     /// When the device fails.
-    pub fn act(&mut self, deed: Deed) -> Result<(), RunError> {
-        match deed {
-            Deed::NextStrategy => self.choose_next_strategy(),
-            Deed::Strategy(strategy) => self.choose(strategy),
-            Deed::NextFramesInFlight => {
+    pub fn act(&mut self, action: Action) -> Result<(), RunError> {
+        match action {
+            Action::NextStrategy => self.choose_next_strategy(),
+            Action::Strategy(strategy) => self.choose(strategy),
+            Action::NextFramesInFlight => {
                 let next = self.renderer.frames_in_flight() as u32 % MAX_FRAMES_IN_FLIGHT + 1;
                 self.set_frames_in_flight(next)?;
             }
-            Deed::FramesInFlight(count) => self.set_frames_in_flight(count)?,
-            Deed::Freeze => self.freeze()?,
-            Deed::Identify(pixel) => self.identify(pixel),
-            Deed::Compare => self.toggle_comparison()?,
-            Deed::BirdsEye => {
+            Action::FramesInFlight(count) => self.set_frames_in_flight(count)?,
+            Action::Freeze => self.freeze()?,
+            Action::Identify(pixel) => self.identify(pixel),
+            Action::Compare => self.toggle_comparison()?,
+            Action::BirdsEye => {
                 self.has_birds_eye = !self.has_birds_eye;
                 self.explain()?;
                 self.tell_if_unexplained();
             }
-            Deed::Boxes => {
+            Action::Boxes => {
                 self.explanation.has_boxes = !self.explanation.has_boxes;
                 self.explain()?;
                 self.tell_if_unexplained();
             }
-            Deed::Wires => self.toggle_wires(),
-            Deed::TimePasses => self.toggle_times(),
-            Deed::Screenshot => self.wants_screenshot = true,
-            Deed::Record => self.toggle_recording(),
-            Deed::Hud => self.hud_level = self.hud_level.next(),
-            Deed::Pause => self.answer(World::toggle_pause),
-            Deed::Step => self.answer(World::step),
-            Deed::NextClip => self.answer(World::next_clip),
-            Deed::AllClips => self.answer(World::all_clips),
-            Deed::Camera(number) => self.answer(|world| world.look_through(number)),
-            Deed::ListStrategies => {
+            Action::Wires => self.toggle_wires(),
+            Action::TimePasses => self.toggle_times(),
+            Action::Screenshot => self.wants_screenshot = true,
+            Action::Record => self.toggle_recording(),
+            Action::Hud => self.hud_level = self.hud_level.next(),
+            Action::Pause => self.answer(World::toggle_pause),
+            Action::Step => self.answer(World::step),
+            Action::NextClip => self.answer(World::next_clip),
+            Action::AllClips => self.answer(World::all_clips),
+            Action::Camera(number) => self.answer(|world| world.look_through(number)),
+            Action::ListStrategies => {
                 let can = |strategy| self.renderer.supports(strategy).is_ok();
                 self.menu = Some(menu::strategies(can, self.strategy));
             }
-            Deed::Help => self.has_help = !self.has_help,
-            Deed::Escape => self.close_page(),
-            Deed::NextPresentMode
-            | Deed::PresentMode(_)
-            | Deed::ListScenes
-            | Deed::OpenPath
-            | Deed::FullScreen
-            | Deed::CaptureMouse
-            | Deed::Quit => {}
+            Action::Help => self.has_help = !self.has_help,
+            Action::Escape => self.close_page(),
+            Action::NextPresentMode
+            | Action::PresentMode(_)
+            | Action::ListScenes
+            | Action::OpenPath
+            | Action::FullScreen
+            | Action::CaptureMouse
+            | Action::Quit => {}
         }
         Ok(())
     }
@@ -162,7 +162,7 @@ impl Session {
         }
         self.finish_comparison()?;
         let view = self.renderer.view_of(&self.seen_from);
-        self.frozen = Some(self.renderer.moment(&mut self.history, view)?);
+        self.frozen = Some(self.renderer.snapshot(&mut self.history, view)?);
         let boxes = match self.explanation.has_boxes {
             true => "; the boxes are those that stayed hidden",
             false => "",

@@ -102,8 +102,8 @@ impl App<'_> {
         let is_escape = event.physical_key == PhysicalKey::Code(KeyCode::Escape);
         // What is typed into a list or field neither steers nor does deeds.
         if opened.session.menu.is_none() || is_escape || !event.state.is_pressed() {
-            let deed = self.input.key(event);
-            return deed.map_or(Ok(false), |deed| opened.act(deed));
+            let action = self.input.key(event);
+            return action.map_or(Ok(false), |action| opened.act(action));
         }
         let settings = || self.source.settings_for_another();
         let another = |file| Source::File { file, settings: settings() };

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use gpu::{Device, Readback, Tick};
 use pacing::Time;
-use render::{Renderer, ViewHistory};
+use render::{Renderer, ViewState};
 
 use super::differences::{Differences, PixelArea};
 use crate::run::RunError;
@@ -70,7 +70,7 @@ struct Pair {
 /// A comparison that goes on.
 pub struct Comparison {
     /// Of the frames without culling, so that they leave the other's history alone.
-    pub(super) unculled: ViewHistory,
+    pub(super) unculled: ViewState,
     pairs: Vec<Pair>,
     strategy: Strategy,
     tally: Tally,
@@ -151,7 +151,7 @@ impl Comparison {
     }
 
     /// Returns where a side of a pair is copied to, beside the history of the frames without culling.
-    pub fn split(&mut self, pair: usize, side: Side) -> (&mut ViewHistory, Option<&Readback>) {
+    pub fn split(&mut self, pair: usize, side: Side) -> (&mut ViewState, Option<&Readback>) {
         let picture = self.pairs.get(pair).map(|pair| &pair.pictures[side as usize]);
         (&mut self.unculled, picture)
     }

@@ -258,9 +258,9 @@ mod tests {
         let mut times = FrameTimes::default();
         times.follow(Conditions { is_comparing: true, ..conditions() });
         let (mut slots, mut frame) = ([None; 2], 0);
-        for moment in 0..40 {
+        for snapshot in 0..40 {
             let mut sides = [Side::Culled, Side::Unculled];
-            if moment / 10 % 2 == 1 {
+            if snapshot / 10 % 2 == 1 {
                 sides.reverse();
             }
             for side in sides {

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use evdev::{AbsoluteAxisCode, Device, EventSummary, KeyCode};
 
-use super::deeds::Deed;
+use super::actions::Action;
 use super::fly_camera::Steering;
 
 /// A stick that is let go rests within this share of its way.
@@ -87,14 +87,14 @@ fn shaped([x, y]: [f32; 2]) -> [f32; 2] {
 }
 
 /// Returns what a button does.
-pub fn deed_of(button: KeyCode) -> Option<Deed> {
+pub fn deed_of(button: KeyCode) -> Option<Action> {
     match button {
-        KeyCode::BTN_SOUTH => Some(Deed::NextStrategy),
-        KeyCode::BTN_WEST => Some(Deed::Freeze),
-        KeyCode::BTN_NORTH => Some(Deed::Compare),
-        KeyCode::BTN_EAST => Some(Deed::BirdsEye),
-        KeyCode::BTN_THUMBR => Some(Deed::Identify(None)),
-        KeyCode::BTN_START => Some(Deed::Help),
+        KeyCode::BTN_SOUTH => Some(Action::NextStrategy),
+        KeyCode::BTN_WEST => Some(Action::Freeze),
+        KeyCode::BTN_NORTH => Some(Action::Compare),
+        KeyCode::BTN_EAST => Some(Action::BirdsEye),
+        KeyCode::BTN_THUMBR => Some(Action::Identify(None)),
+        KeyCode::BTN_START => Some(Action::Help),
         _ => None,
     }
 }
@@ -102,19 +102,19 @@ pub fn deed_of(button: KeyCode) -> Option<Deed> {
 /// A thread that reads the first gamepad there is.
 pub struct Gamepad {
     state: Arc<Mutex<PadState>>,
-    deeds: mpsc::Receiver<Deed>,
+    actions: mpsc::Receiver<Action>,
 }
 
 impl Gamepad {
     /// Starts to look for a gamepad; `None` if the system has no thread for it.
     pub fn watch() -> Option<Self> {
         let state = Arc::new(Mutex::new(PadState::default()));
-        let (sender, deeds) = mpsc::channel();
+        let (sender, actions) = mpsc::channel();
         let theirs = Arc::clone(&state);
         // It ends with the program, or when nobody wants its deeds any more.
         let thread = thread::Builder::new().name("gamepad".to_owned());
         thread.spawn(move || look_and_read(&theirs, &sender)).ok()?;
-        Some(Self { state, deeds })
+        Some(Self { state, actions })
     }
 
     /// Returns where sticks and triggers are.
@@ -123,19 +123,19 @@ impl Gamepad {
     }
 
     /// Returns the next deed of a button that was pressed.
-    pub fn next_deed(&self) -> Option<Deed> {
-        self.deeds.try_recv().ok()
+    pub fn next_deed(&self) -> Option<Action> {
+        self.actions.try_recv().ok()
     }
 }
 
-fn look_and_read(state: &Mutex<PadState>, deeds: &mpsc::Sender<Deed>) {
+fn look_and_read(state: &Mutex<PadState>, actions: &mpsc::Sender<Action>) {
     loop {
         let is_pad = |device: &Device| {
             device.supported_keys().is_some_and(|keys| keys.contains(KeyCode::BTN_SOUTH))
         };
         if let Some((_, mut device)) = evdev::enumerate().find(|(_, device)| is_pad(device)) {
             tracing::info!("gamepad {}", device.name().unwrap_or("without a name"));
-            let is_wanted = read(&mut device, state, deeds);
+            let is_wanted = read(&mut device, state, actions);
             *state.lock().unwrap_or_else(PoisonError::into_inner) = PadState::default();
             if !is_wanted {
                 return;
@@ -146,7 +146,7 @@ fn look_and_read(state: &Mutex<PadState>, deeds: &mpsc::Sender<Deed>) {
 }
 
 /// Reads a device until it is gone; returns false if nobody wants it any more.
-fn read(device: &mut Device, state: &Mutex<PadState>, deeds: &mpsc::Sender<Deed>) -> bool {
+fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Action>) -> bool {
     let Ok(ranges) = device.get_absinfo() else { return true };
     let ranges: Vec<_> =
         ranges.map(|(axis, range)| (axis, [range.minimum(), range.maximum()])).collect();
@@ -154,8 +154,8 @@ fn read(device: &mut Device, state: &Mutex<PadState>, deeds: &mpsc::Sender<Deed>
         for event in events {
             match event.destructure() {
                 EventSummary::Key(_, button, 1) => {
-                    if let Some(deed) = deed_of(button)
-                        && deeds.send(deed).is_err()
+                    if let Some(action) = deed_of(button)
+                        && actions.send(action).is_err()
                     {
                         return false;
                     }
@@ -232,9 +232,9 @@ mod tests {
 
     #[test]
     fn buttons_do_deeds() {
-        assert_eq!(deed_of(KeyCode::BTN_SOUTH), Some(Deed::NextStrategy));
-        assert_eq!(deed_of(KeyCode::BTN_WEST), Some(Deed::Freeze));
-        assert_eq!(deed_of(KeyCode::BTN_NORTH), Some(Deed::Compare));
+        assert_eq!(deed_of(KeyCode::BTN_SOUTH), Some(Action::NextStrategy));
+        assert_eq!(deed_of(KeyCode::BTN_WEST), Some(Action::Freeze));
+        assert_eq!(deed_of(KeyCode::BTN_NORTH), Some(Action::Compare));
         assert_eq!(deed_of(KeyCode::KEY_A), None);
     }
 

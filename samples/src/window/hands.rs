@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use pacing::Time;
 use winit::window::{CursorGrabMode, Fullscreen};
 
+use super::actions::Action;
 use super::clipboard;
-use super::deeds::Deed;
 use super::leaving::Escape;
 use super::menu::{self, Choice, Menu, MenuKey};
 use super::opened::Opened;
@@ -134,7 +134,7 @@ impl Opened {
         };
         self.session.menu = None;
         match choice {
-            Choice::Strategy(strategy) => self.session.act(Deed::Strategy(strategy))?,
+            Choice::Strategy(strategy) => self.session.act(Action::Strategy(strategy))?,
             Choice::Made(scene) => {
                 let made = MadeScene { scene, objects: MADE_OBJECTS, seed: 1 };
                 self.load(&Source::Made { made, path: None }, options);

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use gpu::{Device, DeviceOptions, Readback};
 
-use super::deeds::Deed;
+use super::actions::Action;
 use super::fly_camera::Steering;
 use super::session::{Files, Session};
 use super::show::ShowOptions;
@@ -91,11 +91,11 @@ fn draw_frames(
             break;
         }
         let mut has_acted = false;
-        while let Some(deed) = session.next_scripted() {
-            if deed == Deed::Quit {
+        while let Some(action) = session.next_scripted() {
+            if action == Action::Quit {
                 return Ok(());
             }
-            session.act(deed)?;
+            session.act(action)?;
             has_acted = true;
         }
         if session.take_stale_page() || has_acted || frame % HUD_FRAMES == 0 {

@@ -64,7 +64,7 @@ impl Session {
     /// Returns what there is to say of the selected object; nothing if it is gone.
     pub(super) fn card(&self) -> Facts {
         let view = match &self.frozen {
-            Some(moment) => moment.view,
+            Some(snapshot) => snapshot.view,
             None => self.renderer.view_of(&self.seen_from),
         };
         let explained = self

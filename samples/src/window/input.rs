@@ -3,7 +3,7 @@
 use winit::event::{ElementState, KeyEvent};
 use winit::keyboard::{KeyCode, ModifiersState, PhysicalKey};
 
-use super::deeds::Deed;
+use super::actions::Action;
 use super::fly_camera::Steering;
 use super::menu::MenuKey;
 
@@ -76,7 +76,7 @@ pub struct Input {
 
 impl Input {
     /// Takes a key that went down or up; returns what is to be done.
-    pub fn key(&mut self, event: &KeyEvent) -> Option<Deed> {
+    pub fn key(&mut self, event: &KeyEvent) -> Option<Action> {
         let PhysicalKey::Code(code) = event.physical_key else { return None };
         let is_down = event.state == ElementState::Pressed;
         // A key that was held before Ctrl went down must not stay held for ever.
@@ -120,14 +120,14 @@ impl Input {
             .intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER)
     }
 
-    fn deed_of(&self, code: KeyCode) -> Option<Deed> {
+    fn deed_of(&self, code: KeyCode) -> Option<Action> {
         let (_, name) = NAMED.iter().find(|(named, _)| *named == code)?;
         if !self.has_command_modifier() {
-            return Deed::of_key(name);
+            return Action::of_key(name);
         }
         let is_control =
             self.modifiers.difference(ModifiersState::SHIFT) == ModifiersState::CONTROL;
-        if is_control { Deed::of_key(&format!("Ctrl+{name}")) } else { None }
+        if is_control { Action::of_key(&format!("Ctrl+{name}")) } else { None }
     }
 
     fn hold(&mut self, code: KeyCode, is_down: bool) {
@@ -158,7 +158,7 @@ impl Input {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::deeds::{FILE_KEYS, KEYS};
+    use crate::window::actions::{FILE_KEYS, KEYS};
 
     #[test]
     fn what_is_held_steers() {
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn every_key_of_the_tables_has_a_place_on_the_keyboard() {
         let input = Input::default();
-        for (name, _, deed) in KEYS.iter().chain(&FILE_KEYS) {
+        for (name, _, action) in KEYS.iter().chain(&FILE_KEYS) {
             let (modifiers, plain) = match name.strip_prefix("Ctrl+") {
                 Some(plain) => (ModifiersState::CONTROL, plain),
                 None => (ModifiersState::empty(), *name),
@@ -186,9 +186,9 @@ mod tests {
             let input = Input { modifiers, ..input };
             let place = NAMED.iter().find(|(_, named)| *named == plain);
             let (code, _) = place.unwrap_or_else(|| panic!("{name} is on no keyboard"));
-            assert_eq!(input.deed_of(*code), Some(*deed), "{name}");
+            assert_eq!(input.deed_of(*code), Some(*action), "{name}");
         }
-        assert_eq!(input.deed_of(KeyCode::Digit3), Some(Deed::Camera(3)));
+        assert_eq!(input.deed_of(KeyCode::Digit3), Some(Action::Camera(3)));
         assert_eq!(input.deed_of(KeyCode::F24), None);
     }
 
@@ -199,6 +199,6 @@ mod tests {
             assert_eq!(input.deed_of(KeyCode::Tab), None, "{modifiers:?}");
         }
         let input = Input { modifiers: ModifiersState::SHIFT, ..Input::default() };
-        assert_eq!(input.deed_of(KeyCode::Tab), Some(Deed::NextStrategy));
+        assert_eq!(input.deed_of(KeyCode::Tab), Some(Action::NextStrategy));
     }
 }

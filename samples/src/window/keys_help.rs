@@ -1,12 +1,12 @@
 //! The keys of the window, for `--help`.
 
-use super::deeds::{CAMERA_KEYS, Deed, KEYS, STEERING};
+use super::actions::{Action, CAMERA_KEYS, KEYS, STEERING};
 
 /// Returns examples and, below them, every key: those of all scenes, and those `of_files` with the
 /// cameras where there are any.
-pub fn help_with_keys(examples: &str, of_files: &[(&str, &str, Deed)]) -> String {
+pub fn help_with_keys(examples: &str, of_files: &[(&str, &str, Action)]) -> String {
     let cameras = (!of_files.is_empty()).then_some(CAMERA_KEYS);
-    let named = |(key, what, _): &(&'static str, &'static str, Deed)| (*key, *what);
+    let named = |(key, what, _): &(&'static str, &'static str, Action)| (*key, *what);
     let of_files: Vec<(&str, &str)> = of_files.iter().map(|(key, what, _)| (*key, *what)).collect();
     let keys = STEERING.into_iter().chain(KEYS.iter().map(named)).chain(of_files).chain(cameras);
     let lines: String = keys.map(|(key, what)| format!("  {key:<7}  {what}\n")).collect();
@@ -15,7 +15,7 @@ pub fn help_with_keys(examples: &str, of_files: &[(&str, &str, Deed)]) -> String
 
 #[cfg(test)]
 mod tests {
-    use super::super::deeds::FILE_KEYS;
+    use super::super::actions::FILE_KEYS;
     use super::*;
 
     #[test]

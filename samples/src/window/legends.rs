@@ -1,7 +1,7 @@
 //! Legends for the colours that explain the picture.
 
 use render::{
-    Area, BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, Explanation, FRUSTUM, SELECTED, Swatch,
+    Area, BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, DebugOverlay, FRUSTUM, SELECTED, Swatch,
     WIRES, level_colour,
 };
 
@@ -20,7 +20,7 @@ pub fn from_above(area: Option<Area>) -> Legend {
 
 /// Returns the legends of everything that is explained; `is_frozen` where the picture is of a moment
 /// that stands still.
-pub fn of(explanation: Explanation, is_frozen: bool) -> Vec<Legend> {
+pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
     let mut legends = Vec::new();
     if is_frozen {
         legends.push(from_above(None));
@@ -52,8 +52,8 @@ mod tests {
     #[test]
     fn every_colour_that_is_shown_has_a_meaning() {
         let area = Area { origin: [1, 2], size: [3, 4] };
-        let nothing = Explanation::default();
-        let all = Explanation { has_wires: true, has_boxes: true, birds_eye: Some(area) };
+        let nothing = DebugOverlay::default();
+        let all = DebugOverlay { has_wires: true, has_boxes: true, birds_eye: Some(area) };
         let titles = |explanation, is_frozen| -> Vec<&str> {
             of(explanation, is_frozen).iter().map(|legend| legend.title).collect()
         };

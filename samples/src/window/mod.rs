@@ -4,12 +4,12 @@
 //! becomes a [`stage`]: a renderer, and the [`world`] around its scene; files do so while frames go on
 //! ([`loading`]). A [`session`] draws one frame after the other, whoever
 //! asks: [`app`] when its [`screen`]'s pacer says so, [`headless`] at once. Keys and scripts have
-//! [`deeds`] done ([`act`]).
+//! [`actions`] done ([`act`]).
 
 pub mod act;
+pub mod actions;
 pub mod app;
 pub mod args;
-mod arrivals;
 pub mod capture;
 mod clearance;
 mod clipboard;
@@ -17,12 +17,11 @@ pub mod clock;
 mod comparing;
 pub mod comparison;
 pub mod conditions;
-pub mod deeds;
 pub mod differences;
 pub mod display;
 mod enter;
-pub mod evenness;
 pub mod fly_camera;
+pub mod frame_pacing_stats;
 pub mod frame_times;
 pub mod gamepad;
 mod hands;
@@ -39,6 +38,7 @@ mod object_text;
 mod opened;
 pub mod page;
 mod page_text;
+mod pending_scenes;
 pub mod pointer;
 pub mod profiler;
 mod scene_files;

@@ -13,13 +13,13 @@ use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
 
+use super::actions::Action;
 use super::app::no_display;
-use super::arrivals::Arrivals;
-use super::deeds::Deed;
 use super::gamepad::Gamepad;
 use super::input::Input;
 use super::leaving::Leaving;
 use super::menu::Menu;
+use super::pending_scenes::PendingScenes;
 use super::pointer::Pointer;
 use super::screen::Screen;
 use super::session::{Files, Session};
@@ -37,7 +37,7 @@ const WAITING_INTERVAL: Duration = Duration::from_millis(50);
 
 /// The window and what draws in it. What is made later goes first.
 pub(super) struct Opened {
-    pub(super) arrivals: Arrivals,
+    pub(super) arrivals: PendingScenes,
     pub(super) session: Session,
     pub(super) screen: Screen,
     pub(super) window: Arc<Window>,
@@ -95,7 +95,7 @@ impl Opened {
             .map(|rate| Duration::from_secs_f64(1e3 / f64::from(rate)));
         let screen = Screen::new(&device, &surface, options, refresh)?;
         let drawn = size.map(|side| side.max(1));
-        let (arrivals, stage) = Arrivals::open(source, &device, options, drawn)?;
+        let (arrivals, stage) = PendingScenes::open(source, &device, options, drawn)?;
         let session = Session::new(&device, options, files, stage)?;
         Ok(Self {
             arrivals,
@@ -138,14 +138,14 @@ impl Opened {
             if options.frames.is_some_and(|frames| self.session.frame() >= frames) {
                 return Ok(Next::End);
             }
-            while let Some(deed) = self.session.next_scripted() {
-                if self.act(deed)? {
+            while let Some(action) = self.session.next_scripted() {
+                if self.act(action)? {
                     return Ok(Next::End);
                 }
             }
         }
-        while let Some(deed) = self.gamepad.as_ref().and_then(Gamepad::next_deed) {
-            if self.act(deed)? {
+        while let Some(action) = self.gamepad.as_ref().and_then(Gamepad::next_deed) {
+            if self.act(action)? {
                 return Ok(Next::End);
             }
         }
@@ -220,27 +220,27 @@ impl Opened {
     }
 
     /// Does a deed; answers whether it was the end.
-    pub(super) fn act(&mut self, deed: Deed) -> Result<bool, RunError> {
-        match deed {
-            Deed::Quit => return Ok(true),
-            Deed::Escape => return Ok(self.escape()),
-            Deed::ListScenes => {
+    pub(super) fn act(&mut self, action: Action) -> Result<bool, RunError> {
+        match action {
+            Action::Quit => return Ok(true),
+            Action::Escape => return Ok(self.escape()),
+            Action::ListScenes => {
                 self.session.menu = Some(self.scenes());
             }
-            Deed::OpenPath => self.session.menu = Some(Menu::path()),
-            Deed::FullScreen => self.toggle_full_screen(),
-            Deed::CaptureMouse => {
+            Action::OpenPath => self.session.menu = Some(Menu::path()),
+            Action::FullScreen => self.toggle_full_screen(),
+            Action::CaptureMouse => {
                 let action = self.pointer.toggle_capture();
                 self.point(Some(action));
             }
-            Deed::PresentMode(mode) => self.set_mode(mode),
-            Deed::NextPresentMode => {
+            Action::PresentMode(mode) => self.set_mode(mode),
+            Action::NextPresentMode => {
                 let at = PresentMode::ALL.iter().position(|m| *m == self.screen.wanted_mode());
                 let next = at.map_or(0, |at| (at + 1) % PresentMode::ALL.len());
                 self.set_mode(PresentMode::ALL[next]);
             }
             _ => {
-                self.session.act(deed)?;
+                self.session.act(action)?;
                 self.screen.set_frames_in_flight(self.session.frames_in_flight())?;
             }
         }

@@ -5,9 +5,9 @@ use std::time::Duration;
 use cull::{Camera, FrameId};
 use pacing::Time;
 
+use super::actions::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 use super::comparison::Comparison;
 use super::conditions::Conditions;
-use super::deeds::{CAMERA_KEYS, FILE_KEYS, GROUPS, KEYS, STEERING};
 use super::legends;
 use super::page_text::Known;
 use super::screen::ScreenFacts;
@@ -194,12 +194,12 @@ impl Session {
 
     /// Returns all keys.
     fn help(&self) -> Help {
-        let own = |(key, deed): (&str, &str)| (key.to_owned(), deed.to_owned());
+        let own = |(key, action): (&str, &str)| (key.to_owned(), action.to_owned());
         let mut groups = vec![("Camera", STEERING.map(own).to_vec())];
-        let mut keys = KEYS.into_iter().map(|(key, deed, _)| own((key, deed)));
+        let mut keys = KEYS.into_iter().map(|(key, action, _)| own((key, action)));
         groups.extend(GROUPS.map(|(title, count)| (title, keys.by_ref().take(count).collect())));
         if self.world.is_alive() {
-            let of_file = FILE_KEYS.into_iter().map(|(key, deed, _)| (key, deed));
+            let of_file = FILE_KEYS.into_iter().map(|(key, action, _)| (key, action));
             let of_file = of_file.chain([CAMERA_KEYS]).map(own).collect();
             groups.push(("Scene out of a file", of_file));
         }

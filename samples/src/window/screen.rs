@@ -14,7 +14,7 @@ use render::Renderer;
 
 use super::clock::Clock;
 use super::conditions::Conditions;
-use super::evenness::Evenness;
+use super::frame_pacing_stats::FramePacingStats;
 use super::show::ShowOptions;
 use crate::run::RunError;
 
@@ -56,7 +56,7 @@ pub struct Screen {
     device: Device,
     clock: Clock,
     pacer: Pacer,
-    evenness: Evenness,
+    evenness: FramePacingStats,
     queued: VecDeque<Queued>,
     reports: PresentReports,
     refresh: Refresh,
@@ -112,7 +112,7 @@ impl Screen {
             device: device.clone(),
             clock: Clock,
             pacer: Pacer::new(pacer_options, presentation).map_err(RunError::machine)?,
-            evenness: Evenness::new().map_err(RunError::machine)?,
+            evenness: FramePacingStats::new().map_err(RunError::machine)?,
             queued: VecDeque::with_capacity(MOST_QUEUED),
             wanted: options.present_mode,
             reports,

@@ -1,11 +1,11 @@
 //! Scripts: what is to be done before which frame, so that a run can be repeated without a hand.
 //!
-//! A line is the number of a frame and a [`Deed`]: `60 strategy pyramid`. Frames count from 0, and
+//! A line is the number of a frame and a [`Action`]: `60 strategy pyramid`. Frames count from 0, and
 //! do not go back. Empty lines and lines that begin with `#` mean nothing.
 
 use std::path::Path;
 
-use super::deeds::Deed;
+use super::actions::Action;
 use crate::input_file;
 use crate::options::UsageError;
 use crate::terminal::shown;
@@ -16,7 +16,7 @@ const MOST_BYTES: u64 = 16 << 20;
 /// Deeds in the order of their frames.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Script {
-    lines: Vec<(u32, Deed)>,
+    lines: Vec<(u32, Action)>,
     next: usize,
 }
 
@@ -35,32 +35,32 @@ impl Script {
     }
 
     fn parse(text: &str) -> Result<Self, (usize, String)> {
-        let mut lines: Vec<(u32, Deed)> = Vec::new();
+        let mut lines: Vec<(u32, Action)> = Vec::new();
         for (number, line) in (1..).zip(text.lines().map(str::trim)) {
             if line.is_empty() || line.starts_with('#') {
                 continue;
             }
             let wrong = |reason: String| (number, reason);
-            let (frame, deed) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+            let (frame, action) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
             let frame = frame.parse().map_err(|_| {
                 wrong(format!("a line begins with the number of a frame, not '{frame}'"))
             })?;
             if lines.last().is_some_and(|(last, _)| *last > frame) {
                 return Err(wrong(format!("frame {frame} comes before the line above")));
             }
-            lines.push((frame, Deed::parse(deed).map_err(wrong)?));
+            lines.push((frame, Action::parse(action).map_err(wrong)?));
         }
         Ok(Self { lines, next: 0 })
     }
 
     /// The next deed that is to be done before `frame`.
-    pub fn next_before(&mut self, frame: u32) -> Option<Deed> {
-        let (due, deed) = *self.lines.get(self.next)?;
+    pub fn next_before(&mut self, frame: u32) -> Option<Action> {
+        let (due, action) = *self.lines.get(self.next)?;
         if due > frame {
             return None;
         }
         self.next += 1;
-        Some(deed)
+        Some(action)
     }
 }
 
@@ -73,10 +73,10 @@ mod tests {
         let mut script =
             Script::parse("# first\n2 hud\n2 strategy naive\n\n  5   quit  \n").unwrap();
         assert_eq!(script.next_before(1), None);
-        assert_eq!(script.next_before(2), Some(Deed::Hud));
-        assert_eq!(script.next_before(2), Some(Deed::Strategy(crate::strategy::Strategy::Naive)));
+        assert_eq!(script.next_before(2), Some(Action::Hud));
+        assert_eq!(script.next_before(2), Some(Action::Strategy(crate::strategy::Strategy::Naive)));
         assert_eq!(script.next_before(2), None);
-        assert_eq!(script.next_before(9), Some(Deed::Quit));
+        assert_eq!(script.next_before(9), Some(Action::Quit));
         assert_eq!(script.next_before(9), None);
     }
 

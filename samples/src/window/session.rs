@@ -8,7 +8,8 @@ use cull::{Camera, FrameId};
 use gpu::{Device, PresentMode, Readback, Tick};
 use pacing::Time;
 use render::{
-    Area, Explanation, FrameOutcome, FrameReport, Moment, Renderer, ShaderSet, ViewHistory,
+    Area, DebugOverlay, FrameOutcome, FrameReport, Renderer, ShaderSet, ViewState,
+    VisibilitySnapshot,
 };
 
 use super::capture::Capture;
@@ -39,7 +40,7 @@ use crate::terminal::{output::say_wrote, shown};
 pub struct Session {
     pub(super) clock: Clock,
     pub(super) renderer: Renderer,
-    pub(super) history: ViewHistory,
+    pub(super) history: ViewState,
     pub(super) strategy: Strategy,
     /// The number of the next frame.
     pub(super) frame: u32,
@@ -47,10 +48,10 @@ pub struct Session {
     pub(super) world: World,
     /// How far another scene has come that is on its way.
     pub(super) awaited: Option<Progress>,
-    pub(super) frozen: Option<Moment>,
+    pub(super) frozen: Option<VisibilitySnapshot>,
     /// What the newest frame was seen from.
     pub(super) seen_from: Camera,
-    pub(super) explanation: Explanation,
+    pub(super) explanation: DebugOverlay,
     /// While frames with and without culling are compared.
     pub(super) comparison: Option<Comparison>,
     pub(super) selection: Selection,
@@ -117,7 +118,7 @@ impl Session {
             awaited: None,
             frozen: None,
             seen_from: start,
-            explanation: Explanation::default(),
+            explanation: DebugOverlay::default(),
             comparison: None,
             selection: Selection::default(),
             menu: None,
@@ -166,7 +167,7 @@ impl Session {
     }
 
     /// The next deed that the script has for the next frame.
-    pub fn next_scripted(&mut self) -> Option<super::deeds::Deed> {
+    pub fn next_scripted(&mut self) -> Option<super::actions::Action> {
         self.script.next_before(self.frame)
     }
 
@@ -251,8 +252,8 @@ impl Session {
         self.times.follow(self.conditions());
         self.times.push(began);
         let tick = match &self.frozen {
-            Some(moment) => {
-                let tick = self.renderer.render_moment(moment, camera, wanted)?;
+            Some(snapshot) => {
+                let tick = self.renderer.render_snapshot(snapshot, camera, wanted)?;
                 self.trace_submit(scope, false)?;
                 tick
             }

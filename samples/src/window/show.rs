@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use gpu::PresentMode;
 
-use super::deeds::present_mode;
+use super::actions::present_mode;
 use crate::args::{named, parse_device, parse_in_range, parse_size, usage};
 use crate::choices::{Costs, DeviceChoice, Validation};
 use crate::hud::HudLevel;

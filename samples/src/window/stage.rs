@@ -99,7 +99,7 @@ impl Stage {
                 .map_err(|error| RunError::from(error).about(file))?;
         let covered = if options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
         let mut world = World::of_file(file, imported, settings, (size, covered))?;
-        world.notes.extend(renderer.compromises().texts());
+        world.notes.extend(renderer.degradations().texts());
         Ok(Self { renderer, world })
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use cull::{Camera, DetailPolicy, ObjectId};
-use import::{Imported, Performance};
+use import::{GltfScene, SceneAnimator};
 use render::Renderer;
 use scene::Scene;
 
@@ -77,7 +77,7 @@ impl MeshNames {
 
 /// What moves in a scene out of a file.
 struct Life {
-    performance: Performance,
+    animator: SceneAnimator,
     cameras: Vec<import::Camera>,
     /// Which clips play.
     clips: Clips,
@@ -133,7 +133,7 @@ impl World {
     /// A camera that the file does not have; a recorded path that is none.
     pub fn of_file(
         file: &Path,
-        imported: Imported,
+        imported: GltfScene,
         settings: &FileSource,
         (size, covered): ([u32; 2], f32),
     ) -> Result<Self, RunError> {
@@ -142,22 +142,22 @@ impl World {
         let wanted = settings.camera.as_deref();
         let camera = film::find_camera(&imported.cameras, wanted, &shown)?;
         let recorded = settings.recorded.as_deref().map(RecordedPath::read).transpose()?;
-        let (scene, mut performance, cameras, notes) = Performance::of(imported);
+        let (scene, mut animator, cameras, notes) = SceneAnimator::of(imported);
         let mut notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
-        let own = camera.and_then(|place| performance.clip_of(cameras.get(place)?));
-        let clips = Clips::all(&performance, own);
-        notes.extend(clips.conflicts(&performance));
-        performance.play(clips.playing(), 0.0, 0.0);
-        let bounds = performance.bounds_playing(&scene);
-        performance.pose(0.0);
+        let own = camera.and_then(|place| animator.clip_of(cameras.get(place)?));
+        let clips = Clips::all(&animator, own);
+        notes.extend(clips.conflicts(&animator));
+        animator.play(clips.playing(), 0.0, 0.0);
+        let bounds = animator.bounds_playing(&scene);
+        animator.pose(0.0);
         let around = film::portrait(&bounds, size, covered);
         let first = camera.and_then(|place| Some((place, cameras.get(place)?)));
         // A camera that nobody asked for and that a clip moves may begin in a wall, or right before one.
         let is_free = wanted.is_none() && recorded.is_none();
         let moved = first.filter(|(_, camera)| {
             is_free
-                && performance.drive(clips.playing(), camera)
-                && clearance_m(&scene, &performance.seen_by(camera, size)) < WALL_M
+                && animator.drive(clips.playing(), camera)
+                && clearance_m(&scene, &animator.seen_by(camera, size)) < WALL_M
         });
         let (start, guide) = match (recorded, first) {
             (Some(path), _) => {
@@ -165,9 +165,7 @@ impl World {
                 (start, Guide::Course(Course::Recorded(path, around)))
             }
             (None, Some(_)) if moved.is_some() => (around, Guide::Overview),
-            (None, Some((place, camera))) => {
-                (performance.seen_by(camera, size), Guide::Camera(place))
-            }
+            (None, Some((place, camera))) => (animator.seen_by(camera, size), Guide::Camera(place)),
             (None, None) => (around, Guide::Nobody),
         };
         let hint = moved.map(|(_, camera)| how_to_look(&camera.name, cameras.len()));
@@ -182,7 +180,7 @@ impl World {
             names,
             overview: around,
             life: Some(Life {
-                performance,
+                animator,
                 cameras,
                 clips,
                 detail: settings.detail_pixels.map(detail_policy),
@@ -197,7 +195,7 @@ impl World {
         match (&self.guide, &self.life) {
             (Guide::Course(course), _) => Some(course.camera(frame)),
             (Guide::Camera(place), Some(life)) => {
-                Some(life.performance.seen_by(life.cameras.get(*place)?, size))
+                Some(life.animator.seen_by(life.cameras.get(*place)?, size))
             }
             (Guide::Overview, _) => Some(self.overview),
             _ => None,
@@ -218,7 +216,7 @@ impl World {
         if !life.is_paused && seconds.is_finite() {
             life.seconds += f64::from(seconds.clamp(0.0, LONGEST_STEP_S));
         }
-        renderer.apply(life.performance.changes(life.seconds))?;
+        renderer.apply(life.animator.changes(life.seconds))?;
         Ok(())
     }
 
@@ -261,7 +259,7 @@ impl World {
     /// Why that cannot be.
     pub fn next_clip(&mut self) -> Result<String, String> {
         let life = self.living()?;
-        life.clips = life.clips.next(&life.performance);
+        life.clips = life.clips.next(&life.animator);
         let told = life.change_clips();
         self.leave_standing_camera();
         Ok(told)
@@ -273,7 +271,7 @@ impl World {
     /// Why that cannot be.
     pub fn all_clips(&mut self) -> Result<String, String> {
         let life = self.living()?;
-        life.clips = Clips::all(&life.performance, None);
+        life.clips = Clips::all(&life.animator, None);
         let told = life.change_clips();
         self.leave_standing_camera();
         Ok(told)
@@ -284,8 +282,8 @@ impl World {
     fn leave_standing_camera(&mut self) {
         let (Guide::Camera(place), Some(life)) = (&self.guide, &self.life) else { return };
         let Some(camera) = life.cameras.get(*place) else { return };
-        let is_driven = life.performance.clip_of(camera).is_some();
-        if is_driven && !life.performance.drive(life.clips.playing(), camera) {
+        let is_driven = life.animator.clip_of(camera).is_some();
+        if is_driven && !life.animator.drive(life.clips.playing(), camera) {
             self.guide = Guide::Overview;
         }
     }
@@ -305,9 +303,9 @@ impl World {
             });
         };
         let told = format!("camera {}", camera.name);
-        let own = life.performance.clip_of(camera);
+        let own = life.animator.clip_of(camera);
         if own.is_some_and(|clip| !life.clips.playing().contains(&clip)) {
-            life.clips = Clips::all(&life.performance, own);
+            life.clips = Clips::all(&life.animator, own);
             life.change_clips();
         }
         self.guide = Guide::Camera(place);
@@ -330,14 +328,14 @@ impl World {
         Some(vec![
             fact("file", self.name.clone()),
             fact("camera", camera.unwrap_or_else(|| "yours".to_owned())),
-            fact("clips", life.clips.describe(&life.performance)),
+            fact("clips", life.clips.describe(&life.animator)),
             fact("time", time),
         ])
     }
 
     fn living(&mut self) -> Result<&mut Life, String> {
         match &mut self.life {
-            Some(life) if !life.performance.clips().is_empty() => Ok(life),
+            Some(life) if !life.animator.clips().is_empty() => Ok(life),
             Some(_) => Err("the file has no clips".to_owned()),
             None => Err(NO_FILE.to_owned()),
         }
@@ -358,7 +356,7 @@ const NO_FILE: &str = "that is for scenes out of files";
 
 impl Life {
     fn change_clips(&mut self) -> String {
-        self.performance.play(self.clips.playing(), self.seconds, FADE_S);
-        format!("clips: {}", self.clips.describe(&self.performance))
+        self.animator.play(self.clips.playing(), self.seconds, FADE_S);
+        format!("clips: {}", self.clips.describe(&self.animator))
     }
 }

@@ -78,7 +78,7 @@ fn options(frames_in_flight: usize) -> RendererOptions {
 
 fn draw_into(
     renderer: &mut Renderer,
-    view: &mut render::ViewHistory,
+    view: &mut render::ViewState,
     strategy: Strategy,
     camera: Camera,
 ) -> (Readback, FrameReport) {

@@ -5,7 +5,7 @@ use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, Eye, FrameRequest, Renderer, RendererOptions, ViewHistory, ViewsRequest,
+    Area, Costs, FrameRequest, Renderer, RendererOptions, ViewState, ViewTarget, ViewsRequest,
     VisibleSamples,
 };
 use scene::{MeshId, Object, ObjectChange, pack_unorm};
@@ -25,11 +25,11 @@ fn renderer(device: &Device, boxes: &[Aabb], options: &RendererOptions) -> Rende
     Renderer::new(device, &box_scene(boxes), options).unwrap()
 }
 
-fn frame(renderer: &mut Renderer, view: &mut ViewHistory, strategy: Strategy, camera: Camera) {
+fn frame(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy, camera: Camera) {
     renderer.render(view, &FrameRequest::new(strategy, camera)).unwrap();
 }
 
-fn of(view: &ViewHistory, object: u32) -> Option<VisibleSamples> {
+fn of(view: &ViewState, object: u32) -> Option<VisibleSamples> {
     view.visible_samples().iter().find(|known| known.object == ObjectId(object)).copied()
 }
 
@@ -175,8 +175,13 @@ fn each_view_counts_what_it_sees() {
             let areas = [0, 32].map(|x| Area { origin: [x, 0], size: [96, 96] });
             for _ in 0..4 {
                 let eyes = histories.iter_mut().zip(cameras).zip(areas);
-                let mut eyes: Vec<Eye<'_>> = eyes
-                    .map(|((history, camera), area)| Eye { history, camera, visible: None, area })
+                let mut eyes: Vec<ViewTarget<'_>> = eyes
+                    .map(|((history, camera), area)| ViewTarget {
+                        history,
+                        camera,
+                        visible: None,
+                        area,
+                    })
                     .collect();
                 let request = ViewsRequest { strategy, picture: None, after: None };
                 renderer.render_views(&mut eyes, &request).unwrap();
@@ -248,7 +253,7 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
         let mut renderer = renderer(device, &half_covered(), &options());
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
-        let is_counting = |renderer: &mut Renderer, view: &mut ViewHistory| {
+        let is_counting = |renderer: &mut Renderer, view: &mut ViewState| {
             for _ in 0..5 {
                 frame(renderer, view, Strategy::Antumbra, camera);
             }

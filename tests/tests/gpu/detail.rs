@@ -3,7 +3,7 @@
 use cull::{Camera, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{Device, Readback};
-use render::{Area, Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{Area, Costs, FrameRequest, Renderer, RendererOptions, ViewState};
 use scene::{Level, MeshId, Object, Scene};
 use tests::shapes::{coloured_cubes, square_camera};
 use tests::walk::pixels_that_differ;
@@ -49,7 +49,7 @@ fn renderer(device: &Device) -> Renderer {
 
 fn render(
     renderer: &mut Renderer,
-    view: &mut ViewHistory,
+    view: &mut ViewState,
     strategy: Strategy,
     camera: Camera,
 ) -> Readback {

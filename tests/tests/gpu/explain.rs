@@ -3,7 +3,7 @@
 use cull::Strategy;
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, Explanation, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory,
+    Area, Costs, DebugOverlay, FrameReport, FrameRequest, Renderer, RendererOptions, ViewState,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::{Driver, run, run_on_all};
@@ -13,7 +13,7 @@ const CORNER: Area = Area { origin: [220, 10], size: [90, 60] };
 
 struct Studio {
     renderer: Renderer,
-    history: ViewHistory,
+    history: ViewState,
     picture: Readback,
     path: CameraPath,
 }
@@ -47,7 +47,7 @@ impl Studio {
     }
 
     /// A frame under an explanation.
-    fn explained(&mut self, explanation: Explanation) -> Vec<u8> {
+    fn explained(&mut self, explanation: DebugOverlay) -> Vec<u8> {
         self.renderer.explain(explanation).unwrap();
         self.render(Strategy::Antumbra).1
     }
@@ -78,15 +78,15 @@ fn explanations_are_drawn_where_they_belong_and_go() {
             studio.render(Strategy::Antumbra);
         }
         let plain = studio.render(Strategy::Antumbra).1;
-        let nothing = Explanation::default();
+        let nothing = DebugOverlay::default();
         let whole = Area { origin: [0, 0], size: SIZE };
 
-        let corner = studio.explained(Explanation { birds_eye: Some(CORNER), ..nothing });
+        let corner = studio.explained(DebugOverlay { birds_eye: Some(CORNER), ..nothing });
         let (inside, outside) = differences(&plain, &corner, CORNER);
         assert!(inside > 90 * 60 / 2 && outside == 0, "{inside} {outside}");
 
-        let boxes = studio.explained(Explanation { has_boxes: true, ..nothing });
-        let wires = studio.explained(Explanation { has_wires: true, ..nothing });
+        let boxes = studio.explained(DebugOverlay { has_boxes: true, ..nothing });
+        let wires = studio.explained(DebugOverlay { has_wires: true, ..nothing });
         for (picture, what) in [(&boxes, "boxes"), (&wires, "wires")] {
             let changed = differences(&plain, picture, whole).0;
             let pixels = (SIZE[0] * SIZE[1]) as usize;
@@ -100,7 +100,7 @@ fn explanations_are_drawn_where_they_belong_and_go() {
 fn an_explanation_decides_nothing() {
     run_on_all(|device| {
         let [mut plain, mut explained] = [Studio::new(device), Studio::new(device)];
-        let all = Explanation { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
+        let all = DebugOverlay { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
         explained.renderer.explain(all).unwrap();
         assert_eq!(explained.renderer.explanation(), all);
         for frame in 0..12 {
@@ -111,7 +111,7 @@ fn an_explanation_decides_nothing() {
             explained.render(strategy);
         }
         let beyond = Area { origin: [300, 0], size: [30, 20] };
-        let refused = explained.renderer.explain(Explanation { birds_eye: Some(beyond), ..all });
+        let refused = explained.renderer.explain(DebugOverlay { birds_eye: Some(beyond), ..all });
         assert!(refused.unwrap_err().to_string().contains("is not within the picture"));
         assert_eq!(explained.renderer.explanation(), all, "what was explained before still is");
     });
@@ -120,7 +120,7 @@ fn an_explanation_decides_nothing() {
 #[test]
 fn an_explanation_is_the_same_however_draws_are_skipped() {
     run(Driver::Lavapipe, |device| {
-        let all = Explanation { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
+        let all = DebugOverlay { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
         let kinds = [Predication::Conditional, Predication::Counts, Predication::Instances];
         let mut studios = kinds.map(|kind| Studio::with(device, Some(kind)));
         for frame in 0..8 {
@@ -141,9 +141,9 @@ fn a_moment_can_be_walked_around() {
         }
         let camera = studio.path.camera(7);
         let view = studio.renderer.view_of(&camera);
-        let moment = studio.renderer.moment(&mut studio.history, view).unwrap();
+        let snapshot = studio.renderer.snapshot(&mut studio.history, view).unwrap();
         let mut seen = |camera| {
-            studio.renderer.render_moment(&moment, camera, Some(&studio.picture)).unwrap();
+            studio.renderer.render_snapshot(&snapshot, camera, Some(&studio.picture)).unwrap();
             studio.renderer.drain(&mut studio.history).unwrap();
             studio.picture.rgba8().unwrap().to_vec()
         };

@@ -2,7 +2,7 @@
 
 use cull::Strategy;
 use gpu::{Device, Readback};
-use render::{FlatVertex, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{FlatVertex, FrameRequest, Renderer, RendererOptions, ViewState};
 use samples::hud::{Figure, Hud, HudPage, Overview};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
@@ -11,7 +11,7 @@ const SIZE: [u32; 2] = [320, 180];
 
 struct Studio {
     renderer: Renderer,
-    history: ViewHistory,
+    history: ViewState,
     picture: Readback,
     path: CameraPath,
 }

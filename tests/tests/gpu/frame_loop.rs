@@ -114,14 +114,14 @@ fn a_moment_is_all_that_was_decided() {
         let cameras: Vec<_> = (0..40).map(|frame| path.camera(frame)).collect();
         let outcomes = frame_loop(&mut renderer, &mut view, Strategy::Antumbra, &cameras).outcomes;
         let seen = renderer.view_of(&cameras[39]);
-        let moment = renderer.moment(&mut view, seen).unwrap();
-        let drawn: u64 = moment.drawn.iter().map(|range| u64::from(range.count)).sum();
+        let snapshot = renderer.snapshot(&mut view, seen).unwrap();
+        let drawn: u64 = snapshot.drawn.iter().map(|range| u64::from(range.count)).sum();
         assert_eq!(drawn, outcomes[39].draws);
-        assert!(!moment.hidden.is_empty());
-        assert!(moment.hidden.len() as u32 <= view.plan().stats.frontier);
+        assert!(!snapshot.hidden.is_empty());
+        assert!(snapshot.hidden.len() as u32 <= view.plan().stats.frontier);
 
         let picture = Readback::new(device, renderer.size()).unwrap();
-        renderer.birds_eye(&moment, &picture).unwrap();
+        renderer.birds_eye(&snapshot, &picture).unwrap();
         let pixels = picture.rgba8().unwrap();
         let background = &pixels[..4];
         let painted = pixels.chunks_exact(4).filter(|pixel| pixel != &background).count();

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};
-use import::{Imported, LoadOptions, Performance};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use import::{GltfScene, LoadOptions, SceneAnimator};
+use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewState};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
@@ -45,31 +45,31 @@ fn assets() -> Option<PathBuf> {
 /// A scene of a file on a device, and its life.
 struct Stage {
     renderer: Renderer,
-    performance: Performance,
+    animator: SceneAnimator,
     camera: Option<import::Camera>,
     still: Camera,
 }
 
 impl Stage {
     fn open(device: &Device, file: &Path, camera: Option<&str>) -> Self {
-        let imported: Imported =
+        let imported: GltfScene =
             import::load(file, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()))
                 .unwrap();
         let still = imported.default_camera(SIZE);
-        let (scene, mut performance, cameras, _) = Performance::of(imported);
+        let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
         let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
         let find = |name: &str| cameras.iter().find(|camera| camera.name == name).cloned();
         let camera = camera.map(|name| find(name).expect("the camera"));
-        let first = camera.as_ref().and_then(|camera| performance.clip_of(camera));
-        let clips = performance.compatible(first);
-        performance.play(&clips, 0.0, 0.0);
-        Self { renderer, performance, camera, still }
+        let first = camera.as_ref().and_then(|camera| animator.clip_of(camera));
+        let clips = animator.compatible(first);
+        animator.play(&clips, 0.0, 0.0);
+        Self { renderer, animator, camera, still }
     }
 
-    fn picture(&mut self, view: &mut ViewHistory, strategy: Strategy, seconds: f64) -> Readback {
-        self.renderer.apply(self.performance.changes(seconds)).unwrap();
-        let seen = self.camera.as_ref().map(|camera| self.performance.seen_by(camera, SIZE));
+    fn picture(&mut self, view: &mut ViewState, strategy: Strategy, seconds: f64) -> Readback {
+        self.renderer.apply(self.animator.changes(seconds)).unwrap();
+        let seen = self.camera.as_ref().map(|camera| self.animator.seen_by(camera, SIZE));
         let picture = Readback::new(self.renderer.device(), SIZE).unwrap();
         let request = FrameRequest {
             picture: Some(&picture),

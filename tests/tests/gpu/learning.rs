@@ -3,7 +3,7 @@
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
 use render::{
-    Area, Costs, Explanation, Eye, FrameRequest, Renderer, RendererOptions, ViewsRequest,
+    Area, Costs, DebugOverlay, FrameRequest, Renderer, RendererOptions, ViewTarget, ViewsRequest,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
@@ -78,10 +78,10 @@ fn views_that_are_drawn_together_learn_the_same() {
         let mut learned = [Corrections::default(); 2];
         for camera in cameras {
             let areas = Area::side_by_side(SIZE, 2);
-            let mut eyes: Vec<Eye<'_>> = views
+            let mut eyes: Vec<ViewTarget<'_>> = views
                 .iter_mut()
                 .zip(areas)
-                .map(|(history, area)| Eye { history, camera, visible: None, area })
+                .map(|(history, area)| ViewTarget { history, camera, visible: None, area })
                 .collect();
             let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
             renderer.render_views(&mut eyes, &request).unwrap();
@@ -150,12 +150,12 @@ fn what_is_drawn_to_explain_is_not_learned_from() {
     run_on_all(|device| {
         let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
         let mut view = renderer.new_view().unwrap();
-        renderer.explain(Explanation { has_boxes: true, ..Default::default() }).unwrap();
+        renderer.explain(DebugOverlay { has_boxes: true, ..Default::default() }).unwrap();
         for camera in &cameras {
             renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
         }
         assert_eq!(view.corrections(), Some(Corrections::default()));
-        renderer.explain(Explanation::default()).unwrap();
+        renderer.explain(DebugOverlay::default()).unwrap();
         for camera in &cameras {
             renderer.render(&mut view, &FrameRequest::new(Strategy::Antumbra, *camera)).unwrap();
         }

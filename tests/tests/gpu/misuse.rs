@@ -31,7 +31,7 @@ fn a_view_of_another_renderer_is_refused() {
         refused(many.render(&mut foreign, &request).unwrap_err());
         refused(many.drain(&mut foreign).unwrap_err());
         let seen = many.view_of(&path.camera(0));
-        refused(many.moment(&mut foreign, seen).unwrap_err());
+        refused(many.snapshot(&mut foreign, seen).unwrap_err());
         many.render(&mut view, &request).unwrap();
         many.drain(&mut view).unwrap();
     });
@@ -52,8 +52,8 @@ fn a_picture_of_another_size_is_refused() {
         let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
         assert!(refused.contains("64x37") && refused.contains("64x36"), "{refused}");
         renderer.render(&mut view, &FrameRequest { picture: None, ..request }).unwrap();
-        let moment = renderer.moment(&mut view, renderer.view_of(&path.camera(0))).unwrap();
-        assert!(renderer.birds_eye(&moment, &picture).is_err());
+        let snapshot = renderer.snapshot(&mut view, renderer.view_of(&path.camera(0))).unwrap();
+        assert!(renderer.birds_eye(&snapshot, &picture).is_err());
     });
 }
 

@@ -6,7 +6,7 @@ mod updates;
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Predication, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewState};
 use scene::{ObjectChange, Scene};
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
 use tests::shapes::{box_at, box_scene, square_camera};
@@ -103,7 +103,7 @@ impl Moving {
 
 fn render(
     renderer: &mut Renderer,
-    view: &mut ViewHistory,
+    view: &mut ViewState,
     strategy: Strategy,
     camera: Camera,
     picture: &Readback,

@@ -3,7 +3,7 @@
 use cull::{Camera, Decision, ObjectId, Outcome, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::Readback;
-use render::{Costs, Explanation, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{Costs, DebugOverlay, FrameRequest, Renderer, RendererOptions, ViewState};
 use scene::{Mesh, MeshId, Object, Scene};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::shapes::square_camera;
@@ -146,18 +146,18 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
 /// drawn, hidden and outside.
 fn check(
     renderer: &mut Renderer,
-    view: &mut ViewHistory,
+    view: &mut ViewState,
     camera: &Camera,
     scene: &Scene,
     [drawn, hidden, outside]: &mut [usize; 3],
 ) {
     let seen = renderer.view_of(camera);
-    let moment = renderer.moment(view, seen).unwrap();
+    let snapshot = renderer.snapshot(view, seen).unwrap();
     for (number, object) in (0..).zip(&scene.objects) {
         let id = ObjectId(number);
         let (explained, outcome) = renderer.explain_object(view, &seen, id).unwrap();
         let leaf = renderer.hierarchy().leaf_of(id).unwrap();
-        let was_drawn = moment.drawn.iter().any(|range| range.contains(leaf));
+        let was_drawn = snapshot.drawn.iter().any(|range| range.contains(leaf));
         let triangles = scene.meshes[object.mesh.0 as usize].triangles();
         assert_eq!(renderer.triangles_of(id), triangles);
         let (count, is_drawn) = match (explained.decision, outcome) {
@@ -205,7 +205,7 @@ fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
         let object = renderer.picked(&pick).unwrap().expect("it is over");
         assert!(object.is_some(), "something is in the middle of the street");
         renderer.outline(object).unwrap();
-        renderer.explain(Explanation { has_boxes: true, ..Explanation::default() }).unwrap();
+        renderer.explain(DebugOverlay { has_boxes: true, ..DebugOverlay::default() }).unwrap();
         let both = FrameRequest { picture: Some(&whole), scene_picture: Some(&alone), ..request };
         renderer.render(&mut view, &both).unwrap();
         renderer.drain(&mut view).unwrap();
@@ -216,7 +216,7 @@ fn an_outline_and_explanations_are_not_in_the_picture_of_the_scene() {
         assert_eq!(differing(&plain, &alone), 0);
         assert!(differing(&plain, &whole) > 50);
         // The outline alone, and gone again.
-        renderer.explain(Explanation::default()).unwrap();
+        renderer.explain(DebugOverlay::default()).unwrap();
         renderer.render(&mut view, &both).unwrap();
         renderer.drain(&mut view).unwrap();
         assert!((20..5000).contains(&differing(&plain, &whole)));

@@ -3,7 +3,7 @@
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Error, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{Error, FrameRequest, Renderer, RendererOptions, ViewState};
 use scene::{
     Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, ObjectChange, PunctualLight,
     Scene, SurfaceVertex, Surfaces,
@@ -58,7 +58,7 @@ fn bulb(position: Vec3) -> PunctualLight {
     }
 }
 
-fn picture(renderer: &mut Renderer, view: &mut ViewHistory) -> Vec<u8> {
+fn picture(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
     let camera = Camera {
         eye: vec3(8.0, 6.0, 8.0),
         forward: vec3(0.0, -0.5, -1.0),

@@ -5,7 +5,8 @@ use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, Explanation, Eye, FrameRequest, Renderer, RendererOptions, ShaderSet, ViewsRequest,
+    Area, Costs, DebugOverlay, FrameRequest, Renderer, RendererOptions, ShaderSet, ViewTarget,
+    ViewsRequest,
 };
 use scene::{
     Alpha, MaterialId, Mesh, MeshId, Object, Scene, SpriteEnd, SpriteShape, Sprites, SurfaceMesh,
@@ -266,14 +267,14 @@ fn all_else_goes_on_with_surfaces() {
         for (frame, camera) in cameras.iter().enumerate() {
             if frame == 4 {
                 let (has_boxes, birds_eye) = (true, Some(corner));
-                renderer.explain(Explanation { has_wires, has_boxes, birds_eye }).unwrap();
+                renderer.explain(DebugOverlay { has_wires, has_boxes, birds_eye }).unwrap();
             }
             if frame == 8 {
-                renderer.explain(Explanation::default()).unwrap();
+                renderer.explain(DebugOverlay::default()).unwrap();
                 renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
             }
             let mut halves = Area::side_by_side(SIZE, 2);
-            let mut eye = |history| Eye {
+            let mut eye = |history| ViewTarget {
                 history,
                 camera: *camera,
                 visible: None,
@@ -287,10 +288,10 @@ fn all_else_goes_on_with_surfaces() {
         }
         let area = Area { origin: [0, 0], size: [80, 90] };
         let view = renderer.view_in(&cameras[11], area);
-        let moment = renderer.moment(&mut left, view).unwrap();
+        let snapshot = renderer.snapshot(&mut left, view).unwrap();
         let picture = Readback::new(device, SIZE).unwrap();
-        renderer.birds_eye(&moment, &picture).unwrap();
-        renderer.render_moment(&moment, cameras[3], Some(&picture)).unwrap();
+        renderer.birds_eye(&snapshot, &picture).unwrap();
+        renderer.render_snapshot(&snapshot, cameras[3], Some(&picture)).unwrap();
         renderer.drain(&mut left).unwrap();
         assert!(!left.visible_samples().is_empty());
         // Something of the scene's colours: neither only sky nor only black.

@@ -154,7 +154,7 @@ fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     };
     let pictures = (0..FRAMES).map(frame).collect();
     renderer.drain(&mut view).unwrap();
-    assert!(renderer.compromises().crowded_objects > 0, "some leave lamps out");
+    assert!(renderer.degradations().crowded_objects > 0, "some leave lamps out");
     pictures
 }
 

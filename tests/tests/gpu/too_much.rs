@@ -4,7 +4,7 @@
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Compromises, Error, FrameRequest, Renderer, RendererOptions, ViewHistory};
+use render::{Error, FrameRequest, Renderer, RendererOptions, SceneDegradations, ViewState};
 use scene::limits::{MAX_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES, MAX_TEXTURE_TRANSFORMS};
 use scene::{
     Encoding, Image, ImageId, LightId, LightKind, Material, MaterialId, MeshId, Object,
@@ -94,7 +94,7 @@ fn what_is_too_much_is_refused_by_name() {
     });
 }
 
-fn draw(renderer: &mut Renderer, view: &mut ViewHistory, eye: Vec3) -> Readback {
+fn draw(renderer: &mut Renderer, view: &mut ViewState, eye: Vec3) -> Readback {
     let picture = Readback::new(renderer.device(), SIZE).unwrap();
     let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.3, near: 0.05 };
     let request =
@@ -118,12 +118,12 @@ fn objects_that_too_many_lamps_reach_are_counted_as_things_are_now() {
         let mut renderer = renderer(device, &scene).unwrap();
         let mut view = renderer.new_view().unwrap();
         let counted = |renderer: &Renderer| {
-            let Compromises { crowded_objects, dark_suns, .. } = renderer.compromises();
+            let SceneDegradations { crowded_objects, dark_suns, .. } = renderer.degradations();
             assert_eq!(dark_suns, 2);
             crowded_objects
         };
         assert_eq!(counted(&renderer), 1);
-        assert_eq!(renderer.compromises().texts().len(), 2);
+        assert_eq!(renderer.degradations().texts().len(), 2);
         let mut show = |renderer: &mut Renderer| {
             draw(renderer, &mut view, vec3(1.0, 1.0, 20.0));
             counted(renderer)
@@ -162,7 +162,7 @@ fn images_of_hundreds_of_sizes_show_their_colours() {
         }
         let mut renderer = renderer(device, &scene).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let Compromises { shrunk_images, enlarged_images, .. } = renderer.compromises();
+        let SceneDegradations { shrunk_images, enlarged_images, .. } = renderer.degradations();
         assert!(shrunk_images == 0 && enlarged_images > 200, "{enlarged_images}");
         for number in (0..COUNT).step_by(13) {
             let eye = vec3(number as f32 * 3.0 + 0.5, 0.5, 4.0);

@@ -3,7 +3,7 @@
 use cull::{Camera, Strategy};
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, Eye, FrameReport, FrameRequest, Renderer, RendererOptions, ViewHistory,
+    Area, Costs, FrameReport, FrameRequest, Renderer, RendererOptions, ViewState, ViewTarget,
     ViewsRequest, VisibleSet,
 };
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
@@ -26,17 +26,17 @@ fn pair(camera: Camera) -> [Camera; 2] {
 /// Renders a frame with as many views as there are cameras, in `areas`.
 fn render(
     renderer: &mut Renderer,
-    histories: &mut [ViewHistory],
+    histories: &mut [ViewState],
     strategy: Strategy,
     cameras: &[Camera],
     areas: &[Area],
     picture: &Readback,
 ) -> FrameReport {
-    let mut eyes: Vec<Eye<'_>> = histories
+    let mut eyes: Vec<ViewTarget<'_>> = histories
         .iter_mut()
         .zip(cameras)
         .zip(areas)
-        .map(|((history, camera), area)| Eye {
+        .map(|((history, camera), area)| ViewTarget {
             history,
             camera: *camera,
             visible: None,
@@ -153,10 +153,10 @@ fn each_eye_has_an_ideal_of_its_own() {
                 })
                 .collect();
             render(&mut renderer, &mut plain, Strategy::Frustum, &cameras, &areas, &expected);
-            let mut eyes: Vec<Eye<'_>> = ideals
+            let mut eyes: Vec<ViewTarget<'_>> = ideals
                 .iter_mut()
                 .enumerate()
-                .map(|(eye, history)| Eye {
+                .map(|(eye, history)| ViewTarget {
                     history,
                     camera: cameras[eye],
                     visible: Some(&sets[eye]),
@@ -282,7 +282,7 @@ fn areas_outside_of_the_picture_are_refused() {
         ] {
             let area = Area { origin, size };
             let camera = path.camera(0);
-            let mut eyes = [Eye { history: &mut view, camera, visible: None, area }];
+            let mut eyes = [ViewTarget { history: &mut view, camera, visible: None, area }];
             let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };
             let error = renderer.render_views(&mut eyes, &request).unwrap_err().to_string();
             assert!(error.contains("not within the picture of 320x100"), "{error}");

@@ -330,7 +330,10 @@ pub fn links(files: &[SourceFile]) -> Vec<String> {
                 let mut parts: Vec<&str> = file.path.split('/').collect();
                 parts.pop();
                 for part in path.split('/').filter(|part| !part.is_empty()) {
-                    if part == ".." { drop(parts.pop()) } else { parts.push(part) }
+                    match part {
+                        ".." => parts.truncate(parts.len().saturating_sub(1)),
+                        _ => parts.push(part),
+                    }
                 }
                 if !exists(&parts.join("/")) {
                     findings.push(file.finding(line, &format!("{target} leads nowhere")));

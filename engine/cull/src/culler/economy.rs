@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use super::selection::{Candidate, Draw, Scratch};
 use super::traversal::Walk;
-use crate::governor::{Governor, Question, covered_pixels, is_never};
+use crate::cost_model::{CostModel, Question, covered_pixels, is_never};
 use crate::plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester};
 use crate::view::View;
 
 /// What tests are weighed by.
 pub(super) struct Economy<'a> {
-    pub(super) governor: &'a Governor,
+    pub(super) governor: &'a CostModel,
     /// Who answers; `None` for whoever is cheaper.
     pub(super) tester: Option<Tester>,
     pub(super) has_flags: bool,

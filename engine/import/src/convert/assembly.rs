@@ -19,7 +19,7 @@ use super::primitives::Primitive;
 use super::shared::Plan;
 use super::sight::Sight;
 use super::skins::Skins;
-use crate::imported::{Placed, Placement};
+use crate::gltf_scene::{Placed, Placement};
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 

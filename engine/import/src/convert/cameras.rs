@@ -13,7 +13,7 @@ use gltf::json::validation::Checked;
 use super::nodes::Tree;
 use crate::Source;
 use crate::error::quoted;
-use crate::imported::Camera;
+use crate::gltf_scene::Camera;
 use crate::notes::Notes;
 
 /// The narrowest and the widest angle of sight, in radians.

@@ -10,7 +10,7 @@ use super::geometry::Geometry;
 use super::materials::MaterialUse;
 use super::primitives::{Facing, Primitive, Variant};
 use super::skins::Used;
-use crate::imported::Placement;
+use crate::gltf_scene::Placement;
 use crate::{Cause, ImportError};
 
 impl Assembly<'_> {

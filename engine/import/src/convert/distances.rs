@@ -15,7 +15,7 @@ use scene::{Scene, Surfaces};
 use super::nodes::Tree;
 use super::skins::used_joints;
 use crate::error::quoted;
-use crate::imported::{Camera, Placed, Placement};
+use crate::gltf_scene::{Camera, Placed, Placement};
 use crate::notes::Notes;
 
 /// Of clips, by their numbers.

@@ -46,7 +46,7 @@ use self::materials::Materials;
 use self::nodes::Tree;
 use self::sight::Sight;
 use self::skins::Skins;
-use crate::imported::{Imported, Placed};
+use crate::gltf_scene::{GltfScene, Placed};
 use crate::load::{LoadOptions, Stage, Teller};
 use crate::notes::Notes;
 use crate::{ImportError, Source};
@@ -60,7 +60,7 @@ pub(crate) fn convert(
     name: String,
     options: &LoadOptions,
     teller: &mut Teller<'_>,
-) -> Result<Imported, ImportError> {
+) -> Result<GltfScene, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&mut source, &mut notes)?;
     let mut clips = clips::clips(&source, &tree, &mut notes);
@@ -138,7 +138,7 @@ pub(crate) fn convert(
     let places: Vec<Place> = places.collect();
     let (list, none) = (Vec::new(), Vec::new());
     let mut imported =
-        Imported { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes: none };
+        GltfScene { scene, rig: tree.rig, clips, skins, placements, cameras: list, notes: none };
     let bounds = imported.bounds();
     cameras::settle(&mut cameras, &lenses, &places, &bounds, &mut notes);
     (imported.cameras, imported.notes) = (cameras, notes.finish());
@@ -157,7 +157,7 @@ fn empty(name: String) -> Scene {
 }
 
 /// The box around everything at rest; around the origin alone if there is nothing.
-pub(crate) fn bounds(imported: &Imported) -> Aabb {
+pub(crate) fn bounds(imported: &GltfScene) -> Aabb {
     let scene = &imported.scene;
     let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
     let objects = scene.objects.len();

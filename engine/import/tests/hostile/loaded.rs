@@ -1,9 +1,9 @@
 //! What holds for every scene that was loaded, whatever its file was.
 
-use antumbra_import::{Imported, Placed};
+use antumbra_import::{GltfScene, Placed};
 
 /// Fails where a number is not finite, an index is out of range, or a box is none.
-pub fn check(imported: &Imported) {
+pub fn check(imported: &GltfScene) {
     imported.scene.validate().expect("it can be drawn");
     check_surfaces(imported);
     check_placements(imported);
@@ -20,7 +20,7 @@ pub fn check(imported: &Imported) {
     assert!(camera.forward.length() > 0.5, "{camera:?}");
 }
 
-fn check_surfaces(imported: &Imported) {
+fn check_surfaces(imported: &GltfScene) {
     let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
     assert_eq!(scene.meshes.len(), surfaces.meshes.len());
     let sprites: Vec<usize> = surfaces.sprites.iter().map(|it| it.mesh.0 as usize).collect();
@@ -83,7 +83,7 @@ fn check_surfaces(imported: &Imported) {
     }
 }
 
-fn check_placements(imported: &Imported) {
+fn check_placements(imported: &GltfScene) {
     let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
     let mut is_deformed = vec![false; scene.meshes.len()];
     for deformer in &surfaces.deformers {

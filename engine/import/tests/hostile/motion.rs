@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use antumbra_import::{
-    Cause, ImportError, Imported, Limits, LoadOptions, Performance, Stage, load_bytes, read,
+    Cause, GltfScene, ImportError, Limits, LoadOptions, SceneAnimator, Stage, load_bytes, read,
 };
 use serde_json::{Value, json};
 
@@ -12,12 +12,12 @@ use super::files::{F32, Scene, U8, encoded};
 use super::target::loaded;
 use super::target::perform::perform;
 
-fn load_with(scene: &Scene, limits: Limits) -> Result<Imported, ImportError> {
+fn load_with(scene: &Scene, limits: Limits) -> Result<GltfScene, ImportError> {
     let options = LoadOptions { limits, ..LoadOptions::default() };
     load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
 }
 
-fn load(scene: &Scene) -> Imported {
+fn load(scene: &Scene) -> GltfScene {
     let imported = load_with(scene, Limits::default()).unwrap_or_else(|error| panic!("{error}"));
     loaded::check(&imported);
     imported
@@ -258,8 +258,8 @@ fn colours_beyond_one_are_told() {
 #[test]
 fn what_plays_is_asked_for_by_its_file() {
     // A performance without clips is one of nothing.
-    let (_, mut performance, _, _) = Performance::of(load(&arm()));
-    assert!(performance.changes(1.0).is_empty());
+    let (_, mut animator, _, _) = SceneAnimator::of(load(&arm()));
+    assert!(animator.changes(1.0).is_empty());
 }
 
 #[test]

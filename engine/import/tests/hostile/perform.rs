@@ -1,6 +1,6 @@
 //! What was loaded plays: all clips, faded into each other, at any time and at none.
 
-use antumbra_import::{Imported, LevelOptions, Performance};
+use antumbra_import::{GltfScene, LevelOptions, SceneAnimator};
 use scene::{ObjectChange, SceneUpdate};
 
 /// Times to look at, in this order: seeks forwards and back, before the beginning, and what is no time.
@@ -11,30 +11,30 @@ const MOST_CLIPS: usize = 4;
 const FARTHEST: f32 = 1.001e15;
 
 /// Makes coarser forms, then plays; fails where something would reach a renderer that it refuses.
-pub fn perform(mut imported: Imported) {
+pub fn perform(mut imported: GltfScene) {
     imported.make_levels(&LevelOptions { least_triangles: 1, ..LevelOptions::default() });
     imported.scene.validate().expect("it can be drawn with its levels");
-    let (scene, mut performance, cameras, _) = Performance::of(imported);
-    let clips = performance.clips().len();
+    let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
+    let clips = animator.clips().len();
     let first = (0..clips.min(MOST_CLIPS)).map(|clip| vec![clip]);
-    let together = performance.compatible(None);
+    let together = animator.compatible(None);
     let mut now_s = 0.0;
     for playing in first.chain([together, (0..clips).collect(), vec![usize::MAX], Vec::new()]) {
         // Each goes on from amid of the fade before.
-        performance.play(&playing, now_s, 1.0);
+        animator.play(&playing, now_s, 1.0);
         for seconds in [0.25, 0.5] {
-            check(performance.changes(now_s + seconds), &scene);
+            check(animator.changes(now_s + seconds), &scene);
         }
         now_s += 0.5;
         for camera in &cameras {
-            let seen = performance.seen_by(camera, [3, 2]);
+            let seen = animator.seen_by(camera, [3, 2]);
             assert!(seen.eye.is_finite() && (seen.forward.length() - 1.0).abs() < 1e-3, "{seen:?}");
-            let _ = performance.clip_of(camera);
+            let _ = animator.clip_of(camera);
         }
     }
-    performance.play(&(0..clips).collect::<Vec<_>>(), 0.0, 0.0);
+    animator.play(&(0..clips).collect::<Vec<_>>(), 0.0, 0.0);
     for seconds in SECONDS {
-        check(performance.changes(seconds), &scene);
+        check(animator.changes(seconds), &scene);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use antumbra_import::{ImportError, Imported, LoadOptions, load_bytes};
+use antumbra_import::{GltfScene, ImportError, LoadOptions, load_bytes};
 use serde_json::{Value, json};
 
 use super::deviations::{LEFT_OUT, SHOWN, SPELLINGS};
@@ -29,12 +29,12 @@ pub enum Outcome {
 /// A situation, the change of a file that uses everything, and what becomes of it.
 pub type Row = (&'static str, fn(&mut Scene), Outcome);
 
-fn load(bytes: Vec<u8>) -> Result<Imported, ImportError> {
+fn load(bytes: Vec<u8>) -> Result<GltfScene, ImportError> {
     load_bytes(bytes, None, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()))
 }
 
 /// The notes, but for those of what is no deviation.
-fn texts(imported: &Imported) -> Vec<String> {
+fn texts(imported: &GltfScene) -> Vec<String> {
     let is_plain = |text: &String| {
         text.contains("scenes, only scene") || text.contains("the file has no light")
     };
@@ -64,7 +64,7 @@ fn what_is_shown_decides() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-fn is_as_expected(result: &Result<Imported, ImportError>, outcome: Outcome) -> bool {
+fn is_as_expected(result: &Result<GltfScene, ImportError>, outcome: Outcome) -> bool {
     let has = |text: &String, parts: &[&str]| parts.iter().all(|part| text.contains(part));
     match (result, outcome) {
         (Ok(imported), Outcome::Opens) => imported.notes.is_empty(),
@@ -159,7 +159,7 @@ pub fn vendor(value: &mut Value) {
 }
 
 /// Loads in time, however it ends.
-fn quickly(scene: &Scene) -> Result<Imported, ImportError> {
+fn quickly(scene: &Scene) -> Result<GltfScene, ImportError> {
     let start = Instant::now();
     let result = load(scene.glb());
     assert!(start.elapsed() < Duration::from_secs(20), "took {:?}", start.elapsed());

@@ -1,6 +1,6 @@
 //! Geometry of files: attributes of all types, topologies, normals, what is broken.
 
-use antumbra_import::Imported;
+use antumbra_import::GltfScene;
 use serde_json::json;
 
 use super::files::{F32, I16, Scene, U8, U16, U32};
@@ -9,12 +9,12 @@ use super::loading::{load, notes, refused};
 pub const ATTRIBUTES: &str = "/meshes/0/primitives/0/attributes";
 
 /// The positions of the corners of a mesh's triangles.
-pub fn corners(imported: &Imported, mesh: usize) -> Vec<[f32; 3]> {
+pub fn corners(imported: &GltfScene, mesh: usize) -> Vec<[f32; 3]> {
     let mesh = &imported.scene.meshes[mesh];
     mesh.indices.iter().map(|&index| mesh.vertices[index as usize].position).collect()
 }
 
-pub fn normals(imported: &Imported, mesh: usize) -> Vec<[i16; 4]> {
+pub fn normals(imported: &GltfScene, mesh: usize) -> Vec<[i16; 4]> {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     surfaces.meshes[mesh].vertices.iter().map(|vertex| vertex.normal).collect()
 }

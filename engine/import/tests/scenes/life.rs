@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use animation::{Interpolation, Pose, Skeleton, Values};
-use antumbra_import::{Imported, Limits, LoadOptions, Placed, load_bytes};
+use antumbra_import::{GltfScene, Limits, LoadOptions, Placed, load_bytes};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use serde_json::{Value, json};
 
@@ -152,7 +152,7 @@ fn leg(weights: &[f32]) -> Scene {
 const WEIGHTS: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 
 /// Where the vertices of the first deformed object are in the world, in a pose.
-fn skinned(imported: &Imported, pose: &Pose) -> Vec<Vec3> {
+fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let placement = &imported.placements[0];
     let (deformer, skin) = placement.deformer.expect("a deformer");

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use antumbra_import::{
-    Cause, ImportError, Imported, Limits, LoadOptions, Note, Progress, Stage, load_bytes,
+    Cause, GltfScene, ImportError, Limits, LoadOptions, Note, Progress, Stage, load_bytes,
 };
 use serde_json::json;
 
@@ -11,13 +11,13 @@ use super::files::{Scene, everything};
 use super::loaded::check;
 
 /// What loading with the default options gives.
-pub fn try_load(scene: &Scene) -> Result<Imported, ImportError> {
+pub fn try_load(scene: &Scene) -> Result<GltfScene, ImportError> {
     let options = LoadOptions::default();
     load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
 }
 
 /// The scene of a file that can be loaded, after a look at everything in it.
-pub fn load(scene: &Scene) -> Imported {
+pub fn load(scene: &Scene) -> GltfScene {
     let imported = try_load(scene).unwrap_or_else(|error| panic!("{error}"));
     check(&imported);
     imported
@@ -32,12 +32,12 @@ pub fn refused(scene: &Scene) -> String {
 }
 
 /// Whether the reason of a note begins like this.
-pub fn notes(imported: &Imported, beginning: &str) -> bool {
+pub fn notes(imported: &GltfScene, beginning: &str) -> bool {
     imported.notes.iter().any(|note| note.reason.starts_with(beginning))
 }
 
 /// Whether a note whose object and reason begin like this counts so many.
-pub fn counts(imported: &Imported, (object, reason, count): (&str, &str, u64)) -> bool {
+pub fn counts(imported: &GltfScene, (object, reason, count): (&str, &str, u64)) -> bool {
     let is_it = |note: &Note| note.object.starts_with(object) && note.reason.starts_with(reason);
     imported.notes.iter().any(|note| is_it(note) && note.count == count)
 }

@@ -1,6 +1,6 @@
 //! Materials, textures and samplers of files.
 
-use antumbra_import::Imported;
+use antumbra_import::GltfScene;
 use serde_json::{Value, json};
 
 use super::files::{Scene, encoded};
@@ -28,7 +28,7 @@ fn with(material: Value) -> Scene {
     scene
 }
 
-fn surfaces(imported: &Imported) -> &scene::Surfaces {
+fn surfaces(imported: &GltfScene) -> &scene::Surfaces {
     imported.scene.surfaces.as_ref().expect("surfaces")
 }
 

@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use antumbra_import::Imported;
+use antumbra_import::GltfScene;
 use glam::{Vec3, vec3};
 use serde_json::json;
 
@@ -10,7 +10,7 @@ use super::files::{F32, Scene};
 use super::loading::{counts, load, notes};
 
 /// Where each object's own (1, 0, 0) is.
-fn tips(imported: &Imported) -> Vec<Vec3> {
+fn tips(imported: &GltfScene) -> Vec<Vec3> {
     let objects = imported.scene.objects.iter();
     objects.map(|object| object.transform.transform_point3(Vec3::X)).collect()
 }
@@ -216,7 +216,7 @@ fn lights_of_physical_strength_are_dimmed_unless_an_exposure_is_given() {
     let light = json!([{ "type": "directional", "intensity": 100_000 }]);
     scene.set("/extensions/KHR_lights_punctual/lights", light);
     scene.set("/extensionsUsed", json!(["KHR_lights_punctual"]));
-    let lux = |imported: &antumbra_import::Imported| {
+    let lux = |imported: &antumbra_import::GltfScene| {
         let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
         (surfaces.lights[0].intensity, surfaces.exposure)
     };

@@ -8,11 +8,11 @@ use scene::{
     Surfaces,
 };
 
-use crate::compromises::Compromises;
 use crate::deformers::mesh_order;
 use crate::error::Error;
 use crate::limits;
 use crate::passes::{ScatterIo, ScatterPass};
+use crate::scene_degradations::SceneDegradations;
 use crate::sprites;
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists};
 use crate::surfaces::lights::{LightEntry, LightTable};
@@ -63,7 +63,7 @@ pub struct SurfaceResources {
     blended: Hierarchy,
     exposure: f32,
     /// What is known of them once they are on the GPU.
-    compromises: Compromises,
+    degradations: SceneDegradations,
 }
 
 impl SurfaceResources {
@@ -129,7 +129,7 @@ impl SurfaceResources {
                 .collect(),
             mesh_sprites: sprites::places(scene, hierarchy.leaf_objects().len()),
             default_material,
-            compromises: Compromises {
+            degradations: SceneDegradations {
                 dark_suns: table.dark_suns,
                 shrunk_images: plan.shrunk,
                 enlarged_images: plan.resampled - plan.shrunk,
@@ -176,8 +176,8 @@ impl SurfaceResources {
     }
 
     /// What of them is shown otherwise than the scene says, as lights and objects are now.
-    pub(crate) fn compromises(&self) -> Compromises {
-        Compromises { crowded_objects: self.light_lists.crowded(), ..self.compromises }
+    pub(crate) fn degradations(&self) -> SceneDegradations {
+        SceneDegradations { crowded_objects: self.light_lists.crowded(), ..self.degradations }
     }
 
     /// What lights reach which object.

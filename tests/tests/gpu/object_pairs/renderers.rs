@@ -2,15 +2,15 @@
 
 use cull::Strategy;
 use gpu::Tick;
-use render::{Area, Error, Eye, FrameRequest, ViewsRequest};
+use render::{Area, Error, FrameRequest, ViewTarget, ViewsRequest};
 
 use super::Row;
 use super::side::{SIZE, Side};
 
 const PICTURE: &str = "a picture (`Readback`)";
 const TIMELINE: &str = "a timeline (`Timeline`)";
-const VIEW: &str = "a view (`ViewHistory`)";
-const MOMENT: &str = "a moment (`Moment`)";
+const VIEW: &str = "a view (`ViewState`)";
+const MOMENT: &str = "a moment (`VisibilitySnapshot`)";
 const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
 type Mistake = fn(&mut Side, &mut Side) -> String;
@@ -31,7 +31,7 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
     let (camera, area) = (ours.camera, Area::whole(SIZE));
     let history = if what == VIEW { &mut theirs.view } else { &mut ours.view };
     let visible = (what == VISIBLE_SET).then_some(&theirs.visible);
-    let eye = Eye { history, camera, visible, area };
+    let eye = ViewTarget { history, camera, visible, area };
     let request = ViewsRequest {
         strategy: Strategy::Ideal,
         picture: (what == PICTURE).then_some(&theirs.picture),
@@ -104,9 +104,9 @@ fn histories(row: MakeRow) -> Vec<Row> {
         row("Renderer::drain", VIEW, "Renderer", |ours, theirs| {
             text(ours.renderer.drain(&mut theirs.view))
         }),
-        row("Renderer::moment", VIEW, "Renderer", |ours, theirs| {
+        row("Renderer::snapshot", VIEW, "Renderer", |ours, theirs| {
             let view = ours.renderer.view_of(&ours.camera);
-            text(ours.renderer.moment(&mut theirs.view, view))
+            text(ours.renderer.snapshot(&mut theirs.view, view))
         }),
         row("Renderer::visible_set", VIEW, "Renderer", |ours, theirs| {
             let (camera, area) = (ours.camera, Area::whole(SIZE));
@@ -124,17 +124,17 @@ fn histories(row: MakeRow) -> Vec<Row> {
 fn moments(row: MakeRow) -> Vec<Row> {
     vec![
         row("Renderer::birds_eye", MOMENT, "Renderer", |ours, theirs| {
-            text(ours.renderer.birds_eye(&theirs.moment, &ours.picture))
+            text(ours.renderer.birds_eye(&theirs.snapshot, &ours.picture))
         }),
         row("Renderer::birds_eye", PICTURE, "Device", |ours, theirs| {
-            text(ours.renderer.birds_eye(&ours.moment, &theirs.picture))
+            text(ours.renderer.birds_eye(&ours.snapshot, &theirs.picture))
         }),
-        row("Renderer::render_moment", MOMENT, "Renderer", |ours, theirs| {
-            text(ours.renderer.render_moment(&theirs.moment, ours.camera, None))
+        row("Renderer::render_snapshot", MOMENT, "Renderer", |ours, theirs| {
+            text(ours.renderer.render_snapshot(&theirs.snapshot, ours.camera, None))
         }),
-        row("Renderer::render_moment", PICTURE, "Device", |ours, theirs| {
+        row("Renderer::render_snapshot", PICTURE, "Device", |ours, theirs| {
             let picture = Some(&theirs.picture);
-            text(ours.renderer.render_moment(&ours.moment, ours.camera, picture))
+            text(ours.renderer.render_snapshot(&ours.snapshot, ours.camera, picture))
         }),
     ]
 }

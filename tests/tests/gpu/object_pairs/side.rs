@@ -9,7 +9,7 @@ use gpu::{
     Timeline, VertexLayout, WordSource, vk,
 };
 use render::{
-    Area, FlatVertex, FrameRequest, Moment, Pick, Renderer, RendererOptions, ViewHistory,
+    Area, FlatVertex, FrameRequest, Pick, Renderer, RendererOptions, ViewState, VisibilitySnapshot,
     VisibleSet,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind};
@@ -26,8 +26,8 @@ pub const SOURCE: WordSource = WordSource::Queries;
 /// Things of one device. What they own goes before the stage.
 pub struct Side {
     pub renderer: Renderer,
-    pub view: ViewHistory,
-    pub moment: Moment,
+    pub view: ViewState,
+    pub snapshot: VisibilitySnapshot,
     pub visible: VisibleSet,
     pub pick: Pick,
     pub camera: Camera,
@@ -100,7 +100,7 @@ impl Side {
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         let visible = renderer.visible_set(&mut view, &camera, Area::whole(SIZE)).unwrap();
-        let moment = renderer.moment(&mut view, renderer.view_of(&camera)).unwrap();
+        let snapshot = renderer.snapshot(&mut view, renderer.view_of(&camera)).unwrap();
         let pick = renderer.pick(&camera, [32, 18]).unwrap();
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
@@ -120,7 +120,7 @@ impl Side {
         let mut side = Self {
             renderer,
             view,
-            moment,
+            snapshot,
             visible,
             pick,
             camera,

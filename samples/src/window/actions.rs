@@ -8,7 +8,7 @@ use crate::strategy::Strategy;
 
 /// Something to be done between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Deed {
+pub enum Action {
     /// Go on with the next strategy that the device can.
     NextStrategy,
     /// Go on with this one.
@@ -70,27 +70,27 @@ pub enum Deed {
 }
 
 /// The keys: how they are called, what they do, as text and as a deed; in the order of [`GROUPS`].
-pub const KEYS: [(&str, &str, Deed); 20] = [
-    ("O", "list of scenes", Deed::ListScenes),
-    ("Ctrl+O", "open a file by its path", Deed::OpenPath),
-    ("F11", "full screen", Deed::FullScreen),
-    ("M", "capture the mouse", Deed::CaptureMouse),
-    ("H", "more text, or none", Deed::Hud),
-    ("F1", "all keys", Deed::Help),
-    ("Esc", "close, free the mouse; twice: quit", Deed::Escape),
-    ("Tab", "next strategy", Deed::NextStrategy),
-    ("U", "list of strategies", Deed::ListStrategies),
-    ("V", "compare with no culling", Deed::Compare),
-    ("C", "freeze the culling", Deed::Freeze),
-    ("I", "what is in the middle", Deed::Identify(None)),
-    ("B", "bird's-eye view", Deed::BirdsEye),
-    ("X", "boxes that are tested", Deed::Boxes),
-    ("G", "wires", Deed::Wires),
-    ("T", "GPU time of passes", Deed::TimePasses),
-    ("F", "frames in flight", Deed::NextFramesInFlight),
-    ("P", "present mode", Deed::NextPresentMode),
-    ("K", "screenshot", Deed::Screenshot),
-    ("R", "record the path", Deed::Record),
+pub const KEYS: [(&str, &str, Action); 20] = [
+    ("O", "list of scenes", Action::ListScenes),
+    ("Ctrl+O", "open a file by its path", Action::OpenPath),
+    ("F11", "full screen", Action::FullScreen),
+    ("M", "capture the mouse", Action::CaptureMouse),
+    ("H", "more text, or none", Action::Hud),
+    ("F1", "all keys", Action::Help),
+    ("Esc", "close, free the mouse; twice: quit", Action::Escape),
+    ("Tab", "next strategy", Action::NextStrategy),
+    ("U", "list of strategies", Action::ListStrategies),
+    ("V", "compare with no culling", Action::Compare),
+    ("C", "freeze the culling", Action::Freeze),
+    ("I", "what is in the middle", Action::Identify(None)),
+    ("B", "bird's-eye view", Action::BirdsEye),
+    ("X", "boxes that are tested", Action::Boxes),
+    ("G", "wires", Action::Wires),
+    ("T", "GPU time of passes", Action::TimePasses),
+    ("F", "frames in flight", Action::NextFramesInFlight),
+    ("P", "present mode", Action::NextPresentMode),
+    ("K", "screenshot", Action::Screenshot),
+    ("R", "record the path", Action::Record),
 ];
 
 /// What the keys are about, and how many are about that.
@@ -98,11 +98,11 @@ pub const GROUPS: [(&str, usize); 4] =
     [("Scene and window", 7), ("Culling", 4), ("Explanations", 5), ("Frames", 4)];
 
 /// More keys, for scenes out of files. Numbers look through their cameras.
-pub const FILE_KEYS: [(&str, &str, Deed); 4] = [
-    ("Space", "pause, go on", Deed::Pause),
-    (".", "one step", Deed::Step),
-    ("N", "next clip", Deed::NextClip),
-    ("L", "all clips", Deed::AllClips),
+pub const FILE_KEYS: [(&str, &str, Action); 4] = [
+    ("Space", "pause, go on", Action::Pause),
+    (".", "one step", Action::Step),
+    ("N", "next clip", Action::NextClip),
+    ("L", "all clips", Action::AllClips),
 ];
 
 /// What the numbers do.
@@ -117,15 +117,15 @@ pub const STEERING: [(&str, &str); 5] = [
     ("Mouse", "look, a button held; right click: capture"),
 ];
 
-impl Deed {
+impl Action {
     /// Returns what the key of that name does: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a digit, or a letter of
     /// any case.
     pub fn of_key(name: &str) -> Option<Self> {
-        let same = |(key, _, _): &&(&str, &str, Deed)| key.eq_ignore_ascii_case(name);
+        let same = |(key, _, _): &&(&str, &str, Action)| key.eq_ignore_ascii_case(name);
         if let Some(number) = name.parse().ok().filter(|number| (1..=9).contains(number)) {
             return Some(Self::Camera(number));
         }
-        KEYS.iter().chain(&FILE_KEYS).find(same).map(|(_, _, deed)| *deed)
+        KEYS.iter().chain(&FILE_KEYS).find(same).map(|(_, _, action)| *action)
     }
 
     /// A deed as scripts write it.
@@ -138,7 +138,7 @@ impl Deed {
         if let Some(more) = words.next() {
             return Err(format!("'{more}' is one word too many"));
         }
-        let deed =
+        let action =
             match (name, value) {
                 ("strategy", None) => Self::NextStrategy,
                 ("strategy", Some(name)) => Self::Strategy(parse_named(name)?),
@@ -186,7 +186,7 @@ impl Deed {
                     return Err(format!("unknown deed '{name}': there is {}", NAMES.join(", ")));
                 }
             };
-        Ok(deed)
+        Ok(action)
     }
 }
 
@@ -246,17 +246,17 @@ mod tests {
     #[test]
     fn every_deed_has_a_key_and_a_name() {
         let keys = || KEYS.iter().chain(&FILE_KEYS);
-        for (key, _, deed) in keys() {
-            assert_eq!(Deed::of_key(&key.to_lowercase()), Some(*deed));
+        for (key, _, action) in keys() {
+            assert_eq!(Action::of_key(&key.to_lowercase()), Some(*action));
         }
-        assert_eq!(Deed::of_key("3"), Some(Deed::Camera(3)));
-        assert_eq!((Deed::of_key("0"), Deed::of_key("12")), (None, None));
+        assert_eq!(Action::of_key("3"), Some(Action::Camera(3)));
+        assert_eq!((Action::of_key("0"), Action::of_key("12")), (None, None));
         // Esc quits in two steps, a script in one.
         for name in NAMES.into_iter().filter(|name| !["camera", "quit"].contains(name)) {
-            let deed = Deed::parse(name).unwrap();
-            assert_eq!(keys().filter(|(_, _, of_key)| *of_key == deed).count(), 1, "{name}");
+            let action = Action::parse(name).unwrap();
+            assert_eq!(keys().filter(|(_, _, of_key)| *of_key == action).count(), 1, "{name}");
         }
-        assert_eq!(Deed::of_key("w"), None);
+        assert_eq!(Action::of_key("w"), None);
     }
 
     #[test]
@@ -281,11 +281,11 @@ mod tests {
 
     #[test]
     fn values_are_checked() {
-        assert_eq!(Deed::parse("strategy pyramid"), Ok(Deed::Strategy(Strategy::Pyramid)));
-        assert_eq!(Deed::parse("frames_in_flight 4"), Ok(Deed::FramesInFlight(4)));
-        assert_eq!(Deed::parse("camera 2"), Ok(Deed::Camera(2)));
-        assert_eq!(Deed::parse("identify 3,40"), Ok(Deed::Identify(Some([3, 40]))));
-        assert_eq!(Deed::parse("present_mode fifo"), Ok(Deed::PresentMode(PresentMode::Fifo)));
+        assert_eq!(Action::parse("strategy pyramid"), Ok(Action::Strategy(Strategy::Pyramid)));
+        assert_eq!(Action::parse("frames_in_flight 4"), Ok(Action::FramesInFlight(4)));
+        assert_eq!(Action::parse("camera 2"), Ok(Action::Camera(2)));
+        assert_eq!(Action::parse("identify 3,40"), Ok(Action::Identify(Some([3, 40]))));
+        assert_eq!(Action::parse("present_mode fifo"), Ok(Action::PresentMode(PresentMode::Fifo)));
         for (text, reason) in [
             ("strategy pyramide", "did you mean 'pyramid'?"),
             ("frames_in_flight 5", "1 to 4"),
@@ -299,7 +299,7 @@ mod tests {
             ("", "unknown deed ''"),
             ("strategy pyramid now", "'now' is one word too many"),
         ] {
-            let refused = Deed::parse(text).unwrap_err();
+            let refused = Action::parse(text).unwrap_err();
             assert!(refused.contains(reason), "{text}: {refused}");
         }
     }

@@ -12,7 +12,7 @@ use crate::run::RunError;
 const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
 
 /// What is on its way.
-pub struct Arrivals {
+pub struct PendingScenes {
     loading: Option<Loading>,
     /// Whether nothing was shown yet of what the window was opened for.
     is_first: bool,
@@ -20,7 +20,7 @@ pub struct Arrivals {
     is_invited: bool,
 }
 
-impl Arrivals {
+impl PendingScenes {
     /// What is shown at once, and what is on its way.
     ///
     /// # Errors

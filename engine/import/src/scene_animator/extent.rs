@@ -4,8 +4,8 @@ use cull::Aabb;
 use glam::Vec3;
 use scene::{Object, Scene};
 
-use super::Performance;
-use crate::imported::Placed;
+use super::SceneAnimator;
+use crate::gltf_scene::Placed;
 
 /// How often a clip is looked at from its beginning to its end, at most.
 const MOST_LOOKS_A_CLIP: usize = 32;
@@ -16,7 +16,7 @@ const MOST_LOOKS: usize = 256;
 /// How many places of nodes and of what moves are looked at, at most; but each clip is looked at once.
 const MOST_PLACES: usize = 1 << 22;
 
-impl Performance {
+impl SceneAnimator {
     /// Returns a box around everything that is seen while the clips play that play now, found by looking at
     /// a bounded number of moments; the origin alone if there is nothing. `scene` is the one that came with it.
     ///

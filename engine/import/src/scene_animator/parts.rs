@@ -13,7 +13,7 @@ use scene::{
 };
 
 use crate::convert::used_joints;
-use crate::imported::{Placed, Placement};
+use crate::gltf_scene::{Placed, Placement};
 
 /// All that moves or changes its form.
 #[derive(Debug, Default)]

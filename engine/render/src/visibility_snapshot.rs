@@ -6,11 +6,11 @@ use gpu::{BufferSlice, Frame, IndirectDraw};
 use crate::error::Error;
 use crate::geometry::Geometry;
 use crate::renderer::Renderer;
-use crate::view_history::{RendererId, ViewHistory};
+use crate::view_state::{RendererId, ViewState};
 
 /// What a view decided and found out in one frame.
 #[derive(Debug, Clone)]
-pub struct Moment {
+pub struct VisibilitySnapshot {
     /// The frame.
     pub frame: FrameId,
     /// The view it was seen from.
@@ -29,13 +29,17 @@ impl Renderer {
     ///
     /// # Errors
     /// A view of another renderer, a lost device, or a frame that takes too long.
-    pub fn moment(&mut self, history: &mut ViewHistory, view: View) -> Result<Moment, Error> {
+    pub fn snapshot(
+        &mut self,
+        history: &mut ViewState,
+        view: View,
+    ) -> Result<VisibilitySnapshot, Error> {
         self.drain(history)?;
         let plan = history.plan();
         let one = |first| LeafRange { first, count: 1 };
         let taken = plan.draws.iter().copied().map(one);
         let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
-        let mut moment = Moment {
+        let mut snapshot = VisibilitySnapshot {
             frame: plan.frame,
             view,
             drawn: taken.chain(queried).collect(),
@@ -48,7 +52,7 @@ impl Renderer {
             let node = answer.tag.node;
             match answer.tag.kind {
                 QueryKind::Proxy | QueryKind::Part => {
-                    moment.drawn.push(self.hierarchy.leaves(node));
+                    snapshot.drawn.push(self.hierarchy.leaves(node));
                     showed.push(node);
                 }
                 QueryKind::Parts => showed.push(node),
@@ -58,16 +62,16 @@ impl Renderer {
         showed.sort_unstable();
         let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
         for test in tests.filter(|test| showed.binary_search(&test.tag.node).is_err()) {
-            moment.hidden.push((self.hierarchy.bounds(test.tag.node), test.level));
+            snapshot.hidden.push((self.hierarchy.bounds(test.tag.node), test.level));
         }
-        Ok(moment)
+        Ok(snapshot)
     }
 }
 
-impl Moment {
+impl VisibilitySnapshot {
     /// The newest frame of `history` as far as it is known while it is under way: what is taken as
     /// visible, and the frontier nodes that were hidden when they were last asked.
-    pub(crate) fn underway(history: &ViewHistory, hierarchy: &Hierarchy, view: View) -> Self {
+    pub(crate) fn underway(history: &ViewState, hierarchy: &Hierarchy, view: View) -> Self {
         let plan = history.plan();
         let one = |first| LeafRange { first, count: 1 };
         let taken = plan.draws.iter().copied().map(one);

@@ -9,14 +9,14 @@ const FRAMES: usize = 600;
 
 /// The newest frames under the same conditions.
 #[derive(Debug)]
-pub struct Evenness {
+pub struct FramePacingStats {
     statistics: FrameStatistics,
     conditions: Option<Conditions>,
     /// The first frame under these conditions. Its time is from a frame under others to it.
     first: Option<FrameId>,
 }
 
-impl Evenness {
+impl FramePacingStats {
     /// Creates statistics over no frame.
     ///
     /// # Errors
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use crate::strategy::Strategy;
 
-    fn record(evenness: &mut Evenness, frames: std::ops::Range<u64>, interval_ms: u64) {
+    fn record(evenness: &mut FramePacingStats, frames: std::ops::Range<u64>, interval_ms: u64) {
         for frame in frames {
             let interval = Some(Duration::from_millis(interval_ms));
             let timing = FrameTiming {
@@ -89,7 +89,7 @@ mod tests {
             Conditions { scene: 1, ..old },
             Conditions { is_comparing: true, ..old },
         ] {
-            let mut evenness = Evenness::new().unwrap();
+            let mut evenness = FramePacingStats::new().unwrap();
             evenness.follow(old, FrameId(0));
             record(&mut evenness, 0..10, 16);
             evenness.follow(old, FrameId(12));

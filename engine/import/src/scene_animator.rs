@@ -19,13 +19,13 @@ use playing::Playing;
 use scene::{PunctualLight, Scene, SceneUpdate};
 
 use crate::Note;
-use crate::imported::{Camera, Imported, Placed};
+use crate::gltf_scene::{Camera, GltfScene, Placed};
 
 /// What hangs on the nodes of a file, and the clips that move it.
 ///
 /// Any moment can be shown after any other: what is shown is a function of the time and of the clips that
 /// play. In the steady state nothing is allocated.
-pub struct Performance {
+pub struct SceneAnimator {
     rig: Rig,
     clips: Vec<Clip>,
     parts: Parts,
@@ -50,17 +50,17 @@ pub struct Performance {
     changes: SceneUpdate,
 }
 
-impl Performance {
+impl SceneAnimator {
     /// Takes what lives from a file that was loaded; its scene, its cameras and what there is to tell of it
     /// are for others. Nothing plays at first.
-    pub fn of(imported: Imported) -> (Scene, Self, Vec<Camera>, Vec<Note>) {
-        let Imported { scene, rig, clips, skins, placements, cameras, notes } = imported;
+    pub fn of(imported: GltfScene) -> (Scene, Self, Vec<Camera>, Vec<Note>) {
+        let GltfScene { scene, rig, clips, skins, placements, cameras, notes } = imported;
         let pose = Pose::new(&rig);
         let mut world = Vec::new();
         rig.world(&pose, &mut world);
         let surfaces = scene.surfaces.as_ref();
         let deformers = surfaces.map_or(&[][..], |surfaces| &surfaces.deformers);
-        let mut performance = Self {
+        let mut animator = Self {
             parts: Parts::new(&rig, &clips, &skins, deformers, placements, &world),
             playing: Playing::default(),
             other: pose.clone(),
@@ -77,8 +77,8 @@ impl Performance {
             world,
         };
         // What is on joints is not in its form of the rest before it was told so.
-        performance.find_movers();
-        (scene, performance, cameras, notes)
+        animator.find_movers();
+        (scene, animator, cameras, notes)
     }
 
     /// All clips.

@@ -7,18 +7,18 @@ use crate::birds_eye::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::error::Error;
 use crate::flat_overlay::{GLYPHS, OVERLAY};
 use crate::frame_passes::FramePasses;
-use crate::moment::Moment;
 use crate::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::passes::{OpaquePass, OverlayPass};
 use crate::pick::OUTLINE;
 use crate::shader_set::ShaderSet;
-use crate::view_history::ViewHistory;
+use crate::view_state::ViewState;
 use crate::views::{Area, view_in};
+use crate::visibility_snapshot::VisibilitySnapshot;
 
 /// What is drawn over pictures to explain them; of several views, over the first. It follows the plan of
 /// the frame and what is known when it is recorded, and waits for nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Explanation {
+pub struct DebugOverlay {
     /// The edges of all triangles that are taken as visible.
     pub has_wires: bool,
     /// The boxes of the nodes that are tested, seen through everything, coloured by what is known of them
@@ -33,18 +33,18 @@ const BOXES_AND_WIRES: &str = "boxes and wires";
 pub const OVERLAY_PASSES: [&str; 5] = [BOXES_AND_WIRES, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
 
 /// An explanation and what draws it.
-pub(crate) struct Explainer {
-    pub(crate) explanation: Explanation,
+pub(crate) struct DebugRenderer {
+    pub(crate) explanation: DebugOverlay,
     device: Device,
     overlay: OverlayPass,
     wires: Option<OpaquePass>,
 }
 
-impl Explainer {
+impl DebugRenderer {
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
-        explanation: Explanation,
+        explanation: DebugOverlay,
     ) -> Result<Self, Error> {
         let wires = explanation.has_wires.then(|| OpaquePass::wires(device, shaders));
         let overlay = OverlayPass::new(device, shaders)?;
@@ -57,10 +57,10 @@ impl Explainer {
         frame: &mut Frame<'_>,
         passes: &mut FramePasses,
         hierarchy: &Hierarchy,
-        (history, view): (&ViewHistory, &View),
+        (history, view): (&ViewState, &View),
     ) -> Result<(), Error> {
-        let moment = Moment::underway(history, hierarchy, *view);
-        let draws = moment.upload(frame, &passes.geometry)?;
+        let snapshot = VisibilitySnapshot::underway(history, hierarchy, *view);
+        let draws = snapshot.upload(frame, &passes.geometry)?;
         let boxes = history.plan().tests.iter().map(|test| {
             let colour = match (test.tester, history.culler.state(test.tag.node)) {
                 (Tester::Behind(_), _) => BOX_BEHIND,
@@ -84,18 +84,18 @@ impl Explainer {
                 }
             });
         });
-        self.record_corner(frame, passes, hierarchy, (&moment, draws))
+        self.record_corner(frame, passes, hierarchy, (&snapshot, draws))
     }
 
     /// Draws what there is to explain of a frozen moment over its picture from elsewhere: its wires, and
     /// the view from above. That picture has its hidden boxes itself.
-    pub(crate) fn record_moment(
+    pub(crate) fn record_snapshot(
         &self,
         frame: &mut Frame<'_>,
         passes: &mut FramePasses,
         hierarchy: &Hierarchy,
         view: &View,
-        (moment, draws): (&Moment, (BufferSlice, u32)),
+        (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
         if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
             passes.target.prepare(frame.commands());
@@ -106,7 +106,7 @@ impl Explainer {
                 });
             });
         }
-        self.record_corner(frame, passes, hierarchy, (moment, draws))
+        self.record_corner(frame, passes, hierarchy, (snapshot, draws))
     }
 
     /// Draws a moment from above, where that is wanted.
@@ -115,12 +115,12 @@ impl Explainer {
         frame: &mut Frame<'_>,
         passes: &mut FramePasses,
         hierarchy: &Hierarchy,
-        (moment, draws): (&Moment, (BufferSlice, u32)),
+        (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
         let Some(area) = self.explanation.birds_eye else { return Ok(()) };
-        let reach = reach(hierarchy, moment);
-        let io = Sketch::of(moment, reach).upload(frame)?;
-        let view = &view_in(&self.device, &above(moment, reach), area);
+        let reach = reach(hierarchy, snapshot);
+        let io = Sketch::of(snapshot, reach).upload(frame)?;
+        let view = &view_in(&self.device, &above(snapshot, reach), area);
         passes.target.prepare(frame.commands());
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(passes.picture_target(view, BACKGROUND), |commands| {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{
-    Answer, Corrections, Culler, FrameContents, FrameId, FramePlan, Generation, Governor,
+    Answer, Corrections, CostModel, Culler, FrameContents, FrameId, FramePlan, Generation,
     Hierarchy, LeafIndex, LeafRange, QueryKind, QueryTag, Strategy, Tester, View,
 };
 use gpu::{
@@ -68,7 +68,7 @@ impl RendererId {
 
 /// One view of a scene: its culler, its queries in flight, and the plan of its newest frame.
 /// Several views may look at one scene; each has its own history.
-pub struct ViewHistory {
+pub struct ViewState {
     pub(crate) renderer: RendererId,
     pub(crate) culler: Culler,
     pub(crate) queries: QueryRing<Asked>,
@@ -125,7 +125,7 @@ impl Rings {
 /// Outcomes that are kept for who asks seldom, or never.
 const OUTCOMES_KEPT: usize = 1024;
 
-impl ViewHistory {
+impl ViewState {
     pub(crate) fn new(renderer: &Renderer, culler: Culler) -> Result<Self, Error> {
         let Renderer { device, hierarchy, .. } = renderer;
         let frames_in_flight = renderer.frames.frames_in_flight();
@@ -387,7 +387,7 @@ impl ViewHistory {
 
     /// What frames taught this view's governor about the prices; `None` without one.
     pub fn corrections(&self) -> Option<Corrections> {
-        self.culler.governor().map(Governor::corrections)
+        self.culler.governor().map(CostModel::corrections)
     }
 
     /// Whether there is a governor to be told what frames take.

@@ -83,7 +83,7 @@ impl Judgement {
 
 /// One view's prices, and its statistics of what tests told.
 #[derive(Clone, Debug)]
-pub struct Governor {
+pub struct CostModel {
     table: CostTable,
     /// The table with what tests are found to cost in proportion to draws.
     prices: CostTable,
@@ -98,7 +98,7 @@ pub struct Governor {
     idle_frames: u32,
 }
 
-impl Governor {
+impl CostModel {
     /// A governor that saw nothing yet.
     ///
     /// # Errors
@@ -307,7 +307,7 @@ impl Governor {
 
     /// A frame of these contents took so long on the GPU. Where frames that differ agree that tests are
     /// dearer or cheaper in proportion to draws than the table says, the prices of tests follow
-    /// ([`Governor::corrections`]). Times that cannot be are ignored.
+    /// ([`CostModel::corrections`]). Times that cannot be are ignored.
     pub fn observe(&mut self, gpu_ns: f64, contents: &FrameContents) {
         if self.learner.note(gpu_ns, contents.predicted(&self.table)) {
             self.prices = self.table.with_tests_at(self.corrections().proportion);
@@ -359,8 +359,8 @@ mod tests {
     use crate::camera::Camera;
     use glam::Vec3;
 
-    fn governor() -> Governor {
-        Governor::new(CostTable::default(), SceneCosts::default()).unwrap()
+    fn governor() -> CostModel {
+        CostModel::new(CostTable::default(), SceneCosts::default()).unwrap()
     }
 
     #[test]
@@ -391,7 +391,7 @@ mod tests {
     fn what_nothing_is_made_of_is_asked_seldom_and_in_few_frames() {
         let policy = Policy::default();
         let prices = CostTable { break_wait_share: 0.2, ..CostTable::default() };
-        let mut governor = Governor::new(prices, SceneCosts::default()).unwrap();
+        let mut governor = CostModel::new(prices, SceneCosts::default()).unwrap();
         let mut busy_frame = |is_paid| {
             governor.begin_frame(100);
             for number in 0..100 {
@@ -449,16 +449,16 @@ mod tests {
         for ns in [0.0, f32::MIN_POSITIVE, f32::MAX] {
             for triangles_per_leaf in [0.0, f32::MAX] {
                 let scene = SceneCosts { triangles_per_leaf };
-                let governor = Governor::new(CostTable::uniform(ns), scene).unwrap();
+                let governor = CostModel::new(CostTable::uniform(ns), scene).unwrap();
                 let judgement = governor.judge(&question, Tester::Query);
                 assert!(judgement.cost_ns.is_finite() && judgement.saving_ns.is_finite());
                 assert!(governor.break_ns(usize::MAX).is_finite());
                 assert!(governor.retest_frames(&Policy::default()) > 0);
             }
         }
-        assert!(Governor::new(CostTable::uniform(f32::NAN), SceneCosts::default()).is_err());
+        assert!(CostModel::new(CostTable::uniform(f32::NAN), SceneCosts::default()).is_err());
         let nothing = SceneCosts { triangles_per_leaf: f32::NAN };
-        assert!(Governor::new(CostTable::default(), nothing).is_err());
+        assert!(CostModel::new(CostTable::default(), nothing).is_err());
     }
 
     #[test]

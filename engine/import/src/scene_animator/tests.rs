@@ -9,7 +9,7 @@ use scene::{
 };
 
 use super::*;
-use crate::imported::Placement;
+use crate::gltf_scene::Placement;
 
 const REST: Trs = Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
 
@@ -55,7 +55,7 @@ fn rigid(node: u32, placed: Placed) -> Placement {
 
 /// A pivot (0) with an arm (1) that has a camera (2); a joint (3) with another below it (4); a face (5)
 /// that is morphed; something that nothing moves (6).
-fn imported() -> Imported {
+fn imported() -> GltfScene {
     let nodes = vec![
         node("pivot", None, Vec3::ZERO, &[]),
         node("arm", Some(0), Vec3::X, &[]),
@@ -115,7 +115,7 @@ fn imported() -> Imported {
         clip("camera", vec![along(2, Vec3::Z)]),
         clip("kick", vec![along(4, Vec3::X)]),
     ];
-    Imported {
+    GltfScene {
         scene,
         rig: Rig::new(nodes).unwrap(),
         clips,
@@ -143,10 +143,10 @@ fn imported() -> Imported {
     }
 }
 
-fn performance() -> Performance {
-    let (_, performance, cameras, notes) = Performance::of(imported());
+fn animator() -> SceneAnimator {
+    let (_, animator, cameras, notes) = SceneAnimator::of(imported());
     assert_eq!((cameras.len(), notes.len()), (1, 1));
-    performance
+    animator
 }
 
 /// The object of a change, where it is then, and the box that it stays in.
@@ -159,31 +159,31 @@ fn parts(change: &ObjectChange) -> (ObjectId, Affine3A, Option<Aabb>) {
 }
 
 /// The objects that change at a time.
-fn moved(performance: &mut Performance, seconds: f64) -> Vec<u32> {
-    performance.changes(seconds).objects.iter().map(|moved| parts(moved).0.0).collect()
+fn moved(animator: &mut SceneAnimator, seconds: f64) -> Vec<u32> {
+    animator.changes(seconds).objects.iter().map(|moved| parts(moved).0.0).collect()
 }
 
 #[test]
 fn at_first_only_what_has_no_form_yet_gets_one() {
-    let mut performance = performance();
-    let changes = performance.changes(0.0).clone();
+    let mut animator = animator();
+    let changes = animator.changes(0.0).clone();
     let deformers: Vec<u32> = changes.deformations.iter().map(|it| it.deformer.0).collect();
     assert_eq!(deformers, [0, 1]);
     assert_eq!((changes.joints.len(), changes.weights.as_slice()), (2, &[0.0][..]));
     let bounds: Vec<Option<Aabb>> = changes.objects.iter().map(|moved| parts(moved).2).collect();
     assert_eq!(bounds, [Some(unit_box(1.0)); 2]);
     assert!(changes.lights.is_empty() && changes.blended.is_empty());
-    assert!(performance.changes(0.5).is_empty(), "nothing plays");
-    assert_eq!(performance.moving_objects(), 0);
+    assert!(animator.changes(0.5).is_empty(), "nothing plays");
+    assert_eq!(animator.moving_objects(), 0);
 }
 
 #[test]
 fn what_hangs_on_a_node_goes_where_it_goes() {
-    let mut performance = performance();
-    performance.play(&[0], 0.0, 0.0);
-    performance.changes(0.0);
-    assert_eq!(performance.moving_objects(), 1);
-    let changes = performance.changes(0.5).clone();
+    let mut animator = animator();
+    animator.play(&[0], 0.0, 0.0);
+    animator.changes(0.0);
+    assert_eq!(animator.moving_objects(), 1);
+    let changes = animator.changes(0.5).clone();
     let at = Vec3::new(3.0, 1.0, 0.0);
     let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
     let (object, transform, bounds) = parts(moved);
@@ -194,21 +194,21 @@ fn what_hangs_on_a_node_goes_where_it_goes() {
     let [blended] = changes.blended.as_slice() else { panic!("{changes:?}") };
     assert_eq!(blended.transform.translation.x, 2.0);
     assert!(changes.deformations.is_empty());
-    assert!(performance.changes(0.5).is_empty(), "it is there already");
-    let (_, _, cameras, _) = Performance::of(imported());
-    assert_eq!(performance.seen_by(&cameras[0], [3, 2]).eye, Vec3::new(3.0, 0.0, 1.0));
+    assert!(animator.changes(0.5).is_empty(), "it is there already");
+    let (_, _, cameras, _) = SceneAnimator::of(imported());
+    assert_eq!(animator.seen_by(&cameras[0], [3, 2]).eye, Vec3::new(3.0, 0.0, 1.0));
 }
 
 #[test]
 fn any_moment_can_follow_any_other() {
-    let mut there = performance();
+    let mut there = animator();
     there.play(&[0, 1, 2, 3], 0.0, 0.0);
-    let state = |performance: &Performance| {
-        (0..6).map(|part| performance.parts.shown(part)).collect::<Vec<_>>()
+    let state = |animator: &SceneAnimator| {
+        (0..6).map(|part| animator.parts.shown(part)).collect::<Vec<_>>()
     };
     for seconds in [0.0, 0.25, 0.9, 0.1, 7.3, 0.25] {
         there.changes(seconds);
-        let mut fresh = performance();
+        let mut fresh = animator();
         fresh.play(&[0, 1, 2, 3], 0.0, 0.0);
         fresh.changes(seconds);
         assert!(state(&there) == state(&fresh), "{seconds}");
@@ -217,16 +217,16 @@ fn any_moment_can_follow_any_other() {
 
 #[test]
 fn boxes_are_those_of_the_clips_that_change_the_form() {
-    let mut performance = performance();
-    performance.changes(0.0);
+    let mut animator = animator();
+    animator.changes(0.0);
     for (playing, expected) in [(&[1][..], 2.0), (&[0, 2], 1.0), (&[1, 4], 3.0), (&[], 1.0)] {
-        performance.play(playing, 0.0, 0.0);
-        performance.changes(0.3);
-        assert_eq!(performance.parts.shown(1).1, unit_box(expected), "{playing:?}");
+        animator.play(playing, 0.0, 0.0);
+        animator.changes(0.3);
+        assert_eq!(animator.parts.shown(1).1, unit_box(expected), "{playing:?}");
     }
     // A joint's own way is in the transform, and the form is what happens below it.
-    performance.play(&[1], 0.0, 0.0);
-    let changes = performance.changes(0.5).clone();
+    animator.play(&[1], 0.0, 0.0);
+    let changes = animator.changes(0.5).clone();
     let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
     assert_eq!(parts(moved).1.translation.z, 2.0);
     assert_eq!(changes.joints[0], Affine3A::IDENTITY);
@@ -235,58 +235,58 @@ fn boxes_are_those_of_the_clips_that_change_the_form() {
 
 #[test]
 fn clips_fade_into_each_other_and_the_old_one_comes_to_rest() {
-    let mut performance = performance();
-    performance.play(&[1], 0.0, 0.0);
-    performance.changes(0.5);
-    performance.play(&[4], 0.5, 0.4);
-    performance.changes(0.7);
-    assert_eq!(performance.parts.shown(1).1, unit_box(3.0), "both form it");
-    let half = performance.parts.shown(1).0.translation.z;
+    let mut animator = animator();
+    animator.play(&[1], 0.0, 0.0);
+    animator.changes(0.5);
+    animator.play(&[4], 0.5, 0.4);
+    animator.changes(0.7);
+    assert_eq!(animator.parts.shown(1).1, unit_box(3.0), "both form it");
+    let half = animator.parts.shown(1).0.translation.z;
     assert!((half - 0.5 * 4.0 * 0.7).abs() < 1e-4, "{half}");
-    assert_eq!(moved(&mut performance, 0.95), [1]);
-    assert_eq!(performance.parts.shown(1).0.translation.z, 0.0);
-    assert_eq!(performance.parts.shown(1).1, unit_box(1.0));
-    assert_eq!(performance.moving, [NodeId(4)], "who is at rest is not looked at");
+    assert_eq!(moved(&mut animator, 0.95), [1]);
+    assert_eq!(animator.parts.shown(1).0.translation.z, 0.0);
+    assert_eq!(animator.parts.shown(1).1, unit_box(1.0));
+    assert_eq!(animator.moving, [NodeId(4)], "who is at rest is not looked at");
 }
 
 #[test]
 fn what_fades_to_its_rest_is_in_neither_box_alone() {
-    let mut performance = performance();
-    performance.play(&[4], 0.0, 0.0);
-    performance.changes(0.0);
-    performance.changes(0.5);
-    let alone = performance.parts.shown(1).1;
-    performance.play(&[], 0.5, 0.4);
-    performance.changes(0.7);
-    let fading = performance.parts.shown(1).1;
+    let mut animator = animator();
+    animator.play(&[4], 0.0, 0.0);
+    animator.changes(0.0);
+    animator.changes(0.5);
+    let alone = animator.parts.shown(1).1;
+    animator.play(&[], 0.5, 0.4);
+    animator.changes(0.7);
+    let fading = animator.parts.shown(1).1;
     assert_eq!(fading, unit_box(3.0), "the box of all mixes, not {alone:?}");
 }
 
 #[test]
 fn a_fade_into_a_fade_goes_on_where_that_was() {
-    let mut performance = performance();
-    performance.play(&[1], 0.0, 0.0);
-    performance.changes(0.5);
-    performance.play(&[4], 0.5, 0.4);
-    let place = |performance: &mut Performance, seconds| {
-        performance.changes(seconds);
-        let (transform, bounds, joints, _) = performance.parts.shown(1);
+    let mut animator = animator();
+    animator.play(&[1], 0.0, 0.0);
+    animator.changes(0.5);
+    animator.play(&[4], 0.5, 0.4);
+    let place = |animator: &mut SceneAnimator, seconds| {
+        animator.changes(seconds);
+        let (transform, bounds, joints, _) = animator.parts.shown(1);
         (transform.translation, joints[1].translation, bounds)
     };
-    let before = place(&mut performance, 0.7);
+    let before = place(&mut animator, 0.7);
     assert!(before.0.z > 0.5 && before.1.x > 0.1, "amid of both: {before:?}");
-    performance.play(&[0], 0.7, 0.2);
-    let after = place(&mut performance, 0.7);
+    animator.play(&[0], 0.7, 0.2);
+    let after = place(&mut animator, 0.7);
     assert!((before.0 - after.0).length() < 1e-5 && (before.1 - after.1).length() < 1e-5);
     assert_eq!(after.2, unit_box(3.0), "what is mixed stays in the box of all mixes");
-    let half = place(&mut performance, 0.8);
+    let half = place(&mut animator, 0.8);
     assert!((half.0 - before.0 * 0.5).length() < 1e-5, "{half:?} of {before:?}");
     // Once more, and to nothing at all.
-    performance.play(&[], 0.8, 0.2);
-    assert!((place(&mut performance, 0.8).0 - half.0).length() < 1e-5);
-    let (translation, _, bounds) = place(&mut performance, 1.1);
+    animator.play(&[], 0.8, 0.2);
+    assert!((place(&mut animator, 0.8).0 - half.0).length() < 1e-5);
+    let (translation, _, bounds) = place(&mut animator, 1.1);
     assert_eq!((translation.length(), bounds), (0.0, unit_box(1.0)));
-    assert!(performance.moving.is_empty());
+    assert!(animator.moving.is_empty());
 }
 
 #[test]
@@ -303,50 +303,46 @@ fn what_hangs_on_the_same_joints_is_looked_at_once() {
             ..skinned.clone()
         });
     }
-    let (_, mut performance, _, _) = Performance::of(imported);
-    assert_eq!(performance.parts.skeletons(), 1);
-    performance.play(&[1], 0.0, 0.0);
-    let changes = performance.changes(0.5);
+    let (_, mut animator, _, _) = SceneAnimator::of(imported);
+    assert_eq!(animator.parts.skeletons(), 1);
+    animator.play(&[1], 0.0, 0.0);
+    let changes = animator.changes(0.5);
     assert_eq!((changes.deformations.len(), changes.joints.len()), (102, 2), "{changes:?}");
     let shared = changes.deformations.iter().filter(|it| it.joints == (0..2));
     assert_eq!(shared.count(), 101, "all but the face");
-    assert!(performance.changes(0.5).is_empty());
+    assert!(animator.changes(0.5).is_empty());
 }
 
 #[test]
 fn clips_that_move_the_same_do_not_play_together() {
-    let performance = performance();
-    assert_eq!(performance.compatible(None), [0, 1, 2, 3]);
-    assert_eq!(performance.compatible(Some(4)), [0, 2, 3, 4]);
-    assert_eq!(performance.compatible(Some(99)), [0, 1, 2, 3]);
+    let animator = animator();
+    assert_eq!(animator.compatible(None), [0, 1, 2, 3]);
+    assert_eq!(animator.compatible(Some(4)), [0, 2, 3, 4]);
+    assert_eq!(animator.compatible(Some(99)), [0, 1, 2, 3]);
 }
 
 #[test]
 fn the_clip_of_a_camera_is_the_one_with_its_name() {
-    let (_, performance, cameras, _) = Performance::of(imported());
-    assert_eq!(performance.clip_of(&cameras[0]), Some(3));
+    let (_, animator, cameras, _) = SceneAnimator::of(imported());
+    assert_eq!(animator.clip_of(&cameras[0]), Some(3));
     let other = Camera { name: "other".to_owned(), ..cameras[0].clone() };
-    assert_eq!(
-        performance.clip_of(&other),
-        Some(0),
-        "the first that moves it, by its ancestors too"
-    );
+    assert_eq!(animator.clip_of(&other), Some(0), "the first that moves it, by its ancestors too");
     let still = Camera { node: NodeId(6), ..other };
-    assert_eq!(performance.clip_of(&still), None);
-    assert_eq!((performance.duration_s(0), performance.duration_s(9)), (Some(1.0), None));
+    assert_eq!(animator.clip_of(&still), None);
+    assert_eq!((animator.duration_s(0), animator.duration_s(9)), (Some(1.0), None));
 }
 
 #[test]
 fn squashed_and_turned_nodes_still_see() {
-    let (_, mut performance, cameras, _) = Performance::of(imported());
+    let (_, mut animator, cameras, _) = SceneAnimator::of(imported());
     for matrix in [
         Affine3A::from_scale(Vec3::ZERO),
         Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)),
         Affine3A::from_scale(Vec3::new(-2.0, 3.0, -0.5)),
         Affine3A::from_rotation_x(1.0),
     ] {
-        performance.world[2] = matrix;
-        let camera = performance.seen_by(&cameras[0], [3, 2]);
+        animator.world[2] = matrix;
+        let camera = animator.seen_by(&cameras[0], [3, 2]);
         assert!((camera.forward.length() - 1.0).abs() < 1e-5 && camera.up.is_normalized());
         assert!(camera.forward.dot(camera.up).abs() < 1e-5);
     }
@@ -354,13 +350,13 @@ fn squashed_and_turned_nodes_still_see() {
 
 #[test]
 fn the_room_of_a_scene_is_that_of_its_clips_and_looking_at_it_leaves_no_trace() {
-    let (scene, mut performance, ..) = Performance::of(imported());
-    let at_rest = performance.bounds_playing(&scene);
+    let (scene, mut animator, ..) = SceneAnimator::of(imported());
+    let at_rest = animator.bounds_playing(&scene);
     assert!(at_rest.max.x < 4.0, "{at_rest:?}");
-    performance.play(&[0], 0.0, 0.0);
-    let playing = performance.bounds_playing(&scene);
+    animator.play(&[0], 0.0, 0.0);
+    let playing = animator.bounds_playing(&scene);
     assert!(playing.max.x > 4.5, "the arm swings that far: {playing:?}");
-    let mut other = Performance::of(imported()).1;
+    let mut other = SceneAnimator::of(imported()).1;
     other.play(&[0], 0.0, 0.0);
-    assert_eq!(performance.changes(0.25), other.changes(0.25));
+    assert_eq!(animator.changes(0.25), other.changes(0.25));
 }

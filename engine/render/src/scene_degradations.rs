@@ -6,7 +6,7 @@ use crate::renderer::Renderer;
 
 /// What of a scene is more than a renderer shows: it is shown all the same, and not quite as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Compromises {
+pub struct SceneDegradations {
     /// Objects that more points' and spots' lights reach than [`MAX_LIGHTS_PER_OBJECT`]: the weakest do not
     /// shine on them. As things are now; it changes where lights and objects move.
     pub crowded_objects: usize,
@@ -20,7 +20,7 @@ pub struct Compromises {
     pub borrowed_samplers: usize,
 }
 
-impl Compromises {
+impl SceneDegradations {
     /// A sentence for each, for people.
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
@@ -56,9 +56,9 @@ impl Compromises {
 impl Renderer {
     /// What of the scene is shown otherwise than the scene says; of what stands still it is known from the
     /// beginning.
-    pub fn compromises(&self) -> Compromises {
+    pub fn degradations(&self) -> SceneDegradations {
         let surfaces = self.passes.geometry.surfaces.as_ref();
-        surfaces.map(|surfaces| surfaces.compromises()).unwrap_or_default()
+        surfaces.map(|surfaces| surfaces.degradations()).unwrap_or_default()
     }
 }
 
@@ -68,9 +68,13 @@ mod tests {
 
     #[test]
     fn what_is_lost_is_said_and_nothing_else() {
-        assert!(Compromises::default().texts().is_empty());
-        assert!(Compromises { enlarged_images: 3, ..Compromises::default() }.texts().is_empty());
-        let all = Compromises {
+        assert!(SceneDegradations::default().texts().is_empty());
+        assert!(
+            SceneDegradations { enlarged_images: 3, ..SceneDegradations::default() }
+                .texts()
+                .is_empty()
+        );
+        let all = SceneDegradations {
             crowded_objects: 5,
             dark_suns: 6,
             shrunk_images: 7,

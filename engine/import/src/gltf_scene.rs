@@ -81,7 +81,7 @@ pub struct Placement {
     pub placed: Placed,
     /// From its own space to its node's.
     pub local: Affine3A,
-    /// What changes its form, with the index of its skin in [`Imported::skins`].
+    /// What changes its form, with the index of its skin in [`GltfScene::skins`].
     pub deformer: Option<(DeformerId, Option<usize>)>,
     /// The box, in its own space, that it is in while nothing plays; empty where it does not change its
     /// form. Its mesh's own bounds are those of its vertices before joints and targets move them.
@@ -100,7 +100,7 @@ pub struct Placement {
 
 /// A scene and its life.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Imported {
+pub struct GltfScene {
     /// The scene at rest.
     pub scene: Scene,
     /// Its nodes.
@@ -127,7 +127,7 @@ impl Placement {
     }
 }
 
-impl Imported {
+impl GltfScene {
     /// The box around everything that is seen, at rest; the origin alone if there is nothing.
     pub fn bounds(&self) -> Aabb {
         crate::convert::bounds(self)
