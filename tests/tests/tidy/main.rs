@@ -7,7 +7,10 @@
 
 mod code;
 mod files;
+mod knots;
+mod modules;
 mod rules;
+mod tokens;
 
 use files::{SourceFile, workspace};
 use rules::Rule;
@@ -232,6 +235,61 @@ fn names_say_what_things_are() {
         ],
     );
     assert_permits(rules::names, &[("a.rs", "device.get_device_queue(0, 0) // no Manager")]);
+}
+
+/// Files of a crate, by what follows `a/src/`.
+fn crate_files<const N: usize>(files: [(&str, &str); N]) -> [SourceFile; N] {
+    files.map(|(path, text)| SourceFile::new(&format!("a/src/{path}"), text))
+}
+
+#[test]
+fn files_import_each_other_in_no_large_circle() {
+    assert_obeyed(knots::circles);
+    let circle = |last: &str| {
+        crate_files([
+            ("lib.rs", "mod b; mod c; mod d; mod e; pub use b::B;"),
+            ("b.rs", "pub struct B; fn b(_: crate::c::C) {}"),
+            ("c.rs", "use super::d; pub struct C(d::D);"),
+            ("d.rs", "pub struct D; fn d() -> crate::e::E {}"),
+            ("e.rs", last),
+        ])
+    };
+    let tied = circle("use crate::B; pub struct E;");
+    let findings = knots::circles_but(&tied, &[]).join("\n");
+    for arrow in ["b.rs -> a/src/c.rs: C", "c.rs -> a/src/d.rs: D", "e.rs -> a/src/b.rs: B"] {
+        assert!(findings.contains(arrow), "{arrow} is not in:\n{findings}");
+    }
+    let left: [(&str, &[usize]); 3] = [("a", &[4]), ("a", &[5]), ("a", &[4, 4])];
+    let found = left.map(|left| knots::circles_but(&tied, &[left]).len());
+    assert_eq!(found, [0, 1, 1], "what is left may be no more and no less");
+    let free = circle("pub struct E; #[cfg(test)] mod tests { use crate::B; }");
+    assert_eq!(knots::circles_but(&free, &[]), [""; 0]);
+}
+
+#[test]
+fn the_methods_of_a_type_stand_in_its_file_or_in_api() {
+    assert_obeyed(knots::scattered_impls);
+    let methods_in = |path, text| {
+        let root = "mod b; mod c; mod api;";
+        let api = "mod d;";
+        let b = "pub struct B; impl B {} impl Iterator for B {}";
+        let files = [("lib.rs", root), ("api/mod.rs", api), ("b.rs", b), (path, text)];
+        crate_files(files)
+    };
+    let scattered = methods_in("c.rs", "use crate::b; impl b::B {}");
+    assert_eq!(knots::scattered_impls_but(&scattered, &[]).len(), 1);
+    assert_eq!(knots::scattered_impls_but(&scattered, &[("a", "B", 2)]).len(), 0);
+    for left in [&[("a", "B", 3)][..], &[("a", "B", 2), ("a", "C", 2)]] {
+        let found = knots::scattered_impls_but(&scattered, left);
+        assert_eq!(found.len(), 1, "{left:?} is no longer so: {found:?}");
+    }
+    for (path, text) in [
+        ("api/d.rs", "use crate::b::B; impl B {}"),
+        ("c.rs", "use crate::b::B; impl Drop for B {} fn c() -> impl crate::b::B {}"),
+        ("c.rs", "struct C; impl C {} #[cfg(test)] mod tests { use crate::b::B; impl B {} }"),
+    ] {
+        assert_eq!(knots::scattered_impls_but(&methods_in(path, text), &[]), [""; 0]);
+    }
 }
 
 #[test]
