@@ -35,98 +35,64 @@
 //! # } Ok(()) }
 //! ```
 
-mod access;
-mod adapter;
-mod buffer;
-mod capabilities;
-mod clocks;
-mod commands;
-mod deletion;
-mod device;
-#[cfg(feature = "loaded")]
-mod display_link;
-mod error;
-mod flag_ring;
-mod frames;
-mod image;
-mod instance;
-mod label;
-#[cfg(feature = "loaded")]
-mod open;
-mod open_device;
-mod ownership;
-mod part_draws;
-mod pipeline;
-mod pipeline_cache;
-mod predicates;
-mod present_mode;
-mod query_pages;
-mod query_ring;
-mod readback;
-mod recorded;
-mod resample;
-mod shader;
-mod surface;
-mod swapchain;
-mod target;
-mod texture;
-mod texture_array;
-mod timeline;
-mod timing;
-mod transfer;
-mod turns;
-mod upload;
-mod validation;
-mod window_system;
-#[cfg(feature = "loaded")]
-mod xcb;
+mod api;
+mod core;
+mod memory;
+mod present;
+mod query;
+mod record;
 
-pub use access::{Access, LayoutChange, MemoryBarrier};
-pub use adapter::Adapter;
-pub use ash::{Entry, vk};
-pub use buffer::{Buffer, BufferSlice, Place};
-pub use capabilities::{Capabilities, Optional, Required};
-pub use clocks::Clocks;
-pub use commands::Commands;
-pub use device::{Device, DeviceOptions, WaitCounts};
+pub use crate::api::clocks::Clocks;
 #[cfg(feature = "loaded")]
-pub use display_link::DisplayLink;
-pub use error::Error;
-pub use flag_ring::FlagRing;
-pub use frames::{Frame, FrameRing, SlotIndex};
+pub use crate::api::open::open;
+pub use crate::core::adapter::Adapter;
+pub use crate::core::capabilities::{Capabilities, Optional, Required};
+pub use crate::core::device::{Device, WaitCounts};
+pub use crate::core::error::Error;
 #[cfg(feature = "loaded")]
-pub use instance::load_entry;
-pub use instance::{Instance, InstanceOptions, Validation};
+pub use crate::core::instance::load_entry;
+pub use crate::core::instance::{Instance, InstanceOptions, Validation};
+pub use crate::core::open_device::DeviceOptions;
+pub use crate::core::ownership::{OfDevice, OwnerId};
+pub use crate::core::tick::Tick;
+pub use crate::core::timeline::Timeline;
+pub use crate::core::validation::{Message, ValidationLog};
+pub use crate::core::window_system::WindowSystem;
+pub use crate::memory::buffer::{Buffer, BufferSlice, Place};
+pub use crate::memory::readback::{Pixels, Readback};
+pub use crate::memory::resample::resampled;
+pub use crate::memory::texture::Texture;
+pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo, TextureUploads};
+pub use crate::memory::upload::Uploads;
 #[cfg(feature = "loaded")]
-pub use open::open;
-pub use ownership::{OfDevice, OwnerId};
-pub use part_draws::{LISTED_DRAWS, PartDraws, Parts, SwitchedOn};
-pub use pipeline::{
-    Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
-    StorageLayout, VertexLayout,
-};
-pub use predicates::{
-    BOX_VERTICES, DrawRange, IndirectDraw, Predicated, Predicates, Predication, Reveal, WordSource,
-};
-pub use present_mode::{Fallback, PresentMode};
-pub use query_pages::{Counting, QueryPages};
-pub use query_ring::{QueryIndex, QueryRing};
-pub use raw_window_handle;
-pub use readback::{Pixels, Readback};
-pub use resample::resampled;
-pub use shader::Spirv;
-#[cfg(feature = "shader-compiler")]
-pub use shader::compile;
-pub use surface::{Surface, Window};
-pub use swapchain::{
+pub use crate::present::display_link::DisplayLink;
+pub use crate::present::present_mode::{Fallback, PresentMode};
+pub use crate::present::surface::{Surface, Window};
+pub use crate::present::swapchain::{
     Acquired, NotShown, PresentId, PresentTiming, Presented, Shown, Swapchain, SwapchainOptions,
     WindowImage,
 };
-pub use target::{COLOUR_FORMAT, DEPTH_FORMAT, Load, RenderTarget, Target};
-pub use texture::Texture;
-pub use texture_array::{MipMaking, TextureArray, TextureArrayInfo, TextureUploads};
-pub use timeline::{Tick, Timeline};
-pub use timing::{FrameTime, PassTime};
-pub use upload::Uploads;
-pub use validation::{Message, ValidationLog};
-pub use window_system::WindowSystem;
+pub use crate::query::flag_ring::FlagRing;
+pub use crate::query::occlusion_pool::{Counting, QueryIndex};
+pub use crate::query::part_draws::{LISTED_DRAWS, PartDraws, Parts, SwitchedOn};
+pub use crate::query::predicates::{
+    BOX_VERTICES, Predicated, Predicates, Predication, Reveal, WordSource,
+};
+pub use crate::query::query_pages::QueryPages;
+pub use crate::query::query_ring::QueryRing;
+pub use crate::record::access::{Access, LayoutChange, MemoryBarrier};
+pub use crate::record::commands::Commands;
+pub use crate::record::frames::{Frame, FrameRing, SlotIndex};
+pub use crate::record::indirect::{DrawRange, IndirectDraw};
+pub use crate::record::pipeline::{
+    Blend, ComputePipeline, DepthMode, GraphicsPipeline, GraphicsPipelineInfo, Polygon,
+    StorageLayout, VertexLayout,
+};
+pub use crate::record::render_target::{Load, RenderTarget};
+pub use crate::record::shader::Spirv;
+#[cfg(feature = "shader-compiler")]
+pub use crate::record::shader::compile;
+pub use crate::record::target::{COLOUR_FORMAT, DEPTH_FORMAT, Target};
+pub use crate::record::timing::{FrameTime, PassTime};
+pub use ash::{Entry, vk};
+pub use raw_window_handle;

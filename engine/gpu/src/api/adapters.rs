@@ -1,0 +1,198 @@
+//! The physical devices of an instance: what there is, and which one to take.
+
+use ash::vk;
+
+use crate::core::adapter::Adapter;
+use crate::core::capabilities::Capabilities;
+use crate::core::error::{Called, Error};
+use crate::core::instance::{Instance, version_text};
+use crate::core::ownership;
+use crate::present::surface::Surface;
+
+impl Instance {
+    /// All devices of this machine in the driver's order, fit or not.
+    ///
+    /// # Errors
+    /// [`Error::NoDriver`] when there is none; a failed call.
+    pub fn adapters(&self) -> Result<Vec<Adapter>, Error> {
+        // SAFETY: no contract beyond a valid instance.
+        let devices = match unsafe { self.shared.raw.enumerate_physical_devices() } {
+            Err(vk::Result::ERROR_INITIALIZATION_FAILED) => return Err(Error::NoDriver),
+            other => other.called("vkEnumeratePhysicalDevices")?,
+        };
+        if devices.is_empty() {
+            return Err(Error::NoDriver);
+        }
+        Ok(devices.into_iter().map(|physical| self.read_adapter(physical)).collect())
+    }
+
+    /// The adapter to use: `wanted` by index or by a part of its name, else the best one.
+    ///
+    /// # Errors
+    /// [`Error::UnknownDevice`], [`Error::DeviceLacks`] for the wanted one,
+    /// [`Error::NoSuitableDevice`] when none fits.
+    pub fn pick_adapter(&self, wanted: Option<&str>) -> Result<Adapter, Error> {
+        pick(self.adapters()?, wanted)
+    }
+
+    /// Like [`Instance::pick_adapter`], of those that can show pictures in the window of `surface`.
+    ///
+    /// # Errors
+    /// As there; [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] when
+    /// the one wanted, or none, can present to the window.
+    pub fn pick_adapter_for(
+        &self,
+        surface: &Surface,
+        wanted: Option<&str>,
+    ) -> Result<Adapter, Error> {
+        let ids = (surface.instance().id, self.shared.id);
+        ownership::check(ids.0, ids.1, "a surface (`Surface`)", "an instance", "Instance")?;
+        if wanted.is_some() {
+            let adapter = self.pick_adapter(wanted)?;
+            return surface.presenting(&adapter)?.map_err(Error::CannotPresent);
+        }
+        let (mut fit, mut refused) = (Vec::new(), Vec::new());
+        for adapter in self.adapters()? {
+            match (adapter.missing(), surface.presenting(&adapter)?) {
+                (None, Ok(adapter)) => fit.push(adapter),
+                (Some(missing), _) => refused.push(format!("{} lacks {missing}", adapter.name)),
+                (None, Err(reason)) => refused.push(reason),
+            }
+        }
+        // The first of the best: max_by_key alone would take the last.
+        let best = fit.into_iter().rev().max_by_key(Adapter::score);
+        best.ok_or_else(|| Error::CannotPresent(refused.join("; ")))
+    }
+
+    fn read_adapter(&self, physical: vk::PhysicalDevice) -> Adapter {
+        let raw = &self.shared.raw;
+        // SAFETY: `physical` comes from this instance, here and below.
+        let properties = unsafe { raw.get_physical_device_properties(physical) };
+        // SAFETY: as above.
+        let families = unsafe { raw.get_physical_device_queue_family_properties(physical) };
+        let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+        let queue_family = families.iter().position(|family| family.queue_flags.contains(needed));
+        let api = properties.api_version;
+        let family = queue_family.and_then(|index| families.get(index));
+        let capabilities = Capabilities::read(&self.shared, physical, api, family);
+        Adapter {
+            instance: self.shared.id,
+            physical,
+            queue_family: queue_family.map(|index| index as u32),
+            timestamp_bits: family.map_or(0, |family| family.timestamp_valid_bits),
+            name: text(properties.device_name_as_c_str()),
+            driver: self.driver_text(physical, api, properties.driver_version),
+            api: version_text(api),
+            kind: properties.device_type,
+            limits: properties.limits,
+            capabilities,
+        }
+    }
+
+    fn driver_text(&self, physical: vk::PhysicalDevice, api: u32, version: u32) -> String {
+        if api < vk::API_VERSION_1_2 {
+            return version_text(version);
+        }
+        let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+        // SAFETY: driver properties are core since 1.2, checked above.
+        unsafe { self.shared.raw.get_physical_device_properties2(physical, &mut properties) };
+        let (name, info) =
+            (text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()));
+        format!("{name} {info}").trim().to_owned()
+    }
+}
+
+fn text(name: Result<&std::ffi::CStr, std::ffi::FromBytesUntilNulError>) -> String {
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+fn list(adapters: &[Adapter]) -> String {
+    let names: Vec<_> =
+        adapters.iter().enumerate().map(|(index, a)| format!("{index}: {}", a.name)).collect();
+    names.join(", ")
+}
+
+fn pick(mut adapters: Vec<Adapter>, wanted: Option<&str>) -> Result<Adapter, Error> {
+    let available = list(&adapters);
+    let Some(wanted) = wanted else {
+        let refused: Vec<_> = adapters
+            .iter()
+            .filter_map(|a| a.missing().map(|missing| format!("{} lacks {missing}", a.name)))
+            .collect();
+        adapters.retain(|adapter| adapter.capabilities.missing.is_empty());
+        // The first of the best: max_by_key alone would take the last.
+        let best = adapters.into_iter().rev().max_by_key(Adapter::score);
+        return best.ok_or_else(|| Error::NoSuitableDevice { refused: refused.join("; ") });
+    };
+    let needle = wanted.trim().to_lowercase();
+    let position = match needle.parse::<usize>() {
+        Ok(index) => Some(index).filter(|index| *index < adapters.len()),
+        Err(_) if needle.is_empty() => None,
+        Err(_) => adapters.iter().position(|a| {
+            a.name.to_lowercase().contains(&needle) || a.driver.to_lowercase().contains(&needle)
+        }),
+    };
+    let Some(position) = position else {
+        return Err(Error::UnknownDevice { wanted: wanted.to_owned(), available });
+    };
+    let adapter = adapters.swap_remove(position);
+    match adapter.missing() {
+        None => Ok(adapter),
+        Some(missing) => Err(Error::DeviceLacks { device: adapter.name, missing, available }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::core::capabilities::Required;
+    use crate::core::ownership::OwnerId;
+
+    fn adapter(name: &str, kind: vk::PhysicalDeviceType, missing: Vec<Required>) -> Adapter {
+        Adapter {
+            instance: OwnerId::new(),
+            physical: vk::PhysicalDevice::null(),
+            queue_family: Some(0),
+            timestamp_bits: 64,
+            name: name.to_owned(),
+            driver: "test".to_owned(),
+            api: "1.3.0".to_owned(),
+            kind,
+            limits: vk::PhysicalDeviceLimits::default(),
+            capabilities: Capabilities { missing, optional: Vec::new() },
+        }
+    }
+
+    fn machine() -> Vec<Adapter> {
+        vec![
+            adapter("llvmpipe (LLVM 15)", vk::PhysicalDeviceType::CPU, vec![]),
+            adapter("Old Card", vk::PhysicalDeviceType::DISCRETE_GPU, vec![Required::Vulkan13]),
+            adapter("Card", vk::PhysicalDeviceType::INTEGRATED_GPU, vec![]),
+        ]
+    }
+
+    #[test]
+    fn the_best_fit_device_is_taken() {
+        assert_eq!(pick(machine(), None).unwrap().name, "Card");
+    }
+
+    #[test]
+    fn names_and_indices_choose() {
+        assert_eq!(pick(machine(), Some("LLVMpipe")).unwrap().name, "llvmpipe (LLVM 15)");
+        assert_eq!(pick(machine(), Some("2")).unwrap().name, "Card");
+        for unknown in ["3", "", "voodoo", "-1"] {
+            let error = pick(machine(), Some(unknown)).unwrap_err();
+            assert!(error.to_string().contains("0: llvmpipe"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_refusal_names_what_is_missing() {
+        let error = pick(machine(), Some("old")).unwrap_err();
+        assert!(error.to_string().contains("Old Card lacks Vulkan 1.3"), "{error}");
+        let only_old = vec![machine().swap_remove(1)];
+        let error = pick(only_old, None).unwrap_err();
+        assert!(error.to_string().contains("Old Card lacks Vulkan 1.3"), "{error}");
+    }
+}

@@ -1,0 +1,98 @@
+//! Loading: copies data into GPU memory before the frame loop starts, and waits for it.
+
+use ash::vk;
+use bytemuck::Pod;
+
+use crate::core::deletion::{Garbage, Recording};
+use crate::core::device::{Device, Order, WaitFor};
+use crate::core::error::Error;
+use crate::memory::buffer::{Buffer, Place};
+use crate::record::access::{Access, MemoryBarrier};
+use crate::record::commands::Commands;
+use crate::record::pools::{
+    allocate_commands, begin_commands, create_command_pool, create_descriptor_pool, end_commands,
+};
+
+/// Staging goes in pieces, so that a large scene needs no second copy of itself.
+const STAGING_BYTES: usize = 32 << 20;
+
+impl Device {
+    /// A buffer in GPU memory that holds `items`. Waits for the copy: for loading, not for frames.
+    ///
+    /// # Errors
+    /// No memory, or a failed call.
+    pub fn upload<T: Pod>(
+        &self,
+        name: &str,
+        items: &[T],
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Buffer, Error> {
+        let bytes: &[u8] = bytemuck::cast_slice(items);
+        let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
+        let buffer = Buffer::new(self, name, bytes.len() as u64, usage, Place::Device)?;
+        if bytes.is_empty() {
+            return Ok(buffer);
+        }
+        let piece_bytes = STAGING_BYTES.min(bytes.len());
+        let mut staging = Buffer::new(
+            self,
+            "staging",
+            piece_bytes as u64,
+            vk::BufferUsageFlags::TRANSFER_SRC,
+            Place::Upload,
+        )?;
+        for (piece, data) in bytes.chunks(piece_bytes).enumerate() {
+            if let Some(place) = staging.bytes_mut().get_mut(..data.len()) {
+                place.copy_from_slice(data);
+            }
+            let offset = (piece * piece_bytes) as u64;
+            let to = buffer.whole().part(offset, data.len() as u64);
+            self.run_once("upload", |commands| {
+                commands.copy_buffer(staging.whole(), to);
+                // Waiting for the tick shows the GPU nothing: later submits use it without a barrier.
+                commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+            })?;
+        }
+        Ok(buffer)
+    }
+
+    /// Records commands, submits them, and waits until they are over. For loading.
+    ///
+    /// # Errors
+    /// What failed while recording, a failed call, or a timeout.
+    pub fn run_once(&self, name: &str, record: impl FnOnce(&Commands)) -> Result<(), Error> {
+        let pool = create_command_pool(self, name)?;
+        let descriptors = create_descriptor_pool(self, name)
+            .inspect_err(|_| self.retire(Garbage::CommandPool(pool)))?;
+        let recording = self.open_recording();
+        let recorded = record_once(self, pool, name, recording.number, descriptors, record);
+        let submitted = recorded.and_then(|commands| {
+            let tick = self.submit(Some(commands.raw()), &Order::default())?;
+            commands.submitted(tick);
+            Ok(tick)
+        });
+        drop(recording);
+        // The commands go with their pool once the tick of the submit is over.
+        self.retire(Garbage::CommandPool(pool));
+        self.retire(Garbage::DescriptorPool(descriptors));
+        self.wait(submitted?, WaitFor::Transfer)?;
+        self.free_retired()
+    }
+}
+
+fn record_once(
+    device: &Device,
+    pool: vk::CommandPool,
+    name: &str,
+    recording: Recording,
+    descriptors: vk::DescriptorPool,
+    record: impl FnOnce(&Commands),
+) -> Result<Commands, Error> {
+    let buffer = allocate_commands(device, pool, name)?;
+    begin_commands(device, buffer)?;
+    let commands = Commands::new(device, buffer, recording, descriptors, None);
+    record(&commands);
+    commands.check()?;
+    end_commands(device, buffer)?;
+    Ok(commands)
+}

@@ -1,0 +1,244 @@
+//! The one table of what the engine requires of a device and what it makes use of if it is there.
+
+use std::ffi::{CStr, CString};
+
+use ash::{ext, google, khr, vk};
+
+use crate::core::instance::InstanceShared;
+
+/// What a device must have. A device that lacks one is refused by this name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Required {
+    /// Core 1.3: dynamic rendering, synchronization2.
+    Vulkan13,
+    /// Rendering without render-pass objects.
+    DynamicRendering,
+    /// Barriers and submits of the second kind.
+    Synchronization2,
+    /// One counter that tells which frames are over.
+    TimelineSemaphore,
+    /// One call that draws a contiguous range of objects.
+    MultiDrawIndirect,
+    /// Indirect draws that say which instance they draw.
+    DrawIndirectFirstInstance,
+    /// A queue family with graphics and compute.
+    GraphicsQueue,
+    /// 32-bit float depth, drawn to and copied from.
+    Depth32,
+}
+
+impl Required {
+    /// All of them, in the order they are named to the user.
+    pub const ALL: [Required; 8] = [
+        Required::Vulkan13,
+        Required::DynamicRendering,
+        Required::Synchronization2,
+        Required::TimelineSemaphore,
+        Required::MultiDrawIndirect,
+        Required::DrawIndirectFirstInstance,
+        Required::GraphicsQueue,
+        Required::Depth32,
+    ];
+
+    /// What the user reads.
+    pub fn name(self) -> &'static str {
+        match self {
+            Required::Vulkan13 => "Vulkan 1.3",
+            Required::DynamicRendering => "dynamicRendering",
+            Required::Synchronization2 => "synchronization2",
+            Required::TimelineSemaphore => "timelineSemaphore",
+            Required::MultiDrawIndirect => "multiDrawIndirect",
+            Required::DrawIndirectFirstInstance => "drawIndirectFirstInstance",
+            Required::GraphicsQueue => "a queue with graphics and compute",
+            Required::Depth32 => "D32_SFLOAT as a depth attachment that can be copied",
+        }
+    }
+}
+
+/// What a device may have; each has a fallback.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Optional {
+    /// `VK_EXT_conditional_rendering`: the GPU skips draws by a word in memory.
+    ConditionalRendering,
+    /// Indirect draws whose count the GPU reads.
+    DrawIndirectCount,
+    /// Exact numbers of samples from occlusion queries.
+    PreciseQueries,
+    /// Timestamps on the graphics queue.
+    Timestamps,
+    /// Fragment shaders that write to storage buffers.
+    FragmentStores,
+    /// Triangles drawn as their edges.
+    Wires,
+    /// Textures that stay sharp where they are seen at a grazing angle.
+    Anisotropy,
+    /// Reading the GPU's clock and ours at once.
+    CalibratedTimestamps,
+    /// Pictures in windows. This one and those below are there only if the instance was made for
+    /// windows ([`crate::InstanceOptions::windows`]).
+    Swapchain,
+    /// Fences that tell when a present is done with what it was given.
+    PresentFences,
+    /// Asking which present is on the screen.
+    PresentWait,
+    /// When presents were on the screen, and how long a refresh takes.
+    DisplayTiming,
+}
+
+impl Optional {
+    /// All of them.
+    pub const ALL: [Optional; 12] = [
+        Optional::ConditionalRendering,
+        Optional::DrawIndirectCount,
+        Optional::PreciseQueries,
+        Optional::Timestamps,
+        Optional::FragmentStores,
+        Optional::Wires,
+        Optional::Anisotropy,
+        Optional::CalibratedTimestamps,
+        Optional::Swapchain,
+        Optional::PresentFences,
+        Optional::PresentWait,
+        Optional::DisplayTiming,
+    ];
+
+    /// What the user reads.
+    pub fn name(self) -> &'static str {
+        match self {
+            Optional::ConditionalRendering => "VK_EXT_conditional_rendering",
+            Optional::DrawIndirectCount => "drawIndirectCount",
+            Optional::PreciseQueries => "occlusionQueryPrecise",
+            Optional::Timestamps => "timestamps",
+            Optional::FragmentStores => "fragmentStoresAndAtomics",
+            Optional::Wires => "fillModeNonSolid",
+            Optional::Anisotropy => "samplerAnisotropy",
+            Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
+            Optional::Swapchain => "VK_KHR_swapchain",
+            Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
+            Optional::PresentWait => "VK_KHR_present_wait",
+            Optional::DisplayTiming => "VK_GOOGLE_display_timing",
+        }
+    }
+}
+
+/// What one device has of the table.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Capabilities {
+    /// The required ones it lacks.
+    pub missing: Vec<Required>,
+    /// The optional ones it has.
+    pub optional: Vec<Optional>,
+}
+
+impl Capabilities {
+    /// Whether the device has `optional`.
+    pub fn has(&self, optional: Optional) -> bool {
+        self.optional.contains(&optional)
+    }
+
+    /// Reads the table off a physical device; `queue_family` is its graphics family, if any.
+    pub(crate) fn read(
+        instance: &InstanceShared,
+        physical: vk::PhysicalDevice,
+        api_version: u32,
+        queue_family: Option<&vk::QueueFamilyProperties>,
+    ) -> Self {
+        let mut missing = Vec::new();
+        let mut require = |there: bool, what: Required| {
+            if !there {
+                missing.push(what);
+            }
+        };
+        require(api_version >= vk::API_VERSION_1_3, Required::Vulkan13);
+        require(queue_family.is_some(), Required::GraphicsQueue);
+        if api_version < vk::API_VERSION_1_3 {
+            // The feature chains below may not be asked of such a device.
+            return Self { missing, optional: Vec::new() };
+        }
+        let extensions = extension_names(instance, physical);
+        let has_extension = |name: &CStr| extensions.iter().any(|e| e.as_c_str() == name);
+
+        let mut conditional = vk::PhysicalDeviceConditionalRenderingFeaturesEXT::default();
+        let mut features_12 = vk::PhysicalDeviceVulkan12Features::default();
+        let mut features_13 = vk::PhysicalDeviceVulkan13Features::default();
+        let mut features = vk::PhysicalDeviceFeatures2::default()
+            .push_next(&mut features_12)
+            .push_next(&mut features_13);
+        if has_extension(ext::conditional_rendering::NAME) {
+            features = features.push_next(&mut conditional);
+        }
+        let shows = instance.windows.is_some() && has_extension(khr::swapchain::NAME);
+        let mut present_fences = vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT::default();
+        let mut present_id = vk::PhysicalDevicePresentIdFeaturesKHR::default();
+        let mut present_wait = vk::PhysicalDevicePresentWaitFeaturesKHR::default();
+        if shows && fences_extension(instance, &extensions).is_some() {
+            features = features.push_next(&mut present_fences);
+        }
+        if shows && has_extension(khr::present_id::NAME) && has_extension(khr::present_wait::NAME) {
+            features = features.push_next(&mut present_id).push_next(&mut present_wait);
+        }
+        // SAFETY: the chain holds only structures this device's version and extensions know.
+        unsafe { instance.raw.get_physical_device_features2(physical, &mut features) };
+        let core = features.features;
+        // SAFETY: a valid physical device and format.
+        let depth = unsafe {
+            instance.raw.get_physical_device_format_properties(physical, vk::Format::D32_SFLOAT)
+        };
+
+        let yes = |feature: vk::Bool32| feature == vk::TRUE;
+        require(yes(features_13.dynamic_rendering), Required::DynamicRendering);
+        require(yes(features_13.synchronization2), Required::Synchronization2);
+        require(yes(features_12.timeline_semaphore), Required::TimelineSemaphore);
+        require(yes(core.multi_draw_indirect), Required::MultiDrawIndirect);
+        require(yes(core.draw_indirect_first_instance), Required::DrawIndirectFirstInstance);
+        require(
+            depth.optimal_tiling_features.contains(
+                vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT
+                    | vk::FormatFeatureFlags::TRANSFER_SRC,
+            ),
+            Required::Depth32,
+        );
+        let timestamps = queue_family.is_some_and(|family| family.timestamp_valid_bits > 0);
+        let optional = [
+            (yes(conditional.conditional_rendering), Optional::ConditionalRendering),
+            (yes(features_12.draw_indirect_count), Optional::DrawIndirectCount),
+            (yes(core.occlusion_query_precise), Optional::PreciseQueries),
+            (timestamps, Optional::Timestamps),
+            (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
+            (yes(core.fill_mode_non_solid), Optional::Wires),
+            (yes(core.sampler_anisotropy), Optional::Anisotropy),
+            (
+                timestamps && has_extension(ext::calibrated_timestamps::NAME),
+                Optional::CalibratedTimestamps,
+            ),
+            (shows, Optional::Swapchain),
+            (yes(present_fences.swapchain_maintenance1), Optional::PresentFences),
+            (yes(present_id.present_id) && yes(present_wait.present_wait), Optional::PresentWait),
+            (shows && has_extension(google::display_timing::NAME), Optional::DisplayTiming),
+        ];
+        let optional = optional.into_iter().filter(|(there, _)| *there).map(|(_, what)| what);
+        Self { missing, optional: optional.collect() }
+    }
+}
+
+/// The extension that gives a device present fences.
+pub(crate) fn fences_extension(
+    instance: &InstanceShared,
+    extensions: &[CString],
+) -> Option<&'static CStr> {
+    let mut names = instance.windows.iter().flat_map(|windows| &windows.present_fences);
+    names.find(|name| extensions.iter().any(|there| there.as_c_str() == **name)).copied()
+}
+
+pub(crate) fn extension_names(
+    instance: &InstanceShared,
+    physical: vk::PhysicalDevice,
+) -> Vec<CString> {
+    // SAFETY: a valid physical device of this instance.
+    let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) };
+    extensions
+        .unwrap_or_default()
+        .iter()
+        .filter_map(|extension| extension.extension_name_as_c_str().ok().map(Into::into))
+        .collect()
+}

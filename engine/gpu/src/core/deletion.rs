@@ -1,0 +1,154 @@
+//! The deletion queue: dropped objects wait here until nothing can use them any more, neither commands
+//! that are being recorded nor the GPU.
+
+use std::collections::VecDeque;
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocation;
+
+use crate::core::tick::Tick;
+
+/// The payload of a dropped object.
+pub(crate) enum Garbage {
+    Buffer(vk::Buffer, Allocation),
+    Image(vk::Image, vk::ImageView, Allocation),
+    Pipeline(vk::Pipeline),
+    PipelineLayout(vk::PipelineLayout),
+    SetLayout(vk::DescriptorSetLayout),
+    DescriptorPool(vk::DescriptorPool),
+    CommandPool(vk::CommandPool),
+    QueryPool(vk::QueryPool),
+    Sampler(vk::Sampler),
+    Semaphore(vk::Semaphore),
+    /// Things of several handles, destroyed together.
+    Other(Box<dyn Retired>),
+}
+
+/// A payload that knows how it is destroyed.
+pub(crate) trait Retired: Send {
+    /// Destroys it. Nothing uses it any more.
+    fn destroy(self: Box<Self>, device: &ash::Device);
+}
+
+/// Tells one recording from all others of its device, of reused command buffers too. They are
+/// numbered from 1 in the order in which they are opened.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(crate) struct Recording(u64);
+
+/// What was retired, in the order in which it is freed.
+pub(crate) struct DeletionQueue<T> {
+    newest: Recording,
+    /// Recordings that are neither submitted nor given up, oldest first.
+    open: Vec<Recording>,
+    /// What these may use: nothing opened after the recording named does.
+    recorded: VecDeque<(Recording, T)>,
+    /// What only the GPU may still use, until a tick.
+    submitted: VecDeque<(Tick, T)>,
+}
+
+impl<T> DeletionQueue<T> {
+    pub(crate) fn new() -> Self {
+        Self {
+            newest: Recording::default(),
+            open: Vec::new(),
+            recorded: VecDeque::new(),
+            submitted: VecDeque::new(),
+        }
+    }
+
+    /// Begins a recording: what is retired until it is closed outlives it.
+    pub(crate) fn open(&mut self) -> Recording {
+        self.newest.0 += 1;
+        self.open.push(self.newest);
+        self.newest
+    }
+
+    /// Ends a recording that was submitted, no later than as `submitted`, or never will be.
+    pub(crate) fn close(&mut self, recording: Recording, submitted: Tick) {
+        self.open.retain(|open| *open != recording);
+        let oldest = self.open.first().copied();
+        while let Some((newest, _)) = self.recorded.front()
+            && oldest.is_none_or(|oldest| oldest > *newest)
+        {
+            let payload = self.recorded.pop_front().map(|(_, payload)| (submitted, payload));
+            self.submitted.extend(payload);
+        }
+    }
+
+    /// Keeps `payload` until every recording that is open is closed, and then until the last submit
+    /// before that is over; with none open, until `submitted` is, the newest tick. Those never fall
+    /// from call to call.
+    pub(crate) fn retire(&mut self, submitted: Tick, payload: T) {
+        debug_assert!(self.submitted.back().is_none_or(|(last, _)| *last <= submitted));
+        if self.open.is_empty() {
+            self.submitted.push_back((submitted, payload));
+        } else {
+            self.recorded.push_back((self.newest, payload));
+        }
+    }
+
+    /// The next payload that nothing uses once `completed` is over.
+    pub(crate) fn pop_over(&mut self, completed: Tick) -> Option<T> {
+        if self.submitted.front()?.0 <= completed {
+            self.submitted.pop_front().map(|(_, payload)| payload)
+        } else {
+            None
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.recorded.len() + self.submitted.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_is_freed_before_its_tick() {
+        let mut queue = DeletionQueue::new();
+        queue.retire(Tick(1), 'a');
+        queue.retire(Tick(2), 'b');
+        queue.retire(Tick(2), 'c');
+        queue.retire(Tick(5), 'd');
+        assert_eq!(queue.pop_over(Tick::ZERO), None);
+        assert_eq!(queue.pop_over(Tick(2)), Some('a'));
+        assert_eq!(queue.pop_over(Tick(2)), Some('b'));
+        assert_eq!(queue.pop_over(Tick(4)), Some('c'));
+        assert_eq!(queue.pop_over(Tick(4)), None);
+        assert_eq!(queue.len(), 1);
+        assert_eq!(queue.pop_over(Tick(9)), Some('d'));
+    }
+
+    #[test]
+    fn what_an_open_recording_may_use_has_no_tick_yet() {
+        let mut queue = DeletionQueue::new();
+        let frame = queue.open();
+        queue.retire(Tick(3), 'a');
+        // A transfer of another thread comes and goes meanwhile.
+        let transfer = queue.open();
+        queue.retire(Tick(3), 'b');
+        queue.close(transfer, Tick(4));
+        queue.retire(Tick(4), 'c');
+        assert_eq!((queue.pop_over(Tick(4)), queue.len()), (None, 3));
+        queue.close(frame, Tick(5));
+        assert_eq!(queue.pop_over(Tick(4)), None);
+        assert_eq!(queue.pop_over(Tick(5)), Some('a'));
+        assert_eq!(queue.pop_over(Tick(5)), Some('b'));
+        assert_eq!(queue.pop_over(Tick(5)), Some('c'));
+    }
+
+    #[test]
+    fn recordings_that_overlap_for_ever_hold_nothing_for_ever() {
+        let mut queue = DeletionQueue::new();
+        let mut open = queue.open();
+        for tick in 1..100 {
+            queue.retire(Tick(tick - 1), tick);
+            let next = queue.open();
+            queue.close(open, Tick(tick));
+            open = next;
+            assert_eq!(queue.pop_over(Tick(tick)), Some(tick));
+        }
+    }
+}

@@ -1,0 +1,360 @@
+//! The device: one queue, one timeline, one allocator, and everything that outlives a frame.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
+
+use ash::{ext, vk};
+use gpu_allocator::vulkan::Allocator;
+
+use crate::core::adapter::Adapter;
+use crate::core::capabilities::Capabilities;
+use crate::core::deletion::{DeletionQueue, Garbage, Recording};
+use crate::core::device_shared::{DeviceShared, wait_bounded};
+use crate::core::error::{Called, Error};
+use crate::core::instance::{Instance, InstanceShared};
+use crate::core::open_device::{DeviceOptions, Extensions, create_raw, equip};
+use crate::core::ownership::{self, OfDevice, OwnerId};
+use crate::core::tick::Tick;
+use crate::core::timeline::Timeline;
+use crate::core::turns::{Turns, lock};
+
+/// How often the CPU waited for the GPU since the device was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct WaitCounts {
+    /// Waits for a frame slot's own tick of N frames ago: what bounds the frames in flight.
+    pub slot: u64,
+    /// All others: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is a stall.
+    pub other: u64,
+}
+
+/// What a submit comes after, and what it signals beside its tick. Binary semaphores are a window's.
+#[derive(Default)]
+pub(crate) struct Order<'a> {
+    pub(crate) after: Option<(&'a Timeline, Tick)>,
+    pub(crate) acquired: Option<vk::Semaphore>,
+    pub(crate) presents: Option<vk::Semaphore>,
+}
+
+/// Why the CPU waits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WaitFor {
+    Slot,
+    Answer,
+    Transfer,
+    Drain,
+}
+
+/// A Vulkan device with one queue. Clones share it; the last one to go waits for the GPU.
+#[derive(Clone)]
+pub struct Device {
+    shared: Arc<DeviceShared>,
+}
+
+impl Device {
+    /// Opens `adapter` with everything of the capability table that it has.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for an adapter of another instance; [`Error::DeviceLacks`] for one that
+    /// lacks something required; a failed call.
+    pub fn new(
+        instance: &Instance,
+        adapter: &Adapter,
+        options: &DeviceOptions,
+    ) -> Result<Self, Error> {
+        let shared = &instance.shared;
+        ownership::check(adapter.instance, shared.id, "an adapter", "an instance", "Instance")?;
+        let (Some(queue_family), None) = (adapter.queue_family, adapter.missing()) else {
+            return Err(Error::DeviceLacks {
+                device: adapter.name.clone(),
+                missing: adapter.missing().unwrap_or_default(),
+                available: String::new(),
+            });
+        };
+        let raw = create_raw(shared, adapter, queue_family)?;
+        let (timeline, allocator, pipeline_cache) = equip(shared, adapter, &raw, options)
+            // SAFETY: nothing made from the device is left.
+            .inspect_err(|_| unsafe { raw.destroy_device(None) })?;
+        // SAFETY: the family and index were asked for when the device was created.
+        let queue = unsafe { raw.get_device_queue(queue_family, 0) };
+        let device = Self {
+            shared: Arc::new(DeviceShared {
+                id: OwnerId::new(),
+                extensions: Extensions::load(shared, &raw, &adapter.capabilities),
+                instance: Arc::clone(shared),
+                adapter: adapter.clone(),
+                queue_family,
+                queue: Turns::new(queue),
+                allocator: Mutex::new(Some(allocator)),
+                deletion: Mutex::new(DeletionQueue::new()),
+                timeline,
+                submitted: AtomicU64::new(0),
+                completed: AtomicU64::new(0),
+                wait_bound: options.wait_bound,
+                slot_waits: AtomicU64::new(0),
+                other_waits: AtomicU64::new(0),
+                pipeline_cache,
+                raw,
+            }),
+        };
+        device.name(queue, "queue");
+        device.name(timeline, "device timeline");
+        Ok(device)
+    }
+
+    /// The adapter this device was opened on.
+    pub fn adapter(&self) -> &Adapter {
+        &self.shared.adapter
+    }
+
+    /// What the device can do.
+    pub fn capabilities(&self) -> &Capabilities {
+        &self.shared.adapter.capabilities
+    }
+
+    /// Refuses `thing` if it was made from another device; `user` names what was about to use it.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`].
+    pub fn check<T: OfDevice>(&self, thing: &T, user: &'static str) -> Result<(), Error> {
+        ownership::check(thing.device_id(), self.id(), T::KIND, user, "Device")
+    }
+
+    /// The newest tick that is over. Never waits.
+    ///
+    /// # Errors
+    /// A failed call, a lost device among them.
+    pub fn completed(&self) -> Result<Tick, Error> {
+        // SAFETY: the device's own timeline.
+        let completed = unsafe { self.raw().get_semaphore_counter_value(self.shared.timeline) }
+            .called("vkGetSemaphoreCounterValue")?;
+        self.shared.completed.fetch_max(completed, Ordering::AcqRel);
+        Ok(Tick(completed))
+    }
+
+    /// Cuts `completed`, which may be of another device, to what this device was seen to complete.
+    pub(crate) fn proven(&self, completed: Tick) -> Tick {
+        completed.min(Tick(self.shared.completed.load(Ordering::Acquire)))
+    }
+
+    /// Returns the tick of a frame that was just submitted as `tick`, which may be of another device:
+    /// one that is not before the end of that frame.
+    pub(crate) fn not_before(&self, tick: Tick) -> Tick {
+        tick.max(self.submitted())
+    }
+
+    /// The tick of the newest submit.
+    pub fn submitted(&self) -> Tick {
+        Tick(self.shared.submitted.load(Ordering::Acquire))
+    }
+
+    /// Waits until everything submitted is over. For loading and shutting down, not for a frame loop:
+    /// it counts as [`WaitCounts::other`].
+    ///
+    /// # Errors
+    /// [`Error::Timeout`], a failed call.
+    pub fn drain(&self) -> Result<(), Error> {
+        self.wait(self.submitted(), WaitFor::Drain)?;
+        self.free_retired()
+    }
+
+    /// How often the CPU waited.
+    pub fn wait_counts(&self) -> WaitCounts {
+        WaitCounts {
+            slot: self.shared.slot_waits.load(Ordering::Relaxed),
+            other: self.shared.other_waits.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Memory taken from the driver and memory in use, in bytes.
+    pub fn memory_bytes(&self) -> (u64, u64) {
+        let allocator = lock(&self.shared.allocator);
+        allocator.as_ref().map_or((0, 0), |allocator| {
+            let report = allocator.generate_report();
+            (report.total_capacity_bytes, report.total_allocated_bytes)
+        })
+    }
+
+    /// The number of dropped objects that commands being recorded, or the GPU, may still use.
+    pub fn retired(&self) -> usize {
+        lock(&self.shared.deletion).len()
+    }
+
+    /// The one place where the CPU waits for the GPU; every wait is bounded and counted.
+    pub(crate) fn wait(&self, tick: Tick, reason: WaitFor) -> Result<(), Error> {
+        let (counter, what) = match reason {
+            WaitFor::Slot => (&self.shared.slot_waits, "a frame"),
+            WaitFor::Answer => (&self.shared.other_waits, "what a frame was asked"),
+            WaitFor::Transfer => (&self.shared.other_waits, "a transfer"),
+            WaitFor::Drain => (&self.shared.other_waits, "the work in flight"),
+        };
+        counter.fetch_add(1, Ordering::Relaxed);
+        let bound = self.shared.wait_bound;
+        match wait_bounded(self.raw(), self.shared.timeline, tick, bound) {
+            Err(vk::Result::TIMEOUT) => Err(Error::Timeout { what, seconds: bound.as_secs_f64() }),
+            other => other.called("vkWaitSemaphores"),
+        }
+    }
+
+    /// Waits for the tick of a slot for no longer than `bound`, and says whether it is over.
+    pub(crate) fn wait_within(&self, tick: Tick, bound: Duration) -> Result<bool, Error> {
+        if self.completed()? >= tick {
+            return Ok(true);
+        }
+        self.shared.slot_waits.fetch_add(1, Ordering::Relaxed);
+        match wait_bounded(self.raw(), self.shared.timeline, tick, bound) {
+            Err(vk::Result::TIMEOUT) => Ok(false),
+            other => other.called("vkWaitSemaphores").map(|()| true),
+        }
+    }
+
+    /// Submits a command buffer, or nothing but the `order`, and signals the tick returned.
+    pub(crate) fn submit(
+        &self,
+        commands: Option<vk::CommandBuffer>,
+        order: &Order<'_>,
+    ) -> Result<Tick, Error> {
+        order.after.map_or(Ok(()), |(timeline, _)| self.check(timeline, "a submit"))?;
+        let bound = self.shared.wait_bound;
+        let Some(queue) = self.shared.queue.take(bound) else {
+            let what = "the picture before, which a hidden window holds back";
+            return Err(Error::Timeout { what, seconds: bound.as_secs_f64() });
+        };
+        let tick = self.submitted().next();
+        let commands =
+            commands.map(|raw| vk::CommandBufferSubmitInfo::default().command_buffer(raw));
+        let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+        let semaphore = |raw, value, stages| {
+            vk::SemaphoreSubmitInfo::default().semaphore(raw).value(value).stage_mask(stages)
+        };
+        let after = order.after.map(|(timeline, tick)| semaphore(timeline.raw, tick.0, all));
+        // Only copies touch the image of a window: whatever comes before them need not wait.
+        let copies = vk::PipelineStageFlags2::ALL_TRANSFER;
+        let acquired = order.acquired.map(|raw| semaphore(raw, 0, copies));
+        let (waits, waiting) = both(after, acquired);
+        let presents = order.presents.map(|raw| semaphore(raw, 0, all));
+        let own = semaphore(self.shared.timeline, tick.0, all);
+        let (signals, signalling) = both(Some(own), presents);
+        let info = vk::SubmitInfo2::default()
+            .command_buffer_infos(commands.as_slice())
+            .wait_semaphore_infos(&waits[..waiting])
+            .signal_semaphore_infos(&signals[..signalling]);
+        // SAFETY: the queue is ours while the turn lasts; the command buffer is complete.
+        unsafe { self.raw().queue_submit2(queue.value, &[info], vk::Fence::null()) }
+            .called("vkQueueSubmit2")?;
+        self.shared.submitted.store(tick.0, Ordering::Release);
+        Ok(tick)
+    }
+
+    /// Hands the queue to `present`, which nobody else uses meanwhile. Others may hold it for longer
+    /// than the bound of every wait.
+    pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
+        Some(present(self.shared.queue.take(self.shared.wait_bound)?.value))
+    }
+
+    /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
+    /// freed when all of them are over, or given up.
+    pub(crate) fn retire(&self, garbage: Garbage) {
+        let mut deletion = lock(&self.shared.deletion);
+        deletion.retire(self.submitted(), garbage);
+    }
+
+    /// Begins to record commands, which keep alive all that is dropped until the guard is.
+    pub(crate) fn open_recording(&self) -> OpenRecording {
+        OpenRecording { device: self.clone(), number: lock(&self.shared.deletion).open() }
+    }
+
+    /// Frees what was retired and is no longer in use.
+    pub(crate) fn free_retired(&self) -> Result<(), Error> {
+        let completed = self.completed()?;
+        let mut deletion = lock(&self.shared.deletion);
+        while let Some(garbage) = deletion.pop_over(completed) {
+            self.shared.destroy(garbage);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn raw(&self) -> &ash::Device {
+        &self.shared.raw
+    }
+
+    /// Whether images of `format` in optimal tiling can do all of `features`.
+    pub(crate) fn has_format_feature(
+        &self,
+        format: vk::Format,
+        features: vk::FormatFeatureFlags,
+    ) -> bool {
+        let (raw, physical) = (&self.shared.instance.raw, self.shared.adapter.physical);
+        // SAFETY: the device's own adapter, and a format of the core.
+        let has = unsafe { raw.get_physical_device_format_properties(physical, format) };
+        has.optimal_tiling_features.contains(features)
+    }
+
+    /// Returns the id that tells this device from all others.
+    pub(crate) fn id(&self) -> OwnerId {
+        self.shared.id
+    }
+
+    pub(crate) fn instance(&self) -> &InstanceShared {
+        &self.shared.instance
+    }
+
+    pub(crate) fn queue_family(&self) -> u32 {
+        self.shared.queue_family
+    }
+
+    /// The functions of the extensions that are on.
+    pub(crate) fn extensions(&self) -> &Extensions {
+        &self.shared.extensions
+    }
+
+    pub(crate) fn debug(&self) -> Option<&ext::debug_utils::Device> {
+        self.shared.extensions.debug.as_ref()
+    }
+
+    pub(crate) fn conditional(&self) -> Option<&ext::conditional_rendering::Device> {
+        self.shared.extensions.conditional.as_ref()
+    }
+
+    pub(crate) fn pipeline_cache(&self) -> vk::PipelineCache {
+        self.shared.pipeline_cache.raw
+    }
+
+    pub(crate) fn allocator(&self) -> MutexGuard<'_, Option<Allocator>> {
+        lock(&self.shared.allocator)
+    }
+
+    /// Gives a Vulkan object its debug name, where anyone listens.
+    pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
+        let Some(debug) = self.debug() else { return };
+        let name = std::ffi::CString::new(name.replace('\0', " ")).unwrap_or_default();
+        let info =
+            vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        // SAFETY: a live object of this device. A name that cannot be set is no reason to stop.
+        let _unnamed_is_fine = unsafe { debug.set_debug_utils_object_name(&info) };
+    }
+}
+
+/// Commands that are being recorded. Dropped after their last submit, or when there will be none.
+pub(crate) struct OpenRecording {
+    device: Device,
+    pub(crate) number: Recording,
+}
+
+impl Drop for OpenRecording {
+    fn drop(&mut self) {
+        let mut deletion = lock(&self.device.shared.deletion);
+        deletion.close(self.number, self.device.submitted());
+    }
+}
+
+/// Those that are there, in front.
+fn both<T: Copy + Default>(first: Option<T>, second: Option<T>) -> ([T; 2], usize) {
+    match (first, second) {
+        (Some(first), Some(second)) => ([first, second], 2),
+        (first, second) => {
+            let only = first.or(second);
+            ([only.unwrap_or_default(), T::default()], usize::from(only.is_some()))
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! All that clones of a device share, from its opening to its end.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use ash::vk;
+use gpu_allocator::vulkan::Allocator;
+
+use crate::core::adapter::Adapter;
+use crate::core::deletion::{DeletionQueue, Garbage};
+use crate::core::instance::InstanceShared;
+use crate::core::open_device::Extensions;
+use crate::core::ownership::OwnerId;
+use crate::core::pipeline_cache::PipelineCache;
+use crate::core::tick::Tick;
+use crate::core::turns::{Turns, lock};
+
+/// The Vulkan device and all that lives as long as it does.
+pub(super) struct DeviceShared {
+    pub(super) id: OwnerId,
+    pub(super) instance: Arc<InstanceShared>,
+    pub(super) raw: ash::Device,
+    pub(super) extensions: Extensions,
+    pub(super) adapter: Adapter,
+    pub(super) queue_family: u32,
+    pub(super) queue: Turns<vk::Queue>,
+    // None only while dropping.
+    pub(super) allocator: Mutex<Option<Allocator>>,
+    pub(super) deletion: Mutex<DeletionQueue<Garbage>>,
+    pub(super) timeline: vk::Semaphore,
+    pub(super) submitted: AtomicU64,
+    /// The newest tick that was seen to be over.
+    pub(super) completed: AtomicU64,
+    pub(super) wait_bound: Duration,
+    pub(super) slot_waits: AtomicU64,
+    pub(super) other_waits: AtomicU64,
+    pub(super) pipeline_cache: PipelineCache,
+}
+
+impl DeviceShared {
+    /// Keeps everything for ever: destroying what the GPU still uses would be worse. The allocator
+    /// would free its memory as it goes, the instance would go before its device.
+    fn abandon(&self) {
+        std::mem::forget(lock(&self.allocator).take());
+        std::mem::forget(Arc::clone(&self.instance));
+    }
+
+    /// Destroys the payload of a dropped object that nothing uses any more.
+    pub(super) fn destroy(&self, garbage: Garbage) {
+        let free = |allocation| {
+            if let Some(allocator) = lock(&self.allocator).as_mut()
+                && let Err(error) = allocator.free(allocation)
+            {
+                tracing::error!("memory could not be given back: {error}");
+            }
+        };
+        // SAFETY: the deletion queue hands a payload out once, after the last submit that could
+        // use it is over; it was made from this device.
+        unsafe {
+            match garbage {
+                Garbage::Buffer(buffer, allocation) => {
+                    self.raw.destroy_buffer(buffer, None);
+                    free(allocation);
+                }
+                Garbage::Image(image, view, allocation) => {
+                    self.raw.destroy_image_view(view, None);
+                    self.raw.destroy_image(image, None);
+                    free(allocation);
+                }
+                Garbage::Pipeline(pipeline) => self.raw.destroy_pipeline(pipeline, None),
+                Garbage::PipelineLayout(layout) => self.raw.destroy_pipeline_layout(layout, None),
+                Garbage::SetLayout(layout) => self.raw.destroy_descriptor_set_layout(layout, None),
+                Garbage::DescriptorPool(pool) => self.raw.destroy_descriptor_pool(pool, None),
+                Garbage::CommandPool(pool) => self.raw.destroy_command_pool(pool, None),
+                Garbage::QueryPool(pool) => self.raw.destroy_query_pool(pool, None),
+                Garbage::Sampler(sampler) => self.raw.destroy_sampler(sampler, None),
+                Garbage::Semaphore(semaphore) => self.raw.destroy_semaphore(semaphore, None),
+                Garbage::Other(retired) => retired.destroy(&self.raw),
+            }
+        }
+    }
+}
+
+impl Drop for DeviceShared {
+    fn drop(&mut self) {
+        // vkDeviceWaitIdle knows no bound, so the timeline is waited for first.
+        let newest = Tick(self.submitted.load(Ordering::Acquire));
+        match wait_bounded(&self.raw, self.timeline, newest, self.wait_bound) {
+            Ok(()) => {}
+            // All work of a lost device is over (Vulkan specification, "Lost Device").
+            Err(vk::Result::ERROR_DEVICE_LOST) => tracing::error!("the device was lost"),
+            Err(code) => {
+                tracing::error!("the GPU did not finish ({code:?}); the device is left as it is");
+                self.abandon();
+                return;
+            }
+        }
+        // SAFETY: nobody else holds the device.
+        if let Err(code) = unsafe { self.raw.device_wait_idle() } {
+            tracing::error!("vkDeviceWaitIdle failed with {code:?} while closing the device");
+        }
+        loop {
+            // No recording is open: each holds the device.
+            let retired = lock(&self.deletion).pop_over(newest);
+            let Some(garbage) = retired else { break };
+            self.destroy(garbage);
+        }
+        self.pipeline_cache.save_and_destroy(&self.raw);
+        if let Some(allocator) = lock(&self.allocator).take() {
+            // The allocator frees leaked blocks as it goes, so no layer would ever see a leak.
+            let leaked = allocator.generate_report().allocations;
+            for allocation in &leaked {
+                tracing::error!(
+                    "leaked GPU memory: {} ({} bytes)",
+                    allocation.name,
+                    allocation.size
+                );
+            }
+            debug_assert!(leaked.is_empty(), "GPU memory leaked, see the log");
+        }
+        // SAFETY: everything made from the device is gone.
+        unsafe {
+            self.raw.destroy_semaphore(self.timeline, None);
+            self.raw.destroy_device(None);
+        }
+        tracing::debug!(
+            "device closed; instance users left: {}",
+            Arc::strong_count(&self.instance)
+        );
+    }
+}
+
+/// Waits for a tick of a timeline, but no longer than `bound`.
+pub(super) fn wait_bounded(
+    device: &ash::Device,
+    timeline: vk::Semaphore,
+    tick: Tick,
+    bound: Duration,
+) -> Result<(), vk::Result> {
+    let (semaphores, values) = ([timeline], [tick.0]);
+    let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&values);
+    let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(u64::MAX / 2);
+    // SAFETY: the device's own timeline.
+    unsafe { device.wait_semaphores(&info, bound_ns) }
+}

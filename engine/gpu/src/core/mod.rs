@@ -1,0 +1,19 @@
+//! What all else stands on: instance, adapter, device, ticks, what is dropped, whose a handle is.
+
+pub(crate) mod adapter;
+pub(crate) mod capabilities;
+pub(crate) mod deletion;
+pub(crate) mod device;
+pub(crate) mod device_shared;
+pub(crate) mod error;
+pub(crate) mod instance;
+pub(crate) mod open_device;
+pub(crate) mod ownership;
+pub(crate) mod pipeline_cache;
+pub(crate) mod tick;
+pub(crate) mod timeline;
+pub(crate) mod turns;
+pub(crate) mod validation;
+pub(crate) mod window_system;
+#[cfg(feature = "loaded")]
+pub(crate) mod xcb;

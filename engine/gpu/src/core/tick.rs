@@ -1,0 +1,27 @@
+//! Ticks: values of a timeline semaphore, the one proof that work on the GPU is over.
+
+use ash::vk;
+
+use crate::core::error::{Called, Error};
+
+/// A value of a timeline. Ticks of one device are numbered from 1 in the order of its submits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Tick(pub u64);
+
+impl Tick {
+    /// Before all work.
+    pub const ZERO: Tick = Tick(0);
+
+    /// The tick after this one.
+    pub fn next(self) -> Tick {
+        Tick(self.0 + 1)
+    }
+}
+
+pub(crate) fn create_semaphore(device: &ash::Device) -> Result<vk::Semaphore, Error> {
+    let mut kind =
+        vk::SemaphoreTypeCreateInfo::default().semaphore_type(vk::SemaphoreType::TIMELINE);
+    let info = vk::SemaphoreCreateInfo::default().push_next(&mut kind);
+    // SAFETY: timelineSemaphore is a required feature.
+    unsafe { device.create_semaphore(&info, None) }.called("vkCreateSemaphore")
+}

@@ -1,0 +1,46 @@
+//! Timelines of a host, which frames may wait for.
+
+use ash::vk;
+
+use crate::core::deletion::Garbage;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::ownership::of_device;
+use crate::core::tick::{Tick, create_semaphore};
+
+/// A timeline of a host's own, for frames that must wait for something: hand it to
+/// [`crate::Frame::submit`], signal it from the CPU or from a queue of the host.
+pub struct Timeline {
+    device: Device,
+    pub(crate) raw: vk::Semaphore,
+}
+
+impl Timeline {
+    /// A timeline at tick 0.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, name: &str) -> Result<Self, Error> {
+        let raw = create_semaphore(device.raw())?;
+        device.name(raw, name);
+        Ok(Self { device: device.clone(), raw })
+    }
+
+    /// Signals `tick` from the CPU. Ticks must rise.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn signal(&self, tick: Tick) -> Result<(), Error> {
+        let info = vk::SemaphoreSignalInfo::default().semaphore(self.raw).value(tick.0);
+        // SAFETY: a timeline semaphore of this device.
+        unsafe { self.device.raw().signal_semaphore(&info) }.called("vkSignalSemaphore")
+    }
+}
+
+of_device!(Timeline: "a timeline (`Timeline`)");
+
+impl Drop for Timeline {
+    fn drop(&mut self) {
+        self.device.retire(Garbage::Semaphore(self.raw));
+    }
+}

@@ -1,0 +1,137 @@
+//! Window systems: whose windows an instance can show pictures in, and what it needs for that.
+
+use std::ffi::{CStr, CString, c_char};
+
+use ash::{ext, khr};
+use raw_window_handle::{HasDisplayHandle, RawDisplayHandle, RawWindowHandle};
+
+use crate::core::error::{Called, Error};
+
+/// A window system, by the Vulkan extension for its windows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct WindowSystem(&'static CStr);
+
+/// What an instance for windows is asked with.
+pub(crate) struct WindowFunctions {
+    pub(crate) system: WindowSystem,
+    pub(crate) surface: khr::surface::Instance,
+    /// The extensions that give devices present fences, where the instance has its half of them.
+    pub(crate) present_fences: Vec<&'static CStr>,
+}
+
+/// Extensions of an instance, and of its devices.
+type Asked = (Vec<*const c_char>, Vec<&'static CStr>);
+
+const MAINTENANCE: [(&CStr, &CStr); 2] = [
+    (c"VK_KHR_surface_maintenance1", c"VK_KHR_swapchain_maintenance1"),
+    (ext::surface_maintenance1::NAME, ext::swapchain_maintenance1::NAME),
+];
+
+impl WindowSystem {
+    /// The window system that `display` belongs to: a window, or an event loop that has none yet.
+    ///
+    /// # Errors
+    /// [`Error::NoDisplay`] where the connection is gone, or nothing Vulkan knows.
+    pub fn of(display: &impl HasDisplayHandle) -> Result<Self, Error> {
+        let handle = display.display_handle();
+        let handle = handle.map_err(|error| Error::NoDisplay(error.to_string()))?;
+        let names = ash_window::enumerate_required_extensions(display_for_drivers(handle.as_raw()));
+        let names = names.called("enumerating the extensions for this display")?;
+        // SAFETY: names of extensions, as constant strings.
+        let mut names = names.iter().map(|name| unsafe { constant(*name) });
+        match names.rfind(|name| *name != khr::surface::NAME) {
+            Some(platform) => Ok(Self(platform)),
+            None => Err(Error::NoDisplay("Vulkan knows no windows of its kind".to_owned())),
+        }
+    }
+
+    /// Is it Wayland, where no error tells of a resize, and a hidden window may show nothing for ever?
+    pub(crate) fn is_wayland(self) -> bool {
+        self.0 == khr::wayland_surface::NAME
+    }
+
+    /// What to ask an instance for, given what is there.
+    ///
+    /// Also the extensions by which devices have present fences then: each has a half of its own in
+    /// the instance. The younger has the structures of the elder.
+    pub(crate) fn extensions(self, there: &[CString]) -> Result<Asked, Error> {
+        let has = |name: &CStr| there.iter().any(|extension| extension.as_c_str() == name);
+        let required = [khr::surface::NAME, self.0];
+        if let Some(missing) = required.into_iter().find(|name| !has(name)) {
+            return Err(Error::NoWindows(missing.to_string_lossy().into_owned()));
+        }
+        let mut names: Vec<_> = required.map(CStr::as_ptr).into();
+        let mut present_fences = Vec::new();
+        if has(khr::get_surface_capabilities2::NAME) {
+            names.push(khr::get_surface_capabilities2::NAME.as_ptr());
+            for (of_instance, of_device) in MAINTENANCE {
+                if has(of_instance) {
+                    names.push(of_instance.as_ptr());
+                    present_fences.push(of_device);
+                }
+            }
+        }
+        Ok((names, present_fences))
+    }
+}
+
+/// The display by which drivers find it.
+pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle {
+    #[cfg(feature = "loaded")]
+    let handle = crate::core::xcb::display(handle);
+    handle
+}
+
+/// The window by which drivers find it, on the display of [`display_for_drivers`].
+pub(crate) fn window_for_drivers(
+    handle: RawWindowHandle,
+    display: RawDisplayHandle,
+) -> RawWindowHandle {
+    #[cfg(feature = "loaded")]
+    let handle = crate::core::xcb::window(handle, display);
+    #[cfg(not(feature = "loaded"))]
+    let _same_library = display;
+    handle
+}
+
+/// # Safety
+/// `name` points to a string that lives as long as the program.
+unsafe fn constant(name: *const c_char) -> &'static CStr {
+    // SAFETY: the caller's promise.
+    unsafe { CStr::from_ptr(name) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let xcb = WindowSystem(khr::xcb_surface::NAME);
+        let surface: CString = khr::surface::NAME.into();
+        let error = xcb.extensions(&[]).unwrap_err().to_string();
+        assert!(error.contains("VK_KHR_surface"), "{error}");
+        let error = xcb.extensions(std::slice::from_ref(&surface)).unwrap_err().to_string();
+        assert!(error.contains("VK_KHR_xcb_surface"), "{error}");
+        let there = [surface, khr::xcb_surface::NAME.into()];
+        let (names, fences) = xcb.extensions(&there).unwrap();
+        assert_eq!((names.len(), fences.len()), (2, 0));
+    }
+
+    #[test]
+    fn present_fences_need_both_extensions() {
+        let wayland = WindowSystem(khr::wayland_surface::NAME);
+        let names = [
+            khr::surface::NAME,
+            khr::wayland_surface::NAME,
+            ext::surface_maintenance1::NAME,
+            khr::get_surface_capabilities2::NAME,
+        ]
+        .map(CString::from);
+        let (asked, fences) = wayland.extensions(&names).unwrap();
+        assert_eq!((asked.len(), fences), (4, vec![ext::swapchain_maintenance1::NAME]));
+        let (asked, fences) = wayland.extensions(&names[..3]).unwrap();
+        assert_eq!((asked.len(), fences.len()), (2, 0));
+        assert!(wayland.is_wayland());
+    }
+}

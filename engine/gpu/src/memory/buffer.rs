@@ -1,0 +1,179 @@
+//! Buffers: one allocation, one name, retired when dropped.
+
+use std::ops::Range;
+
+use ash::vk;
+use bytemuck::Pod;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+
+use crate::core::deletion::Garbage;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::ownership::{OfDevice, OwnerId};
+
+/// Where a buffer lives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// GPU memory the CPU does not see.
+    Device,
+    /// Mapped memory the CPU writes.
+    Upload,
+    /// Mapped memory the CPU reads.
+    ReadBack,
+}
+
+/// A buffer.
+pub struct Buffer {
+    device: Device,
+    raw: vk::Buffer,
+    // None only while dropping.
+    allocation: Option<Allocation>,
+    size_bytes: u64,
+}
+
+/// A part of a buffer. Valid for the frame being recorded even if the buffer is dropped meanwhile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BufferSlice {
+    pub(crate) raw: vk::Buffer,
+    pub(crate) device: OwnerId,
+    /// Where it starts in the buffer.
+    pub offset_bytes: u64,
+    /// How long it is.
+    pub size_bytes: u64,
+}
+
+impl OfDevice for BufferSlice {
+    const KIND: &'static str = "a buffer (`BufferSlice`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device
+    }
+}
+
+impl BufferSlice {
+    /// The part from `offset_bytes` on, `size_bytes` long, cut to what is there.
+    #[must_use]
+    pub fn part(self, offset_bytes: u64, size_bytes: u64) -> Self {
+        let offset = offset_bytes.min(self.size_bytes);
+        Self {
+            offset_bytes: self.offset_bytes + offset,
+            size_bytes: size_bytes.min(self.size_bytes - offset),
+            ..self
+        }
+    }
+}
+
+impl Buffer {
+    /// A buffer of `size_bytes` (at least 4, so that an empty scene still binds something).
+    ///
+    /// # Errors
+    /// No memory, or a failed call.
+    pub fn new(
+        device: &Device,
+        name: &str,
+        size_bytes: u64,
+        usage: vk::BufferUsageFlags,
+        place: Place,
+    ) -> Result<Self, Error> {
+        let size_bytes = size_bytes.max(4);
+        let info = vk::BufferCreateInfo::default().size(size_bytes).usage(usage);
+        // SAFETY: a plain buffer; the size is not zero.
+        let raw = unsafe { device.raw().create_buffer(&info, None) }.called("vkCreateBuffer")?;
+        device.name(raw, name);
+        // SAFETY: just made.
+        let requirements = unsafe { device.raw().get_buffer_memory_requirements(raw) };
+        let location = match place {
+            Place::Device => MemoryLocation::GpuOnly,
+            Place::Upload => MemoryLocation::CpuToGpu,
+            Place::ReadBack => MemoryLocation::GpuToCpu,
+        };
+        let allocation = allocate(device, name, requirements, location, true).and_then(|memory| {
+            // SAFETY: fresh memory that fits the buffer's requirements.
+            let bound =
+                unsafe { device.raw().bind_buffer_memory(raw, memory.memory(), memory.offset()) };
+            match bound.called("vkBindBufferMemory") {
+                Ok(()) => Ok(memory),
+                Err(error) => {
+                    free(device, memory);
+                    Err(error)
+                }
+            }
+        });
+        let allocation = match allocation {
+            Ok(allocation) => Some(allocation),
+            Err(error) => {
+                // SAFETY: never used.
+                unsafe { device.raw().destroy_buffer(raw, None) };
+                return Err(error);
+            }
+        };
+        Ok(Self { device: device.clone(), raw, allocation, size_bytes })
+    }
+
+    /// Its size.
+    pub fn size_bytes(&self) -> u64 {
+        self.size_bytes
+    }
+
+    /// All of it.
+    pub fn whole(&self) -> BufferSlice {
+        let (raw, device) = (self.raw, self.device.id());
+        BufferSlice { raw, device, offset_bytes: 0, size_bytes: self.size_bytes }
+    }
+
+    /// What mapped memory holds now, as elements `range` of `T`; empty where there is none.
+    /// The caller knows by a tick that the GPU is done writing.
+    pub fn read<T: Pod>(&self, range: Range<usize>) -> &[T] {
+        let size = size_of::<T>();
+        let bytes = self.allocation.as_ref().and_then(Allocation::mapped_slice).unwrap_or(&[]);
+        let bytes = bytes.get(range.start * size..range.end * size).unwrap_or(&[]);
+        bytemuck::try_cast_slice(bytes).unwrap_or(&[])
+    }
+
+    /// The mapped bytes, for the upload arena.
+    pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
+        self.allocation.as_mut().and_then(Allocation::mapped_slice_mut).unwrap_or(&mut [])
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        if let Some(allocation) = self.allocation.take() {
+            self.device.retire(Garbage::Buffer(self.raw, allocation));
+        }
+    }
+}
+
+/// Takes memory for a buffer (`linear`) or an image.
+pub(crate) fn allocate(
+    device: &Device,
+    name: &str,
+    requirements: vk::MemoryRequirements,
+    location: MemoryLocation,
+    linear: bool,
+) -> Result<Allocation, Error> {
+    let size_bytes = requirements.size;
+    let memory = |source| Error::Memory { what: name.to_owned(), size_bytes, source };
+    let mut allocator = device.allocator();
+    let Some(allocator) = allocator.as_mut() else {
+        return Err(memory(gpu_allocator::AllocationError::OutOfMemory));
+    };
+    allocator
+        .allocate(&AllocationCreateDesc {
+            name,
+            requirements,
+            location,
+            linear,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        })
+        .map_err(memory)
+}
+
+pub(crate) fn free(device: &Device, allocation: Allocation) {
+    if let Some(allocator) = device.allocator().as_mut()
+        && let Err(error) = allocator.free(allocation)
+    {
+        tracing::error!("memory could not be given back: {error}");
+    }
+}

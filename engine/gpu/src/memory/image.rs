@@ -1,0 +1,147 @@
+//! Images: one view, memory of their own.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+
+use crate::core::deletion::Garbage;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::memory::buffer::{allocate, free};
+use crate::record::access::{Access, LayoutChange};
+
+/// An image, its view of all of it, and its memory.
+pub(crate) struct Image {
+    device: Device,
+    pub(crate) raw: vk::Image,
+    pub(crate) view: vk::ImageView,
+    allocation: Option<gpu_allocator::vulkan::Allocation>,
+}
+
+impl Image {
+    /// An image of this size. The formats are that of its memory and that of its view; the size is
+    /// within the device's limits.
+    pub(crate) fn new(
+        device: &Device,
+        name: &str,
+        size: [u32; 2],
+        [format, view_format]: [vk::Format; 2],
+        usage: vk::ImageUsageFlags,
+        aspect: vk::ImageAspectFlags,
+    ) -> Result<Self, Error> {
+        let formats = [format, view_format];
+        let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&formats);
+        let mut info = plain_image(format, size, [1, 1]).usage(usage);
+        if format != view_format {
+            info = info.flags(vk::ImageCreateFlags::MUTABLE_FORMAT).push_next(&mut list);
+        }
+        let view = plain_view(view_format, aspect, [1, 1]);
+        Self::with_view(device, name, &info, view)
+    }
+
+    /// A 2D array of so many levels and layers, all within the device's limits, of colours.
+    pub(crate) fn array(
+        device: &Device,
+        name: &str,
+        size: [u32; 2],
+        levels_and_layers: [u32; 2],
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<Self, Error> {
+        let info = plain_image(format, size, levels_and_layers).usage(usage);
+        let view = plain_view(format, vk::ImageAspectFlags::COLOR, levels_and_layers)
+            .view_type(vk::ImageViewType::TYPE_2D_ARRAY);
+        Self::with_view(device, name, &info, view)
+    }
+
+    fn with_view(
+        device: &Device,
+        name: &str,
+        info: &vk::ImageCreateInfo<'_>,
+        view: vk::ImageViewCreateInfo<'_>,
+    ) -> Result<Self, Error> {
+        // SAFETY: the size is within the limits, checked by the caller.
+        let raw = unsafe { device.raw().create_image(info, None) }.called("vkCreateImage")?;
+        device.name(raw, name);
+        // SAFETY: just made.
+        let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
+        let made = allocate(device, name, requirements, MemoryLocation::GpuOnly, false).and_then(
+            |memory| match bind_and_view(device, &memory, view.image(raw)) {
+                Ok(view) => Ok((view, memory)),
+                Err(error) => {
+                    free(device, memory);
+                    Err(error)
+                }
+            },
+        );
+        match made {
+            Ok((view, memory)) => {
+                device.name(view, name);
+                Ok(Self { device: device.clone(), raw, view, allocation: Some(memory) })
+            }
+            Err(error) => {
+                // SAFETY: never used.
+                unsafe { device.raw().destroy_image(raw, None) };
+                Err(error)
+            }
+        }
+    }
+
+    pub(crate) fn change(
+        &self,
+        aspect: vk::ImageAspectFlags,
+        from: Access,
+        to: Access,
+    ) -> LayoutChange {
+        LayoutChange::new(self.raw, aspect, from, to)
+    }
+}
+
+fn plain_image<'a>(
+    format: vk::Format,
+    [width, height]: [u32; 2],
+    [levels, layers]: [u32; 2],
+) -> vk::ImageCreateInfo<'a> {
+    vk::ImageCreateInfo::default()
+        .image_type(vk::ImageType::TYPE_2D)
+        .format(format)
+        .extent(vk::Extent3D { width, height, depth: 1 })
+        .mip_levels(levels)
+        .array_layers(layers)
+        .samples(vk::SampleCountFlags::TYPE_1)
+}
+
+fn plain_view<'a>(
+    format: vk::Format,
+    aspect_mask: vk::ImageAspectFlags,
+    [level_count, layer_count]: [u32; 2],
+) -> vk::ImageViewCreateInfo<'a> {
+    let whole =
+        vk::ImageSubresourceRange { aspect_mask, level_count, layer_count, ..Default::default() };
+    vk::ImageViewCreateInfo::default()
+        .view_type(vk::ImageViewType::TYPE_2D)
+        .format(format)
+        .subresource_range(whole)
+}
+
+fn bind_and_view(
+    device: &Device,
+    memory: &gpu_allocator::vulkan::Allocation,
+    view: vk::ImageViewCreateInfo<'_>,
+) -> Result<vk::ImageView, Error> {
+    // SAFETY: fresh memory that fits the image's requirements; the view is made after binding.
+    unsafe {
+        device
+            .raw()
+            .bind_image_memory(view.image, memory.memory(), memory.offset())
+            .called("vkBindImageMemory")?;
+        device.raw().create_image_view(&view, None).called("vkCreateImageView")
+    }
+}
+
+impl Drop for Image {
+    fn drop(&mut self) {
+        if let Some(allocation) = self.allocation.take() {
+            self.device.retire(Garbage::Image(self.raw, self.view, allocation));
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Pictures on their way to the CPU: mapped memory that is read only while the GPU does not write it.
+//!
+//! The commands that copy a picture leave a [`Ticket`], which learns their tick when they are
+//! submitted. Until that tick is over nothing can be read, and while somebody reads nothing can be
+//! recorded that writes: no thread ever sees half a picture. Of the frames that are open at once, one
+//! may copy a picture to the same place.
+
+use std::ops::Deref;
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::ownership::of_device;
+use crate::memory::buffer::{Buffer, BufferSlice, Place};
+use crate::record::commands::{Commands, Failure};
+use crate::record::ticket::Ticket;
+
+/// A picture on its way to the CPU. It may be used for one frame after the other.
+pub struct Readback {
+    device: Device,
+    buffer: Buffer,
+    size: [u32; 2],
+    /// That of the newest commands that copy a picture here; none before the first.
+    newest: RwLock<Option<Arc<Ticket>>>,
+}
+
+/// The pixels of a picture, which stay as they are until this is dropped.
+pub struct Pixels<'a> {
+    bytes: &'a [u8],
+    _reading: RwLockReadGuard<'a, Option<Arc<Ticket>>>,
+}
+
+impl Deref for Pixels<'_> {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        self.bytes
+    }
+}
+
+of_device!(Readback: "a picture (`Readback`)");
+
+impl Readback {
+    /// Makes room for one picture of `size` pixels.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn new(device: &Device, size: [u32; 2]) -> Result<Self, Error> {
+        let size_bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        let buffer = Buffer::new(device, "picture", size_bytes, usage, Place::ReadBack)?;
+        Ok(Self { device: device.clone(), buffer, size, newest: RwLock::new(None) })
+    }
+
+    /// Returns its size in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Returns the picture of the newest frame that was recorded to copy one here: rows from the top,
+    /// four bytes a pixel, sRGB. Never waits. As long as the pixels are held, a frame that would copy
+    /// another picture here fails.
+    ///
+    /// # Errors
+    /// [`Error::NoPicture`] as long as that frame is not over, for ever if it is never submitted, and
+    /// before the first; a lost device. [`Device::completed`] tells when the tick of a frame is over,
+    /// [`Device::drain`] waits for it.
+    pub fn rgba8(&self) -> Result<Pixels<'_>, Error> {
+        let newest = self.newest.read().unwrap_or_else(PoisonError::into_inner);
+        let tick = newest.as_ref().and_then(|ticket| ticket.tick()).ok_or(Error::NoPicture)?;
+        if self.device.completed()? < tick {
+            return Err(Error::NoPicture);
+        }
+        let bytes = self.buffer.read(0..self.size[0] as usize * self.size[1] as usize * 4);
+        Ok(Pixels { bytes, _reading: newest })
+    }
+
+    /// Returns where `commands` copy a picture to; `None`, and they fail, if they must not.
+    pub(crate) fn begin_copy(&self, commands: &Commands) -> Option<BufferSlice> {
+        commands.admit(self).ok()?;
+        let Ok(mut newest) = self.newest.try_write() else {
+            commands
+                .fail(Failure::Wrong("a picture is copied over another one that is being read"));
+            return None;
+        };
+        let ticket = commands.ticket();
+        // Frames may be submitted in another order than they were recorded in: of two that copy here,
+        // the older one could overwrite what is read after the newer one.
+        let is_pending = |older: &Arc<Ticket>| !Arc::ptr_eq(older, &ticket) && older.is_pending();
+        if newest.as_ref().is_some_and(is_pending) {
+            commands.fail(Failure::Wrong("a picture is copied by two frames that are both open"));
+            return None;
+        }
+        *newest = Some(ticket);
+        Some(self.buffer.whole())
+    }
+}

@@ -1,0 +1,434 @@
+//! Texture arrays: images of one size and one sampler with all their mip maps, filled layer by layer
+//! while a scene is loaded, on whatever thread.
+
+use ash::vk;
+
+use crate::core::capabilities::Optional;
+use crate::core::deletion::Garbage;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::ownership::of_device;
+use crate::memory::buffer::{Buffer, Place};
+use crate::memory::image::Image;
+use crate::memory::resample::resampled;
+use crate::record::access::{Access, LayoutChange, MemoryBarrier};
+use crate::record::commands::Commands;
+
+/// Images go to the GPU in pieces of at most this many bytes.
+const STAGING_BYTES: u64 = 8 << 20;
+
+/// Who makes the mip maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MipMaking {
+    /// The device, by linear blits, where it can do them in this format; else the CPU.
+    Blits,
+    /// The CPU, by [`resampled`].
+    Cpu,
+}
+
+/// What a [`TextureArray`] is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TextureArrayInfo<'a> {
+    /// Debug name.
+    pub name: &'a str,
+    /// Width and height of each layer in pixels.
+    pub size: [u32; 2],
+    /// How many layers.
+    pub layers: u32,
+    /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers.
+    pub format: vk::Format,
+    /// What is beyond the edges, across and down.
+    pub wrap: [vk::SamplerAddressMode; 2],
+    /// How it is enlarged.
+    pub magnified: vk::Filter,
+    /// How it is made smaller.
+    pub minified: vk::Filter,
+    /// How its mip maps are mixed; `None` makes none.
+    pub between_levels: Option<vk::SamplerMipmapMode>,
+    /// The most samples along the direction in which a surface is seen at a grazing angle; from 1 on,
+    /// cut to what the device has, 1 without [`Optional::Anisotropy`] or linear filters.
+    pub anisotropy: f32,
+    /// Who makes the mip maps.
+    pub mip_making: MipMaking,
+}
+
+/// Layers of one size, format and sampler. It can be bound once each was [written](TextureUploads).
+pub struct TextureArray {
+    device: Device,
+    image: Image,
+    sampler: vk::Sampler,
+    size: [u32; 2],
+    format: vk::Format,
+    levels: u32,
+    mip_making: MipMaking,
+    layers: Vec<Layer>,
+}
+
+/// What of a layer is on the GPU.
+#[derive(Debug, Clone, Default)]
+struct Layer {
+    rows: u32,
+    /// What was written of it, where the CPU makes the mip maps.
+    kept: Vec<u8>,
+}
+
+/// Brings images to texture arrays through memory of bounded size. Each call waits for its copy, on the
+/// thread that makes it: a loading thread may fill arrays while another one draws frames.
+pub struct TextureUploads {
+    device: Device,
+    staging: Buffer,
+}
+
+of_device!(TextureArray: "a texture array (`TextureArray`)");
+
+impl TextureArray {
+    /// Empty layers.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for a size or number of layers of 0 or beyond the device's limits;
+    /// [`Error::WrongCommands`] for another format; no memory.
+    pub fn new(device: &Device, info: &TextureArrayInfo<'_>) -> Result<Self, Error> {
+        let limits = &device.adapter().limits;
+        let [width, height] = info.size;
+        for (what, wanted, limit) in [
+            ("the width of", width, limits.max_image_dimension2_d),
+            ("the height of", height, limits.max_image_dimension2_d),
+            ("the number of layers of", info.layers, limits.max_image_array_layers),
+        ] {
+            if wanted == 0 || wanted > limit {
+                let what = format!("{what} the texture {}", info.name);
+                return Err(Error::TooLarge { what, wanted: wanted.into(), limit: limit.into() });
+            }
+        }
+        if ![vk::Format::R8G8B8A8_SRGB, vk::Format::R8G8B8A8_UNORM].contains(&info.format) {
+            return Err(Error::WrongCommands("a texture array has four channels of eight bits"));
+        }
+        let blits = vk::FormatFeatureFlags::BLIT_SRC
+            | vk::FormatFeatureFlags::BLIT_DST
+            | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
+        let can_blit = device.has_format_feature(info.format, blits);
+        let levels = match info.between_levels {
+            Some(_) => width.max(height).ilog2() + 1,
+            None => 1,
+        };
+        let usage = vk::ImageUsageFlags::SAMPLED
+            | vk::ImageUsageFlags::TRANSFER_DST
+            | vk::ImageUsageFlags::TRANSFER_SRC;
+        let counts = [levels, info.layers];
+        let image = Image::array(device, info.name, info.size, counts, info.format, usage)?;
+        let sampler = create_sampler(device, info)?;
+        Ok(Self {
+            device: device.clone(),
+            image,
+            sampler,
+            size: info.size,
+            format: info.format,
+            levels,
+            mip_making: if can_blit { info.mip_making } else { MipMaking::Cpu },
+            layers: vec![Layer::default(); info.layers as usize],
+        })
+    }
+
+    /// Size of each layer in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// How many layers it has.
+    pub fn layers(&self) -> u32 {
+        self.layers.len() as u32
+    }
+
+    /// Whether all layers were written.
+    pub fn is_filled(&self) -> bool {
+        self.layers.iter().all(|layer| layer.rows == self.size[1])
+    }
+
+    pub(crate) fn descriptor(&self) -> vk::DescriptorImageInfo {
+        vk::DescriptorImageInfo {
+            sampler: self.sampler,
+            image_view: self.image.view,
+            image_layout: Access::FragmentSample.layout(),
+        }
+    }
+
+    fn level_size(&self, level: u32) -> [u32; 2] {
+        self.size.map(|side| (side >> level).max(1))
+    }
+
+    fn change(
+        &self,
+        layer: u32,
+        levels: std::ops::Range<u32>,
+        [from, to]: [Access; 2],
+    ) -> LayoutChange {
+        let part = vk::ImageSubresourceRange {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            base_mip_level: levels.start,
+            level_count: levels.end - levels.start,
+            base_array_layer: layer,
+            layer_count: 1,
+        };
+        LayoutChange::of_part(self.image.raw, part, from, to)
+    }
+
+    /// Copies whole rows of a level out of the staging buffer.
+    fn copy_rows(
+        &self,
+        commands: &Commands,
+        staging: &Buffer,
+        layer: u32,
+        level: u32,
+        rows: std::ops::Range<u32>,
+    ) {
+        let [width, _] = self.level_size(level);
+        let region = vk::BufferImageCopy::default()
+            .image_subresource(level_of(layer, level))
+            .image_offset(vk::Offset3D { x: 0, y: rows.start as i32, z: 0 })
+            .image_extent(vk::Extent3D { width, height: rows.end - rows.start, depth: 1 });
+        // SAFETY: the caller's rows lie in the level and in the staging buffer; the level is in the
+        // layout named.
+        unsafe {
+            commands.device().raw().cmd_copy_buffer_to_image(
+                commands.raw(),
+                staging.whole().raw,
+                self.image.raw,
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                &[region],
+            );
+        }
+    }
+
+    /// Makes each level of a layer out of the one before it, and all ready to be sampled.
+    fn blit_levels(&self, commands: &Commands, layer: u32) {
+        for level in 1..self.levels {
+            let source = level - 1..level;
+            commands.change_layouts([self.change(
+                layer,
+                source,
+                [Access::CopyWrite, Access::CopyRead],
+            )]);
+            let corner = |level| {
+                let [width, height] = self.level_size(level);
+                [vk::Offset3D::default(), vk::Offset3D { x: width as i32, y: height as i32, z: 1 }]
+            };
+            let blit = vk::ImageBlit::default()
+                .src_subresource(level_of(layer, level - 1))
+                .src_offsets(corner(level - 1))
+                .dst_subresource(level_of(layer, level))
+                .dst_offsets(corner(level));
+            // SAFETY: the format can be blitted linearly, checked when the array was made; both levels
+            // are in the layouts named.
+            unsafe {
+                commands.device().raw().cmd_blit_image(
+                    commands.raw(),
+                    self.image.raw,
+                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                    self.image.raw,
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                    &[blit],
+                    vk::Filter::LINEAR,
+                );
+            }
+        }
+        let last = self.levels - 1;
+        commands.change_layouts([self.change(
+            layer,
+            last..self.levels,
+            [Access::CopyWrite, Access::FragmentSample],
+        )]);
+        if last > 0 {
+            commands.change_layouts([self.change(
+                layer,
+                0..last,
+                [Access::CopyRead, Access::FragmentSample],
+            )]);
+        }
+    }
+}
+
+impl TextureUploads {
+    /// Makes the memory that images go through.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn new(device: &Device) -> Result<Self, Error> {
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC;
+        let staging = Buffer::new(device, "texture staging", STAGING_BYTES, usage, Place::Upload)?;
+        Ok(Self { device: device.clone(), staging })
+    }
+
+    /// Writes the next rows of a layer, from its top on: four bytes a pixel, whole rows. With the last of
+    /// them the layer's mip maps are made. So a loader can bring images a piece at a time.
+    ///
+    /// # Errors
+    /// [`Error::WrongCommands`] for a layer that is not there, for bytes that are no whole rows or more than
+    /// are left; [`Error::Foreign`] for an array of another device; a failed call. What was written
+    /// before stays.
+    pub fn write_rows(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        rgba8: &[u8],
+    ) -> Result<(), Error> {
+        let [width, height] = array.size;
+        let row_bytes = width as usize * 4;
+        let done = array.layers.get(layer as usize).map(|layer| layer.rows);
+        let left = done.map_or(0, |rows| (height - rows) as usize);
+        if rgba8.is_empty()
+            || !rgba8.len().is_multiple_of(row_bytes)
+            || rgba8.len() / row_bytes > left
+        {
+            return Err(Error::WrongCommands("what is written to a layer is no rows of it"));
+        }
+        self.device.check(array, "texture uploads (`TextureUploads`)")?;
+        let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
+        for piece in rgba8.chunks(piece_rows * row_bytes) {
+            self.write_piece(array, layer, piece)?;
+        }
+        Ok(())
+    }
+
+    /// Writes a whole layer and makes its mip maps.
+    ///
+    /// # Errors
+    /// As [`TextureUploads::write_rows`]; a layer that something was written to before.
+    pub fn write(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        rgba8: &[u8],
+    ) -> Result<(), Error> {
+        let [width, height] = array.size;
+        if rgba8.len() as u64 != u64::from(width) * u64::from(height) * 4 {
+            return Err(Error::WrongCommands("a layer is written with too many or too few bytes"));
+        }
+        self.write_rows(array, layer, rgba8)
+    }
+
+    /// Writes rows that fit the staging buffer.
+    fn write_piece(
+        &mut self,
+        array: &mut TextureArray,
+        layer: u32,
+        piece: &[u8],
+    ) -> Result<(), Error> {
+        let place = layer as usize;
+        let first = array.layers.get(place).map_or(0, |layer| layer.rows);
+        let rows = first..first + (piece.len() / (array.size[0] as usize * 4)) as u32;
+        let is_last = rows.end == array.size[1];
+        let has_more = is_last && array.mip_making == MipMaking::Cpu && array.levels > 1;
+        let end = rows.end;
+        self.stage(piece);
+        let staging = &self.staging;
+        let written: &TextureArray = array;
+        self.device.run_once("texture", |commands| {
+            if first == 0 {
+                let all = 0..written.levels;
+                commands.change_layouts([written.change(
+                    layer,
+                    all,
+                    [Access::Nothing, Access::CopyWrite],
+                )]);
+            }
+            written.copy_rows(commands, staging, layer, 0, rows);
+            if is_last && !has_more {
+                written.blit_levels(commands, layer);
+            }
+            // Waiting for the tick shows the GPU nothing: later submits use it without a barrier.
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+        })?;
+        if let Some(layer) = array.layers.get_mut(place) {
+            if array.mip_making == MipMaking::Cpu && array.levels > 1 {
+                layer.kept.extend_from_slice(piece);
+            }
+            if !has_more {
+                layer.rows = end;
+            }
+        }
+        if has_more {
+            self.write_levels(array, layer)?;
+        }
+        Ok(())
+    }
+
+    /// Makes the levels of a layer on the CPU, and all ready to be sampled.
+    fn write_levels(&mut self, array: &mut TextureArray, layer: u32) -> Result<(), Error> {
+        let place = layer as usize;
+        let mut pixels = array
+            .layers
+            .get_mut(place)
+            .map(|layer| std::mem::take(&mut layer.kept))
+            .unwrap_or_default();
+        for level in 1..array.levels {
+            let [from, to] = [level - 1, level].map(|level| array.level_size(level));
+            pixels = resampled(&pixels, from, to, array.format);
+            let row_bytes = to[0] as usize * 4;
+            let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);
+            for (piece, bytes) in pixels.chunks(piece_rows * row_bytes).enumerate() {
+                let first = (piece * piece_rows) as u32;
+                let rows = first..first + (bytes.len() / row_bytes) as u32;
+                self.stage(bytes);
+                let (staging, array) = (&self.staging, &*array);
+                self.device.run_once("texture level", |commands| {
+                    array.copy_rows(commands, staging, layer, level, rows);
+                    commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
+                })?;
+            }
+        }
+        let changed: &TextureArray = array;
+        self.device.run_once("texture levels", |commands| {
+            let all = 0..changed.levels;
+            let sampled = [Access::CopyWrite, Access::FragmentSample];
+            commands.change_layouts([changed.change(layer, all, sampled)]);
+        })?;
+        if let Some(layer) = array.layers.get_mut(place) {
+            layer.rows = array.size[1];
+        }
+        Ok(())
+    }
+
+    fn stage(&mut self, bytes: &[u8]) {
+        if let Some(place) = self.staging.bytes_mut().get_mut(..bytes.len()) {
+            place.copy_from_slice(bytes);
+        }
+    }
+}
+
+fn level_of(layer: u32, level: u32) -> vk::ImageSubresourceLayers {
+    vk::ImageSubresourceLayers {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        mip_level: level,
+        base_array_layer: layer,
+        layer_count: 1,
+    }
+}
+
+fn create_sampler(device: &Device, info: &TextureArrayInfo<'_>) -> Result<vk::Sampler, Error> {
+    let limit = device.adapter().limits.max_sampler_anisotropy;
+    let is_linear = [info.magnified, info.minified] == [vk::Filter::LINEAR; 2];
+    let has_it = is_linear && device.capabilities().has(Optional::Anisotropy);
+    let anisotropy = if has_it { info.anisotropy.clamp(1.0, limit.max(1.0)) } else { 1.0 };
+    let [across, down] = info.wrap;
+    let create = vk::SamplerCreateInfo::default()
+        .mag_filter(info.magnified)
+        .min_filter(info.minified)
+        .mipmap_mode(info.between_levels.unwrap_or(vk::SamplerMipmapMode::NEAREST))
+        .max_lod(if info.between_levels.is_some() { vk::LOD_CLAMP_NONE } else { 0.25 })
+        .address_mode_u(across)
+        .address_mode_v(down)
+        .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+        .anisotropy_enable(anisotropy > 1.0)
+        .max_anisotropy(anisotropy);
+    // SAFETY: anisotropy is asked for only where the feature is on, and within the limit.
+    let sampler =
+        unsafe { device.raw().create_sampler(&create, None) }.called("vkCreateSampler")?;
+    device.name(sampler, info.name);
+    Ok(sampler)
+}
+
+impl Drop for TextureArray {
+    fn drop(&mut self) {
+        self.device.retire(Garbage::Sampler(self.sampler));
+    }
+}

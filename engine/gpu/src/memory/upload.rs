@@ -1,0 +1,93 @@
+//! Per-frame upload memory: written by the CPU while a frame is recorded, forgotten when it is over.
+
+use ash::vk;
+use bytemuck::Pod;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::memory::buffer::{Buffer, BufferSlice, Place};
+
+/// A linear arena in mapped memory. After the first frames it is one chunk and allocates nothing.
+pub struct Uploads {
+    device: Device,
+    chunks: Vec<Buffer>,
+    used_bytes: u64,
+    alignment_bytes: u64,
+    name: String,
+}
+
+const FIRST_CHUNK_BYTES: u64 = 1 << 20;
+
+impl Uploads {
+    pub(crate) fn new(device: &Device, name: &str) -> Self {
+        let limits = &device.adapter().limits;
+        let alignment_bytes = limits.min_storage_buffer_offset_alignment.max(16);
+        Self {
+            device: device.clone(),
+            chunks: Vec::new(),
+            used_bytes: 0,
+            alignment_bytes,
+            name: name.to_owned(),
+        }
+    }
+
+    /// Starts over. If the last frame needed several chunks, the next one gets one that fits all.
+    pub(crate) fn reset(&mut self) -> Result<(), Error> {
+        self.used_bytes = 0;
+        if self.chunks.len() > 1 {
+            let total: u64 = self.chunks.iter().map(Buffer::size_bytes).sum();
+            self.chunks.clear();
+            self.add_chunk(total.next_power_of_two())?;
+        }
+        Ok(())
+    }
+
+    /// Copies `items` into this frame's memory.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn push<T: Pod>(&mut self, items: &[T]) -> Result<BufferSlice, Error> {
+        self.push_iter(items.iter().copied())
+    }
+
+    /// Writes the items one after the other into this frame's memory. The slice is at least one
+    /// item long, so that it can be bound.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn push_iter<T: Pod>(
+        &mut self,
+        items: impl ExactSizeIterator<Item = T>,
+    ) -> Result<BufferSlice, Error> {
+        let item_bytes = size_of::<T>();
+        let size_bytes = (items.len().max(1) * item_bytes).max(4) as u64;
+        let mut start = self.used_bytes.next_multiple_of(self.alignment_bytes);
+        let room = self.chunks.last().map_or(0, Buffer::size_bytes);
+        if start + size_bytes > room {
+            self.add_chunk(size_bytes.max(room * 2).max(FIRST_CHUNK_BYTES))?;
+            start = 0;
+        }
+        let Some(chunk) = self.chunks.last_mut() else {
+            return Err(Error::TooLarge { what: self.name.clone(), wanted: size_bytes, limit: 0 });
+        };
+        let slice = BufferSlice { offset_bytes: start, size_bytes, ..chunk.whole() };
+        let bytes = chunk.bytes_mut().get_mut(start as usize..).unwrap_or_default();
+        for (place, item) in bytes.chunks_exact_mut(item_bytes).zip(items) {
+            place.copy_from_slice(bytemuck::bytes_of(&item));
+        }
+        self.used_bytes = start + size_bytes;
+        Ok(slice)
+    }
+
+    fn add_chunk(&mut self, size_bytes: u64) -> Result<(), Error> {
+        let usage = vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::VERTEX_BUFFER
+            | vk::BufferUsageFlags::INDEX_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_SRC;
+        let chunk = Buffer::new(&self.device, &self.name, size_bytes, usage, Place::Upload)?;
+        self.chunks.push(chunk);
+        self.used_bytes = 0;
+        Ok(())
+    }
+}

@@ -1,0 +1,200 @@
+//! A surface: a window as Vulkan sees it, what can be shown in it, and which device can show it.
+
+use std::sync::Arc;
+
+use ash::{khr, vk};
+use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
+
+use crate::core::adapter::Adapter;
+use crate::core::capabilities::Optional;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::instance::{Instance, InstanceShared};
+use crate::core::ownership;
+use crate::core::window_system::{
+    WindowFunctions, WindowSystem, display_for_drivers, window_for_drivers,
+};
+use crate::present::present_mode::PresentMode;
+
+/// A window of any library that knows `raw-window-handle`.
+pub trait Window: HasWindowHandle + HasDisplayHandle + Send + Sync {}
+
+impl<W: HasWindowHandle + HasDisplayHandle + Send + Sync> Window for W {}
+
+/// A window that pictures can be shown in. Clones share it.
+///
+/// It keeps the window it was made for, and is kept itself by the swapchains made from it until the
+/// GPU and the presentation engine are done with them.
+#[derive(Clone)]
+pub struct Surface {
+    shared: Arc<SurfaceShared>,
+}
+
+pub(crate) struct SurfaceShared {
+    instance: Arc<InstanceShared>,
+    functions: khr::surface::Instance,
+    raw: vk::SurfaceKHR,
+    is_wayland: bool,
+    // Behind the surface, so that it goes after it.
+    window: Arc<dyn Window>,
+}
+
+impl Surface {
+    /// A surface for `window`, which belongs to the window system that the instance was made for.
+    ///
+    /// # Errors
+    /// [`Error::NoDisplay`] where the window or its connection is gone; [`Error::NoWindows`] for an
+    /// instance that is not for windows; [`Error::Foreign`] for a window of another window system
+    /// than the instance was made for; a failed call.
+    pub fn new(instance: &Instance, window: Arc<dyn Window>) -> Result<Self, Error> {
+        Self::with_shared(&instance.shared, window)
+    }
+
+    /// Another one for the same window, after this one was lost.
+    pub(crate) fn renewed(&self) -> Result<Self, Error> {
+        Self::with_shared(&self.shared.instance, Arc::clone(&self.shared.window))
+    }
+
+    fn with_shared(instance: &Arc<InstanceShared>, window: Arc<dyn Window>) -> Result<Self, Error> {
+        let gone = |error: raw_window_handle::HandleError| Error::NoDisplay(error.to_string());
+        let WindowFunctions { surface: functions, system: wanted, .. } = functions(instance)?;
+        let (functions, system) = (functions.clone(), WindowSystem::of(&window)?);
+        if system != *wanted {
+            let (thing, user, owner) = ("a window", "an instance", "WindowSystem");
+            return Err(Error::Foreign { thing, user, owner });
+        }
+        let display = display_for_drivers(window.display_handle().map_err(gone)?.as_raw());
+        let handle = window_for_drivers(window.window_handle().map_err(gone)?.as_raw(), display);
+        // SAFETY: the window is kept until the surface is destroyed, and with it both handles; the
+        // surface keeps the instance, too.
+        let made = unsafe {
+            ash_window::create_surface(&instance.entry, &instance.raw, display, handle, None)
+        };
+        let raw = made.called("creating a surface for the window")?;
+        let (instance, is_wayland) = (Arc::clone(instance), system.is_wayland());
+        let shared = SurfaceShared { instance, functions, raw, is_wayland, window };
+        Ok(Self { shared: Arc::new(shared) })
+    }
+
+    pub(crate) fn instance(&self) -> &InstanceShared {
+        &self.shared.instance
+    }
+
+    /// How many hold it, and with it the window: clones, swapchains, and what those left that GPU and
+    /// presentation engine are not done with.
+    pub fn holders(&self) -> usize {
+        Arc::strong_count(&self.shared)
+    }
+
+    /// The present modes that `device` has for this window.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for a device of another instance; a failed call; among them a window that
+    /// is gone.
+    pub fn present_modes(&self, device: &Device) -> Result<Vec<PresentMode>, Error> {
+        self.check(device)?;
+        let physical = device.adapter().physical;
+        // SAFETY: device and surface are of one instance.
+        let modes = unsafe {
+            self.shared.functions.get_physical_device_surface_present_modes(physical, self.raw())
+        };
+        let modes = modes.called("vkGetPhysicalDeviceSurfacePresentModesKHR")?;
+        Ok(modes.into_iter().filter_map(PresentMode::from_raw).collect())
+    }
+
+    /// Refuses a device of another instance.
+    pub(crate) fn check(&self, device: &Device) -> Result<(), Error> {
+        let ids = (self.shared.instance.id, device.instance().id);
+        ownership::check(ids.0, ids.1, "a surface (`Surface`)", "a device", "Instance")
+    }
+
+    pub(crate) fn formats(&self, device: &Device) -> Result<Vec<vk::SurfaceFormatKHR>, Error> {
+        let physical = device.adapter().physical;
+        // SAFETY: as above.
+        unsafe { self.shared.functions.get_physical_device_surface_formats(physical, self.raw()) }
+            .called("vkGetPhysicalDeviceSurfaceFormatsKHR")
+    }
+
+    /// Its size and what else is so now.
+    pub(crate) fn state(&self, device: &Device) -> Result<vk::SurfaceCapabilitiesKHR, vk::Result> {
+        let physical = device.adapter().physical;
+        // SAFETY: as above.
+        unsafe {
+            self.shared.functions.get_physical_device_surface_capabilities(physical, self.raw())
+        }
+    }
+
+    /// Whether `device` can show anything in the window, which it cannot once the window is gone.
+    pub(crate) fn is_there(&self, device: &Device) -> Result<bool, Error> {
+        let (physical, family) = (device.adapter().physical, device.queue_family());
+        // SAFETY: device and surface are of one instance, the family is the device's own.
+        let presents = unsafe {
+            self.shared.functions.get_physical_device_surface_support(physical, family, self.raw())
+        };
+        match presents {
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(false),
+            other => other.called("vkGetPhysicalDeviceSurfaceSupportKHR"),
+        }
+    }
+
+    /// Whether presenting in a queued mode may wait for a compositor that shows the window to nobody.
+    pub(crate) fn may_hold_presents(&self) -> bool {
+        self.shared.is_wayland
+    }
+
+    pub(crate) fn raw(&self) -> vk::SurfaceKHR {
+        self.shared.raw
+    }
+
+    /// The first queue family of `adapter` that draws, computes and presents to this surface, and how
+    /// many bits its timestamps have.
+    fn presenting_family(&self, adapter: &Adapter) -> Result<Option<(u32, u32)>, Error> {
+        let raw = &self.shared.instance.raw;
+        // SAFETY: an adapter of this instance.
+        let families = unsafe { raw.get_physical_device_queue_family_properties(adapter.physical) };
+        let needed = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+        for (index, family) in (0..).zip(&families) {
+            if !family.queue_flags.contains(needed) {
+                continue;
+            }
+            // SAFETY: adapter and surface are of one instance, the index is one of its families.
+            let presents = unsafe {
+                self.shared.functions.get_physical_device_surface_support(
+                    adapter.physical,
+                    index,
+                    self.raw(),
+                )
+            };
+            if presents.called("vkGetPhysicalDeviceSurfaceSupportKHR")? {
+                return Ok(Some((index, family.timestamp_valid_bits)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// `adapter` with a queue that presents to this surface, or why it has none.
+    pub(crate) fn presenting(&self, adapter: &Adapter) -> Result<Result<Adapter, String>, Error> {
+        let name = &adapter.name;
+        if !adapter.capabilities.has(Optional::Swapchain) {
+            return Ok(Err(format!("{name} lacks {}", Optional::Swapchain.name())));
+        }
+        Ok(match self.presenting_family(adapter)? {
+            Some((family, timestamp_bits)) => {
+                Ok(Adapter { queue_family: Some(family), timestamp_bits, ..adapter.clone() })
+            }
+            None => Err(format!("{name} has no queue that can show pictures in this window")),
+        })
+    }
+}
+
+fn functions(instance: &InstanceShared) -> Result<&WindowFunctions, Error> {
+    let missing = || Error::NoWindows("the option `InstanceOptions::windows`".to_owned());
+    instance.windows.as_ref().ok_or_else(missing)
+}
+
+impl Drop for SurfaceShared {
+    fn drop(&mut self) {
+        // SAFETY: every swapchain of the surface holds it, so none is left; window and instance are.
+        unsafe { self.functions.destroy_surface(self.raw, None) };
+    }
+}

@@ -1,0 +1,160 @@
+//! What the presentation engine tells of pictures after they were given to it. Nothing here decides.
+
+use std::time::Duration;
+
+use ash::vk;
+
+use super::super::Swapchain;
+use super::super::outcome::PresentId;
+use crate::core::error::{Called, Error};
+
+/// When a picture was on the screen, on the clock of the display (`CLOCK_MONOTONIC` on Linux).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PresentTiming {
+    /// The picture.
+    pub id: PresentId,
+    /// When it was first on the screen, in nanoseconds.
+    pub shown_ns: u64,
+    /// The earliest time at which it could have been, in nanoseconds.
+    pub earliest_ns: u64,
+    /// How long before that time it was ready, in nanoseconds.
+    pub margin_ns: u64,
+}
+
+/// So many timings are asked for at once; more come with the next call.
+const TIMINGS: usize = 16;
+
+impl Swapchain {
+    /// The newest picture known to be, or to have been, on the screen. Never waits. `None` where
+    /// nothing is known: no picture of the window as it is now has been seen yet, or the device lacks
+    /// [`crate::Optional::PresentWait`]. Asked for once a frame or more often, it moves from id to id;
+    /// pictures that never show are passed over.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn newest_shown(&mut self) -> Result<Option<PresentId>, Error> {
+        while self.screen.shown_until < self.screen.newest {
+            let next = PresentId(self.screen.shown_until.max(self.screen.before_chain).0 + 1);
+            if !self.wait_until_shown(next, Duration::ZERO)? {
+                break;
+            }
+        }
+        Ok(Some(self.screen.shown_until).filter(|shown| *shown > self.screen.before_chain))
+    }
+
+    /// Waits until the picture of `id` is on the screen, for no longer than `bound` (at most a
+    /// minute), and says whether it is. At once false for an id that was never presented, that belongs
+    /// to a swapchain replaced since, and without [`crate::Optional::PresentWait`].
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn wait_until_shown(&mut self, id: PresentId, bound: Duration) -> Result<bool, Error> {
+        let screen = &mut self.screen;
+        let (Some(functions), Some(chain)) =
+            (&screen.device.extensions().present_wait, screen.idle_chain())
+        else {
+            return Ok(false);
+        };
+        if id <= screen.before_chain || id > screen.newest {
+            return Ok(false);
+        }
+        const MOST_NS: u64 = 60_000_000_000;
+        let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
+        // SAFETY: an id that was presented to this chain, which nobody else calls meanwhile.
+        match unsafe { functions.wait_for_present(chain.raw, id.0, bound_ns) } {
+            Ok(()) => {
+                screen.shown_until = screen.shown_until.max(id);
+                Ok(true)
+            }
+            // A window that has changed shows nothing of what it was given before.
+            Err(
+                vk::Result::TIMEOUT
+                | vk::Result::ERROR_OUT_OF_DATE_KHR
+                | vk::Result::ERROR_SURFACE_LOST_KHR,
+            ) => Ok(false),
+            Err(code) => Err(code).called("vkWaitForPresentKHR"),
+        }
+    }
+
+    /// Hands out the timings that came home since the last call, oldest first. None ever do without
+    /// [`crate::Optional::DisplayTiming`].
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn timings(&mut self, mut each: impl FnMut(PresentTiming)) -> Result<(), Error> {
+        let screen = &self.screen;
+        let (Some(functions), Some(chain)) =
+            (&screen.device.extensions().display_timing, screen.idle_chain())
+        else {
+            return Ok(());
+        };
+        let mut timings = [vk::PastPresentationTimingGOOGLE::default(); TIMINGS];
+        let mut count = TIMINGS as u32;
+        // SAFETY: room for `count` timings of a live chain.
+        let code = unsafe {
+            (functions.fp().get_past_presentation_timing_google)(
+                functions.device(),
+                chain.raw,
+                &raw mut count,
+                timings.as_mut_ptr(),
+            )
+        };
+        match code {
+            vk::Result::SUCCESS | vk::Result::INCOMPLETE => {}
+            vk::Result::ERROR_OUT_OF_DATE_KHR | vk::Result::ERROR_SURFACE_LOST_KHR => return Ok(()),
+            code => return Err(code).called("vkGetPastPresentationTimingGOOGLE"),
+        }
+        for timing in timings.iter().take(count as usize) {
+            each(PresentTiming {
+                id: widened(timing.present_id, screen.newest),
+                shown_ns: timing.actual_present_time,
+                earliest_ns: timing.earliest_present_time,
+                margin_ns: timing.present_margin,
+            });
+        }
+        Ok(())
+    }
+
+    /// How long a refresh of the screen takes; `None` where it is unknown, which it is without
+    /// [`crate::Optional::DisplayTiming`].
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn refresh_duration(&self) -> Result<Option<Duration>, Error> {
+        let screen = &self.screen;
+        let (Some(functions), Some(chain)) =
+            (&screen.device.extensions().display_timing, screen.idle_chain())
+        else {
+            return Ok(None);
+        };
+        // SAFETY: a live chain.
+        match unsafe { functions.get_refresh_cycle_duration(chain.raw) } {
+            Ok(cycle) => {
+                Ok(Some(Duration::from_nanos(cycle.refresh_duration)).filter(|d| !d.is_zero()))
+            }
+            Err(vk::Result::ERROR_SURFACE_LOST_KHR) => Ok(None),
+            Err(code) => Err(code).called("vkGetRefreshCycleDurationGOOGLE"),
+        }
+    }
+}
+
+/// The id, of which the extension keeps 32 bits: the newest one not after `newest` that ends so.
+fn widened(low: u32, newest: PresentId) -> PresentId {
+    let behind = (newest.0 as u32).wrapping_sub(low);
+    PresentId(newest.0.saturating_sub(u64::from(behind)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_come_back_whole() {
+        for newest in [1, 17, u64::from(u32::MAX), (1 << 32) + 2, (5 << 32) + 7] {
+            for behind in 0..newest.min(20) {
+                let id = PresentId(newest - behind);
+                assert_eq!(widened(id.0 as u32, PresentId(newest)), id);
+            }
+        }
+    }
+}

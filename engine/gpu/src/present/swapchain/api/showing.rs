@@ -1,0 +1,106 @@
+//! A picture goes to the window: the copy, the submit, the present, and what comes of it.
+
+use std::time::{Duration, Instant};
+
+use ash::vk;
+
+use super::super::chain::Chain;
+use super::super::outcome::{NotShown, PresentId, Presented, Shown};
+use super::super::presenter::Presenter;
+use super::super::screen::{Fit, Screen, is_outdated};
+use crate::core::device::Order;
+use crate::core::error::{Called, Error};
+use crate::present::window_copy::copy_to_window;
+use crate::record::frames::Frame;
+use crate::record::target::Target;
+
+impl Screen {
+    /// Copies the picture to the image that is held, and presents it.
+    pub(in super::super) fn show(
+        &mut self,
+        frame: Frame<'_>,
+        target: &Target,
+        [slot_wait, acquire_wait]: [Duration; 2],
+    ) -> Result<Shown, Error> {
+        let (Some(held), Some(chain)) = (self.held, &mut self.chain) else {
+            return Err(Error::WrongCommands("an image is shown that was not acquired"));
+        };
+        self.device.check(target, "a window (`Swapchain`)")?;
+        if !target.has_picture() {
+            return Err(Error::WrongCommands(
+                "what is shown was drawn in no frame that was submitted",
+            ));
+        }
+        let (size, image) = (chain.size, chain.image(held.index)?);
+        frame.commands().pass("copy to window", |commands| {
+            copy_to_window(target, commands, image.raw, size);
+        });
+        let order =
+            Order { acquired: Some(held.acquired), presents: Some(image.drawn), after: None };
+        let tick = frame.submit_in_order(&order)?;
+        self.held = None;
+        if held.proves {
+            self.old.retire_proven(&self.device);
+        }
+        let id = PresentId(self.newest.0 + 1);
+        let began = Instant::now();
+        let call = chain.present(held.index, id)?;
+        (self.newest, self.calling) = (id, Some(held.index));
+        let is_guarded = self.surface.may_hold_presents() && chain.mode.is_queued();
+        let result = match &self.presenter {
+            Some(presenter) if is_guarded => {
+                presenter.start(call);
+                presenter.result_within(self.options.acquire_bound)
+            }
+            _ => Some(call.make(&self.device)),
+        };
+        let present_wait = began.elapsed();
+        let Some(result) = result else { return Ok(Shown::Not(NotShown::Hidden)) };
+        match self.came_back(result)? {
+            None => {
+                let presented = Presented { id, tick, size, slot_wait, acquire_wait, present_wait };
+                Ok(Shown::Presented(presented))
+            }
+            Some(not_shown) => Ok(Shown::Not(not_shown)),
+        }
+    }
+
+    /// Whether the call of the last present has come back, within the bound.
+    pub(in super::super) fn is_ready(&mut self) -> Result<bool, Error> {
+        let (Some(presenter), Some(_)) = (&self.presenter, self.calling) else { return Ok(true) };
+        let Some(result) = presenter.result_within(self.options.acquire_bound) else {
+            return Ok(false);
+        };
+        self.came_back(result).map(|_| true)
+    }
+
+    /// The chain, unless another thread calls with it.
+    pub(in super::super) fn idle_chain(&self) -> Option<&Chain> {
+        let is_busy = self.presenter.as_ref().is_some_and(Presenter::is_busy);
+        self.chain.as_ref().filter(|_| !is_busy)
+    }
+
+    /// What came of a present.
+    fn came_back(&mut self, result: Result<bool, vk::Result>) -> Result<Option<NotShown>, Error> {
+        if let (Some(index), Some(chain)) = (self.calling.take(), &mut self.chain) {
+            chain.presented(index, result);
+        }
+        match result {
+            Ok(is_suboptimal) => {
+                self.is_renewed = false;
+                if is_suboptimal {
+                    self.fit = Fit::Doubtful;
+                }
+                Ok(None)
+            }
+            Err(code) => {
+                // The image is not ours any more, or its semaphore was left signalled.
+                self.fit = Fit::Unusable;
+                if is_outdated(code) {
+                    return Ok(Some(NotShown::OutOfDate));
+                }
+                Err(code).called("vkQueuePresentKHR")
+            }
+        }
+    }
+}

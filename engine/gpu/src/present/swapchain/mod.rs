@@ -1,0 +1,231 @@
+//! Pictures in a window, whatever becomes of the window. Nothing here decides when.
+//!
+//! Who waits for whom, in [`Swapchain::acquire`] and [`WindowImage::show`]:
+//!
+//! - The CPU waits for the tick of the present that used this slot N frames ago, then for an image.
+//!   Both waits have the bound [`SwapchainOptions::acquire_bound`] and end as [`NotShown::Hidden`].
+//! - The GPU's copy to the image waits for the *acquire semaphore*: the screen no longer reads the
+//!   image. There is one a frame in flight: when its slot comes round, the submit that waited for it
+//!   is over, and it may be given to an acquire again.
+//! - The presentation engine waits for the image's *drawn semaphore*. There is one an image: when the
+//!   image is acquired again, the present that waited for it is over.
+//! - Where a driver waits inside the present itself, for a window that may be hidden, another thread
+//!   makes that call ([`presenter`]).
+//!
+//! A frame is rendered and submitted before its image is asked for, so the GPU draws while the CPU
+//! waits for the screen, and a frame without a window is the same frame.
+//!
+//! A swapchain that no longer fits is replaced with `oldSwapchain`; the old one goes to
+//! [`old_chains::OldChains`], which waits for nothing. `SUBOPTIMAL` alone replaces nothing: some
+//! drivers say so for ever. It only makes us compare sizes.
+
+mod api;
+mod chain;
+mod old_chains;
+mod options;
+mod outcome;
+mod plan;
+mod presenter;
+mod remains;
+mod screen;
+
+use std::time::{Duration, Instant};
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::present::present_mode::{Fallback, PresentMode};
+use crate::present::surface::Surface;
+use crate::record::frames::{Frame, FrameRing};
+use crate::record::target::Target;
+
+pub use api::feedback::PresentTiming;
+pub use options::SwapchainOptions;
+pub use outcome::{NotShown, PresentId, Presented, Shown};
+use screen::Screen;
+
+/// A window that shows pictures.
+pub struct Swapchain {
+    ring: FrameRing,
+    screen: Screen,
+}
+
+/// What comes of asking for an image of the window.
+pub enum Acquired<'a> {
+    /// An image, to be shown. Dropped, it is what the next call returns.
+    Image(WindowImage<'a>),
+    /// There is none.
+    Not(NotShown),
+}
+
+/// An image of the window that waits for a picture.
+pub struct WindowImage<'a> {
+    frame: Frame<'a>,
+    screen: &'a mut Screen,
+    slot_wait: Duration,
+    acquire_wait: Duration,
+}
+
+impl Swapchain {
+    /// Shows pictures of `device` in the window of `surface`. The first image is asked for later, so
+    /// a window without a pixel is no error.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] for a device
+    /// that cannot show pictures in this window; a failed call.
+    pub fn new(
+        device: &Device,
+        surface: &Surface,
+        options: &SwapchainOptions,
+    ) -> Result<Self, Error> {
+        let ring = FrameRing::new(device, options.frames_in_flight)?;
+        let screen = Screen::new(device, surface, options)?;
+        Ok(Self { ring, screen })
+    }
+
+    /// Whether a frame may begin. Ask before each: a hidden window may hold the picture before back, and
+    /// with it the queue, so that nothing can be submitted. Waits for no longer than
+    /// [`SwapchainOptions::acquire_bound`].
+    ///
+    /// # Errors
+    /// What has no name in [`NotShown`]; those that have come with the next picture.
+    pub fn is_ready(&mut self) -> Result<bool, Error> {
+        match self.screen.is_ready() {
+            Ok(is_ready) => Ok(is_ready),
+            Err(error) => self.screen.settle(error).map(|_| true),
+        }
+    }
+
+    /// Asks for an image of the window, which is `window_size` pixels large as far as the caller
+    /// knows. Call it when the frame is submitted, not before: the wait for the screen is here.
+    ///
+    /// # Errors
+    /// What has no name in [`NotShown`]: out of memory, a failed call.
+    pub fn acquire(&mut self, window_size: [u32; 2]) -> Result<Acquired<'_>, Error> {
+        let began = Instant::now();
+        match self.is_slot_ready() {
+            Ok(true) => {}
+            Ok(false) => return Ok(Acquired::Not(NotShown::Hidden)),
+            Err(error) => return Ok(Acquired::Not(self.screen.settle(error)?)),
+        }
+        let slot_wait = began.elapsed();
+        match self.screen.acquire(self.ring.next_slot(), window_size) {
+            Ok(None) => {}
+            Ok(Some(not_shown)) => return Ok(Acquired::Not(not_shown)),
+            Err(error) => return Ok(Acquired::Not(self.screen.settle(error)?)),
+        }
+        let acquire_wait = began.elapsed().saturating_sub(slot_wait);
+        match self.ring.begin() {
+            Ok(frame) => {
+                let screen = &mut self.screen;
+                Ok(Acquired::Image(WindowImage { frame, screen, slot_wait, acquire_wait }))
+            }
+            Err(error) => Ok(Acquired::Not(self.screen.settle(error)?)),
+        }
+    }
+
+    /// Shows the picture of `target` in a window of `window_size` pixels; scaled, if its size is
+    /// another, and between black borders, if its shape is. [`Swapchain::acquire`] and [`WindowImage::show`] in one.
+    ///
+    /// # Errors
+    /// As these.
+    pub fn show(&mut self, target: &Target, window_size: [u32; 2]) -> Result<Shown, Error> {
+        // Before the wait for an image.
+        self.screen.device.check(target, "a window (`Swapchain`)")?;
+        match self.acquire(window_size)? {
+            Acquired::Image(image) => image.show(target),
+            Acquired::Not(not_shown) => Ok(Shown::Not(not_shown)),
+        }
+    }
+
+    /// Whether the last present has come back, and the frame that used the slot before is over.
+    fn is_slot_ready(&mut self) -> Result<bool, Error> {
+        let bound = self.screen.options.acquire_bound;
+        Ok(self.screen.is_ready()? && self.ring.is_ready_within(bound)?)
+    }
+
+    /// Changes how pictures follow each other, from the next one on.
+    pub fn set_mode(&mut self, mode: PresentMode) {
+        self.screen.set_mode(mode);
+    }
+
+    /// Changes how many pictures may be on their way to the window.
+    ///
+    /// # Errors
+    /// A failed call; nothing has changed then.
+    pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) -> Result<(), Error> {
+        if frames_in_flight.max(1) != self.ring.frames_in_flight() {
+            let ring = FrameRing::new(&self.screen.device, frames_in_flight)?;
+            self.screen.set_slots(ring.frames_in_flight())?;
+            self.ring = ring;
+        }
+        Ok(())
+    }
+
+    /// Pictures on their way to the window at once.
+    pub fn frames_in_flight(&self) -> usize {
+        self.ring.frames_in_flight()
+    }
+
+    /// The present mode in use; the one asked for until the window had its first image.
+    pub fn mode(&self) -> PresentMode {
+        self.screen.chain.as_ref().map_or(self.screen.options.mode, |chain| chain.mode)
+    }
+
+    /// Whether the window has not the present mode asked for, and which is taken.
+    pub fn fallback(&self) -> Option<Fallback> {
+        self.screen.fallback
+    }
+
+    /// Size of the window's images in pixels; none before the first.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        self.screen.chain.as_ref().map(|chain| chain.size)
+    }
+
+    /// Format of the window's images and their colour space, as text; none before the first.
+    pub fn format(&self) -> Option<String> {
+        let chain = self.screen.chain.as_ref()?;
+        Some(format!("{:?} in {:?}", chain.format, plan::COLOUR_SPACE))
+    }
+
+    /// Images of the window.
+    pub fn image_count(&self) -> usize {
+        self.screen.chain.as_ref().map_or(0, |chain| chain.images.len())
+    }
+
+    /// How often the window's images were made anew.
+    pub fn replaced(&self) -> u64 {
+        self.screen.number.0.saturating_sub(1)
+    }
+
+    /// Replaced swapchains that the presentation engine may still use. There is a small bound.
+    pub fn retiring(&self) -> usize {
+        self.screen.old.len()
+    }
+
+    /// The newest picture given to the presentation engine.
+    pub fn newest_presented(&self) -> Option<PresentId> {
+        Some(self.screen.newest).filter(|id| *id > PresentId::default())
+    }
+}
+
+impl WindowImage<'_> {
+    /// Size in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.screen.chain.as_ref().map_or([0, 0], |chain| chain.size)
+    }
+
+    /// Copies the picture of `target` to the image, byte for byte where their sizes are equal, and
+    /// has it shown. A picture of another shape keeps its proportions, between black borders. A frame that waits for a [`crate::Timeline`] is shown after the signal it waits
+    /// for, not before (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for one whose
+    /// picture was not [submitted](Target::submitted); what has no name in [`NotShown`].
+    pub fn show(self, target: &Target) -> Result<Shown, Error> {
+        let Self { frame, screen, slot_wait, acquire_wait } = self;
+        match screen.show(frame, target, [slot_wait, acquire_wait]) {
+            Ok(presented) => Ok(presented),
+            Err(error) => Ok(Shown::Not(screen.settle(error)?)),
+        }
+    }
+}

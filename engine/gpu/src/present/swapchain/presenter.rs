@@ -1,0 +1,110 @@
+//! A thread that presents, for windows where that may take as long as they are hidden.
+//!
+//! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor asks for another picture,
+//! which it does not do for a window that nobody sees; and the call has no bound. So it is made here,
+//! and the frame loop waits for its end with a bound. Meanwhile the queue is taken: until the call is
+//! over nothing can be submitted, and [`super::Swapchain::is_ready`] says so.
+
+use std::sync::{Arc, Condvar, Mutex};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use ash::vk;
+
+use super::chain::PresentCall;
+use super::remains::Remains;
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::turns::lock;
+
+/// The thread, and what it was given.
+pub(super) struct Presenter {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    call: Option<PresentCall>,
+    result: Option<Result<bool, vk::Result>>,
+    is_busy: bool,
+    is_over: bool,
+    /// What a window leaves that was closed during a call.
+    remains: Option<Remains>,
+}
+
+impl Presenter {
+    pub(super) fn new(device: &Device) -> Result<Self, Error> {
+        let shared = Arc::new(Shared::default());
+        let (device, theirs) = (device.clone(), Arc::clone(&shared));
+        let thread = std::thread::Builder::new().name("present".to_owned());
+        let thread = thread.spawn(move || present_all(&device, &theirs));
+        let thread = thread.map_err(|error| Error::NoThread(error.to_string()))?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// Starts a call. The one before is over and its result taken.
+    pub(super) fn start(&self, call: PresentCall) {
+        let mut state = lock(&self.shared.state);
+        (state.call, state.result, state.is_busy) = (Some(call), None, true);
+        self.shared.changed.notify_all();
+    }
+
+    /// The result of the call, if it ends within `bound`; it is told once.
+    pub(super) fn result_within(&self, bound: Duration) -> Option<Result<bool, vk::Result>> {
+        let waited =
+            self.shared
+                .changed
+                .wait_timeout_while(lock(&self.shared.state), bound, |state| state.is_busy);
+        waited.unwrap_or_else(|error| error.into_inner()).0.result.take()
+    }
+
+    pub(super) fn is_busy(&self) -> bool {
+        lock(&self.shared.state).is_busy
+    }
+
+    /// Ends the thread: at once, or when its call is over, and with it what the window leaves.
+    pub(super) fn end(mut self, remains: Remains) {
+        let mut state = lock(&self.shared.state);
+        state.is_over = true;
+        let is_busy = state.is_busy;
+        let ours = if is_busy {
+            state.remains = Some(remains);
+            None
+        } else {
+            Some(remains)
+        };
+        drop(state);
+        self.shared.changed.notify_all();
+        if let (false, Some(thread)) = (is_busy, self.thread.take()) {
+            let _panics_are_logged = thread.join();
+        }
+        drop(ours);
+    }
+}
+
+fn present_all(device: &Device, shared: &Shared) {
+    loop {
+        let waited = shared
+            .changed
+            .wait_while(lock(&shared.state), |state| state.call.is_none() && !state.is_over);
+        let mut state = waited.unwrap_or_else(|error| error.into_inner());
+        let Some(call) = state.call.take() else {
+            let remains = state.remains.take();
+            drop(state);
+            drop(remains);
+            return;
+        };
+        drop(state);
+        let result = call.make(device);
+        let mut state = lock(&shared.state);
+        (state.result, state.is_busy) = (Some(result), false);
+        shared.changed.notify_all();
+    }
+}

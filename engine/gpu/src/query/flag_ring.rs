@@ -1,0 +1,100 @@
+//! The flag ring: words that shaders set, over N frames in flight, brought home like query answers.
+//!
+//! What a query is to the rasteriser's counter, a flag is to a shader's store: zero until something
+//! shows. A slot belongs to one frame until its tick is over; the words are read by predicates in
+//! the same frame and copied to mapped memory at its end.
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::ownership::{OfDevice, OwnerId};
+use crate::core::tick::Tick;
+use crate::memory::buffer::BufferSlice;
+use crate::query::predicates::WordSource;
+use crate::query::ring::Ring;
+use crate::query::words::Words;
+use crate::record::commands::Commands;
+use crate::record::frames::Frame;
+
+/// Flags over the frames in flight. Each carries a tag `T` and returns it with its word; the
+/// ring does not look into it.
+pub struct FlagRing<T> {
+    device: Device,
+    ring: Ring<T, Option<Words>>,
+    source: WordSource,
+    name: String,
+}
+
+impl<T> OfDevice for FlagRing<T> {
+    const KIND: &'static str = "a flag ring (`FlagRing`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device.id()
+    }
+}
+
+impl<T: Copy> FlagRing<T> {
+    /// Makes a ring for `frames_in_flight` frames whose words `source` writes.
+    pub fn new(device: &Device, frames_in_flight: usize, source: WordSource, name: &str) -> Self {
+        let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
+        Self { device, ring, source, name: name.to_owned() }
+    }
+
+    /// Gives `answer` the tags and words of every frame that is over, oldest first. `completed` is
+    /// [`Device::completed`]. Never waits.
+    pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&[T], &[u32])) {
+        self.ring.collect(self.device.proven(completed), |slot| {
+            if let Some(words) = &slot.memory {
+                answer(&slot.tags, words.read(slot.tags.len()));
+            }
+        });
+    }
+
+    /// Starts the flags of `frame`, one per tag, all zero; the place of a flag is that of its tag.
+    /// A barrier from [`Access::CopyWrite`](crate::Access::CopyWrite) to the stores must follow.
+    /// Answers of this slot that nobody collected are forgotten.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
+    pub fn begin(
+        &mut self,
+        frame: &Frame<'_>,
+        tags: impl ExactSizeIterator<Item = T>,
+    ) -> Result<(), Error> {
+        frame.commands().admit(self)?;
+        let (slot, _) = self.ring.turn_to(frame.slot());
+        slot.begin(frame.commands().recording(), tags);
+        let wanted = slot.tags.len();
+        if wanted == 0 {
+            return Ok(());
+        }
+        if slot.memory.as_ref().is_none_or(|words| !words.holds(wanted)) {
+            let name = format!("{} {}", self.name, slot.number);
+            slot.memory = None; // retired: the slot's own tick is over
+            slot.memory = Some(Words::new(&self.device, &name, Words::roomy(wanted))?);
+        }
+        if let Some(words) = &slot.memory {
+            frame.commands().fill(words.first(wanted), 0);
+        }
+        Ok(())
+    }
+
+    /// Returns the words that shaders set, one per tag of the frame being recorded; none without tags.
+    pub fn words(&self) -> Option<BufferSlice> {
+        let slot = self.ring.current();
+        let words = slot.memory.as_ref().filter(|_| !slot.tags.is_empty())?;
+        Some(words.first(slot.tags.len()))
+    }
+
+    /// Copies all words to mapped memory for [`FlagRing::collect`]. The last use in a frame.
+    pub fn read_back(&self, commands: &Commands) {
+        let slot = self.ring.current();
+        if let (Ok(()), Some(words)) = (commands.admit(self), &slot.memory) {
+            words.read_back(commands, slot.tags.len(), &[self.source.access()]);
+        }
+    }
+
+    /// Notes that the frame that the ring recorded for is on its way.
+    pub fn submitted(&mut self, tick: Tick) {
+        self.ring.submitted(self.device.not_before(tick));
+    }
+}

@@ -1,0 +1,126 @@
+//! A pool of occlusion queries, and the few commands that use it.
+
+use std::ops::Range;
+
+use ash::vk;
+
+use crate::core::capabilities::Optional;
+use crate::core::deletion::Garbage;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::memory::buffer::BufferSlice;
+use crate::query::recorded::Recorded;
+use crate::query::words::WORD_BYTES;
+use crate::record::commands::{Commands, Failure};
+
+/// A query of the frame being recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct QueryIndex(pub u32);
+
+/// What an answer says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counting {
+    /// Whether some samples passed: any number but 0 for "some".
+    Some,
+    /// How many, where the device has [`crate::Optional::PreciseQueries`].
+    Samples,
+}
+
+/// Occlusion queries of one frame slot.
+pub(crate) struct OcclusionPool {
+    device: Device,
+    raw: vk::QueryPool,
+    capacity: u32,
+}
+
+impl OcclusionPool {
+    pub(crate) fn new(device: &Device, capacity: u32, name: &str) -> Result<Self, Error> {
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::OCCLUSION)
+            .query_count(capacity);
+        // SAFETY: a plain query pool; capacity is not zero.
+        let raw =
+            unsafe { device.raw().create_query_pool(&info, None) }.called("vkCreateQueryPool")?;
+        device.name(raw, name);
+        Ok(Self { device: device.clone(), raw, capacity })
+    }
+
+    /// Makes the first `count` queries ready to be begun. Outside of rendering; the tick of the frame
+    /// that used them before is over.
+    pub(crate) fn reset(&self, commands: &Commands, count: u32) {
+        let count = count.min(self.capacity);
+        if count > 0 {
+            // SAFETY: the slot's tick is over, so none of its queries is in use.
+            unsafe { self.device.raw().cmd_reset_query_pool(commands.raw(), self.raw, 0, count) };
+        }
+    }
+
+    /// Records what `record` draws under query `query` of this pool, which is `number` among those
+    /// that the frame has `recorded`. A second time makes the recording fail.
+    pub(crate) fn scope(
+        &self,
+        commands: &Commands,
+        query: u32,
+        counting: Counting,
+        (recorded, number): (&Recorded, u32),
+        record: impl FnOnce(&Commands),
+    ) {
+        if !recorded.note(number) {
+            commands.fail(Failure::Wrong("a query is used twice in a frame"));
+            return;
+        }
+        let raw = self.device.raw();
+        let is_precise = counting == Counting::Samples
+            && self.device.capabilities().has(Optional::PreciseQueries);
+        let flags = match is_precise {
+            true => vk::QueryControlFlags::PRECISE,
+            false => vk::QueryControlFlags::empty(),
+        };
+        // SAFETY: the query was reset earlier in this frame and is used once in it, as was noted;
+        // precise ones are asked for only where the feature is on.
+        unsafe { raw.cmd_begin_query(commands.raw(), self.raw, query, flags) };
+        record(commands);
+        // SAFETY: closes the query opened above.
+        unsafe { raw.cmd_end_query(commands.raw(), self.raw, query) };
+    }
+
+    /// Copies the results of `queries`, all of which were recorded, on the GPU to `to`, one word each.
+    /// Outside of rendering.
+    pub(crate) fn copy_results(&self, commands: &Commands, queries: Range<u32>, to: BufferSlice) {
+        // WAIT is the GPU's own wait for its earlier commands, not the CPU's.
+        let flags = vk::QueryResultFlags::WAIT;
+        // SAFETY: the queries were begun and ended earlier in this frame; the slice has a word for
+        // each.
+        unsafe {
+            self.device.raw().cmd_copy_query_pool_results(
+                commands.raw(),
+                self.raw,
+                queries.start,
+                queries.end - queries.start,
+                to.raw,
+                to.offset_bytes,
+                WORD_BYTES,
+                flags,
+            );
+        }
+    }
+}
+
+/// Makes the recording fail unless all of `queries` were recorded: the GPU would wait for ever.
+pub(crate) fn check_recorded(
+    commands: &Commands,
+    recorded: &Recorded,
+    queries: Range<u32>,
+) -> bool {
+    let are_recorded = recorded.has_all(queries);
+    if !are_recorded {
+        commands.fail(Failure::Wrong("the result is wanted of a query that was not recorded"));
+    }
+    are_recorded
+}
+
+impl Drop for OcclusionPool {
+    fn drop(&mut self) {
+        self.device.retire(Garbage::QueryPool(self.raw));
+    }
+}

@@ -1,0 +1,361 @@
+//! Predicates: ranges of draws that the GPU skips by itself when a test saw nothing.
+//!
+//! A test leaves a word that is zero or not, whoever wrote it ([`WordSource`]). The same plan runs on
+//! every device, by one of three executors; what is done with the word differs:
+//!
+//! - [`Predication::Conditional`]: the word is the predicate of conditional rendering.
+//! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all.
+//! - [`Predication::Instances`]: a compute pass writes it into the instance count of every draw of
+//!   the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
+//!   range, not only with the number of ranges.
+
+mod choice;
+mod decisions;
+mod lane;
+
+use std::ops::Range;
+
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+
+use crate::core::capabilities::Optional;
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::ownership::of_device;
+use crate::memory::buffer::{Buffer, BufferSlice};
+use crate::record::access::{Access, MemoryBarrier};
+use crate::record::commands::Commands;
+use crate::record::frames::Frame;
+use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
+use crate::record::pipeline::{ComputePipeline, StorageLayout};
+use crate::record::shader::Spirv;
+use choice::choose;
+pub use decisions::{Predicated, Predication, Reveal, WordSource};
+pub use lane::BOX_VERTICES;
+use lane::Lane;
+
+/// All draws of a scene, in GPU memory, drawn range by range under predicates.
+pub struct Predicates {
+    device: Device,
+    predication: Predication,
+    draws: Buffer,
+    writer: Option<ComputePipeline>,
+    threshold_samples: u32,
+    // A word that lets everything be drawn: as a predicate, and as a draw count.
+    all: Buffer,
+    lanes: [Lane; WordSource::ALL.len()],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Decisions {
+    first: u32,
+    count: u32,
+    threshold: u32,
+}
+
+of_device!(Predicates: "predicates (`Predicates`)");
+
+impl Predicates {
+    /// Uploads `draws` and prepares `predication` (if `None`, the device's best for so many).
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] when the device lacks what `predication` needs; [`Error::TooLarge`] for
+    /// more draws than it counts; no memory; a failed call.
+    pub fn new(
+        device: &Device,
+        predication: Option<Predication>,
+        draws: &[IndirectDraw],
+        frames_in_flight: usize,
+    ) -> Result<Self, Error> {
+        Self::with_threshold(device, predication, draws, frames_in_flight, 0)
+    }
+
+    /// The same where words of queries that are no larger than `threshold_samples` count as zero; those
+    /// queries must [count](crate::Counting::Samples). The result is then no longer exact.
+    ///
+    /// # Errors
+    /// As [`Predicates::new`]; above a threshold of 0 also [`Error::CannotCompare`], and
+    /// [`Error::Unsupported`] where queries do not count.
+    pub fn with_threshold(
+        device: &Device,
+        predication: Option<Predication>,
+        draws: &[IndirectDraw],
+        frames_in_flight: usize,
+        threshold_samples: u32,
+    ) -> Result<Self, Error> {
+        let predication = choose(device, predication, draws.len() as u64, threshold_samples)?;
+        let shader = match predication {
+            Predication::Conditional => None,
+            Predication::Counts => Some(shaders::PREDICATE_COUNTS),
+            Predication::Instances => Some(shaders::PREDICATE_INSTANCES),
+        };
+        let buffers = writer_buffers(predication) as u32;
+        let storage = StorageLayout {
+            buffers,
+            textures: 0,
+            texture_arrays: 0,
+            push_bytes: size_of::<Decisions>() as u32,
+        };
+        let writer = match shader {
+            None => None,
+            Some(shader) => {
+                let spirv = Spirv::from_bytes(shader.name, shader.spirv)?;
+                Some(ComputePipeline::new(device, shader.name, &spirv, storage)?)
+            }
+        };
+        let usage = vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
+        let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
+        let mut all_usage = usage;
+        if device.conditional().is_some() {
+            all_usage |= vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
+        }
+        Ok(Self {
+            device: device.clone(),
+            predication,
+            all: device.upload("all draws", &most, all_usage)?,
+            // Read back by whoever looks for what was decided.
+            draws: device.upload(
+                "indirect draws",
+                draws,
+                usage | vk::BufferUsageFlags::TRANSFER_SRC,
+            )?,
+            writer,
+            threshold_samples,
+            lanes: std::array::from_fn(|_| Lane::new(frames_in_flight)),
+        })
+    }
+
+    /// Makes room for another number of frames in flight.
+    pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        self.lanes = std::array::from_fn(|_| Lane::new(frames_in_flight));
+    }
+
+    /// All draws in GPU memory, to be changed between frames. [`Predication::Instances`] changes
+    /// their instance counts.
+    pub fn draws(&self) -> BufferSlice {
+        self.draws.whole()
+    }
+
+    /// The executor in use.
+    pub fn predication(&self) -> Predication {
+        self.predication
+    }
+
+    /// Starts a frame: the decisions that hang on the words of `source`. Each source is begun once a
+    /// frame, without words if it writes none: what is unknown is drawn.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for a frame or words of another device, and the frame fails; no memory.
+    pub fn begin(
+        &mut self,
+        frame: &mut Frame<'_>,
+        source: WordSource,
+        words: Option<BufferSlice>,
+        decided: impl ExactSizeIterator<Item = Predicated>,
+    ) -> Result<(), Error> {
+        frame.commands().admit(self)?;
+        words.map_or(Ok(()), |words| frame.commands().admit(&words))?;
+        let counts = self.predication == Predication::Counts;
+        let device = &self.device;
+        let Some(lane) = self.lanes.get_mut(source as usize) else { return Ok(()) };
+        let has_words = words.is_some();
+        let decided = decided
+            .map(|decided| Predicated { word: decided.word * u32::from(has_words), ..decided });
+        lane.begin(frame, words.unwrap_or(self.all.whole()), decided);
+        if self.writer.is_some() {
+            lane.upload(frame, self.predication)?;
+        }
+        if counts { lane.make_counts(device) } else { Ok(()) }
+    }
+
+    /// Makes the words decide that were just written: for each source, a range of its decisions.
+    /// Outside of rendering; after writing the words and before anything is drawn by them.
+    pub fn resolve(&self, commands: &Commands, written: &[(WordSource, Range<u32>)]) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        let between = MemoryBarrier::between;
+        let mut from: Vec<Access> = written.iter().map(|(source, _)| source.access()).collect();
+        let Some(writer) = &self.writer else {
+            commands.barrier(between(&from, &[Access::PredicateRead]));
+            return;
+        };
+        // Earlier rounds, and earlier frames of other slots, may still read the draws.
+        from.extend([Access::IndirectRead, Access::ComputeWrite]);
+        commands.barrier(between(&from, &[Access::ComputeRead, Access::ComputeWrite]));
+        for (source, range) in written {
+            let lane = self.lane(*source);
+            let result = match self.predication {
+                Predication::Counts => lane.counts(),
+                _ => Some(self.draws.whole()),
+            };
+            let (Some(on_gpu), Some(words), Some(result)) = (lane.on_gpu, lane.words, result)
+            else {
+                continue;
+            };
+            let lists = [words, on_gpu.decided, result, on_gpu.box_draws];
+            commands.bind_compute(
+                writer,
+                lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
+            );
+            // What nobody answers is drawn, and flags do not count.
+            let is_counted = *source == WordSource::Queries && words != self.all.whole();
+            let threshold = if is_counted { self.threshold_samples } else { 0 };
+            let per_group = match self.predication {
+                Predication::Counts => 64, // a thread per decision
+                _ => 1,                    // a workgroup per decision
+            };
+            let limits = &self.device.adapter().limits;
+            let most = limits.max_compute_work_group_count[0].max(1).saturating_mul(per_group);
+            let end = range.end.min(lane.decided.len() as u32);
+            for first in (range.start..end).step_by(most as usize) {
+                let count = most.min(end - first);
+                commands.push_compute_constants(writer, &Decisions { first, count, threshold });
+                commands.dispatch([count.div_ceil(per_group), 1, 1]);
+            }
+        }
+        // The next round writes other words of the buffers just read.
+        commands.barrier(between(
+            &[Access::ComputeWrite, Access::ComputeRead],
+            &[Access::IndirectRead, Access::CopyWrite, Access::CopyRead, Access::FragmentWrite],
+        ));
+    }
+
+    /// Draws all of `draws`, whatever any word says. Where some draws are counted these are, too:
+    /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in
+    /// the command buffer.
+    pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        match self.predication {
+            Predication::Counts => self.draw_after_counted(commands, draws),
+            _ => commands.draw_indirect(draws),
+        }
+    }
+
+    /// The same where others may have drawn by a count before, whatever the executor.
+    pub fn draw_after_counted(&self, commands: &Commands, draws: BufferSlice) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        let counts = self.device.capabilities().has(Optional::DrawIndirectCount);
+        let limit = u64::from(self.device.adapter().limits.max_draw_indirect_count);
+        match counts && draws.size_bytes / DRAW_BYTES <= limit {
+            true => commands.draw_indirect_count(draws, self.all.whole()),
+            false => commands.draw_indirect(draws),
+        }
+    }
+
+    /// Draws the range of a decision if its word is not zero.
+    pub fn draw(&self, commands: &Commands, source: WordSource, decision: u32) {
+        self.draw_from(commands, source, decision, self.draws.whole());
+    }
+
+    /// Draws the range of a decision out of `draws`, which has a copy of every draw whose instance
+    /// count is 1 where a box showed and 0 elsewhere, if the word is not zero.
+    pub fn draw_parts(
+        &self,
+        commands: &Commands,
+        source: WordSource,
+        decision: u32,
+        draws: BufferSlice,
+    ) {
+        self.draw_from(commands, source, decision, draws);
+    }
+
+    fn draw_from(
+        &self,
+        commands: &Commands,
+        source: WordSource,
+        decision: u32,
+        all_draws: BufferSlice,
+    ) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        let lane = self.lane(source);
+        let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
+            return;
+        };
+        let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+        let draws = all_draws.part(bytes(range.first), bytes(range.count));
+        match self.predication {
+            Predication::Instances => commands.draw_indirect(draws),
+            Predication::Counts => {
+                if let Some(count) = lane.count(decision) {
+                    commands.draw_indirect_count(draws, count);
+                }
+            }
+            Predication::Conditional => {
+                self.conditionally(commands, lane, word, |commands| commands.draw_indirect(draws));
+            }
+        }
+    }
+
+    /// Draws [`BOX_VERTICES`] vertices for each draw in the range of a decision, as the instance of
+    /// the draw's own number, if the word is not zero.
+    pub fn draw_boxes(&self, commands: &Commands, source: WordSource, decision: u32) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        let lane = self.lane(source);
+        let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
+            return;
+        };
+        match (lane.on_gpu, self.predication) {
+            (Some(on_gpu), Predication::Counts) => {
+                // Not a plain indirect draw: Mesa 22.3's lavapipe goes on using the count of the last
+                // draw that had one.
+                if let Some(count) = lane.box_count(decision) {
+                    commands.draw_unindexed_indirect_count(lane::box_draw(on_gpu, decision), count);
+                }
+            }
+            (Some(on_gpu), _) => commands.draw_unindexed_indirect(lane::box_draw(on_gpu, decision)),
+            (None, _) => self.conditionally(commands, lane, word, |commands| {
+                commands.draw_instances(BOX_VERTICES, range.first..range.first + range.count);
+            }),
+        }
+    }
+
+    /// Records `record` so that the GPU skips it if the word is zero.
+    fn conditionally(
+        &self,
+        commands: &Commands,
+        lane: &Lane,
+        word: u32,
+        record: impl FnOnce(&Commands),
+    ) {
+        let (Some(conditional), Some(words)) = (self.device.conditional(), lane.words) else {
+            record(commands);
+            return;
+        };
+        let info = vk::ConditionalRenderingBeginInfoEXT::default()
+            .buffer(words.raw)
+            .offset(words.offset_bytes + u64::from(word) * 4);
+        // SAFETY: the extension is enabled; ash 0.38 has only the raw pointers. The words outlive
+        // the frame.
+        unsafe {
+            (conditional.fp().cmd_begin_conditional_rendering_ext)(commands.raw(), &raw const info);
+        }
+        record(commands);
+        // SAFETY: closes what was opened above.
+        unsafe {
+            (conditional.fp().cmd_end_conditional_rendering_ext)(commands.raw());
+        }
+    }
+
+    fn lane(&self, source: WordSource) -> &Lane {
+        &self.lanes[source as usize]
+    }
+}
+
+/// Storage buffers of the compute shader: words, what they decide, counts or draws, and box draws
+/// where their instance counts are written.
+fn writer_buffers(predication: Predication) -> usize {
+    match predication {
+        Predication::Instances => 4,
+        Predication::Conditional | Predication::Counts => 3,
+    }
+}

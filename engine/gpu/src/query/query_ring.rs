@@ -1,0 +1,166 @@
+//! The query ring: occlusion queries over N frames in flight whose answers never make anyone wait.
+//!
+//! A slot belongs to one frame until its tick is over. While the frame runs, the GPU itself copies
+//! the results: to a buffer that predicates read in the same frame, and from there to mapped memory,
+//! where the CPU picks them up in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The results are
+//! believed because of the tick, not because of an availability word: SwiftShader may write that
+//! word too early.
+
+use std::ops::Range;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::ownership::{OfDevice, OwnerId};
+use crate::core::tick::Tick;
+use crate::memory::buffer::BufferSlice;
+use crate::query::occlusion_pool::{Counting, OcclusionPool, QueryIndex, check_recorded};
+use crate::query::recorded::Recorded;
+use crate::query::ring::Ring;
+use crate::query::words::{WORD_BYTES, Words};
+use crate::record::access::Access;
+use crate::record::commands::Commands;
+use crate::record::frames::Frame;
+
+/// Occlusion queries over the frames in flight. Each carries a tag `T` and returns it with its
+/// result; the ring does not look into it.
+pub struct QueryRing<T> {
+    device: Device,
+    ring: Ring<T, Option<Queries>>,
+    /// Those of the frame being recorded.
+    recorded: Recorded,
+    name: String,
+    counting: Counting,
+}
+
+/// The Vulkan side of a slot.
+struct Queries {
+    pool: OcclusionPool,
+    results: Words,
+}
+
+impl<T> OfDevice for QueryRing<T> {
+    const KIND: &'static str = "a query ring (`QueryRing`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device.id()
+    }
+}
+
+impl<T: Copy> QueryRing<T> {
+    /// Makes a ring for `frames_in_flight` frames. Slots grow as frames ask for more queries.
+    ///
+    /// # Errors
+    /// None today; slots are made when they are first used.
+    pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Result<Self, Error> {
+        Ok(Self {
+            device: device.clone(),
+            ring: Ring::new(frames_in_flight),
+            recorded: Recorded::default(),
+            name: name.to_owned(),
+            counting: Counting::Some,
+        })
+    }
+
+    /// Returns the same with queries that count so.
+    #[must_use]
+    pub fn counting(self, counting: Counting) -> Self {
+        Self { counting, ..self }
+    }
+
+    /// Gives `answer` every result that has arrived: the tag and the number of samples that passed
+    /// (only zero or not zero means something, unless the ring [counts](QueryRing::counting) them).
+    /// `completed` is [`Device::completed`]. Never waits.
+    pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(T, u32)) {
+        self.ring.collect(self.device.proven(completed), |slot| {
+            let Some(queries) = &slot.memory else { return };
+            for (tag, samples) in slot.tags.iter().zip(queries.results.read(slot.tags.len())) {
+                answer(*tag, *samples);
+            }
+        });
+    }
+
+    /// Starts the queries of `frame`, one per tag; the index of a query is the index of its tag.
+    /// Answers of this slot that nobody collected are forgotten.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for a frame of another device, which fails; no memory, or a failed call.
+    pub fn begin(&mut self, frame: &mut Frame<'_>, tags: &[T]) -> Result<(), Error> {
+        frame.commands().admit(self)?;
+        let (slot, _) = self.ring.turn_to(frame.slot());
+        self.recorded.restart(0);
+        slot.begin(frame.commands().recording(), tags.iter().copied());
+        if slot.memory.as_ref().is_none_or(|queries| !queries.results.holds(tags.len())) {
+            let name = format!("{} {}", self.name, slot.number);
+            slot.memory = None; // retired: the slot's own tick is over
+            slot.memory = Some(Queries::new(&self.device, Words::roomy(tags.len()), &name)?);
+        }
+        let wanted = u32::try_from(tags.len()).unwrap_or(u32::MAX);
+        self.recorded.restart(wanted);
+        if let Some(queries) = &slot.memory {
+            queries.pool.reset(frame.commands(), wanted);
+        }
+        Ok(())
+    }
+
+    /// Records what `record` draws under `query`. Each query of a frame is recorded exactly once; a
+    /// second time makes the recording fail.
+    pub fn scope(&self, commands: &Commands, query: QueryIndex, record: impl FnOnce(&Commands)) {
+        match self.begun(commands) {
+            Some(queries) if query.0 < self.recorded.count() => {
+                let number = (&self.recorded, query.0);
+                queries.pool.scope(commands, query.0, self.counting, number, record);
+            }
+            // Not begun for this frame: draw without asking.
+            _ => record(commands),
+        }
+    }
+
+    /// Copies the results of queries `range` on the GPU to [`QueryRing::results`], one 32-bit word
+    /// each. All of them have been recorded, or the recording fails; outside of rendering. A barrier
+    /// from [`Access::CopyWrite`] to the use must follow.
+    pub fn resolve(&self, commands: &Commands, range: Range<u32>) {
+        let Some(queries) = self.begun(commands) else {
+            return;
+        };
+        let range = range.start..range.end.min(self.recorded.count());
+        if range.is_empty() || !check_recorded(commands, &self.recorded, range.clone()) {
+            return;
+        }
+        let (offset, size) = (u64::from(range.start), u64::from(range.end - range.start));
+        let to = queries.results.whole().part(offset * WORD_BYTES, size * WORD_BYTES);
+        queries.pool.copy_results(commands, range, to);
+    }
+
+    /// Returns the words that [`QueryRing::resolve`] writes, for predicates.
+    pub fn results(&self) -> Option<BufferSlice> {
+        let queries = self.ring.current().memory.as_ref()?;
+        Some(queries.results.whole())
+    }
+
+    /// Copies all words to mapped memory for [`QueryRing::collect`]. The last use in a frame.
+    pub fn read_back(&self, commands: &Commands) {
+        let slot = self.ring.current();
+        if let (Some(queries), Ok(())) = (&slot.memory, commands.admit(self)) {
+            queries.results.read_back(commands, slot.tags.len(), &[Access::CopyWrite]);
+        }
+    }
+
+    /// Notes that the frame that the ring recorded for is on its way.
+    pub fn submitted(&mut self, tick: Tick) {
+        self.ring.submitted(self.device.not_before(tick));
+    }
+
+    fn begun(&self, commands: &Commands) -> Option<&Queries> {
+        commands.admit(self).ok()?;
+        let slot = self.ring.current();
+        slot.memory.as_ref().filter(|_| slot.is_begun_for(commands.recording()))
+    }
+}
+
+impl Queries {
+    fn new(device: &Device, capacity: usize, name: &str) -> Result<Self, Error> {
+        let results = Words::new(device, &format!("{name} results"), capacity)?;
+        let capacity = u32::try_from(capacity).unwrap_or(u32::MAX);
+        Ok(Self { pool: OcclusionPool::new(device, capacity, name)?, results })
+    }
+}

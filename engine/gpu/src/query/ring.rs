@@ -1,0 +1,161 @@
+//! The ring below all rings: what a frame asks, kept by slot until the GPU has answered.
+//!
+//! A slot belongs to one frame until its tick is over, so that what the frame wrote to the slot's
+//! memory may be read then, and not before. Nothing here knows what is asked.
+
+use crate::core::deletion::Recording;
+use crate::core::tick::Tick;
+use crate::record::frames::SlotIndex;
+
+/// Tags `T` and memory `M` of each frame in flight.
+pub(crate) struct Ring<T, M> {
+    slots: Vec<Slot<T, M>>,
+    /// The slot of the frame being recorded.
+    current: usize,
+}
+
+/// What one frame asks, and where it is answered.
+pub(crate) struct Slot<T, M> {
+    pub(crate) number: usize,
+    /// Kept for the frames that use the slot later.
+    pub(crate) memory: M,
+    /// The caller's, returned with the answers.
+    pub(crate) tags: Vec<T>,
+    /// The recording that the slot was begun for.
+    recording: Recording,
+    is_recording: bool,
+    /// The frame whose answers this slot holds; none while recording and once they are collected.
+    in_flight: Option<Tick>,
+}
+
+impl<T, M: Default> Ring<T, M> {
+    pub(crate) fn new(frames_in_flight: usize) -> Self {
+        let slot = |number| Slot {
+            number,
+            memory: M::default(),
+            tags: Vec::new(),
+            recording: Recording::default(),
+            is_recording: false,
+            in_flight: None,
+        };
+        Self { slots: (0..frames_in_flight.max(1)).map(slot).collect(), current: 0 }
+    }
+
+    pub(crate) fn slots_mut(&mut self) -> impl Iterator<Item = &mut Slot<T, M>> {
+        self.slots.iter_mut()
+    }
+
+    /// Gives `answer` every slot whose frame is over, once, oldest first: a history should see answers
+    /// in the order of their frames.
+    pub(crate) fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&Slot<T, M>)) {
+        loop {
+            let is_over = |slot: &&mut Slot<T, M>| slot.in_flight.is_some_and(|it| it <= completed);
+            let over = self.slots.iter_mut().filter(is_over);
+            let Some(slot) = over.min_by_key(|slot| slot.in_flight) else {
+                return;
+            };
+            slot.in_flight = None;
+            answer(slot);
+        }
+    }
+
+    /// Goes to the slot of the frame that is recorded next. Says also whether the last frame begun
+    /// there was never submitted, so that nobody knows what is in its memory.
+    pub(crate) fn turn_to(&mut self, slot: SlotIndex) -> (&mut Slot<T, M>, bool) {
+        self.current = slot.0 % self.slots.len();
+        let slot = &mut self.slots[self.current];
+        let was_given_up = std::mem::take(&mut slot.is_recording);
+        (slot, was_given_up)
+    }
+
+    /// Returns the slot that was turned to last.
+    pub(crate) fn current(&self) -> &Slot<T, M> {
+        &self.slots[self.current]
+    }
+
+    pub(crate) fn current_mut(&mut self) -> &mut Slot<T, M> {
+        &mut self.slots[self.current]
+    }
+
+    /// Notes the tick of the frame that was begun last, unless that has happened already.
+    pub(crate) fn submitted(&mut self, tick: Tick) {
+        let slot = &mut self.slots[self.current];
+        if std::mem::take(&mut slot.is_recording) {
+            slot.in_flight = Some(tick);
+        }
+    }
+}
+
+impl<T, M> Slot<T, M> {
+    /// Begins to record what a frame asks. Answers that nobody collected are forgotten.
+    pub(crate) fn begin(&mut self, recording: Recording, tags: impl Iterator<Item = T>) {
+        (self.recording, self.is_recording, self.in_flight) = (recording, true, None);
+        self.tags.clear();
+        self.tags.extend(tags);
+    }
+
+    /// Returns true for the recording that the slot was begun for.
+    pub(crate) fn is_begun_for(&self, recording: Recording) -> bool {
+        self.recording == recording
+    }
+
+    /// Returns true from the beginning of a frame until it is submitted.
+    pub(crate) fn is_recording(&self) -> bool {
+        self.is_recording
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Records a frame in a slot and submits it as the tick.
+    fn frame(ring: &mut Ring<char, ()>, slot: usize, tag: char, tick: u64) {
+        let (slot, _) = ring.turn_to(SlotIndex(slot));
+        slot.begin(Recording::default(), [tag].into_iter());
+        ring.submitted(Tick(tick));
+    }
+
+    fn collected(ring: &mut Ring<char, ()>, completed: u64) -> String {
+        let mut tags = String::new();
+        ring.collect(Tick(completed), |slot| tags.extend(&slot.tags));
+        tags
+    }
+
+    #[test]
+    fn answers_come_once_and_in_the_order_of_their_frames() {
+        let mut ring = Ring::new(3);
+        frame(&mut ring, 2, 'a', 1);
+        frame(&mut ring, 0, 'b', 2);
+        frame(&mut ring, 1, 'c', 4);
+        assert_eq!(collected(&mut ring, 0), "");
+        assert_eq!(collected(&mut ring, 3), "ab");
+        assert_eq!(collected(&mut ring, 3), "");
+        assert_eq!(collected(&mut ring, 4), "c");
+    }
+
+    #[test]
+    fn a_slot_that_is_used_again_forgets_what_nobody_collected() {
+        let mut ring = Ring::new(1);
+        frame(&mut ring, 0, 'a', 1);
+        let (slot, was_given_up) = ring.turn_to(SlotIndex(0));
+        assert!(!was_given_up);
+        slot.begin(Recording::default(), ['b'].into_iter());
+        assert!(ring.current().is_recording());
+        assert_eq!(collected(&mut ring, 9), "", "it is being recorded");
+    }
+
+    #[test]
+    fn a_frame_that_is_given_up_is_known_and_never_answers() {
+        let mut ring = Ring::new(2);
+        let (slot, _) = ring.turn_to(SlotIndex(0));
+        slot.begin(Recording::default(), ['a'].into_iter());
+        frame(&mut ring, 1, 'b', 1);
+        assert!(ring.turn_to(SlotIndex(0)).1);
+        assert_eq!(collected(&mut ring, 9), "b");
+        // A frame that asks nothing is submitted as well.
+        assert!(!ring.turn_to(SlotIndex(1)).1);
+        ring.submitted(Tick(2));
+        assert_eq!(collected(&mut ring, 9), "");
+    }
+}

@@ -1,0 +1,196 @@
+//! Recording of what draws read: pipelines, buffers, textures, constants.
+
+use ash::vk;
+use bytemuck::Pod;
+
+use crate::memory::buffer::BufferSlice;
+use crate::memory::texture::Texture;
+use crate::memory::texture_array::TextureArray;
+use crate::record::commands::{Commands, Failure};
+use crate::record::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
+
+impl Commands {
+    /// Binds a graphics pipeline and the storage buffers it reads, in the order of its layout.
+    pub fn bind(&self, pipeline: &GraphicsPipeline, storage: &[BufferSlice]) {
+        self.bind_textured(pipeline, storage, &[]);
+    }
+
+    /// Binds a graphics pipeline, the storage buffers it reads, and the textures it samples.
+    pub fn bind_textured(
+        &self,
+        pipeline: &GraphicsPipeline,
+        storage: &[BufferSlice],
+        textures: &[&Texture],
+    ) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, &[]);
+    }
+
+    /// Binds a graphics pipeline, the storage buffers it reads, and the texture arrays it samples.
+    pub fn bind_arrays(
+        &self,
+        pipeline: &GraphicsPipeline,
+        storage: &[BufferSlice],
+        arrays: &[&TextureArray],
+    ) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, &[], arrays);
+    }
+
+    /// Binds a compute pipeline and its storage buffers.
+    pub fn bind_compute(&self, pipeline: &ComputePipeline, storage: &[BufferSlice]) {
+        self.bind_kind(&pipeline.0, vk::PipelineBindPoint::COMPUTE, storage, &[], &[]);
+    }
+
+    fn bind_kind(
+        &self,
+        pipeline: &PipelineKind,
+        point: vk::PipelineBindPoint,
+        storage: &[BufferSlice],
+        textures: &[&Texture],
+        arrays: &[&TextureArray],
+    ) {
+        let are_ours = self.admit(pipeline).is_ok()
+            && self.admit_all(storage)
+            && self.admit_all(textures.iter().copied())
+            && self.admit_all(arrays.iter().copied());
+        if !are_ours {
+            return;
+        }
+        let raw = self.device().raw();
+        if storage.len() != pipeline.buffers as usize {
+            self.fail(Failure::Wrong("a pipeline is bound with too many or too few buffers"));
+            return;
+        }
+        let are_known = textures.iter().all(|texture| texture.is_known_to(self));
+        if textures.len() != pipeline.textures as usize || !are_known {
+            self.fail(Failure::Wrong("a pipeline is bound with textures that are not there"));
+            return;
+        }
+        let are_filled = arrays.iter().all(|array| array.is_filled());
+        if arrays.len() != pipeline.texture_arrays as usize || !are_filled {
+            self.fail(Failure::Wrong("a pipeline is bound with texture arrays that are not there"));
+            return;
+        }
+        // SAFETY: a live pipeline of the right kind.
+        unsafe { raw.cmd_bind_pipeline(self.raw(), point, pipeline.raw) };
+        if storage.is_empty() && textures.is_empty() && arrays.is_empty() {
+            return;
+        }
+        let layouts = [pipeline.storage];
+        let info = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(self.descriptors())
+            .set_layouts(&layouts);
+        let mut set = vk::DescriptorSet::null();
+        // The function itself: ash would put the set on the heap.
+        let allocate = raw.fp_v1_0().allocate_descriptor_sets;
+        // SAFETY: the pool belongs to these commands, and was reset after the tick of earlier ones;
+        // there is room for the one set asked for.
+        let code = unsafe { allocate(raw.handle(), &raw const info, &raw mut set) };
+        if code != vk::Result::SUCCESS {
+            self.fail(Failure::Call("vkAllocateDescriptorSets", code));
+            return;
+        }
+        for (binding, slice) in storage.iter().enumerate() {
+            let buffers = [vk::DescriptorBufferInfo {
+                buffer: slice.raw,
+                offset: slice.offset_bytes,
+                range: slice.size_bytes,
+            }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding as u32)
+                .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
+                .buffer_info(&buffers);
+            // SAFETY: the set is fresh, so no command uses it yet.
+            unsafe { raw.update_descriptor_sets(&[write], &[]) };
+        }
+        for (binding, texture) in (storage.len() as u32..).zip(textures) {
+            let images = [texture.descriptor()];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding(binding)
+                .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+                .image_info(&images);
+            // SAFETY: as above; image and sampler live at least until this frame is over.
+            unsafe { raw.update_descriptor_sets(&[write], &[]) };
+        }
+        for (element, array) in (0..).zip(arrays) {
+            let images = [array.descriptor()];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(set)
+                .dst_binding((storage.len() + textures.len()) as u32)
+                .dst_array_element(element)
+                .descriptor_type(vk::DescriptorType::COMBINED_IMAGE_SAMPLER)
+                .image_info(&images);
+            // SAFETY: as above.
+            unsafe { raw.update_descriptor_sets(&[write], &[]) };
+        }
+        // SAFETY: the set was made from this pipeline's layout.
+        unsafe {
+            raw.cmd_bind_descriptor_sets(self.raw(), point, pipeline.layout, 0, &[set], &[]);
+        }
+    }
+
+    /// Sets the push constants of a graphics pipeline.
+    pub fn push_constants<T: Pod>(&self, pipeline: &GraphicsPipeline, constants: &T) {
+        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        self.push_kind(&pipeline.0, stages, constants);
+    }
+
+    /// Sets the push constants of a compute pipeline.
+    pub fn push_compute_constants<T: Pod>(&self, pipeline: &ComputePipeline, constants: &T) {
+        self.push_kind(&pipeline.0, vk::ShaderStageFlags::COMPUTE, constants);
+    }
+
+    fn push_kind<T: Pod>(
+        &self,
+        pipeline: &PipelineKind,
+        stages: vk::ShaderStageFlags,
+        constants: &T,
+    ) {
+        let bytes = bytemuck::bytes_of(constants);
+        if self.admit(pipeline).is_err() {
+            return;
+        }
+        if bytes.is_empty() || bytes.len() != pipeline.push_bytes as usize {
+            self.fail(Failure::Wrong("the push constants have another size than the pipeline's"));
+            return;
+        }
+        // SAFETY: the layout has one range of this size for these stages.
+        unsafe {
+            self.device().raw().cmd_push_constants(self.raw(), pipeline.layout, stages, 0, bytes);
+        }
+    }
+
+    /// Binds a vertex buffer and, if there is one, a buffer of 32-bit indices.
+    pub fn bind_geometry(&self, vertices: BufferSlice, indices: Option<BufferSlice>) {
+        if !self.admit_all([&vertices].into_iter().chain(&indices)) {
+            return;
+        }
+        let raw = self.device().raw();
+        // SAFETY: both buffers live at least until this frame is over.
+        unsafe {
+            let (buffers, offsets) = ([vertices.raw], [vertices.offset_bytes]);
+            raw.cmd_bind_vertex_buffers(self.raw(), 0, &buffers, &offsets);
+            if let Some(indices) = indices {
+                let offset = indices.offset_bytes;
+                raw.cmd_bind_index_buffer(self.raw(), indices.raw, offset, vk::IndexType::UINT32);
+            }
+        }
+    }
+
+    /// Binds two vertex buffers, side by side as in [`VertexLayout::beside`](crate::VertexLayout::beside),
+    /// and a buffer of 32-bit indices.
+    pub fn bind_geometry_beside(&self, vertices: [BufferSlice; 2], indices: BufferSlice) {
+        if !self.admit_all(vertices.iter().chain([&indices])) {
+            return;
+        }
+        let buffers = vertices.map(|slice| slice.raw);
+        let offsets = vertices.map(|slice| slice.offset_bytes);
+        let (raw, kind) = (self.device().raw(), vk::IndexType::UINT32);
+        // SAFETY: all three buffers live at least until this frame is over.
+        unsafe {
+            raw.cmd_bind_vertex_buffers(self.raw(), 0, &buffers, &offsets);
+            raw.cmd_bind_index_buffer(self.raw(), indices.raw, indices.offset_bytes, kind);
+        }
+    }
+}

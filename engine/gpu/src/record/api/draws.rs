@@ -1,0 +1,155 @@
+//! Recording of what does the work: draws and dispatches.
+
+use std::ops::Range;
+
+use ash::vk;
+
+use crate::core::capabilities::Optional;
+use crate::memory::buffer::BufferSlice;
+use crate::record::commands::{Commands, Failure};
+use crate::record::indirect::IndirectDraw;
+
+impl Commands {
+    /// Draws `vertices` vertices of one instance.
+    pub fn draw(&self, vertices: u32, instance: u32) {
+        if self.is_sound() {
+            // SAFETY: a pipeline is bound; what it reads is bounded by the shader's own buffers.
+            unsafe { self.device().raw().cmd_draw(self.raw(), vertices, 1, 0, instance) };
+        }
+    }
+
+    /// Draws `vertices` vertices of each of the `instances`.
+    pub fn draw_instances(&self, vertices: u32, instances: Range<u32>) {
+        let count = instances.end.saturating_sub(instances.start);
+        if count > 0 && self.is_sound() {
+            // SAFETY: as for a single instance.
+            unsafe {
+                self.device().raw().cmd_draw(self.raw(), vertices, count, 0, instances.start)
+            };
+        }
+    }
+
+    /// Draws what `draw` says, out of the geometry that is bound.
+    pub fn draw_indexed(&self, draw: &IndirectDraw) {
+        if self.is_sound() {
+            // SAFETY: a pipeline is bound; the caller's indices lie in the buffer that is bound.
+            unsafe {
+                self.device().raw().cmd_draw_indexed(
+                    self.raw(),
+                    draw.index_count,
+                    draw.instance_count,
+                    draw.first_index,
+                    draw.vertex_offset,
+                    draw.first_instance,
+                );
+            }
+        }
+    }
+
+    /// Draws the indexed indirect commands in `draws`, which holds nothing else.
+    pub fn draw_indirect(&self, draws: BufferSlice) {
+        if self.admit(&draws).is_err() {
+            return;
+        }
+        let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+        let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count.max(1));
+        let mut left = draws.size_bytes / u64::from(stride);
+        let mut offset = draws.offset_bytes;
+        while left > 0 && self.is_sound() {
+            let count = left.min(limit);
+            // SAFETY: multiDrawIndirect is required; the slice lies in its buffer.
+            unsafe {
+                self.device().raw().cmd_draw_indexed_indirect(
+                    self.raw(),
+                    draws.raw,
+                    offset,
+                    count as u32,
+                    stride,
+                );
+            }
+            left -= count;
+            offset += count * u64::from(stride);
+        }
+    }
+
+    /// Draws the one indirect command in `draw` (`VkDrawIndirectCommand`), without indices.
+    pub(crate) fn draw_unindexed_indirect(&self, draw: BufferSlice) {
+        if self.admit(&draw).is_ok() && self.is_sound() {
+            // SAFETY: the slice holds one command and lies in its buffer.
+            unsafe {
+                self.device().raw().cmd_draw_indirect(
+                    self.raw(),
+                    draw.raw,
+                    draw.offset_bytes,
+                    1,
+                    16,
+                );
+            }
+        }
+    }
+
+    /// Draws the one command in `draw` (`VkDrawIndirectCommand`) unless the word in `count` is 0.
+    pub(crate) fn draw_unindexed_indirect_count(&self, draw: BufferSlice, count: BufferSlice) {
+        if !self.admit_all([&draw, &count]) || !self.is_sound() {
+            return;
+        }
+        // SAFETY: drawIndirectCount was checked when this way was chosen; the slices hold one
+        // command and one word.
+        unsafe {
+            self.device().raw().cmd_draw_indirect_count(
+                self.raw(),
+                draw.raw,
+                draw.offset_bytes,
+                count.raw,
+                count.offset_bytes,
+                1,
+                16,
+            );
+        }
+    }
+
+    /// Draws as many of the commands in `draws` as the word in `count` says. The device has
+    /// [`Optional::DrawIndirectCount`] and `draws` holds no more commands than its
+    /// `maxDrawIndirectCount`, or the recording fails. The word is no larger than that either.
+    pub fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
+        let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
+        let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
+        if !self.device().capabilities().has(Optional::DrawIndirectCount) {
+            let lacking = vk::Result::ERROR_FEATURE_NOT_PRESENT;
+            self.fail(Failure::Call("vkCmdDrawIndexedIndirectCount", lacking));
+        }
+        if most > self.device().adapter().limits.max_draw_indirect_count {
+            self.fail(Failure::Wrong("more draws under one count than the device takes"));
+        }
+        if !self.admit_all([&draws, &count]) || !self.is_sound() {
+            return;
+        }
+        // SAFETY: drawIndirectCount is there; both slices lie in their buffers.
+        unsafe {
+            self.device().raw().cmd_draw_indexed_indirect_count(
+                self.raw(),
+                draws.raw,
+                draws.offset_bytes,
+                count.raw,
+                count.offset_bytes,
+                most,
+                stride,
+            );
+        }
+    }
+
+    /// Runs a compute shader over `groups` workgroups, which are within the device's
+    /// `maxComputeWorkGroupCount`, or the recording fails.
+    pub fn dispatch(&self, groups: [u32; 3]) {
+        let most = self.device().adapter().limits.max_compute_work_group_count;
+        if groups.iter().zip(most).any(|(groups, most)| *groups > most) {
+            self.fail(Failure::Wrong("more workgroups than the device takes"));
+        }
+        if self.is_sound() {
+            // SAFETY: a compute pipeline is bound.
+            unsafe {
+                self.device().raw().cmd_dispatch(self.raw(), groups[0], groups[1], groups[2])
+            };
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Recording of what needs to know pipelines, textures and draws.
+
+mod binding;
+mod draws;

@@ -1,0 +1,305 @@
+//! Recording: the few commands the engine uses, each in one place.
+
+use std::cell::{Cell, OnceCell};
+use std::sync::Arc;
+
+use ash::vk;
+
+use crate::core::deletion::Recording;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::ownership::OfDevice;
+use crate::core::tick::Tick;
+use crate::memory::buffer::BufferSlice;
+use crate::record::access::{Access, LayoutChange, MemoryBarrier};
+use crate::record::label::LabelName;
+use crate::record::render_target::{Load, RenderTarget};
+use crate::record::ticket::Ticket;
+use crate::record::timing::PassTimer;
+
+/// Why a recording goes nowhere.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Failure {
+    /// A call failed.
+    Call(&'static str, vk::Result),
+    /// What was to be recorded is invalid.
+    Wrong(&'static str),
+    /// Something of another device was to be recorded.
+    Foreign(&'static str),
+}
+
+/// A command buffer being recorded.
+pub struct Commands {
+    device: Device,
+    raw: vk::CommandBuffer,
+    recording: Recording,
+    descriptors: vk::DescriptorPool,
+    timer: Option<Arc<PassTimer>>,
+    failed: Cell<Option<Failure>>,
+    /// Learns the tick, for pictures that these commands copy.
+    ticket: OnceCell<Arc<Ticket>>,
+}
+
+impl Commands {
+    pub(crate) fn new(
+        device: &Device,
+        raw: vk::CommandBuffer,
+        recording: Recording,
+        descriptors: vk::DescriptorPool,
+        timer: Option<Arc<PassTimer>>,
+    ) -> Self {
+        let device = device.clone();
+        let (failed, ticket) = (Cell::new(None), OnceCell::new());
+        Self { device, raw, recording, descriptors, timer, failed, ticket }
+    }
+
+    /// Goes on with the same recording in another command buffer, once this one is sent off.
+    pub(crate) fn next_piece(
+        &self,
+        raw: vk::CommandBuffer,
+        descriptors: vk::DescriptorPool,
+    ) -> Self {
+        Self::new(&self.device, raw, self.recording, descriptors, self.timer.clone())
+    }
+
+    pub(crate) fn raw(&self) -> vk::CommandBuffer {
+        self.raw
+    }
+
+    /// Where the sets that these commands bind are taken from.
+    pub(crate) fn descriptors(&self) -> vk::DescriptorPool {
+        self.descriptors
+    }
+
+    pub(crate) fn recording(&self) -> Recording {
+        self.recording
+    }
+
+    pub(crate) fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Returns what will hold the tick of these commands once they are submitted.
+    pub(crate) fn ticket(&self) -> Arc<Ticket> {
+        Arc::clone(self.ticket.get_or_init(Arc::default))
+    }
+
+    /// Notes that these commands were submitted.
+    pub(crate) fn submitted(&self, tick: Tick) {
+        if let Some(ticket) = self.ticket.get() {
+            ticket.submitted(tick);
+        }
+    }
+
+    /// The first failure while recording, which [`crate::Frame::submit`] reports.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        match self.failed.get() {
+            None => Ok(()),
+            Some(Failure::Call(call, code)) => Err(code).called(call),
+            Some(Failure::Wrong(what)) => Err(Error::WrongCommands(what)),
+            Some(Failure::Foreign(thing)) => Err(foreign(thing)),
+        }
+    }
+
+    /// Lets `thing` into the recording if it is of the same device; else the recording fails, and
+    /// nothing may be recorded with the thing. Every command that takes handles asks here.
+    pub(crate) fn admit<T: OfDevice>(&self, thing: &T) -> Result<(), Error> {
+        if thing.device_id() == self.device.id() {
+            return Ok(());
+        }
+        self.fail(Failure::Foreign(T::KIND));
+        Err(foreign(T::KIND))
+    }
+
+    /// [`Commands::admit`] for several things of a kind.
+    pub(crate) fn admit_all<'a, T: OfDevice + 'a>(
+        &self,
+        things: impl IntoIterator<Item = &'a T>,
+    ) -> bool {
+        things.into_iter().all(|thing| self.admit(thing).is_ok())
+    }
+
+    /// Makes [`Commands::check`] fail. Only the first failure counts: others may come of it.
+    pub(crate) fn fail(&self, failure: Failure) {
+        if self.is_sound() {
+            self.failed.set(Some(failure));
+        }
+    }
+
+    /// Whether nothing has failed. What could not be bound must not be drawn with; the recording goes
+    /// nowhere then, [`Commands::check`] sees to that.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.failed.get().is_none()
+    }
+
+    /// A pass: one label for the debugger and the log, and one timestamp pair when timing is on.
+    /// Not inside [`Commands::rendering`]. A pass within another one is timed with that.
+    pub fn pass(&self, label: &'static str, record: impl FnOnce(&Self)) {
+        let timer = self.timer.as_ref().filter(|timer| timer.begin(self.raw, label));
+        self.label(label, record);
+        if let Some(timer) = timer {
+            timer.end(self.raw);
+        }
+    }
+
+    /// A part of a pass: a label only.
+    pub fn label(&self, label: &'static str, record: impl FnOnce(&Self)) {
+        let debug = self.device.debug();
+        if let Some(debug) = debug {
+            let mut place = LabelName::default();
+            let info = vk::DebugUtilsLabelEXT::default().label_name(place.hold(label));
+            // SAFETY: the command buffer is being recorded, here and in the rest of this file.
+            unsafe { debug.cmd_begin_debug_utils_label(self.raw, &info) };
+        }
+        record(self);
+        if let Some(debug) = debug {
+            // SAFETY: closes the label opened above.
+            unsafe { debug.cmd_end_debug_utils_label(self.raw) };
+        }
+    }
+
+    /// Orders memory. Nothing to order records nothing.
+    pub fn barrier(&self, barrier: MemoryBarrier) {
+        let memory = [vk::MemoryBarrier2::default()
+            .src_stage_mask(barrier.from_stages)
+            .src_access_mask(barrier.from_access)
+            .dst_stage_mask(barrier.to_stages)
+            .dst_access_mask(barrier.to_access)];
+        let info = vk::DependencyInfo::default().memory_barriers(&memory);
+        // SAFETY: recorded outside of rendering, as the method's callers are passes' edges.
+        unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
+    }
+
+    /// Orders images and moves them to other layouts.
+    pub fn change_layouts<const N: usize>(&self, changes: [LayoutChange; N]) {
+        let images = changes.map(|change| {
+            vk::ImageMemoryBarrier2::default()
+                .image(change.image)
+                .src_stage_mask(change.barrier.from_stages)
+                .src_access_mask(change.barrier.from_access)
+                .dst_stage_mask(change.barrier.to_stages)
+                .dst_access_mask(change.barrier.to_access)
+                .old_layout(change.old_layout)
+                .new_layout(change.new_layout)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .subresource_range(change.part)
+        });
+        let info = vk::DependencyInfo::default().image_memory_barriers(&images);
+        // SAFETY: the images live at least until this frame is over.
+        unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
+    }
+
+    /// Draws to a colour and a depth image; viewport and scissor cover all of the target's area. A
+    /// target of another device fails the recording, and `record` is not called.
+    pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
+        if self.admit(&target).is_err() {
+            return;
+        }
+        let (colour_load, colour_store, colour_clear) = load_ops(target.colour_load);
+        let (depth_load, depth_store, depth_clear) = load_ops(target.depth_load);
+        let colour = [vk::RenderingAttachmentInfo::default()
+            .image_view(target.colour)
+            .image_layout(Access::Colour.layout())
+            .load_op(colour_load)
+            .store_op(colour_store)
+            .clear_value(vk::ClearValue { color: vk::ClearColorValue { float32: colour_clear } })];
+        let depth = vk::RenderingAttachmentInfo::default()
+            .image_view(target.depth)
+            .image_layout(Access::Depth.layout())
+            .load_op(depth_load)
+            .store_op(depth_store)
+            .clear_value(vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue { depth: depth_clear, stencil: 0 },
+            });
+        let ([x, y], [width, height]) = (target.origin, target.size);
+        let area = vk::Rect2D {
+            offset: vk::Offset2D { x: x as i32, y: y as i32 },
+            extent: vk::Extent2D { width, height },
+        };
+        let info = vk::RenderingInfo::default()
+            .render_area(area)
+            .layer_count(1)
+            .color_attachments(&colour)
+            .depth_attachment(&depth);
+        let viewport = vk::Viewport {
+            x: x as f32,
+            y: y as f32,
+            width: width as f32,
+            height: height as f32,
+            max_depth: 1.0,
+            ..Default::default()
+        };
+        let raw = self.device.raw();
+        // SAFETY: the views live at least until this frame is over.
+        unsafe {
+            raw.cmd_begin_rendering(self.raw, &info);
+            raw.cmd_set_viewport(self.raw, 0, &[viewport]);
+            raw.cmd_set_scissor(self.raw, 0, &[area]);
+        }
+        record(self);
+        // SAFETY: closes the rendering opened above.
+        unsafe { raw.cmd_end_rendering(self.raw) };
+    }
+
+    /// Draws nothing outside of `size` pixels from `origin` on, within the target, until the rendering
+    /// ends or this is said again.
+    pub fn clip(&self, origin: [u32; 2], size: [u32; 2]) {
+        let offset = vk::Offset2D { x: origin[0] as i32, y: origin[1] as i32 };
+        let area = vk::Rect2D { offset, extent: vk::Extent2D { width: size[0], height: size[1] } };
+        if [0, 1]
+            .iter()
+            .any(|side| i32::try_from(u64::from(origin[*side]) + u64::from(size[*side])).is_err())
+        {
+            self.fail(Failure::Wrong("a clipped area reaches beyond all pictures"));
+            return;
+        }
+        // SAFETY: inside of rendering, where the scissor is dynamic state.
+        unsafe { self.device.raw().cmd_set_scissor(self.raw, 0, &[area]) };
+    }
+
+    /// Sets every 32-bit word of `slice` to `word`: an [`crate::Access::CopyWrite`].
+    pub fn fill(&self, slice: BufferSlice, word: u32) {
+        let size = slice.size_bytes & !3;
+        if size > 0 && self.admit(&slice).is_ok() {
+            // SAFETY: the slice lies in its buffer, which is a destination of transfers; slices
+            // begin at multiples of 4.
+            unsafe {
+                self.device.raw().cmd_fill_buffer(
+                    self.raw,
+                    slice.raw,
+                    slice.offset_bytes,
+                    size,
+                    word,
+                );
+            }
+        }
+    }
+
+    /// Copies as much as fits.
+    pub fn copy_buffer(&self, from: BufferSlice, to: BufferSlice) {
+        let region = vk::BufferCopy {
+            src_offset: from.offset_bytes,
+            dst_offset: to.offset_bytes,
+            size: from.size_bytes.min(to.size_bytes),
+        };
+        if region.size > 0 && self.admit_all([&from, &to]) {
+            // SAFETY: both slices lie in their buffers.
+            unsafe { self.device.raw().cmd_copy_buffer(self.raw, from.raw, to.raw, &[region]) };
+        }
+    }
+}
+
+fn foreign(thing: &'static str) -> Error {
+    Error::Foreign { thing, user: "commands (`Commands`)", owner: "Device" }
+}
+
+/// How a rendering begins and ends for an image, and what it is cleared to.
+fn load_ops<T: Default>(load: Load<T>) -> (vk::AttachmentLoadOp, vk::AttachmentStoreOp, T) {
+    use vk::{AttachmentLoadOp as L, AttachmentStoreOp as S};
+    match load {
+        Load::Keep => (L::LOAD, S::STORE, T::default()),
+        Load::Clear(value) => (L::CLEAR, S::STORE, value),
+        Load::Forget => (L::DONT_CARE, S::DONT_CARE, T::default()),
+    }
+}

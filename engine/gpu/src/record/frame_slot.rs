@@ -1,0 +1,139 @@
+//! A slot of the frame ring: the command buffers and the memory that one frame in flight holds.
+
+use std::sync::Arc;
+
+use ash::vk;
+
+use crate::core::deletion::{Garbage, Recording};
+use crate::core::device::{Device, Order};
+use crate::core::error::{Called, Error};
+use crate::core::tick::Tick;
+use crate::memory::upload::Uploads;
+use crate::record::commands::Commands;
+use crate::record::pools::{
+    allocate_commands, begin_commands, create_command_pool, create_descriptor_pool, end_commands,
+};
+use crate::record::timing::{FrameTimer, PassTime, PassTimer};
+
+/// Whether the passes of a frame are timed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Turn {
+    Timed,
+    Untimed,
+}
+
+/// What one frame in flight holds.
+pub(super) struct Slot {
+    pub(super) device: Device,
+    pub(super) name: String,
+    pub(super) pool: vk::CommandPool,
+    /// One command buffer a piece of the frame; most frames are of one piece.
+    pub(super) pieces: Vec<vk::CommandBuffer>,
+    pub(super) piece: usize,
+    pub(super) descriptors: Vec<vk::DescriptorPool>,
+    pub(super) commands: Commands,
+    pub(super) uploads: Uploads,
+    pub(super) timer: Option<Arc<PassTimer>>,
+    pub(super) pass_times: Vec<PassTime>,
+    /// Whether the timer holds the times of a whole frame: one that was given up leaves none.
+    pub(super) is_timed: bool,
+    pub(super) turn: Turn,
+    pub(super) whole: FrameTimer,
+    pub(super) tick: Tick,
+}
+
+/// So many pieces of a frame share those sets, then the next ones get others.
+const PIECES_PER_DESCRIPTOR_POOL: usize = 32;
+
+impl Slot {
+    pub(super) fn new(device: &Device, index: usize) -> Result<Self, Error> {
+        let name = format!("frame {index}");
+        let pool = create_command_pool(device, &name)?;
+        let buffer = allocate_commands(device, pool, &name);
+        let made = buffer.and_then(|buffer| Ok((buffer, create_descriptor_pool(device, &name)?)));
+        let (buffer, descriptors) =
+            made.inspect_err(|_| device.retire(Garbage::CommandPool(pool)))?;
+        Ok(Self {
+            device: device.clone(),
+            pool,
+            pieces: vec![buffer],
+            piece: 0,
+            descriptors: vec![descriptors],
+            commands: Commands::new(device, buffer, Recording::default(), descriptors, None),
+            uploads: Uploads::new(device, &name),
+            name,
+            timer: None,
+            pass_times: Vec::new(),
+            is_timed: false,
+            turn: Turn::Timed,
+            whole: FrameTimer::default(),
+            tick: Tick::ZERO,
+        })
+    }
+
+    /// Makes the slot ready to record; its tick is over.
+    pub(super) fn restart(&mut self, recording: Recording, turn: Turn) -> Result<(), Error> {
+        let raw = self.device.raw();
+        // SAFETY: the slot's tick is over, so nothing of it is in use.
+        unsafe {
+            raw.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .called("vkResetCommandPool")?;
+            for pool in &self.descriptors {
+                raw.reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty())
+                    .called("vkResetDescriptorPool")?;
+            }
+        }
+        if let Some(timer) = &self.timer
+            && std::mem::take(&mut self.is_timed)
+        {
+            timer.read(&mut self.pass_times);
+        } else if self.turn == Turn::Untimed {
+            self.pass_times.clear();
+        }
+        self.turn = turn;
+        self.whole.read(self.tick);
+        self.uploads.reset()?;
+        self.piece = 0;
+        let (buffer, descriptors) = self.begin_piece()?;
+        let timer = self.timer.clone().filter(|_| self.turn == Turn::Timed);
+        self.commands = Commands::new(&self.device, buffer, recording, descriptors, timer.clone());
+        if let Some(timer) = &timer {
+            timer.reset(self.commands.raw());
+        }
+        Ok(())
+    }
+
+    /// Begins the command buffer of the piece whose turn it is, made when it is first needed.
+    pub(super) fn begin_piece(&mut self) -> Result<(vk::CommandBuffer, vk::DescriptorPool), Error> {
+        if self.piece == self.pieces.len() {
+            let name = format!("{}, piece {}", self.name, self.piece);
+            self.pieces.push(allocate_commands(&self.device, self.pool, &name)?);
+        }
+        let pool = self.piece / PIECES_PER_DESCRIPTOR_POOL;
+        if pool == self.descriptors.len() {
+            let name = format!("{}, descriptors {pool}", self.name);
+            self.descriptors.push(create_descriptor_pool(&self.device, &name)?);
+        }
+        let (buffer, descriptors) = (self.pieces[self.piece], self.descriptors[pool]);
+        begin_commands(&self.device, buffer)?;
+        Ok((buffer, descriptors))
+    }
+
+    /// Sends off what is recorded.
+    pub(super) fn submit(&mut self, order: &Order<'_>) -> Result<Tick, Error> {
+        self.commands.check()?;
+        end_commands(&self.device, self.commands.raw())?;
+        self.tick = self.device.submit(Some(self.commands.raw()), order)?;
+        self.commands.submitted(self.tick);
+        Ok(self.tick)
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        for pool in &self.descriptors {
+            self.device.retire(Garbage::DescriptorPool(*pool));
+        }
+        self.device.retire(Garbage::CommandPool(self.pool));
+    }
+}

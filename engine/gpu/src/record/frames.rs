@@ -1,0 +1,269 @@
+//! The frame ring: N frames in flight, each with its slot; the waits of a frame loop are here.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::core::capabilities::Optional;
+use crate::core::device::{Device, OpenRecording, Order, WaitFor};
+use crate::core::error::Error;
+use crate::core::tick::Tick;
+use crate::core::timeline::Timeline;
+use crate::memory::upload::Uploads;
+use crate::record::access::{Access, MemoryBarrier};
+use crate::record::commands::Commands;
+use crate::record::frame_slot::{Slot, Turn};
+use crate::record::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
+
+/// A slot of the ring: what one frame in flight holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SlotIndex(pub usize);
+
+/// N frames in flight.
+pub struct FrameRing {
+    device: Device,
+    slots: Vec<Slot>,
+    next: usize,
+    /// Of so many frames one has its passes timed.
+    timed_interval: u64,
+    begun: u64,
+}
+
+/// A frame being recorded. Dropped without [`Frame::submit`], it never happened.
+pub struct Frame<'ring> {
+    ring: &'ring mut FrameRing,
+    slot: SlotIndex,
+    waited: Duration,
+    waits: u32,
+    /// Open over all pieces of the frame.
+    _recording: OpenRecording,
+}
+
+impl FrameRing {
+    /// A ring of `frames_in_flight` slots (at least one), without timing.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
+        let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
+        let slots = slots.collect::<Result<_, _>>()?;
+        Ok(Self { device: device.clone(), slots, next: 0, timed_interval: 1, begun: 0 })
+    }
+
+    /// Measures the GPU time of every pass from now on.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
+    pub fn time_passes(&mut self) -> Result<(), Error> {
+        self.time_passes_of_one_in(1)
+    }
+
+    /// Measures the GPU time of the passes of one in `frames` frames from now on, 0 counting as 1.
+    ///
+    /// # Errors
+    /// As [`FrameRing::time_passes`].
+    pub fn time_passes_of_one_in(&mut self, frames: u64) -> Result<(), Error> {
+        self.check_timestamps("timing passes")?;
+        (self.timed_interval, self.begun) = (frames.max(1), 0);
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            slot.is_timed = false;
+            let timer = PassTimer::new(&self.device, &format!("pass times {index}"), PASSES)?;
+            slot.timer = Some(Arc::new(timer));
+        }
+        Ok(())
+    }
+
+    /// Measures nothing from now on.
+    pub fn stop_timing_passes(&mut self) {
+        for slot in &mut self.slots {
+            slot.timer = None;
+            slot.is_timed = false;
+            slot.pass_times.clear();
+        }
+    }
+
+    /// Returns of how many frames one has its passes timed; `None` of none.
+    pub fn timed_interval(&self) -> Option<u64> {
+        let is_timing = self.slots.iter().any(|slot| slot.timer.is_some());
+        is_timing.then_some(self.timed_interval)
+    }
+
+    /// Lets frames be timed as a whole from now on, by two timestamps each: those that ask for it with
+    /// [`Frame::begin_timing`].
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
+    pub fn time_frames(&mut self) -> Result<(), Error> {
+        self.check_timestamps("timing frames")?;
+        for (index, slot) in self.slots.iter_mut().enumerate() {
+            let timer = PassTimer::new(&self.device, &format!("frame time {index}"), 1)?;
+            slot.whole = FrameTimer::new(timer);
+        }
+        Ok(())
+    }
+
+    fn check_timestamps(&self, wanted: &'static str) -> Result<(), Error> {
+        if self.device.capabilities().has(Optional::Timestamps) {
+            return Ok(());
+        }
+        Err(Error::Unsupported {
+            device: self.device.adapter().name.clone(),
+            missing: Optional::Timestamps.name(),
+            wanted,
+        })
+    }
+
+    /// The number of slots.
+    pub fn frames_in_flight(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// The slot of the next frame.
+    pub(crate) fn next_slot(&self) -> SlotIndex {
+        SlotIndex(self.next)
+    }
+
+    /// Waits for the frame that used the next slot before, but no longer than `bound`; says whether
+    /// it is over, so that [`FrameRing::begin`] would not wait.
+    pub(crate) fn is_ready_within(&self, bound: Duration) -> Result<bool, Error> {
+        let tick = self.slots.get(self.next).map_or(Tick::ZERO, |slot| slot.tick);
+        self.device.wait_within(tick, bound)
+    }
+
+    /// Starts a frame: waits until this slot's frame of N frames ago is over, and frees what
+    /// retired before it.
+    ///
+    /// # Errors
+    /// [`Error::Timeout`], a failed call.
+    pub fn begin(&mut self) -> Result<Frame<'_>, Error> {
+        let index = self.next;
+        let Some(slot) = self.slots.get_mut(index) else {
+            return Err(Error::TooLarge {
+                what: "the frame slot".to_owned(),
+                wanted: index as u64,
+                limit: 0,
+            });
+        };
+        let began = Instant::now();
+        if slot.tick > Tick::ZERO {
+            self.device.wait(slot.tick, WaitFor::Slot)?;
+        }
+        let waited = began.elapsed();
+        self.device.free_retired()?;
+        let recording = self.device.open_recording();
+        let turn = match self.begun.is_multiple_of(self.timed_interval) {
+            true => Turn::Timed,
+            false => Turn::Untimed,
+        };
+        self.begun += 1;
+        slot.restart(recording.number, turn)?;
+        Ok(Frame { ring: self, slot: SlotIndex(index), waited, waits: 0, _recording: recording })
+    }
+}
+
+impl Frame<'_> {
+    /// The slot of this frame. What belongs to the slot is free to use again.
+    pub fn slot(&self) -> SlotIndex {
+        self.slot
+    }
+
+    /// How long [`FrameRing::begin`] waited for the frame that used this slot before, and
+    /// [`Frame::wait`] for this one.
+    pub fn waited(&self) -> Duration {
+        self.waited
+    }
+
+    /// How often [`Frame::wait`] had to wait.
+    pub fn waits(&self) -> u32 {
+        self.waits
+    }
+
+    /// What this frame records into.
+    pub fn commands(&self) -> &Commands {
+        &self.ring.slots[self.slot.0].commands
+    }
+
+    /// This frame's upload memory.
+    pub fn uploads(&mut self) -> &mut Uploads {
+        &mut self.ring.slots[self.slot.0].uploads
+    }
+
+    /// The GPU times of the last whole frame that used this slot, N frames ago unless frames were given
+    /// up since. Empty without timing, and of a frame whose turn it was not.
+    pub fn pass_times(&self) -> &[PassTime] {
+        &self.ring.slots[self.slot.0].pass_times
+    }
+
+    /// Times the rest of this frame, if its ring [times frames](FrameRing::time_frames); else, and if it
+    /// was begun already, nothing happens. Not inside of a pass.
+    pub fn begin_timing(&mut self) {
+        let slot = &mut self.ring.slots[self.slot.0];
+        slot.whole.begin(slot.commands.raw());
+    }
+
+    /// The GPU time of the last frame that used this slot, if it was timed and not given up.
+    pub fn last_time(&self) -> Option<FrameTime> {
+        self.ring.slots[self.slot.0].whole.newest()
+    }
+
+    /// Sends off what is recorded so far and goes on with the same frame in another command buffer.
+    /// Not inside of a pass. The first piece starts once `after`, if given, is reached.
+    ///
+    /// # Errors
+    /// What failed while recording, or a failed call.
+    pub fn flush(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+        let slot = &mut self.ring.slots[self.slot.0];
+        let tick = slot.submit(&Order { after, ..Order::default() })?;
+        slot.piece += 1;
+        let (buffer, descriptors) = slot.begin_piece()?;
+        slot.commands = slot.commands.next_piece(buffer, descriptors);
+        Ok(tick)
+    }
+
+    /// Waits until `tick` of a piece that was flushed is over, within the device's bound. For methods
+    /// that cannot go on without an answer: it counts as [`crate::WaitCounts::other`].
+    ///
+    /// # Errors
+    /// [`Error::Timeout`], a failed call.
+    pub fn wait(&mut self, tick: Tick) -> Result<(), Error> {
+        let device = &self.ring.device;
+        // What was never submitted would be waited for in vain.
+        let tick = tick.min(self.ring.slots[self.slot.0].tick);
+        if device.completed()? >= tick {
+            return Ok(());
+        }
+        let began = Instant::now();
+        self.waits += 1;
+        let over = device.wait(tick, WaitFor::Answer);
+        self.waited += began.elapsed();
+        over
+    }
+
+    /// Submits the frame and returns its tick. It starts on the GPU once `after`, if given, is
+    /// reached; the CPU does not wait.
+    ///
+    /// # Errors
+    /// What failed while recording, or a failed call.
+    pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+        self.submit_in_order(&Order { after, ..Order::default() })
+    }
+
+    pub(crate) fn submit_in_order(self, order: &Order<'_>) -> Result<Tick, Error> {
+        let slot = &mut self.ring.slots[self.slot.0];
+        let mut has_stamps = slot.whole.end(slot.commands.raw());
+        let timer = slot.timer.as_ref().filter(|_| slot.turn == Turn::Timed);
+        if let Some(timer) = timer {
+            timer.read_back(slot.commands.raw());
+            has_stamps = true;
+        }
+        if has_stamps {
+            let visible = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
+            slot.commands.barrier(visible);
+        }
+        let is_timed = timer.is_some();
+        let tick = slot.submit(order)?;
+        slot.is_timed = is_timed;
+        slot.whole.submitted();
+        self.ring.next = (self.slot.0 + 1) % self.ring.slots.len();
+        Ok(tick)
+    }
+}

@@ -1,0 +1,16 @@
+//! Recording: commands, pipelines, barriers, targets, frames and their times.
+
+pub(crate) mod access;
+pub(crate) mod api;
+pub(crate) mod commands;
+pub(crate) mod frame_slot;
+pub(crate) mod frames;
+pub(crate) mod indirect;
+pub(crate) mod label;
+pub(crate) mod pipeline;
+pub(crate) mod pools;
+pub(crate) mod render_target;
+pub(crate) mod shader;
+pub(crate) mod target;
+pub(crate) mod ticket;
+pub(crate) mod timing;

@@ -1,0 +1,370 @@
+//! Pipelines: the few states the engine varies, everything else fixed in one place.
+
+use ash::vk;
+
+use crate::core::capabilities::Optional;
+use crate::core::deletion::Garbage;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::ownership::of_device;
+use crate::record::shader::Spirv;
+use crate::record::target::{COLOUR_FORMAT, DEPTH_FORMAT};
+
+/// How a pipeline uses depth. Depth is reversed: 1 at the near plane, 0 at infinity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DepthMode {
+    /// Nearer wins, and is stored.
+    TestAndWrite,
+    /// As near or nearer passes, and is stored: the same depth in the end, but whoever is as near as it
+    /// counts as visible, whoever was first.
+    TestEqualAndWrite,
+    /// As near or nearer passes; nothing is stored. Proxies use it: equal depth counts as visible.
+    TestOnly,
+    /// Only the same depth passes: what is drawn a second time; nothing is stored.
+    Equal,
+    /// Everything passes; nothing is stored.
+    Ignored,
+}
+
+/// How a pipeline uses colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Blend {
+    /// Replaces.
+    Opaque,
+    /// Mixes by alpha.
+    Alpha,
+    /// Mixes by alpha, by which the colour is multiplied already.
+    Premultiplied,
+    /// Keeps the larger of each channel, whatever order things are drawn in.
+    Max,
+    /// Writes no colour. Give no fragment shader then: a masked one would still run.
+    NoColour,
+}
+
+/// What is drawn of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polygon {
+    /// All of it.
+    Filled,
+    /// Its edges, a little nearer than it is. For devices with
+    /// [`Optional::Wires`](crate::Optional::Wires).
+    Wires,
+}
+
+/// How vertices lie in their buffer. An empty layout is for shaders that make up their vertices.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct VertexLayout<'a> {
+    /// Bytes from vertex to vertex.
+    pub stride_bytes: u32,
+    /// Format and offset of the attribute at each location.
+    pub attributes: &'a [(vk::Format, u32)],
+    /// Another buffer with more of the same vertices; its locations follow those here.
+    pub beside: Option<&'a VertexLayout<'a>>,
+}
+
+/// The buffers and constants a pipeline's shaders see.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct StorageLayout {
+    /// Storage buffers at bindings 0, 1, … of set 0.
+    pub buffers: u32,
+    /// Sampled textures at the bindings after those.
+    pub textures: u32,
+    /// Sampled [`TextureArray`](crate::TextureArray)s, an array of so many at the binding after those.
+    pub texture_arrays: u32,
+    /// Bytes of push constants.
+    pub push_bytes: u32,
+}
+
+/// What a graphics pipeline is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct GraphicsPipelineInfo<'a> {
+    /// Debug name.
+    pub name: &'a str,
+    /// Vertex shader.
+    pub vertex: &'a Spirv,
+    /// Fragment shader; `None` draws depth only.
+    pub fragment: Option<&'a Spirv>,
+    /// Vertices.
+    pub vertices: VertexLayout<'a>,
+    /// Buffers and constants.
+    pub storage: StorageLayout,
+    /// Points, lines or triangles.
+    pub topology: vk::PrimitiveTopology,
+    /// What is drawn of triangles.
+    pub polygon: Polygon,
+    /// Faces that are not drawn; counter-clockwise is front.
+    pub cull: vk::CullModeFlags,
+    /// Depth.
+    pub depth: DepthMode,
+    /// Colour.
+    pub blend: Blend,
+}
+
+/// A graphics pipeline.
+pub struct GraphicsPipeline(pub(crate) PipelineKind);
+
+/// A compute pipeline.
+pub struct ComputePipeline(pub(crate) PipelineKind);
+
+/// What both kinds own.
+pub(crate) struct PipelineKind {
+    device: Device,
+    pub(crate) raw: vk::Pipeline,
+    pub(crate) layout: vk::PipelineLayout,
+    pub(crate) storage: vk::DescriptorSetLayout,
+    pub(crate) buffers: u32,
+    pub(crate) textures: u32,
+    pub(crate) texture_arrays: u32,
+    pub(crate) push_bytes: u32,
+}
+
+of_device!(PipelineKind: "a pipeline");
+
+impl GraphicsPipeline {
+    /// Compiles a pipeline.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
+        if info.polygon == Polygon::Wires && !device.capabilities().has(Optional::Wires) {
+            return Err(Error::Unsupported {
+                device: device.adapter().name.clone(),
+                missing: Optional::Wires.name(),
+                wanted: "drawing wires",
+            });
+        }
+        let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
+        PipelineKind::new(device, info.name, info.storage, stages, |layout| {
+            info.vertex.with_stage(device, vk::ShaderStageFlags::VERTEX, |vertex| {
+                match info.fragment {
+                    None => create_graphics(device, info, layout, &[vertex]),
+                    Some(fragment) => {
+                        fragment.with_stage(device, vk::ShaderStageFlags::FRAGMENT, |fragment| {
+                            create_graphics(device, info, layout, &[vertex, fragment])
+                        })
+                    }
+                }
+            })
+        })
+        .map(Self)
+    }
+}
+
+impl ComputePipeline {
+    /// Compiles a compute pipeline.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(
+        device: &Device,
+        name: &str,
+        shader: &Spirv,
+        storage: StorageLayout,
+    ) -> Result<Self, Error> {
+        PipelineKind::new(device, name, storage, vk::ShaderStageFlags::COMPUTE, |layout| {
+            shader.with_stage(device, vk::ShaderStageFlags::COMPUTE, |stage| {
+                let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+                let cache = device.pipeline_cache();
+                // SAFETY: module and layout are alive.
+                unsafe { device.raw().create_compute_pipelines(cache, &[info], None) }
+                    .map_err(|(_, code)| code)
+                    .called("vkCreateComputePipelines")
+                    .map(|pipelines| pipelines.first().copied().unwrap_or_default())
+            })
+        })
+        .map(Self)
+    }
+}
+
+impl PipelineKind {
+    fn new(
+        device: &Device,
+        name: &str,
+        layout: StorageLayout,
+        stages: vk::ShaderStageFlags,
+        make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
+    ) -> Result<Self, Error> {
+        let storage = create_set_layout(device, layout, stages)?;
+        // Owned from here on: dropped half-made, it retires what is there; destroying null is fine.
+        let mut kind = Self {
+            device: device.clone(),
+            raw: vk::Pipeline::null(),
+            layout: vk::PipelineLayout::null(),
+            storage,
+            buffers: layout.buffers,
+            textures: layout.textures,
+            texture_arrays: layout.texture_arrays,
+            push_bytes: layout.push_bytes,
+        };
+        let sets = [storage];
+        let constants =
+            [vk::PushConstantRange { stage_flags: stages, offset: 0, size: layout.push_bytes }];
+        let mut info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
+        if layout.push_bytes > 0 {
+            info = info.push_constant_ranges(&constants);
+        }
+        // SAFETY: the set layout is alive.
+        kind.layout = unsafe { device.raw().create_pipeline_layout(&info, None) }
+            .called("vkCreatePipelineLayout")?;
+        kind.raw = make(kind.layout)?;
+        device.name(kind.storage, name);
+        device.name(kind.layout, name);
+        device.name(kind.raw, name);
+        Ok(kind)
+    }
+}
+
+impl Drop for PipelineKind {
+    fn drop(&mut self) {
+        self.device.retire(Garbage::Pipeline(self.raw));
+        self.device.retire(Garbage::PipelineLayout(self.layout));
+        self.device.retire(Garbage::SetLayout(self.storage));
+    }
+}
+
+fn create_set_layout(
+    device: &Device,
+    layout: StorageLayout,
+    stages: vk::ShaderStageFlags,
+) -> Result<vk::DescriptorSetLayout, Error> {
+    let binding = |binding: u32| {
+        let kind = match binding < layout.buffers {
+            true => vk::DescriptorType::STORAGE_BUFFER,
+            false => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+        };
+        let is_single = binding < layout.buffers + layout.textures;
+        vk::DescriptorSetLayoutBinding::default()
+            .binding(binding)
+            .descriptor_type(kind)
+            .descriptor_count(if is_single { 1 } else { layout.texture_arrays })
+            .stage_flags(stages)
+    };
+    let count = layout.buffers + layout.textures + u32::from(layout.texture_arrays > 0);
+    let bindings: Vec<_> = (0..count).map(binding).collect();
+    let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+    // SAFETY: plain bindings of storage buffers and textures.
+    unsafe { device.raw().create_descriptor_set_layout(&info, None) }
+        .called("vkCreateDescriptorSetLayout")
+}
+
+fn create_graphics(
+    device: &Device,
+    info: &GraphicsPipelineInfo<'_>,
+    layout: vk::PipelineLayout,
+    stages: &[vk::PipelineShaderStageCreateInfo<'_>],
+) -> Result<vk::Pipeline, Error> {
+    let (bindings, attributes) = vertex_input(&info.vertices);
+    let mut vertices = vk::PipelineVertexInputStateCreateInfo::default();
+    if !attributes.is_empty() {
+        vertices = vertices
+            .vertex_binding_descriptions(&bindings)
+            .vertex_attribute_descriptions(&attributes);
+    }
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(info.topology);
+    let viewport =
+        vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let (mode, is_nearer) = match info.polygon {
+        Polygon::Filled => (vk::PolygonMode::FILL, false),
+        Polygon::Wires => (vk::PolygonMode::LINE, true),
+    };
+    let raster = vk::PipelineRasterizationStateCreateInfo::default()
+        .polygon_mode(mode)
+        .depth_bias_enable(is_nearer)
+        .depth_bias_constant_factor(16.0)
+        .depth_bias_slope_factor(1.0)
+        .cull_mode(info.cull)
+        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+        .line_width(1.0);
+    let samples = vk::PipelineMultisampleStateCreateInfo::default()
+        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let (write, compare) = match info.depth {
+        DepthMode::TestAndWrite => (true, vk::CompareOp::GREATER),
+        DepthMode::TestEqualAndWrite => (true, vk::CompareOp::GREATER_OR_EQUAL),
+        DepthMode::TestOnly => (false, vk::CompareOp::GREATER_OR_EQUAL),
+        DepthMode::Equal => (false, vk::CompareOp::EQUAL),
+        DepthMode::Ignored => (false, vk::CompareOp::ALWAYS),
+    };
+    let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_test_enable(true)
+        .depth_write_enable(write)
+        .depth_compare_op(compare);
+    let blends = [blend_state(info.blend)];
+    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
+    let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+    let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
+    let colours = [COLOUR_FORMAT];
+    let mut rendering = vk::PipelineRenderingCreateInfo::default()
+        .color_attachment_formats(&colours)
+        .depth_attachment_format(DEPTH_FORMAT);
+    let create = vk::GraphicsPipelineCreateInfo::default()
+        .stages(stages)
+        .vertex_input_state(&vertices)
+        .input_assembly_state(&assembly)
+        .viewport_state(&viewport)
+        .rasterization_state(&raster)
+        .multisample_state(&samples)
+        .depth_stencil_state(&depth)
+        .color_blend_state(&blend)
+        .dynamic_state(&dynamic)
+        .layout(layout)
+        .push_next(&mut rendering);
+    // SAFETY: modules and layout are alive, all states are given.
+    unsafe { device.raw().create_graphics_pipelines(device.pipeline_cache(), &[create], None) }
+        .map_err(|(_, code)| code)
+        .called("vkCreateGraphicsPipelines")
+        .map(|pipelines| pipelines.first().copied().unwrap_or_default())
+}
+
+/// The buffers of vertices and the attributes in them.
+fn vertex_input(
+    layout: &VertexLayout<'_>,
+) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {
+    let (mut bindings, mut attributes) = (Vec::new(), Vec::new());
+    let mut next = Some(layout);
+    while let Some(layout) = next {
+        let binding = bindings.len() as u32;
+        bindings.push(vk::VertexInputBindingDescription {
+            binding,
+            stride: layout.stride_bytes,
+            input_rate: vk::VertexInputRate::VERTEX,
+        });
+        for &(format, offset) in layout.attributes {
+            let location = attributes.len() as u32;
+            attributes.push(vk::VertexInputAttributeDescription {
+                location,
+                binding,
+                format,
+                offset,
+            });
+        }
+        next = layout.beside;
+    }
+    (bindings, attributes)
+}
+
+fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
+    let all = vk::ColorComponentFlags::RGBA;
+    let state = vk::PipelineColorBlendAttachmentState::default();
+    match blend {
+        Blend::NoColour => state.color_write_mask(vk::ColorComponentFlags::empty()),
+        Blend::Opaque => state.color_write_mask(all),
+        Blend::Alpha => state
+            .color_write_mask(all)
+            .blend_enable(true)
+            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+            .color_blend_op(vk::BlendOp::ADD)
+            .src_alpha_blend_factor(vk::BlendFactor::ZERO)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            .alpha_blend_op(vk::BlendOp::ADD),
+        // The factors have no part in it.
+        Blend::Max => state
+            .color_write_mask(all)
+            .blend_enable(true)
+            .color_blend_op(vk::BlendOp::MAX)
+            .alpha_blend_op(vk::BlendOp::MAX),
+        Blend::Premultiplied => {
+            blend_state(Blend::Alpha).src_color_blend_factor(vk::BlendFactor::ONE)
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Shaders: embedded SPIR-V and, behind the feature `shader-compiler`, GLSL compiled at run time.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+
+/// A compiled shader with entry point `main`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Spirv {
+    /// Its name, as the debugger shows it.
+    pub name: String,
+    words: Vec<u32>,
+    /// Values of its specialisation constants, by id; the others keep what the source says.
+    constants: Vec<(u32, u32)>,
+}
+
+const SPIRV_MAGIC: u32 = 0x0723_0203;
+
+impl Spirv {
+    /// Takes SPIR-V from bytes, in the machine's byte order.
+    ///
+    /// # Errors
+    /// [`Error::NotSpirv`] for anything that does not look like it.
+    pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Error> {
+        let words: Vec<u32> = bytes
+            .chunks_exact(4)
+            .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+            .collect();
+        let whole = bytes.len().is_multiple_of(4);
+        if !whole || words.first() != Some(&SPIRV_MAGIC) || words.len() < 5 {
+            return Err(Error::NotSpirv { name: name.to_owned() });
+        }
+        Ok(Self { name: name.to_owned(), words, constants: Vec::new() })
+    }
+
+    /// Its bytes, little-endian, as they are stored beside the GLSL.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.words.iter().flat_map(|word| word.to_le_bytes()).collect()
+    }
+
+    /// Returns the shader with these values, too, for specialisation constants of 32 bits, each id once.
+    /// Pipelines are compiled for them: what they switch off costs nothing. An id that the shader lacks
+    /// has no effect.
+    #[must_use]
+    pub fn specialised(&self, constants: &[(u32, u32)]) -> Self {
+        Self { constants: [&self.constants, constants].concat(), ..self.clone() }
+    }
+
+    /// Hands the module, with its constants, to `make` and destroys it after: pipelines do not need it
+    /// once made.
+    pub(crate) fn with_stage<R>(
+        &self,
+        device: &Device,
+        stage: vk::ShaderStageFlags,
+        make: impl FnOnce(vk::PipelineShaderStageCreateInfo<'_>) -> Result<R, Error>,
+    ) -> Result<R, Error> {
+        let values: Vec<u32> = self.constants.iter().map(|(_, value)| *value).collect();
+        let entry = |(place, (id, _)): (usize, &(u32, u32))| {
+            let word = size_of::<u32>();
+            let offset = (place * word) as u32;
+            vk::SpecializationMapEntry { constant_id: *id, offset, size: word }
+        };
+        let entries: Vec<_> = self.constants.iter().enumerate().map(entry).collect();
+        let constants = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(&values));
+        let info = vk::ShaderModuleCreateInfo::default().code(&self.words);
+        // SAFETY: the words start like SPIR-V; the validation layer checks the rest.
+        let module = unsafe { device.raw().create_shader_module(&info, None) }
+            .called("vkCreateShaderModule")?;
+        device.name(module, &self.name);
+        let info = vk::PipelineShaderStageCreateInfo::default()
+            .stage(stage)
+            .module(module)
+            .name(c"main")
+            .specialization_info(&constants);
+        let made = make(info);
+        // SAFETY: no pipeline refers to the module after its creation.
+        unsafe { device.raw().destroy_shader_module(module, None) };
+        made
+    }
+}
+
+/// Compiles the GLSL file `path`; its stage is told by its extension (`.vert`, `.frag`, `.comp`),
+/// `#include "name"` is looked for beside it.
+///
+/// # Errors
+/// [`Error::ShaderCompile`] with file and line of every mistake.
+#[cfg(feature = "shader-compiler")]
+pub fn compile(path: &std::path::Path) -> Result<Spirv, Error> {
+    let name = path.display().to_string();
+    let refuse = |log: String| Error::ShaderCompile { name: name.clone(), log };
+    let stage = match path.extension().and_then(|extension| extension.to_str()) {
+        Some("vert") => shaderc::ShaderKind::Vertex,
+        Some("frag") => shaderc::ShaderKind::Fragment,
+        Some("comp") => shaderc::ShaderKind::Compute,
+        _ => {
+            return Err(refuse("its name must end in .vert, .frag or .comp".to_owned()));
+        }
+    };
+    let source = std::fs::read_to_string(path).map_err(|error| refuse(error.to_string()))?;
+    let compiler = shaderc::Compiler::new().map_err(|error| refuse(error.to_string()))?;
+    let mut options = shaderc::CompileOptions::new().map_err(|error| refuse(error.to_string()))?;
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
+    options.set_optimization_level(shaderc::OptimizationLevel::Performance);
+    options.set_warnings_as_errors();
+    let folder = path.parent().map(std::path::Path::to_owned).unwrap_or_default();
+    options.set_include_callback(move |wanted, _, from, _| {
+        let included = folder.join(wanted);
+        let content = std::fs::read_to_string(&included)
+            .map_err(|error| format!("{wanted}, included from {from}: {error}"))?;
+        let resolved_name = included.display().to_string();
+        Ok(shaderc::ResolvedInclude { resolved_name, content })
+    });
+    let compiled = compiler
+        .compile_into_spirv(&source, stage, &name, "main", Some(&options))
+        .map_err(|error| refuse(error.to_string()))?;
+    let file_name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    Spirv::from_bytes(&file_name.unwrap_or(name), compiled.as_binary_u8())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_spirv_is_refused() {
+        for bytes in [&b""[..], b"void main() {}", &[3, 2, 35, 7], &[0; 40]] {
+            assert!(matches!(Spirv::from_bytes("x", bytes), Err(Error::NotSpirv { .. })));
+        }
+        let mut bytes = SPIRV_MAGIC.to_le_bytes().to_vec();
+        bytes.extend([0; 16]);
+        let spirv = Spirv::from_bytes("x", &bytes).unwrap();
+        assert_eq!(spirv.to_bytes(), bytes);
+    }
+}
