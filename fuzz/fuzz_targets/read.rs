@@ -3,10 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 
-// The same function that `cargo test` runs a bounded number of times.
-#[path = "../../engine/import/tests/hostile/target.rs"]
-mod target;
-
 fuzz_target!(|bytes: &[u8]| {
-    let _ = target::try_bytes(bytes);
+    // The same function that `cargo test` runs a bounded number of times.
+    let _ = gltf_files::target::try_bytes(bytes);
 });

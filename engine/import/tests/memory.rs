@@ -2,11 +2,8 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "hostile/files.rs"]
-mod files;
-
 use antumbra_import::{Limits, read};
-use files::{F32, Scene, everything};
+use gltf_files::files::{F32, Scene, everything};
 use peak_alloc::PeakAlloc;
 use serde_json::json;
 

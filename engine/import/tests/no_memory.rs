@@ -3,15 +3,12 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "hostile/files.rs"]
-mod files;
-
 use std::alloc::System;
 use std::ops::ControlFlow;
 
 use antumbra_import::{Cause, ImportError, LoadOptions, load_bytes};
 use cap::Cap;
-use files::{F32, Scene};
+use gltf_files::files::{F32, Scene};
 use serde_json::json;
 
 #[global_allocator]

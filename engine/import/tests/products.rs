@@ -3,18 +3,12 @@
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "hostile/chains.rs"]
-mod chains;
-#[path = "hostile/files.rs"]
-mod files;
-#[path = "hostile/target.rs"]
-mod target;
-
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use antumbra_import::{GltfScene, LoadOptions, load_bytes};
-use files::{F32, Scene};
+use gltf_files::files::{F32, Scene};
+use gltf_files::{chains, loaded, perform};
 use peak_alloc::PeakAlloc;
 use serde_json::{Value, json};
 
@@ -126,8 +120,8 @@ fn pairs_cost_what_their_parts_cost() {
         ALLOCATOR.reset_peak_usage();
         let began = Instant::now();
         let imported = load(&scene);
-        target::loaded::check(&imported);
-        target::perform::perform(imported);
+        loaded::check(&imported);
+        perform::perform(imported);
         let took = began.elapsed();
         let peak = ALLOCATOR.peak_usage() - before;
         eprintln!("{what}: {} MiB at most, {took:?}", peak / MIB);

@@ -3,8 +3,8 @@
 
 use std::process::ExitCode;
 
-use samples::run::RunError;
-use samples::terminal;
+use bench::run_error::RunError;
+use bench::terminal;
 use samples::window::{self, args::CityArguments};
 
 fn main() -> ExitCode {

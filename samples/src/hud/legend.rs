@@ -1,9 +1,10 @@
 //! Legends: what the colours mean that explain a picture.
 
+use bench::legend::LegendEntry;
 use epaint::{Color32, Pos2, Rect, pos2, vec2};
 
 use super::canvas::{Align, Canvas};
-use super::page::{Legend, LegendEntry};
+use super::page::Legend;
 use super::style::{MARGIN, NAME, Style, VALUE};
 
 const TITLE: Style = Style::text(11.5, VALUE);

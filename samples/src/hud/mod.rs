@@ -26,7 +26,7 @@ use render::{FlatOverlay, FlatVertex};
 use canvas::Canvas;
 pub use layout::{Measures, PANEL_SHARE, Room};
 pub use level::HudLevel;
-pub use page::{Figure, Help, HudPage, Legend, LegendEntry, Overview, Sign, Split, Verdict};
+pub use page::{Figure, Help, HudPage, Legend, Overview, Sign, Split, Verdict};
 
 /// Lays pages out with fonts of its own.
 pub struct Hud {

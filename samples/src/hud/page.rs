@@ -1,5 +1,6 @@
 //! What is written and drawn over a picture, from plain values.
 
+use bench::legend::LegendEntry;
 use render::Area;
 
 /// Everything that is shown over one picture.
@@ -95,15 +96,6 @@ pub struct Legend {
     /// The part of the picture that it explains: it is in the upper left of that; `None` for the whole
     /// picture, where it is in the upper right.
     pub area: Option<Area>,
-}
-
-/// Colours with one meaning: several are a scale from the first to the last.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LegendEntry {
-    /// The colours, sRGB-encoded.
-    pub colours: Vec<[u8; 3]>,
-    /// Their meaning.
-    pub meaning: String,
 }
 
 /// What goes on, shown by a frame and a shape.

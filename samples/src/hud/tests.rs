@@ -1,5 +1,6 @@
 //! Whole pages, laid out without a device: nothing overlaps, nothing leaves its panel or the picture.
 
+use bench::legend::LegendEntry;
 use epaint::{Rect, Shape};
 
 use super::style::PANEL;

@@ -5,11 +5,11 @@ use super::menu;
 use super::session::Session;
 use super::world::World;
 use crate::hud::HudLevel;
-use crate::options::MAX_FRAMES_IN_FLIGHT;
-use crate::recorded_path::RecordedPath;
-use crate::run::RunError;
-use crate::strategy::Strategy;
-use crate::terminal::{output::say_wrote, shown};
+use bench::options::MAX_FRAMES_IN_FLIGHT;
+use bench::recorded_path::RecordedPath;
+use bench::run_error::RunError;
+use bench::strategy::Strategy;
+use bench::terminal::{output::say_wrote, shown};
 
 const GPU_KNOWS: &str =
     "only the GPU knows what pyramid draws: choose another strategy to see its decisions";

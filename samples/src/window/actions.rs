@@ -2,9 +2,9 @@
 
 use gpu::PresentMode;
 
-use crate::choices::parse_named;
-use crate::options::MAX_FRAMES_IN_FLIGHT;
-use crate::strategy::Strategy;
+use bench::choices::parse_named;
+use bench::options::MAX_FRAMES_IN_FLIGHT;
+use bench::strategy::Strategy;
 
 /// Something to be done between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,8 +17,8 @@ use super::pointer::Button;
 use super::session::Files;
 use super::show::ShowOptions;
 use super::source::Source;
-use crate::run::RunError;
-use crate::signals::Signals;
+use bench::run_error::RunError;
+use bench::signals::Signals;
 
 /// So far a wheel without notches turns for one.
 const PIXELS_A_NOTCH: f32 = 40.0;

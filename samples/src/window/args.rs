@@ -5,8 +5,8 @@ use clap::Parser;
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::Source;
-use crate::args::{parse_made, parse_path, parse_scene, usage};
-use crate::options::UsageError;
+use bench::args::{parse_made, parse_path, parse_scene, usage};
+use bench::options::UsageError;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -79,10 +79,10 @@ impl CityArguments {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::choices::CameraPath;
     use crate::hud::HudLevel;
-    use crate::options::PathChoice;
-    use crate::strategy::Strategy;
+    use bench::choices::CameraPath;
+    use bench::options::PathChoice;
+    use bench::strategy::Strategy;
 
     fn parse_all(line: &[&str]) -> Result<(Source, ShowOptions), UsageError> {
         CityArguments::try_parse_from([&["city"], line].concat()).unwrap().options()

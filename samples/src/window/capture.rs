@@ -4,7 +4,7 @@ use std::ptr::null;
 
 use renderdoc::{RenderDoc, V100};
 
-use crate::run::RunError;
+use bench::run_error::RunError;
 
 /// The frame to be captured.
 pub struct Capture {

@@ -7,8 +7,8 @@ use render::FrameRequest;
 use super::comparison::{Comparison, Side};
 use super::page_text::in_ms;
 use super::session::Session;
-use crate::run::RunError;
-use crate::strategy::Strategy;
+use bench::run_error::RunError;
+use bench::strategy::Strategy;
 
 impl Session {
     /// Begins to show frames with and without culling in turn, or ends that.

@@ -7,8 +7,8 @@ use pacing::Time;
 use render::{Renderer, ViewState};
 
 use super::differences::{Differences, PixelArea};
-use crate::run::RunError;
-use crate::strategy::Strategy;
+use bench::run_error::RunError;
+use bench::strategy::Strategy;
 
 /// Each side is shown for this long in turn.
 const TURN_S: f64 = 0.5;

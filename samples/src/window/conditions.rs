@@ -2,7 +2,7 @@
 
 use gpu::PresentMode;
 
-use crate::strategy::Strategy;
+use bench::strategy::Strategy;
 
 /// What frames must have in common to be measured together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

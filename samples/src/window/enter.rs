@@ -10,9 +10,9 @@ use super::loading::Progress;
 use super::session::Session;
 use super::source::Source;
 use super::stage::Stage;
-use crate::run::RunError;
-use crate::strategy::Strategy;
-use crate::terminal::shown;
+use bench::run_error::RunError;
+use bench::strategy::Strategy;
+use bench::terminal::shown;
 
 impl Session {
     /// Shows `stage` from now on, from its first frame. What it replaces goes when the GPU is through.

@@ -56,7 +56,7 @@ mod tests {
     use gpu::PresentMode;
 
     use super::*;
-    use crate::strategy::Strategy;
+    use bench::strategy::Strategy;
 
     fn record(evenness: &mut FramePacingStats, frames: std::ops::Range<u64>, interval_ms: u64) {
         for frame in frames {

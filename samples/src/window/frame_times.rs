@@ -171,7 +171,7 @@ mod tests {
     use gpu::PresentMode;
 
     use super::*;
-    use crate::strategy::Strategy;
+    use bench::strategy::Strategy;
 
     fn conditions() -> Conditions {
         Conditions {

@@ -14,8 +14,8 @@ use super::pointer::PointerAction;
 use super::scene_files;
 use super::show::ShowOptions;
 use super::source::Source;
-use crate::options::MadeScene;
-use crate::run::RunError;
+use bench::options::MadeScene;
+use bench::run_error::RunError;
 
 /// A scene that is chosen from the list is made of about so many objects.
 const MADE_OBJECTS: u32 = 10_000;

@@ -12,10 +12,11 @@ use super::session::{Files, Session};
 use super::show::ShowOptions;
 use super::source::Source;
 use super::stage::Stage;
-use crate::progress::LoadingBar;
-use crate::run::{self, RunError};
-use crate::signals::Signals;
-use crate::terminal::shown;
+use bench::progress::LoadingBar;
+use bench::run;
+use bench::run_error::RunError;
+use bench::signals::Signals;
+use bench::terminal::shown;
 
 const FRAME_SECONDS: f32 = 1.0 / 60.0;
 /// The text changes every so many frames.

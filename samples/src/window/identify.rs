@@ -6,7 +6,7 @@ use render::Pick;
 use super::object_text::ObjectCard;
 use super::page_text::Facts;
 use super::session::Session;
-use crate::run::RunError;
+use bench::run_error::RunError;
 
 /// The object that is selected, and the question for the next one.
 #[derive(Debug, Default)]

@@ -1,21 +1,15 @@
 //! Legends for the colours that explain the picture.
 
+use bench::legend;
 use render::{
-    Area, BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, DebugOverlay, FRUSTUM, SELECTED, Swatch,
-    WIRES, level_colour,
+    Area, BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, DebugOverlay, SELECTED, WIRES,
 };
 
-use crate::hud::{Legend, LegendEntry};
-
-/// Levels that stand for the scale of all.
-const LEVELS: [u32; 6] = [0, 3, 6, 9, 12, 15];
+use crate::hud::Legend;
 
 /// Returns the legend of the view from above in `area`, or of a whole picture.
 pub fn from_above(area: Option<Area>) -> Legend {
-    let meaning = level_colour(0).meaning.to_owned();
-    let levels = LEVELS.map(|level| level_colour(level).rgb).to_vec();
-    let entries = vec![LegendEntry { colours: levels, meaning }, entry(FRUSTUM)];
-    Legend { title: "Boxes and the camera", entries, area }
+    Legend { title: legend::TITLE_FROM_ABOVE, entries: legend::from_above(), area }
 }
 
 /// Returns the legends of everything that is explained; `is_frozen` where the picture is of a moment
@@ -26,11 +20,11 @@ pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
         legends.push(from_above(None));
     }
     if explanation.has_boxes && !is_frozen {
-        let entries = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED].map(entry).to_vec();
+        let entries = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED].map(Into::into).to_vec();
         legends.push(Legend { title: "Boxes that are tested", entries, area: None });
     }
     if explanation.has_wires {
-        legends.push(Legend { title: "Wires", entries: vec![entry(WIRES)], area: None });
+        legends.push(Legend { title: "Wires", entries: vec![WIRES.into()], area: None });
     }
     legends.extend(explanation.birds_eye.map(|area| from_above(Some(area))));
     legends
@@ -38,11 +32,7 @@ pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
 
 /// Returns the legend of the outline of the selected object.
 pub fn of_selection() -> Legend {
-    Legend { title: "Outline", entries: vec![entry(SELECTED)], area: None }
-}
-
-fn entry(swatch: Swatch) -> LegendEntry {
-    LegendEntry { colours: vec![swatch.rgb], meaning: swatch.meaning.to_owned() }
+    Legend { title: "Outline", entries: vec![SELECTED.into()], area: None }
 }
 
 #[cfg(test)]

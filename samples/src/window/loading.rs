@@ -10,8 +10,8 @@ use gpu::Device;
 use super::show::ShowOptions;
 use super::source::Source;
 use super::stage::Stage;
-use crate::run::RunError;
-use crate::scene_file::{self, Told};
+use bench::run_error::RunError;
+use bench::scene_file::{self, Told};
 
 /// How far it has come.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use crate::choices;
-use crate::strategy::Strategy;
+use bench::choices;
+use bench::strategy::Strategy;
 
 /// More characters are no path.
 const MOST_CHARACTERS: usize = 4096;

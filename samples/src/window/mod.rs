@@ -59,10 +59,10 @@ use std::process::ExitCode;
 
 use gpu::ValidationLog;
 
-use crate::outputs::Outputs;
-use crate::run::{Blame, RunError};
-use crate::signals::{Signal, Signals};
-use crate::terminal::{Ending, ending};
+use bench::outputs::Outputs;
+use bench::run_error::{Blame, RunError};
+use bench::signals::{Signal, Signals};
+use bench::terminal::{Ending, ending};
 use session::Files;
 use show::ShowOptions;
 use source::Source;
@@ -73,7 +73,8 @@ use source::Source;
 /// No display; a device or a file that is not what it should be; messages of the validation layer.
 pub fn run(source: &Source, options: &ShowOptions) -> Result<Option<Signal>, RunError> {
     let files = Files::open(source, options)?;
-    let outputs = Outputs::for_window(options)?;
+    let trace = ("--trace", options.trace.as_deref());
+    let outputs = Outputs::prepare(options.shaders.as_deref(), options.out.as_deref(), trace)?;
     let signals = Signals::watch()?;
     let ran = match options.is_headless {
         true => headless::run(source, options, files, &signals),

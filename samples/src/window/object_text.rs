@@ -6,7 +6,7 @@ use cull::{
 use glam::Vec3;
 
 use super::page_text::{Facts, fact};
-use crate::strategy::Strategy;
+use bench::strategy::Strategy;
 
 /// What there is to say of an object.
 #[derive(Clone, Copy, Debug)]

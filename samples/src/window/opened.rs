@@ -26,7 +26,8 @@ use super::session::{Files, Session};
 use super::show::ShowOptions;
 use super::source::Source;
 use super::title::Title;
-use crate::run::{self, RunError};
+use bench::run;
+use bench::run_error::RunError;
 
 /// Text over the picture changes so often.
 const HUD_INTERVAL: Duration = Duration::from_millis(250);

@@ -13,7 +13,7 @@ use super::page_text::Known;
 use super::screen::ScreenFacts;
 use super::session::Session;
 use crate::hud::{Help, HudLevel, HudPage, Legend, Sign};
-use crate::run::RunError;
+use bench::run_error::RunError;
 
 /// While the HUD is shown, one in so many frames has its passes timed.
 const TIMED_INTERVAL_FRAMES: u64 = 8;

@@ -10,7 +10,7 @@ use super::comparison::Tally;
 use super::frame_times::{FrameTimes, is_overlay};
 use super::screen::ScreenFacts;
 use crate::hud::{Figure, Overview, Split, Verdict, grouped};
-use crate::strategy::Strategy;
+use bench::strategy::Strategy;
 
 const UNKNOWN: &str = "-";
 /// Passes beyond this many are summed up.
@@ -281,5 +281,4 @@ fn short(number: u64) -> String {
 }
 
 #[cfg(test)]
-#[path = "page_text_tests.rs"]
 mod tests;

@@ -7,7 +7,7 @@ use super::session::Session;
 use super::show::ShowOptions;
 use super::source::Source;
 use super::stage::Stage;
-use crate::run::RunError;
+use bench::run_error::RunError;
 
 const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
 

@@ -16,7 +16,7 @@ use super::clock::Clock;
 use super::conditions::Conditions;
 use super::frame_pacing_stats::FramePacingStats;
 use super::show::ShowOptions;
-use crate::run::RunError;
+use bench::run_error::RunError;
 
 /// Frames whose end is still of interest.
 const MOST_QUEUED: usize = 64;

@@ -5,10 +5,10 @@ use std::rc::Rc;
 
 use gpu::{Device, Readback, Tick};
 
-use crate::options::FrameSize;
-use crate::picture::write_png;
-use crate::run::RunError;
-use crate::terminal::output::say_wrote;
+use bench::options::FrameSize;
+use bench::picture::write_png;
+use bench::run_error::RunError;
+use bench::terminal::output::say_wrote;
 
 /// A picture that the GPU draws.
 struct Pending {

@@ -6,9 +6,9 @@
 use std::path::Path;
 
 use super::actions::Action;
-use crate::input_file;
-use crate::options::UsageError;
-use crate::terminal::shown;
+use bench::input_file;
+use bench::options::UsageError;
+use bench::terminal::shown;
 
 /// A larger file is no script.
 const MOST_BYTES: u64 = 16 << 20;
@@ -74,7 +74,7 @@ mod tests {
             Script::parse("# first\n2 hud\n2 strategy naive\n\n  5   quit  \n").unwrap();
         assert_eq!(script.next_before(1), None);
         assert_eq!(script.next_before(2), Some(Action::Hud));
-        assert_eq!(script.next_before(2), Some(Action::Strategy(crate::strategy::Strategy::Naive)));
+        assert_eq!(script.next_before(2), Some(Action::Strategy(bench::strategy::Strategy::Naive)));
         assert_eq!(script.next_before(2), None);
         assert_eq!(script.next_before(9), Some(Action::Quit));
         assert_eq!(script.next_before(9), None);

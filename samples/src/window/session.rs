@@ -31,10 +31,10 @@ use super::stage::Stage;
 use super::trace::Trace;
 use super::world::World;
 use crate::hud::{Hud, HudLevel};
-use crate::recorded_path::RecordedPath;
-use crate::run::RunError;
-use crate::strategy::Strategy;
-use crate::terminal::{output::say_wrote, shown};
+use bench::recorded_path::RecordedPath;
+use bench::run_error::RunError;
+use bench::strategy::Strategy;
+use bench::terminal::{output::say_wrote, shown};
 
 /// A flight.
 pub struct Session {

@@ -6,11 +6,11 @@ use clap::Args;
 use gpu::PresentMode;
 
 use super::actions::present_mode;
-use crate::args::{named, parse_device, parse_in_range, parse_size, usage};
-use crate::choices::{Costs, DeviceChoice, Validation};
 use crate::hud::HudLevel;
-use crate::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, UsageError};
-use crate::strategy::Strategy;
+use bench::args::{named, parse_device, parse_in_range, parse_size, usage};
+use bench::choices::{Costs, DeviceChoice, Validation};
+use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, UsageError};
+use bench::strategy::Strategy;
 
 /// How something is shown, as it was asked for.
 #[derive(Clone, Debug, Args)]

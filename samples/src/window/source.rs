@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::options::{MadeScene, PathChoice};
+use bench::options::{MadeScene, PathChoice};
 
 /// Where it comes from.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,12 +11,12 @@ use scenes::{GeneratedScene, Routes};
 use super::show::ShowOptions;
 use super::source::FileSource;
 use super::world::World;
-use crate::choices::{self, Named};
-use crate::course::Course;
 use crate::hud::{HudLevel, PANEL_SHARE};
-use crate::options::{MadeScene, PathChoice};
-use crate::run::RunError;
-use crate::scene_file::{self, Told};
+use bench::camera_path::Course;
+use bench::choices::{self, Named};
+use bench::options::{MadeScene, PathChoice};
+use bench::run_error::RunError;
+use bench::scene_file::{self, Told};
 
 /// A scene that can be drawn, and how it lives.
 pub struct Stage {

@@ -7,7 +7,7 @@ use gpu::{Clocks, Device, PassTime};
 use pacing::Time;
 use serde_json::{Value, json};
 
-use crate::outputs::{WriteError, write_file};
+use bench::outputs::{WriteError, write_file};
 
 /// More events than this are not kept, but counted.
 const MOST_EVENTS: usize = 1 << 20;

@@ -8,8 +8,8 @@ use super::actions::FILE_KEYS;
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::{FileSource, Source};
-use crate::args::{path_file, usage};
-use crate::options::UsageError;
+use bench::args::{path_file, usage};
+use bench::options::UsageError;
 
 const EXAMPLES: &str = "\
 Examples:

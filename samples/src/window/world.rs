@@ -10,10 +10,10 @@ use scene::Scene;
 use super::clearance::clearance_m;
 use super::page_text::{Facts, fact};
 use super::source::FileSource;
-use crate::course::Course;
-use crate::film::{self, Clips};
-use crate::recorded_path::RecordedPath;
-use crate::run::RunError;
+use bench::camera_path::Course;
+use bench::playback::{self, Clips};
+use bench::recorded_path::RecordedPath;
+use bench::run_error::RunError;
 
 /// One clip takes the place of another within so many seconds.
 const FADE_S: f64 = 0.3;
@@ -138,9 +138,9 @@ impl World {
         (size, covered): ([u32; 2], f32),
     ) -> Result<Self, RunError> {
         let names = MeshNames::of(&imported.scene);
-        let shown = crate::terminal::shown(file);
+        let shown = bench::terminal::shown(file);
         let wanted = settings.camera.as_deref();
-        let camera = film::find_camera(&imported.cameras, wanted, &shown)?;
+        let camera = playback::find_camera(&imported.cameras, wanted, &shown)?;
         let recorded = settings.recorded.as_deref().map(RecordedPath::read).transpose()?;
         let (scene, mut animator, cameras, notes) = SceneAnimator::of(imported);
         let mut notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
@@ -150,7 +150,7 @@ impl World {
         animator.play(clips.playing(), 0.0, 0.0);
         let bounds = animator.bounds_playing(&scene);
         animator.pose(0.0);
-        let around = film::portrait(&bounds, size, covered);
+        let around = playback::portrait(&bounds, size, covered);
         let first = camera.and_then(|place| Some((place, cameras.get(place)?)));
         // A camera that nobody asked for and that a clip moves may begin in a wall, or right before one.
         let is_free = wanted.is_none() && recorded.is_none();

@@ -16,7 +16,7 @@ const CIRCLES_LEFT: [(&str, &[usize]); 7] = [
     ("engine/pacing", &[4]),
     ("engine/render", &[48]),
     ("engine/scene", &[4]),
-    ("samples", &[10, 7]),
+    ("samples", &[7]),
     ("samples/scenes", &[10]),
 ];
 

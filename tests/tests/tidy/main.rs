@@ -88,10 +88,41 @@ fn crates_depend_only_downwards() {
             ("engine/import/Cargo.toml", "[dependencies]\nrender.workspace = true\n"),
             ("engine/scene/Cargo.toml", "[dev-dependencies]\nscenes.workspace = true\n"),
             ("shaders/Cargo.toml", "[dependencies]\nantumbra-gpu = \"0.1\"\n"),
+            ("samples/bench/Cargo.toml", "[dependencies]\nsamples = { path = \"..\" }\n"),
         ],
     );
     let harmless = "[package]\nname = \"antumbra-gpu\"\n[dependencies]\ngpu-allocator = \"1\"\n";
     assert_permits(rules::arrows, &[("engine/gpu/Cargo.toml", harmless)]);
+}
+
+#[test]
+fn what_measures_is_light() {
+    assert_obeyed(rules::light_instrument);
+    assert_catches(
+        rules::light_instrument,
+        &[
+            ("samples/bench/Cargo.toml", "[dependencies]\nwinit = \"0.30\"\n"),
+            ("samples/bench/Cargo.toml", "[dependencies]\nplotters.workspace = true\n"),
+        ],
+    );
+    let optional = "[dependencies]\nplotters = { workspace = true, optional = true }\n";
+    assert_permits(
+        rules::light_instrument,
+        &[
+            ("samples/bench/Cargo.toml", optional),
+            ("samples/Cargo.toml", "[dependencies]\nwinit = \"0.30\"\n"),
+        ],
+    );
+}
+
+#[test]
+fn modules_lie_where_their_names_say() {
+    assert_obeyed(rules::module_paths);
+    assert_catches(
+        rules::module_paths,
+        &[("a.rs", "#[path = \"b.rs\"]\nmod c;\n"), ("tests/a.rs", "    #[path=\"b\"] mod c;\n")],
+    );
+    assert_permits(rules::module_paths, &[("a.rs", "// #[path = \"b.rs\"]\nmod c;\n")]);
 }
 
 #[test]

@@ -82,7 +82,7 @@ pub fn own_files(files: &[SourceFile]) -> Vec<String> {
 }
 
 /// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know Vulkan's.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
         "engine/antumbra/Cargo.toml",
@@ -94,17 +94,30 @@ const ARROWS: [(&str, &[&str]); 10] = [
     ("engine/pacing/Cargo.toml", &[]),
     ("engine/render/Cargo.toml", &["cull", "gpu", "scene", "shaders"]),
     ("engine/scene/Cargo.toml", &["cull"]),
+    (
+        "samples/Cargo.toml",
+        &[
+            "bench", "cull", "gpu", "harness", "import", "pacing", "render", "scene", "scenes",
+            "tests",
+        ],
+    ),
+    (
+        "samples/bench/Cargo.toml",
+        &["animation", "cull", "gpu", "harness", "import", "render", "scene", "scenes"],
+    ),
     ("samples/scenes/Cargo.toml", &["cull", "scene"]),
     ("shaders/Cargo.toml", &[]),
 ];
 
 /// Crates depend on each other as [`ARROWS`] says and no other way.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
-    const OURS: [&str; 12] = [
+    const OURS: [&str; 14] = [
         "animation",
         "antumbra",
+        "bench",
         "cull",
         "gpu",
+        "harness",
         "import",
         "pacing",
         "render",
@@ -152,6 +165,25 @@ fn dependencies(manifest: &str) -> Vec<(usize, String)> {
     names
 }
 
+/// What measures compiles no window system and no fonts, and charts only where they are asked for.
+pub fn light_instrument(files: &[SourceFile]) -> Vec<String> {
+    const OF_WINDOWS: [&str; 7] =
+        ["arboard", "egui", "epaint", "evdev", "renderdoc", "tracy-client", "winit"];
+    let mut findings = Vec::new();
+    for file in files.iter().filter(|file| file.path == "samples/bench/Cargo.toml") {
+        for (line, name) in dependencies(&file.text) {
+            let text = file.text.lines().nth(line - 1).unwrap_or_default();
+            if OF_WINDOWS.contains(&name.as_str()) {
+                findings
+                    .push(file.finding(line, &format!("{name} belongs to the window programs")));
+            } else if name == "plotters" && !text.contains("optional = true") {
+                findings.push(file.finding(line, "must be optional: the demo draws no chart"));
+            }
+        }
+    }
+    findings
+}
+
 /// Libraries without unsafe code, and the samples, say so to the compiler.
 pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     let must = |file: &&SourceFile| {
@@ -163,12 +195,13 @@ pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
             "engine/pacing/src/lib.rs",
             "engine/render/src/lib.rs",
             "engine/scene/src/lib.rs",
+            "samples/bench/src/lib.rs",
             "samples/scenes/src/lib.rs",
             "samples/src/lib.rs",
             "shaders/src/lib.rs",
         ]
         .contains(&file.path.as_str())
-            || (file.path.starts_with("samples/src/bin/") && file.is_rust())
+            || (file.path.starts_with("samples/") && file.path.contains("/bin/") && file.is_rust())
     };
     let forbids = |file: &&SourceFile| {
         without_comments_and_strings(&file.text).contains("#![forbid(unsafe_code)]")
@@ -268,6 +301,16 @@ pub fn unwraps(files: &[SourceFile]) -> Vec<String> {
         }
     }
     findings
+}
+
+/// Modules lie where their names say; what several programs share is a module or a crate.
+pub fn module_paths(files: &[SourceFile]) -> Vec<String> {
+    in_code(
+        files,
+        |_| true,
+        |line| line.trim_start().starts_with("#[path"),
+        "put the file where its module's name says, or share it by a crate",
+    )
 }
 
 /// Names that say nothing are taken by things that do too much.

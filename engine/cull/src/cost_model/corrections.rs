@@ -231,5 +231,4 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 #[cfg(test)]
-#[path = "corrections_tests.rs"]
 mod tests;

@@ -3,7 +3,7 @@
 use antumbra_import::{Limits, Source, read};
 use serde_json::json;
 
-use super::files::{F32, I16, Scene, U8, U32, encoded, everything, glb_of};
+use gltf_files::files::{F32, I16, Scene, U8, U32, encoded, everything, glb_of};
 
 fn accept(name: &str, bytes: Vec<u8>) -> Source {
     read(bytes, None, &Limits::default()).unwrap_or_else(|error| panic!("{name}: {error}"))

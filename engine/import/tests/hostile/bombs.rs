@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use antumbra_import::{Cause, Limits, read};
 use serde_json::json;
 
-use super::files::{F32, Scene, U16, everything};
+use gltf_files::files::{F32, Scene, U16, everything};
 
 /// Refused for its size, and in no time.
 fn too_large(bytes: Vec<u8>, expected: &[&str]) {

@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use serde_json::json;
 
-use super::files::{Scene, U8};
+use gltf_files::files::{Scene, U8};
 
 const ATTRIBUTES: [&str; 2] = [
     "oAUAzDDAJgYiFjMAAAAKLgEAMwMDJiIwLgUADAMwCA4IAwAAABABDDAzMBoMKCgGBQPwM8wYDgQeKgg2MAAAAC4FMA/MDyokJg4MMjADAAAAEAUzPDAAHBwoDBI8AAAAJBwFM8AAzAoUCBI0AwAAADAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA4DFgAAAg==",

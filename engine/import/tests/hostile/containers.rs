@@ -3,8 +3,8 @@
 use antumbra_import::{Limits, read};
 use serde_json::json;
 
-use super::files::{Scene, everything, glb_of};
-use super::target::try_bytes;
+use gltf_files::files::{Scene, everything, glb_of};
+use gltf_files::target::try_bytes;
 
 fn refused(bytes: &[u8]) -> String {
     match read(bytes.to_vec(), None, &Limits::default()) {

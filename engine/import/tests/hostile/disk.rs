@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use antumbra_import::{Cause, ImportError, Limits, open};
 use serde_json::json;
 
-use super::files::{Scene, encoded};
+use gltf_files::files::{Scene, encoded};
 
 /// A folder with a scene in it, and a secret beside it; removed when dropped.
 struct Folder {

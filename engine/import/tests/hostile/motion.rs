@@ -7,10 +7,10 @@ use antumbra_import::{
 };
 use serde_json::{Value, json};
 
-use super::chain::chains;
-use super::files::{F32, Scene, U8, encoded};
-use super::target::loaded;
-use super::target::perform::perform;
+use gltf_files::chains::chains;
+use gltf_files::files::{F32, Scene, U8, encoded};
+use gltf_files::loaded;
+use gltf_files::perform::perform;
 
 fn load_with(scene: &Scene, limits: Limits) -> Result<GltfScene, ImportError> {
     let options = LoadOptions { limits, ..LoadOptions::default() };

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::files::{Scene, everything, glb_of};
-use super::target::try_bytes;
+use gltf_files::files::{Scene, everything, glb_of};
+use gltf_files::target::try_bytes;
 
 /// Tries in a test; `cargo fuzz` goes on where this ends.
 const TRIES: u64 = 200_000;

@@ -3,7 +3,7 @@
 use antumbra_import::{Limits, read};
 use serde_json::json;
 
-use super::files::{F32, Scene, U8, U16, U32, encoded, everything};
+use gltf_files::files::{F32, Scene, U8, U16, U32, encoded, everything};
 
 /// A change of a file that uses everything, and parts of what must be said about it.
 type Case = (fn(&mut Scene), &'static [&'static str]);

@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
-use super::files::Scene;
 use super::tolerated::{Outcome::*, Row};
+use gltf_files::files::Scene;
 
 fn light(scene: &mut Scene, key: &str, value: serde_json::Value) {
     scene.set(&format!("/extensions/KHR_lights_punctual/lights/0/{key}"), value);

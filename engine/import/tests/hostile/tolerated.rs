@@ -7,11 +7,11 @@ use antumbra_import::{GltfScene, ImportError, LoadOptions, load_bytes};
 use serde_json::{Value, json};
 
 use super::deviations::{LEFT_OUT, SHOWN, SPELLINGS};
-use super::files::{F32, Scene, everything};
 use super::replaced::REPLACED;
-use super::target::loaded;
-use super::target::perform::perform;
 use super::unused::{ASIDE, UNUSED};
+use gltf_files::files::{F32, Scene, everything};
+use gltf_files::loaded;
+use gltf_files::perform::perform;
 
 /// What becomes of a file.
 #[derive(Clone, Copy, Debug)]

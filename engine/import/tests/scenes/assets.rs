@@ -6,7 +6,7 @@ use std::path::Path;
 
 use antumbra_import::{LoadOptions, load};
 
-use super::loaded::check;
+use gltf_files::loaded::check;
 
 /// What is in a scene. Objects and triangles are those that are told of the files; the other numbers are what
 /// was found first, and guard against change alone.

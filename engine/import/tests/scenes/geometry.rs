@@ -3,8 +3,8 @@
 use antumbra_import::GltfScene;
 use serde_json::json;
 
-use super::files::{F32, I16, Scene, U8, U16, U32};
 use super::loading::{load, notes, refused};
+use gltf_files::files::{F32, I16, Scene, U8, U16, U32};
 
 pub const ATTRIBUTES: &str = "/meshes/0/primitives/0/attributes";
 
@@ -68,7 +68,7 @@ fn quantised_numbers_become_what_they_mean() {
 
 /// Gives the triangle a texture by a set of coordinates.
 pub fn textured(scene: &mut Scene, set: u32) {
-    let image = scene.view(&super::files::encoded(image::ImageFormat::Png));
+    let image = scene.view(&gltf_files::files::encoded(image::ImageFormat::Png));
     scene.set("/images", json!([{ "bufferView": image, "mimeType": "image/png" }]));
     scene.set("/textures", json!([{ "source": 0 }]));
     let texture = json!({ "baseColorTexture": { "index": 0, "texCoord": set } });

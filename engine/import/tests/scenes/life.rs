@@ -7,9 +7,9 @@ use antumbra_import::{GltfScene, Limits, LoadOptions, Placed, load_bytes};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use serde_json::{Value, json};
 
-use super::files::{Scene, U8, U16};
 use super::geometry::ATTRIBUTES;
 use super::loading::{counts, load, notes, refused};
+use gltf_files::files::{Scene, U8, U16};
 
 /// The triangle's node with one channel, of a sampler of these keys.
 fn animated(path: &str, times: &[f32], kind: &str, values: &[f32], interpolation: &str) -> Scene {
@@ -51,7 +51,7 @@ fn tracks_have_the_values_of_the_file() {
 fn normalised_rotations_are_rotations_and_cubic_tangents_stay_as_they_are() {
     let mut scene = animated("rotation", &[0.0, 1.0], "VEC4", &[0.0; 8], "LINEAR");
     let bytes: Vec<u8> = [0i16, 0, 0, 32767, 0, -32767, 0, 0].map(i16::to_le_bytes).concat();
-    let turns = scene.numbers(super::files::I16, "VEC4", 2, &bytes);
+    let turns = scene.numbers(gltf_files::files::I16, "VEC4", 2, &bytes);
     scene.set(&format!("/accessors/{turns}/normalized"), json!(true));
     scene.set("/animations/0/samplers/0/output", json!(turns));
     let expected = Values::Rotation(vec![Quat::IDENTITY, Quat::from_xyzw(0.0, -1.0, 0.0, 0.0)]);

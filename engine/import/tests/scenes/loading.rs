@@ -7,8 +7,8 @@ use antumbra_import::{
 };
 use serde_json::json;
 
-use super::files::{Scene, everything};
-use super::loaded::check;
+use gltf_files::files::{Scene, everything};
+use gltf_files::loaded::check;
 
 /// What loading with the default options gives.
 pub fn try_load(scene: &Scene) -> Result<GltfScene, ImportError> {

@@ -3,8 +3,8 @@
 use antumbra_import::GltfScene;
 use serde_json::{Value, json};
 
-use super::files::{Scene, encoded};
 use super::loading::{load, notes};
+use gltf_files::files::{Scene, encoded};
 
 /// The triangle with a material of this JSON, and textures of three images.
 fn with(material: Value) -> Scene {

@@ -6,8 +6,8 @@ use antumbra_import::GltfScene;
 use glam::{Vec3, vec3};
 use serde_json::json;
 
-use super::files::{F32, Scene};
 use super::loading::{counts, load, notes};
+use gltf_files::files::{F32, Scene};
 
 /// Where each object's own (1, 0, 0) is.
 fn tips(imported: &GltfScene) -> Vec<Vec3> {

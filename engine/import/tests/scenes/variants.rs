@@ -2,9 +2,9 @@
 
 use serde_json::json;
 
-use super::files::Scene;
 use super::geometry::{ATTRIBUTES, corners, normals};
 use super::loading::load;
+use gltf_files::files::Scene;
 
 #[test]
 fn nodes_share_the_meshes_that_they_have() {

@@ -1,0 +1,17 @@
+//! Files that are valid are accepted, files that are not are refused: with a reason, in time, without a panic.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod accepted;
+mod assets;
+mod bombs;
+mod compressed;
+mod containers;
+mod deviations;
+mod disk;
+mod motion;
+mod mutations;
+mod refused;
+mod replaced;
+mod tolerated;
+mod unused;

@@ -1,0 +1,69 @@
+//! Walks through a scene without a window, measures strategies against each other, prints a table.
+#![forbid(unsafe_code)]
+
+use std::process::ExitCode;
+
+use bench::args::Arguments;
+use bench::outputs::Outputs;
+use bench::run::{self, Walked};
+use bench::run_error::{Blame, RunError};
+use bench::signals::Signals;
+use bench::terminal::{
+    self, Ending, ending,
+    output::{say, say_wrote},
+    print, style,
+};
+use bench::{exit_status, progress, strategy, table};
+
+fn main() -> ExitCode {
+    let arguments = match terminal::start::<Arguments>("warn") {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
+    match walk(&arguments) {
+        Ok(ending) => ending.exit(),
+        Err(error) => ending::refuse(&error, error.exit_code()),
+    }
+}
+
+/// Does what the arguments say.
+fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
+    let mut ending = Ending::default();
+    if arguments.list_strategies {
+        ending.attempt(print(&strategy::list()));
+        return Ok(ending);
+    }
+    let options = arguments.options()?;
+    if arguments.list_devices {
+        let text: String = run::list_devices()?.iter().map(|line| format!("{line}\n")).collect();
+        ending.attempt(print(&text));
+        return Ok(ending);
+    }
+    let _outputs = Outputs::of_walk(&options)?;
+    let signals = Signals::watch()?;
+    let progress = progress::for_terminal(arguments.quiet);
+    let result = run::run(&options, progress.as_ref(), &signals);
+    progress.finish();
+    ending.interrupted(signals.received());
+    let Walked { report, pictures } = match result {
+        Err(error) if error.blame == Blame::Nobody => {
+            say("ended before anything was measured");
+            return Ok(ending);
+        }
+        result => result?,
+    };
+    // The table first: whatever becomes of the files, it is seen.
+    ending.attempt(print(&table::render(&report, style::width())));
+    let mut written = pictures.written;
+    pictures.failures.into_iter().for_each(|failure| ending.fail(failure));
+    if let Some(path) = &options.report
+        && ending.attempt(report.write(path)).is_some()
+    {
+        written.push(path.clone());
+    }
+    if !arguments.quiet {
+        written.iter().for_each(|path| say_wrote(path));
+    }
+    exit_status::complaint(&report).into_iter().for_each(|complaint| ending.fail(complaint));
+    Ok(ending)
+}

@@ -1,0 +1,65 @@
+//! Where a camera goes: along a path of the scene, along one that was recorded, as a clip moves it.
+
+use cull::Camera;
+use scenes::{CameraPath, PathKind, Routes};
+
+use crate::choices;
+use crate::options::PathChoice;
+use crate::playback::Orbit;
+use crate::recorded_path::RecordedPath;
+use crate::run_error::RunError;
+
+/// A camera for every frame.
+#[derive(Clone, Debug)]
+pub enum Course {
+    /// Made for the scene.
+    Made(CameraPath),
+    /// From a file, which has a frame at least; the camera is for one that has not.
+    Recorded(RecordedPath, Camera),
+    /// The camera of a scene out of a file in the first frame, and in those that follow; after the last
+    /// one it stays.
+    Filmed(Camera, Vec<Camera>),
+    /// Once around the scene in so many frames.
+    Around(Orbit, u32),
+}
+
+impl Course {
+    /// Returns the path that was chosen, along `routes`.
+    ///
+    /// # Errors
+    /// A walk where there are no streets; a file that is no path.
+    pub fn new(choice: &PathChoice, routes: &Routes) -> Result<Self, RunError> {
+        Ok(match choice {
+            PathChoice::Made(path) => Self::Made(CameraPath::new(kind(*path), routes)?),
+            PathChoice::Recorded(file) => {
+                // Every scene can be flown over.
+                let above = CameraPath::new(PathKind::Fly, routes)?;
+                Self::Recorded(RecordedPath::read(file)?, above.camera(0))
+            }
+            PathChoice::OfFile(_) => {
+                return Err(RunError::user("a scene that is made has no cameras of a file"));
+            }
+        })
+    }
+
+    /// The camera of a frame.
+    pub fn camera(&self, frame: u32) -> Camera {
+        match self {
+            Self::Made(path) => path.camera(frame),
+            Self::Recorded(recorded, fallback) => recorded.camera(frame).unwrap_or(*fallback),
+            Self::Filmed(first, others) => {
+                let place = (frame as usize).min(others.len()).checked_sub(1);
+                place.and_then(|place| others.get(place)).copied().unwrap_or(*first)
+            }
+            Self::Around(orbit, frames) => orbit.camera(frame, *frames),
+        }
+    }
+}
+
+fn kind(path: choices::CameraPath) -> PathKind {
+    match path {
+        choices::CameraPath::Street => PathKind::Street,
+        choices::CameraPath::Fly => PathKind::Fly,
+        choices::CameraPath::Cut => PathKind::Cut,
+    }
+}

@@ -1,0 +1,241 @@
+//! Reports put together: all repetitions and parts of one case, and what can be told from them.
+//!
+//! A case may have been measured in parts, since plain frustum culling leaves caches cold for those
+//! that follow it. A ratio of two strategies that never ran in one walk is tied through a third one
+//! that ran with both.
+
+use std::collections::BTreeMap;
+
+use super::input::{Measured, MeasuredRun};
+use super::spread::Spread;
+use crate::statistics::Summary;
+
+/// The yardstick: draws exactly what owns a pixel.
+pub const IDEAL: &str = "ideal";
+/// The baseline.
+pub const FRUSTUM: &str = "frustum";
+/// What all this is about.
+pub const ANTUMBRA: &str = "antumbra";
+/// How many frames the path `cut` stays in one place.
+const FRAMES_BETWEEN_CUTS: usize = 10;
+
+/// What tells one case from another.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the camera's path.
+    pub path: String,
+    /// About how many objects: what was asked for, where that is known.
+    pub objects: u64,
+    /// How many per cent of the objects move.
+    pub moving: u64,
+    /// How many views are drawn.
+    pub views: u64,
+}
+
+impl Place {
+    /// A scene that stands still, seen by one eye.
+    pub fn still(scene: &str, path: &str, objects: u64) -> Self {
+        Self { scene: scene.to_owned(), path: path.to_owned(), objects, moving: 0, views: 1 }
+    }
+
+    fn of(measured: &Measured) -> Self {
+        let number = |option: &str| measured.argument(option).and_then(|text| text.parse().ok());
+        Self {
+            scene: measured.scene.name.clone(),
+            path: measured.path.clone(),
+            objects: number("--objects").unwrap_or_else(|| two_digits(measured.scene.objects)),
+            moving: number("--moving").unwrap_or(0),
+            views: number("--views").unwrap_or(1),
+        }
+    }
+}
+
+/// A count rounded to its first two digits.
+fn two_digits(count: u64) -> u64 {
+    let mut unit = 1;
+    while count / unit >= 100 {
+        unit *= 10;
+    }
+    (count + unit / 2) / unit * unit
+}
+
+/// A ratio of two strategies' times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ratio {
+    /// Over the repetitions.
+    pub spread: Spread,
+    /// The strategy that ties the two together where they ran in no common walk.
+    pub through: Option<String>,
+}
+
+/// All reports of one case.
+#[derive(Clone, Debug, Default)]
+pub struct Case<'a> {
+    reports: Vec<&'a Measured>,
+}
+
+/// All cases of a comparison.
+#[derive(Debug)]
+pub struct Cases<'a> {
+    cases: BTreeMap<Place, Case<'a>>,
+}
+
+impl<'a> Cases<'a> {
+    /// Sorts reports into cases.
+    pub fn of(reports: &'a [Measured]) -> Self {
+        let mut cases = BTreeMap::<Place, Case<'a>>::new();
+        for report in reports {
+            cases.entry(Place::of(report)).or_default().reports.push(report);
+        }
+        Self { cases }
+    }
+
+    /// The case at a place; without reports if none was measured there.
+    pub fn at(&self, place: &Place) -> Case<'a> {
+        self.cases.get(place).cloned().unwrap_or_default()
+    }
+
+    /// Every case, by its place.
+    pub fn iter(&self) -> impl Iterator<Item = (&Place, &Case<'a>)> {
+        self.cases.iter()
+    }
+
+    /// The numbers of objects for which a still scene and path were timed, ascending: those with
+    /// walks without compared frames, if there are such.
+    pub fn sizes(&self, scene: &str, path: &str) -> Vec<u64> {
+        let same = |(place, _): &(&Place, _)| **place == Place::still(scene, path, place.objects);
+        let here = || self.cases.iter().filter(same);
+        let quiet = |case: &Case<'_>| case.reports.iter().any(|report| !report.is_verified());
+        let any_quiet = here().any(|(_, case)| quiet(case));
+        let timed = here().filter(|(_, case)| !any_quiet || quiet(case));
+        timed.map(|(place, _)| place.objects).collect()
+    }
+}
+
+impl<'a> Case<'a> {
+    /// All reports, in the order of their files.
+    pub fn reports(&self) -> &[&'a Measured] {
+        &self.reports
+    }
+
+    /// The reports whose times count: those without compared frames, if there are such.
+    pub fn timed(&self) -> Vec<&'a Measured> {
+        let quiet: Vec<_> = self.reports.iter().copied().filter(|r| !r.is_verified()).collect();
+        if quiet.is_empty() { self.reports.clone() } else { quiet }
+    }
+
+    /// The runs of a strategy in the widest walks it took part in, so that they compare with most.
+    pub fn runs(&self, strategy: &str) -> Vec<&'a MeasuredRun> {
+        let mut with: Vec<_> =
+            self.timed().into_iter().filter(|r| r.run(strategy).is_some()).collect();
+        let most = with.iter().map(|report| report.runs.len()).max().unwrap_or(0);
+        with.retain(|report| report.runs.len() == most);
+        with.into_iter().filter_map(|report| report.run(strategy)).collect()
+    }
+
+    /// The runs of a strategy where it walked alone; elsewhere, if it never did. What others leave
+    /// in the caches weighs on CPU times.
+    fn runs_alone(&self, strategy: &str) -> Vec<&'a MeasuredRun> {
+        let alone = self.timed().into_iter().filter(|report| report.runs.len() == 1);
+        let runs: Vec<_> = alone.filter_map(|report| report.run(strategy)).collect();
+        if runs.is_empty() { self.runs(strategy) } else { runs }
+    }
+
+    /// The names of the strategies, in the order in which they first appear.
+    pub fn strategies(&self) -> Vec<&'a str> {
+        let mut names: Vec<&str> = Vec::new();
+        for run in self.timed().iter().flat_map(|report| &report.runs) {
+            if !names.contains(&run.strategy.as_str()) {
+                names.push(&run.strategy);
+            }
+        }
+        names
+    }
+
+    /// A's frame time over B's: the median of the ratios frame by frame (of the medians, in reports
+    /// that do not have it). Tied through a third strategy where the two ran in no common walk.
+    pub fn ratio(&self, a: &str, b: &str) -> Option<Ratio> {
+        if let Some(spread) = self.direct_ratio(a, b) {
+            return Some(Ratio { spread, through: None });
+        }
+        let mut others = self.strategies();
+        others.sort_by_key(|name| *name != IDEAL);
+        others.into_iter().filter(|name| *name != a && *name != b).find_map(|tie| {
+            let spread = self.direct_ratio(a, tie)?.times(&self.direct_ratio(tie, b)?)?;
+            Some(Ratio { spread, through: Some(tie.to_owned()) })
+        })
+    }
+
+    fn direct_ratio(&self, a: &str, b: &str) -> Option<Spread> {
+        if a == b {
+            return self.timed().iter().any(|r| r.run(a).is_some()).then(|| Spread::of([1.0]))?;
+        }
+        let pair = format!("{a}/{b}");
+        let of = |report: &&Measured| -> Option<f64> {
+            let paired = report.paired_ratios.get(&pair).copied().flatten();
+            paired.or_else(|| report.ratios.get(&pair).copied().flatten())
+        };
+        Spread::of(self.timed().iter().filter_map(of))
+    }
+
+    /// A's 95th percentile over B's, from walks that both took part in.
+    pub fn p95_ratio(&self, a: &str, b: &str) -> Option<Spread> {
+        let of = |report: &&Measured| -> Option<f64> {
+            Some(report.run(a)?.frame_ms.p95? / report.run(b)?.frame_ms.p95?)
+        };
+        Spread::of(self.timed().iter().filter_map(of))
+    }
+
+    /// A's time over B's for the frame after a jump of the path `cut`, the median over the jumps.
+    ///
+    /// A time is taken when the CPU may go on, so a frame's work on the device shows as many places
+    /// later as frames are in flight. Of these places the one with the largest ratio counts.
+    pub fn after_cut_ratio(&self, a: &str, b: &str) -> Option<Spread> {
+        let of = |report: &&Measured| -> Option<f64> {
+            let (a, b) = (&report.run(a)?.frame_times_ms, &report.run(b)?.frame_times_ms);
+            let late = usize::try_from(report.frames_in_flight).ok()?;
+            (0..=late).filter_map(|places| after_cut_at(a, b, places)).max_by(f64::total_cmp)
+        };
+        Spread::of(self.timed().iter().filter_map(of))
+    }
+
+    /// A strategy's median frame time in milliseconds.
+    pub fn frame_ms(&self, strategy: &str) -> Option<Spread> {
+        Spread::of(self.runs(strategy).iter().filter_map(|run| run.frame_ms.median))
+    }
+
+    /// A strategy's median CPU time a frame in milliseconds.
+    pub fn cpu_ms(&self, strategy: &str) -> Option<Spread> {
+        Spread::of(self.runs_alone(strategy).iter().filter_map(|run| run.cpu_ms.median))
+    }
+
+    /// The median over repetitions of a count that every run has.
+    pub fn count(
+        &self,
+        strategy: &str,
+        of: impl Fn(&MeasuredRun) -> Option<u64>,
+    ) -> Option<Spread> {
+        Spread::of(self.runs(strategy).iter().filter_map(|run| of(run)).map(|count| count as f64))
+    }
+
+    /// The time of every frame over the path: the median of the repetitions.
+    pub fn frame_times_ms(&self, strategy: &str) -> Vec<Option<f64>> {
+        let runs = self.runs(strategy);
+        let frames = runs.iter().map(|run| run.frame_times_ms.len()).max().unwrap_or(0);
+        let at = |frame: usize| {
+            Summary::of(runs.iter().filter_map(|run| run.frame_times_ms.get(frame).copied()?))
+        };
+        (0..frames).map(|frame| at(frame).median).collect()
+    }
+}
+
+fn after_cut_at(a: &[Option<f64>], b: &[Option<f64>], places: usize) -> Option<f64> {
+    let jumps = (FRAMES_BETWEEN_CUTS..a.len()).step_by(FRAMES_BETWEEN_CUTS);
+    let ratio = |jump: usize| Some((*a.get(jump + places)?)? / (*b.get(jump + places)?)?);
+    Summary::of(jumps.filter_map(ratio)).median
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,338 @@
+//! The figures that are asked for, each with what was found: the table that says what is reached.
+
+use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place, Ratio};
+use super::exactness::{self, Setting};
+use super::noise::{self, NOISE_MAX};
+use super::spread::{Spread, objects, short};
+
+/// What `antumbra` may take on `street`, in times of the ideal, by the number of objects.
+pub const STREET_GOALS: [(u64, f64); 4] =
+    [(2_000, 1.15), (10_000, 1.22), (40_000, 1.32), (100_000, 1.40)];
+/// Those that it must beat in every case.
+const RIVALS: [&str; 4] = ["coherent", "pyramid", "stop_and_wait", "next_frame"];
+
+/// What a figure must be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// This or less.
+    AtMost(f64),
+    /// More than this.
+    MoreThan(f64),
+    /// Nothing: it is counted and shown.
+    Shown,
+}
+
+/// Whether it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// In every repetition.
+    Reached,
+    /// The median is, but not every repetition.
+    ReachedInMedian,
+    /// The median is not.
+    Missed,
+    /// It is below what nobody can be below: the measurement is wrong.
+    Impossible,
+    /// The machine was too busy: its noise hides what there is.
+    TooNoisy,
+    /// Something that it needs is missing.
+    NotMeasured,
+    /// Nothing was asked.
+    Shown,
+}
+
+impl Verdict {
+    /// Those that are counted: all of what something was asked.
+    pub const COUNTED: [Self; 6] = [
+        Self::Reached,
+        Self::ReachedInMedian,
+        Self::Missed,
+        Self::Impossible,
+        Self::TooNoisy,
+        Self::NotMeasured,
+    ];
+
+    /// In words, with a mark that is more than a colour.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Reached => "✓ reached",
+            Self::ReachedInMedian => "≈ reached in the median, not in every run",
+            Self::Missed => "✗ not reached",
+            Self::Impossible => "! impossible: below the ideal by more than the noise",
+            Self::TooNoisy => "~ not judged: the machine was too busy",
+            Self::NotMeasured => "– not measured",
+            Self::Shown => "· shown",
+        }
+    }
+}
+
+/// One row of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Scene, path and size.
+    pub case: String,
+    /// What is measured.
+    pub what: String,
+    /// What it must be.
+    pub asked: Asked,
+    /// What it is.
+    pub found: Option<Spread>,
+    /// Part of what the figure needs was not measured: what there is can only speak against it.
+    pub is_partial: bool,
+    /// The noise of the machine while it was measured, as a part of the ideal's time, if it is known.
+    pub noise: Option<f64>,
+    /// Something in it was measured to be faster than the ideal, by more than the noise.
+    pub is_impossible: bool,
+    /// What a reader must know beside it; may be empty.
+    pub note: String,
+}
+
+impl Figure {
+    /// Whether it is reached.
+    pub fn verdict(&self) -> Verdict {
+        let Some(found) = &self.found else {
+            return Verdict::NotMeasured;
+        };
+        let holds = |value: f64| match self.asked {
+            Asked::AtMost(limit) => value <= limit,
+            Asked::MoreThan(limit) => value > limit,
+            Asked::Shown => true,
+        };
+        match (self.asked, holds(found.median())) {
+            (Asked::Shown, _) => Verdict::Shown,
+            _ if self.is_impossible => Verdict::Impossible,
+            _ if self.noise.is_some_and(|noise| noise >= NOISE_MAX) => Verdict::TooNoisy,
+            (_, false) => Verdict::Missed,
+            _ if self.is_partial => Verdict::NotMeasured,
+            _ if holds(found.least()) && holds(found.most()) => Verdict::Reached,
+            _ => Verdict::ReachedInMedian,
+        }
+    }
+
+    /// What is asked, in words.
+    pub fn asked_words(&self) -> String {
+        match self.asked {
+            Asked::AtMost(0.0) => "0".to_owned(),
+            Asked::AtMost(limit) => format!("at most {limit:.2}"),
+            Asked::MoreThan(limit) => format!("more than {limit:.2}"),
+            Asked::Shown => "counted and shown".to_owned(),
+        }
+    }
+
+    /// What was found, in words.
+    pub fn found_words(&self) -> String {
+        let Some(found) = &self.found else {
+            return "not measured".to_owned();
+        };
+        let limit = match self.asked {
+            Asked::AtMost(limit) | Asked::MoreThan(limit) => short(limit),
+            Asked::Shown => String::new(),
+        };
+        if self.verdict() == Verdict::Missed && short(found.median()) == limit {
+            // Two digits would say that it is reached.
+            return format!("{:.3} ({:.3} to {:.3})", found.median(), found.least(), found.most());
+        }
+        found.to_string()
+    }
+
+    fn new(case: &str, what: impl Into<String>, asked: Asked, found: Option<Spread>) -> Self {
+        let (case, what) = (case.to_owned(), what.into());
+        Self {
+            case,
+            what,
+            asked,
+            found,
+            is_partial: false,
+            noise: None,
+            is_impossible: false,
+            note: String::new(),
+        }
+    }
+
+    /// Says in which case it was measured, and of which strategies.
+    fn measured_in(mut self, case: &Case<'_>, strategies: &[&str]) -> Self {
+        self.noise = noise::of_case(case);
+        let least = noise::least_possible(case);
+        let below = |name: &&str| noise::is_below_ideal(case, name);
+        let is_over_ideal = self.what.ends_with("/ ideal");
+        let found = self.found.as_ref().filter(|_| is_over_ideal);
+        self.is_impossible =
+            strategies.iter().any(below) || found.is_some_and(|found| found.median() < least);
+        self
+    }
+
+    fn noted(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+}
+
+/// Every figure that is asked for, in the order of the table.
+pub fn all(cases: &Cases<'_>) -> Vec<Figure> {
+    let mut figures = Vec::new();
+    for (size, goal) in STREET_GOALS {
+        figures.push(ratio_at(cases, "city", "street", size, IDEAL, goal));
+    }
+    for (size, _) in STREET_GOALS {
+        figures.push(against_rivals(cases, size));
+    }
+    for (rival, times) in [(FRUSTUM, 4.0), ("stop_and_wait", 2.6)] {
+        for (size, _) in STREET_GOALS {
+            let case = street(cases, size);
+            let ratio = case.ratio(rival, ANTUMBRA);
+            let what = format!("{rival} / antumbra");
+            let name = case_name("city", "street", size);
+            let figure = tied(&name, what, Asked::MoreThan(times), ratio);
+            figures.push(figure.measured_in(&case, &[rival, ANTUMBRA]));
+        }
+    }
+    for (size, _) in STREET_GOALS {
+        let case = street(cases, size);
+        let found = case.p95_ratio(ANTUMBRA, IDEAL);
+        let name = case_name("city", "street", size);
+        let what = "95th percentile, antumbra / ideal";
+        let figure = Figure::new(&name, what, Asked::AtMost(1.4), found);
+        figures.push(figure.measured_in(&case, &[ANTUMBRA]));
+    }
+    figures.push(ratio_at(cases, "city", "cut", 10_000, IDEAL, 1.4));
+    figures.push(after_cut(cases));
+    figures.push(ratio_at(cases, "city", "fly", 10_000, IDEAL, 1.15));
+    figures.push(ratio_at(cases, "city", "fly", 40_000, IDEAL, 1.15));
+    for path in ["fly", "street"] {
+        figures.push(ratio_at(cases, "field", path, 10_000, FRUSTUM, 1.02));
+    }
+    figures.push(cpu_growth(cases));
+    figures.extend(wrong_pixels(cases));
+    figures
+}
+
+fn street<'a>(cases: &Cases<'a>, size: u64) -> Case<'a> {
+    cases.at(&Place::still("city", "street", size))
+}
+
+/// As "street 10k"; the city is where it is not said.
+pub fn case_name(scene: &str, path: &str, size: u64) -> String {
+    let size = objects(size as f64);
+    match (scene, path) {
+        ("city", _) => format!("{path} {size}"),
+        ("field", "fly") => format!("field {size}, from above"),
+        ("field", "street") => format!("field {size}, from the side"),
+        _ => format!("{scene} {path} {size}"),
+    }
+}
+
+fn tied(case: &str, what: String, asked: Asked, ratio: Option<Ratio>) -> Figure {
+    let note = match ratio.as_ref().and_then(|ratio| ratio.through.as_ref()) {
+        Some(through) => format!("not in one walk: tied through {through}"),
+        None => String::new(),
+    };
+    Figure::new(case, what, asked, ratio.map(|ratio| ratio.spread)).noted(note)
+}
+
+fn ratio_at(
+    cases: &Cases<'_>,
+    scene: &str,
+    path: &str,
+    size: u64,
+    over: &str,
+    most: f64,
+) -> Figure {
+    let case = cases.at(&Place::still(scene, path, size));
+    let ratio = case.ratio(ANTUMBRA, over);
+    let what = format!("antumbra / {over}");
+    let figure = tied(&case_name(scene, path, size), what, Asked::AtMost(most), ratio);
+    figure.measured_in(&case, &[ANTUMBRA, over])
+}
+
+/// The nearest of the rivals, in times of `antumbra`.
+fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
+    let case = street(cases, size);
+    let (mut nearest, mut missing) = (None::<(&str, Spread)>, Vec::new());
+    for rival in RIVALS {
+        match case.ratio(rival, ANTUMBRA) {
+            None => missing.push(rival),
+            Some(Ratio { spread, .. }) => {
+                if nearest.as_ref().is_none_or(|(_, least)| spread.median() < least.median()) {
+                    nearest = Some((rival, spread));
+                }
+            }
+        }
+    }
+    let mut notes = Vec::new();
+    if let Some((rival, _)) = &nearest {
+        notes.push(format!("nearest of {}: {rival}", RIVALS.join(", ")));
+    }
+    if !missing.is_empty() {
+        notes.push(format!("not measured: {}", missing.join(", ")));
+    }
+    let what = "nearest rival / antumbra";
+    let names: Vec<&str> = nearest.iter().map(|(rival, _)| *rival).chain([ANTUMBRA]).collect();
+    let found = nearest.map(|(_, spread)| spread);
+    let name = case_name("city", "street", size);
+    let figure = Figure::new(&name, what, Asked::MoreThan(1.0), found).noted(notes.join("; "));
+    let figure = figure.measured_in(&case, &names);
+    Figure { is_partial: !missing.is_empty(), ..figure }
+}
+
+fn after_cut(cases: &Cases<'_>) -> Figure {
+    let case = cases.at(&Place::still("city", "cut", 10_000));
+    let found = case.after_cut_ratio(ANTUMBRA, IDEAL);
+    let what = "frame after a cut, antumbra / ideal";
+    let figure = Figure::new(&case_name("city", "cut", 10_000), what, Asked::AtMost(2.5), found);
+    figure.measured_in(&case, &[ANTUMBRA])
+}
+
+fn cpu_growth(cases: &Cases<'_>) -> Figure {
+    let (small, large) = (street(cases, 10_000), street(cases, 1_000_000));
+    let growth = |of: &dyn Fn(&Case<'_>) -> Option<Spread>| of(&large)?.over(&of(&small)?);
+    let times = |case: &Case<'_>| case.cpu_ms(ANTUMBRA);
+    let visited = |case: &Case<'_>| case.count(ANTUMBRA, |run| run.nodes_visited);
+    let mut notes = Vec::new();
+    if let (Some(small), Some(large)) = (times(&small), times(&large)) {
+        notes.push(format!("{} ms to {} ms", short(small.median()), short(large.median())));
+    }
+    if let (Some(small), Some(large)) = (visited(&small), visited(&large)) {
+        let [small, large] = [small, large].map(|nodes| short(nodes.median().round()));
+        notes.push(format!("nodes looked at: {small} to {large}"));
+    }
+    let found = growth(&times);
+    let what = "CPU time in the engine, 1M / 10k objects";
+    Figure::new("street 10k to 1M", what, Asked::AtMost(1.5), found).noted(notes.join("; "))
+}
+
+/// Wrong pixels of all exact strategies in each setting, and of those that are not exact.
+fn wrong_pixels(cases: &Cases<'_>) -> Vec<Figure> {
+    let books = exactness::books(cases);
+    let mut figures = Vec::new();
+    for setting in Setting::ALL {
+        let exact = |book: &&exactness::Book| book.is_exact && book.setting == setting;
+        let compared = || books.iter().filter(exact).filter(|book| book.frames_compared > 0);
+        let frames: u64 = compared().map(|book| book.frames_compared).sum();
+        let pixels: u64 = compared().map(|book| book.pixels_wrong).sum();
+        let left: Vec<&str> = books
+            .iter()
+            .filter(exact)
+            .filter(|book| book.frames_compared == 0 && !book.is_refused)
+            .map(|book| book.strategy.as_str())
+            .collect();
+        let mut note = format!("{} frames compared", super::spread::thousands(frames as f64));
+        if !left.is_empty() {
+            note.push_str(&format!("; not compared: {}", left.join(", ")));
+        }
+        let found = if frames > 0 { Spread::of([pixels as f64]) } else { None };
+        let what = "wrong pixels of all exact strategies";
+        let figure = Figure::new(setting.name(), what, Asked::AtMost(0.0), found).noted(note);
+        figures.push(Figure { is_partial: !left.is_empty(), ..figure });
+    }
+    for book in books.iter().filter(|book| !book.is_exact && book.setting == Setting::Still) {
+        let found = (book.frames_compared > 0).then_some(book.pixels_wrong as f64);
+        let what = format!("wrong pixels of {}", book.strategy);
+        let note = format!("{} frames compared", book.frames_compared);
+        let found = found.and_then(|pixels| Spread::of([pixels]));
+        figures.push(Figure::new(book.setting.name(), what, Asked::Shown, found).noted(note));
+    }
+    figures
+}
+
+#[cfg(test)]
+mod tests;

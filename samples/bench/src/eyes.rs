@@ -1,0 +1,133 @@
+//! The eyes that walk: one, or a stereo pair side by side in one picture.
+
+use cull::{Camera, FrameId, Strategy, View};
+use gpu::Readback;
+use render::{
+    Area, FrameOutcome, FrameReport, Renderer, ViewState, ViewTarget, ViewsRequest, VisibleSet,
+};
+
+use crate::run_error::RunError;
+
+/// The distance between the eyes of a person, in metres.
+const BETWEEN_EYES_M: f32 = 0.065;
+
+/// One strategy's eyes, each with what it saw.
+pub struct Eyes {
+    histories: Vec<ViewState>,
+}
+
+impl Eyes {
+    /// As many eyes as asked for, at least one. They know nothing yet.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn new(renderer: &Renderer, views: u32) -> Result<Self, RunError> {
+        let histories = (0..views.max(1)).map(|_| renderer.new_view());
+        Ok(Self { histories: histories.collect::<Result<_, _>>()? })
+    }
+
+    /// Renders a frame from `camera`, which is in the middle of the eyes; `visible` is what each of
+    /// them sees, for [`Strategy::Ideal`].
+    ///
+    /// # Errors
+    /// When the device fails, or the picture has fewer columns than there are eyes.
+    pub fn render(
+        &mut self,
+        renderer: &mut Renderer,
+        strategy: Strategy,
+        camera: &Camera,
+        visible: &[VisibleSet],
+        picture: Option<&Readback>,
+    ) -> Result<FrameReport, RunError> {
+        let views = self.histories.len() as u32;
+        let areas = Area::side_by_side(renderer.size(), views);
+        let eye = |((number, history), area)| ViewTarget {
+            history,
+            camera: camera_of(camera, number, views),
+            visible: visible.get(number as usize),
+            area,
+        };
+        let mut eyes: Vec<ViewTarget<'_>> =
+            (0..).zip(&mut self.histories).zip(areas).map(eye).collect();
+        let request = ViewsRequest { strategy, picture, after: None };
+        Ok(renderer.render_views(&mut eyes, &request)?)
+    }
+
+    /// What each eye sees. Not for a timed loop: it waits for the GPU.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn visible_sets(
+        &mut self,
+        renderer: &mut Renderer,
+        camera: &Camera,
+    ) -> Result<Vec<VisibleSet>, RunError> {
+        let views = self.histories.len() as u32;
+        let areas = Area::side_by_side(renderer.size(), views);
+        let eyes = (0..).zip(&mut self.histories).zip(areas);
+        eyes.map(|((number, history), area)| {
+            Ok(renderer.visible_set(history, &camera_of(camera, number, views), area)?)
+        })
+        .collect()
+    }
+
+    /// Waits until every frame is over and picks up its answers.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn drain(&mut self, renderer: &mut Renderer) -> Result<(), RunError> {
+        for history in &mut self.histories {
+            renderer.drain(history)?;
+        }
+        Ok(())
+    }
+
+    /// The frame drawn last, the same for all eyes.
+    pub fn frame(&self) -> FrameId {
+        self.histories.first().map_or(FrameId(0), |history| history.plan().frame)
+    }
+
+    /// What became of the frames whose answers came home: one outcome an eye and frame.
+    pub fn take_outcomes(&mut self) -> impl Iterator<Item = FrameOutcome> {
+        self.histories.iter_mut().flat_map(ViewState::take_outcomes)
+    }
+
+    /// The first eye's history, and its view where the middle of the eyes is at `camera`.
+    pub fn first(
+        &mut self,
+        renderer: &Renderer,
+        camera: &Camera,
+    ) -> Option<(&mut ViewState, View)> {
+        let views = self.histories.len() as u32;
+        let area = Area::side_by_side(renderer.size(), views).next()?;
+        let view = renderer.view_in(&camera_of(camera, 0, views), area);
+        Some((self.histories.first_mut()?, view))
+    }
+}
+
+/// Where eye `number` of `views` is: all beside each other, looking the same way.
+fn camera_of(middle: &Camera, number: u32, views: u32) -> Camera {
+    let aside = number as f32 - (views.max(1) - 1) as f32 / 2.0;
+    let right = middle.forward.cross(middle.up).normalize_or_zero();
+    Camera { eye: middle.eye + right * (aside * BETWEEN_EYES_M), ..*middle }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scenes::{CameraPath, PathKind, city};
+
+    #[test]
+    fn eyes_are_beside_each_other_around_the_middle() {
+        let routes = city(100, 1).unwrap().routes;
+        let path = CameraPath::new(PathKind::Street, &routes).unwrap();
+        for frame in 0..40 {
+            let middle = path.camera(frame);
+            assert_eq!(camera_of(&middle, 0, 1), middle);
+            let [left, right] = [0, 1].map(|eye| camera_of(&middle, eye, 2));
+            assert!(((right.eye - left.eye).length() - BETWEEN_EYES_M).abs() < 1e-4);
+            assert!((left.eye + right.eye - 2.0 * middle.eye).length() < 1e-3);
+            assert_eq!((left.forward, right.up), (middle.forward, middle.up));
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! What measures the engine, and what the sample programs share: options, reports, pictures, endings.
+//!
+//! The program `walkthrough`, step by step: [`args`] turns its command line into [`Options`],
+//! [`outputs`] makes sure that what it will write can be written, [`run`] draws the frames that
+//! [`schedule`] orders and measures them with [`measurement`], [`report`] and [`table`] tell.
+//! The program `compare` makes one page of many such reports: `compare`, with the feature `charts`.
+#![forbid(unsafe_code)]
+
+pub mod args;
+pub mod camera_path;
+pub mod choices;
+#[cfg(feature = "charts")]
+pub mod compare;
+pub mod destination;
+pub mod exit_status;
+pub mod eyes;
+pub mod input_file;
+pub mod legend;
+pub mod measurement;
+pub mod memory;
+pub mod moving;
+pub mod options;
+pub mod outputs;
+pub mod picture;
+pub mod pictures;
+pub mod playback;
+pub mod progress;
+pub mod provenance;
+pub mod recorded_path;
+pub mod report;
+pub mod run;
+pub mod run_error;
+pub mod scene_file;
+pub mod schedule;
+pub mod signals;
+pub mod statistics;
+pub mod stopwatch;
+pub mod strategy;
+pub mod table;
+pub mod terminal;
+pub mod walk;
+pub mod walk_scene;
+
+pub use options::Options;

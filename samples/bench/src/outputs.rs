@@ -1,0 +1,313 @@
+//! Files a walk writes: that they can be is made sure before any work, and none is ever half there.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::destination::{self, Destination, folder_of};
+use crate::options::{Options, UsageError};
+use crate::terminal::shown;
+
+/// A file that could not be written.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// A file, or the folder it belongs in.
+    #[error("cannot write '{path}': {reason}; is there space, and may you write there?")]
+    File {
+        /// The file's path, escaped.
+        path: String,
+        /// The system's reason.
+        reason: String,
+    },
+    /// Standard output, which may be a full disk.
+    #[error("cannot write to standard output: {0}; is there space where it leads?")]
+    StandardOutput(String),
+}
+
+impl WriteError {
+    /// Returns the error for a file and what went wrong with it.
+    pub fn new(path: &Path, reason: impl ToString) -> Self {
+        Self::File { path: shown(path).to_string(), reason: reason.to_string() }
+    }
+}
+
+/// How often a folder is made that others remove.
+const TRIES_MAX: u32 = 100;
+
+/// The folders that were made for a walk. Dropped, it removes those that are still empty, so that a
+/// walk that failed leaves nothing behind.
+#[derive(Debug)]
+pub struct Outputs {
+    made: Vec<PathBuf>,
+}
+
+impl Outputs {
+    /// Makes the folder of pictures and that of a file, by its option, where they are missing, and makes
+    /// sure that files can be written there; checks also that the folder of shaders is one.
+    ///
+    /// # Errors
+    /// Which option names something that cannot be written or read, and why.
+    pub fn prepare(
+        shaders: Option<&Path>,
+        pictures: Option<&Path>,
+        (option, file): (&str, Option<&Path>),
+    ) -> Result<Self, UsageError> {
+        let mut outputs = Self { made: Vec::new() };
+        shaders.map_or(Ok(()), check_shaders)?;
+        pictures.map_or(Ok(()), |folder| outputs.prepare_folder("--out", folder))?;
+        file.map_or(Ok(()), |file| outputs.prepare_file(option, file))?;
+        Ok(outputs)
+    }
+
+    /// Does the same for what a walk writes.
+    ///
+    /// # Errors
+    /// As [`Outputs::prepare`].
+    pub fn of_walk(options: &Options) -> Result<Self, UsageError> {
+        let report = ("--report", options.report.as_deref());
+        Self::prepare(options.shaders.as_deref(), options.output.as_deref(), report)
+    }
+
+    fn prepare_file(&mut self, option: &str, path: &Path) -> Result<(), UsageError> {
+        // With its folders made or not, it must be a name.
+        match Destination::of(path) {
+            Ok(Destination::File(file)) => self.prepare_folder(option, folder_of(&file)),
+            // Opened when there is something to tell: a reader takes the end of the first writer for
+            // the end of all.
+            Ok(Destination::Output(_) | Destination::Stream(_)) => Ok(()),
+            Err(error) => {
+                let shown = shown(path);
+                Err(UsageError(format!(
+                    "{option}: cannot write '{shown}' ({error}); choose a place you can write"
+                )))
+            }
+        }
+    }
+
+    fn prepare_folder(&mut self, option: &str, folder: &Path) -> Result<(), UsageError> {
+        let refuse = |what: &str, error: &dyn std::fmt::Display| {
+            let shown = shown(folder);
+            UsageError(format!(
+                "{option}: {what} '{shown}' ({error}); choose a place you can write"
+            ))
+        };
+        if folder.exists() && !folder.is_dir() {
+            return Err(refuse("cannot use", &"it is not a folder"));
+        }
+        let mut tries = 1..=TRIES_MAX;
+        loop {
+            // Programs that end may remove what was made for them, between our steps, too.
+            match self.make(folder).and_then(|()| probe(folder)) {
+                Ok(()) => return Ok(()),
+                // In a folder that is removed meanwhile, files are not permitted.
+                Err((_, error)) if may_pass(&error) && tries.next().is_some() => {}
+                Err((what, error)) => return Err(refuse(what, &error)),
+            }
+        }
+    }
+
+    fn make(&mut self, folder: &Path) -> Result<(), (&'static str, io::Error)> {
+        let missing: Vec<&Path> =
+            folder.ancestors().take_while(|ancestor| !ancestor.exists()).collect();
+        for &ancestor in missing.iter().rev() {
+            if ancestor.as_os_str().is_empty() {
+                continue;
+            }
+            match fs::create_dir(ancestor) {
+                Ok(()) => self.made.push(ancestor.to_owned()),
+                // Another program made it, and removes it if it stays empty.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(("cannot make the folder", error)),
+            }
+        }
+        Ok(())
+    }
+}
+
+/// True for what a folder says that another program removes.
+fn may_pass(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied)
+}
+
+/// Makes sure that files can be written into a folder.
+fn probe(folder: &Path) -> Result<(), (&'static str, io::Error)> {
+    // With a name: some systems take a folder that was removed and made again for the removed one when
+    // they are asked for a file without.
+    let file = tempfile::Builder::new().prefix(".antumbra-").tempfile_in(folder);
+    file.and_then(tempfile::NamedTempFile::close)
+        .map_err(|error| ("cannot write into the folder", error))
+}
+
+impl Drop for Outputs {
+    fn drop(&mut self) {
+        for folder in self.made.iter().rev() {
+            // Refuses where something was written, which is what we want.
+            let _refused = fs::remove_dir(folder);
+        }
+    }
+}
+
+fn check_shaders(folder: &Path) -> Result<(), UsageError> {
+    if cfg!(not(feature = "shader-compiler")) {
+        return Err(UsageError(
+            "--shaders: this build has no shader compiler; build it with --features shader-compiler"
+                .to_owned(),
+        ));
+    }
+    if folder.is_dir() {
+        return Ok(());
+    }
+    Err(UsageError(format!("--shaders: there is no folder '{}'", shown(folder))))
+}
+
+/// Writes `bytes` where `path` leads: a file is the old one or the whole new one, whatever goes
+/// wrong; a pipe or a device is written into.
+///
+/// # Errors
+/// When the folder or the disk refuses.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let written = Destination::of(path).and_then(|destination| destination.write(bytes));
+    written.map_err(|error| WriteError::new(path, error))
+}
+
+/// Writes a file that was not there: under the name of `path`, or with a number behind it where that is
+/// taken. Returns the path that it has.
+///
+/// # Errors
+/// When the folder or the disk refuses.
+pub fn write_new(path: &Path, bytes: &[u8]) -> Result<PathBuf, WriteError> {
+    destination::create(path, bytes).map_err(|error| WriteError::new(path, error))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::args::Arguments;
+    use clap::Parser;
+    use std::process;
+
+    /// A folder of the test's own that is gone afterwards.
+    pub(crate) struct Scratch(pub PathBuf);
+
+    impl Scratch {
+        pub(crate) fn new(name: &str) -> Self {
+            let folder = std::env::temp_dir().join(format!("antumbra-{name}-{}", process::id()));
+            fs::create_dir_all(&folder).unwrap();
+            Self(folder)
+        }
+
+        pub(crate) fn names(&self) -> Vec<String> {
+            let entries = fs::read_dir(&self.0).unwrap();
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+        }
+    }
+
+    impl Drop for Scratch {
+        fn drop(&mut self) {
+            fs::remove_dir_all(&self.0).unwrap();
+        }
+    }
+
+    fn options(line: &[&str]) -> Options {
+        Arguments::try_parse_from([&["walkthrough"], line].concat()).unwrap().options().unwrap()
+    }
+
+    #[test]
+    fn folders_that_stay_empty_go_again() {
+        let scratch = Scratch::new("empty");
+        let out = scratch.0.join("a/b");
+        let report = scratch.0.join("c/report.json");
+        let options =
+            options(&["--out", out.to_str().unwrap(), "--report", report.to_str().unwrap()]);
+        let outputs = Outputs::of_walk(&options).unwrap();
+        assert!(out.is_dir() && report.parent().unwrap().is_dir() && !report.exists());
+        drop(outputs);
+        assert!(scratch.names().is_empty());
+    }
+
+    #[test]
+    fn folders_with_something_in_them_stay() {
+        let scratch = Scratch::new("kept");
+        let out = scratch.0.join("a/b");
+        let outputs = Outputs::of_walk(&options(&["--out", out.to_str().unwrap()])).unwrap();
+        write_file(&out.join("x"), b"new").unwrap();
+        drop(outputs);
+        assert_eq!(fs::read(out.join("x")).unwrap(), b"new");
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_or_not_at_all() {
+        let scratch = Scratch::new("replace");
+        let file = scratch.0.join("file");
+        write_file(&file, b"old").unwrap();
+        write_file(&file, b"new").unwrap();
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+        assert_eq!(scratch.names(), ["file"]);
+
+        let folder = scratch.0.join("folder");
+        fs::create_dir(&folder).unwrap();
+        let message = write_file(&folder, b"x").unwrap_err().to_string();
+        assert!(message.starts_with("cannot write"), "{message}");
+        assert_eq!(scratch.names().len(), 2);
+    }
+
+    #[test]
+    fn many_programs_may_have_the_same_new_folder() {
+        let scratch = Scratch::new("shared");
+        let out = scratch.0.join("a/b/c");
+        let options = options(&["--out", out.to_str().unwrap()]);
+        let begin = std::sync::Barrier::new(8);
+        for _ in 0..50 {
+            std::thread::scope(|scope| {
+                for _ in 0..8 {
+                    scope.spawn(|| {
+                        begin.wait();
+                        // Nothing is written: each removes what it made, at any time.
+                        drop(Outputs::of_walk(&options).unwrap());
+                    });
+                }
+            });
+            // One may have removed its part before another removed what lay in it.
+            let _gone = fs::remove_dir_all(scratch.0.join("a"));
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_may_take_the_report_wherever_it_lies() {
+        let scratch = Scratch::new("pipe");
+        let pipe = scratch.0.join("pipe");
+        assert!(process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        // Nobody reads: to prepare is not to open. Nor need the folder take files.
+        for place in [pipe.to_str().unwrap(), "/dev/zero"] {
+            drop(Outputs::of_walk(&options(&["--report", place])).unwrap());
+        }
+        assert_eq!(scratch.names(), ["pipe"]);
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_refused_and_leaves_nothing() {
+        let scratch = Scratch::new("refused");
+        let file = scratch.0.join("file");
+        fs::write(&file, b"kept").unwrap();
+        let below = file.join("below");
+        for (option, path) in [
+            ("--out", file.as_path()),
+            ("--out", below.as_path()),
+            ("--out", Path::new("/proc")),
+            ("--report", below.as_path()),
+            ("--report", scratch.0.as_path()),
+            ("--report", Path::new("/proc/report.json")),
+            ("--report", Path::new("folder/")),
+            ("--report", Path::new("..")),
+        ] {
+            let refused = Outputs::of_walk(&options(&[option, path.to_str().unwrap()]));
+            let message = refused.unwrap_err().to_string();
+            assert!(message.starts_with(option) && !message.contains('\n'), "{message}");
+        }
+        assert_eq!(scratch.names(), ["file"]);
+        assert_eq!(fs::read(&file).unwrap(), b"kept");
+    }
+}

@@ -1,0 +1,121 @@
+//! The pictures a walk leaves: some frames, and one moment seen from above.
+
+use std::path::{Path, PathBuf};
+
+use cull::Strategy;
+use gpu::Readback;
+use render::Renderer;
+
+use crate::Options;
+use crate::camera_path::Course;
+use crate::eyes::Eyes;
+use crate::legend;
+use crate::moving::Moving;
+use crate::picture::write_png;
+use crate::run_error::RunError;
+use crate::signals::Signals;
+
+/// Frames walked before a picture, so that it shows a history at work and not a first frame.
+const WARM_UP_FRAMES: u32 = 8;
+/// The same before the moment seen from above: until the frontier has come to rest.
+const SETTLING_FRAMES: u32 = 60;
+
+/// Pictures that were asked for.
+#[derive(Debug, Default)]
+pub struct Pictures {
+    /// The files that were written.
+    pub written: Vec<PathBuf>,
+    /// Why others were not.
+    pub failures: Vec<RunError>,
+}
+
+impl Pictures {
+    /// Draws and writes what the options ask for into `folder`. Untimed, after the walk, by the last
+    /// strategy asked for. Each is tried on its own; after a signal no more are begun.
+    pub fn write(
+        &mut self,
+        renderer: &mut Renderer,
+        path: &Course,
+        moving: &mut Moving,
+        options: &Options,
+        folder: &Path,
+        signals: &Signals,
+    ) {
+        let drawn = self.draw(renderer, path, moving, options, folder, signals);
+        self.failures.extend(drawn.err());
+    }
+
+    /// Draws until the device fails.
+    fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        path: &Course,
+        moving: &mut Moving,
+        options: &Options,
+        folder: &Path,
+        signals: &Signals,
+    ) -> Result<(), RunError> {
+        let picture = Readback::new(renderer.device(), renderer.size())?;
+        let mut save = |name: String, is_explained: bool| {
+            let written = picture.rgba8().map_err(RunError::from).and_then(|pixels| {
+                let mut pixels = pixels.to_vec();
+                if is_explained {
+                    let width = options.size.width as usize;
+                    legend::draw(
+                        &mut pixels,
+                        width,
+                        legend::TITLE_FROM_ABOVE,
+                        &legend::from_above(),
+                    );
+                }
+                let written = write_png(&folder.join(name), options.size, &pixels);
+                written.map_err(RunError::machine)
+            });
+            match written {
+                Ok(path) => self.written.push(path),
+                Err(error) => self.failures.push(error),
+            }
+        };
+        for frame in options.picture_frames() {
+            if signals.received().is_some() {
+                return Ok(());
+            }
+            walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &picture)?;
+            save(format!("frame_{frame:05}.png"), false);
+        }
+        if let Some(frame) = options.birds_eye.filter(|_| signals.received().is_none()) {
+            let eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &picture);
+            let mut eyes = eyes?;
+            save(format!("birds_eye_{frame:05}_seen.png"), false);
+            if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
+                let snapshot = renderer.snapshot(history, view)?;
+                renderer.birds_eye(&snapshot, &picture)?;
+                save(format!("birds_eye_{frame:05}.png"), true);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Walks with fresh histories to `frame`, whose picture is over when this returns.
+fn walk_to(
+    renderer: &mut Renderer,
+    path: &Course,
+    moving: &mut Moving,
+    options: &Options,
+    frame: u32,
+    warm_up: u32,
+    picture: &Readback,
+) -> Result<Eyes, RunError> {
+    // The ideal knows what is visible of the walk's own frames only, and draws the same picture.
+    let mut products = options.strategies.iter().filter(|strategy| **strategy != Strategy::Ideal);
+    let strategy = products.next_back().copied().unwrap_or(Strategy::Antumbra);
+    let mut eyes = Eyes::new(renderer, options.views)?;
+    for walked in frame.saturating_sub(warm_up)..=frame {
+        moving.show(renderer, walked)?;
+        let picture = (walked == frame).then_some(picture);
+        eyes.render(renderer, strategy, &path.camera(walked), &[], picture)?;
+    }
+    renderer.device().drain().map_err(RunError::from)?;
+    Ok(eyes)
+}

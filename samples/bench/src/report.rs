@@ -1,0 +1,287 @@
+//! `report.json`: what a walk measured, in a form that other programs read.
+//!
+//! Its keys are a contract: they may grow, they do not change. Numbers that could not be had are
+//! `null`; all others are finite. Times are milliseconds, memory is MiB.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use cull::Corrections;
+use serde::Serialize;
+
+use crate::options::LeftOut;
+use crate::outputs::{WriteError, write_file};
+use crate::provenance::Provenance;
+use crate::statistics::{Summary, kept, paired_ratio, ratio};
+
+/// Everything a walk measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// What drew.
+    pub device: DeviceReport,
+    /// What was drawn.
+    pub scene: SceneReport,
+    /// Name of the camera's path.
+    pub path: String,
+    /// How many eyes looked, side by side in one frame; counts are those of all together.
+    pub views: u32,
+    /// How many objects of a hundred were asked to move.
+    pub moving_percent: u32,
+    /// How many objects moved, came or went.
+    pub moving_objects: u64,
+    /// Timed frames of each strategy.
+    pub frames: u32,
+    /// Width and height of the frames in pixels.
+    pub size: [u32; 2],
+    /// Whether a signal ended the walk: then a run may have fewer frames than `frames`.
+    pub cut_short: bool,
+    /// How many frames the CPU was allowed to be ahead.
+    pub frames_in_flight: u32,
+    /// How hidden draws were skipped: what `--predicates` chose.
+    pub predicates: String,
+    /// What showed no more pixels than this counted as hidden; 0 where all was exact.
+    pub threshold_pixels: u32,
+    /// What things cost on this device in nanoseconds of GPU time, measured before the walk.
+    pub costs_ns: BTreeMap<String, Option<f64>>,
+    /// Messages of the validation layer, 0 where it was off.
+    pub validation_messages: u64,
+    /// Memory at the end of the walk.
+    pub memory: MemoryReport,
+    /// How long the preparations took.
+    pub build_ms: BuildReport,
+    /// Strategies that could not run, and why.
+    pub left_out: Vec<LeftOut>,
+    /// One entry a strategy, in the order asked for.
+    pub runs: Vec<RunReport>,
+    /// "A/B": median frame time of A over that of B, for every ordered pair.
+    pub ratios: BTreeMap<String, Option<f64>>,
+    /// "A/B": median over the frames of A's time of a frame over B's time of the same one.
+    pub paired_ratios: BTreeMap<String, Option<f64>>,
+    /// How and when all this was measured.
+    pub provenance: Provenance,
+}
+
+/// The device that drew.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DeviceReport {
+    /// Its name, as the driver gives it.
+    pub name: String,
+    /// Name and version of the driver.
+    pub driver: String,
+    /// The Vulkan version it implements, as "1.3.230".
+    pub api: String,
+    /// Whether it has `VK_EXT_conditional_rendering`.
+    pub conditional_rendering: bool,
+}
+
+/// The scene as built.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SceneReport {
+    /// Its name on the command line.
+    pub name: String,
+    /// How many objects it really has.
+    pub objects: u64,
+    /// Triangles of all objects together.
+    pub triangles: u64,
+    /// The seed it was built from; 0 where it comes out of a file.
+    pub seed: u64,
+    /// What there is to say of the file it comes from; absent where it was made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<FileReport>,
+}
+
+/// A file that a scene was loaded from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FileReport {
+    /// Where it is.
+    pub path: String,
+    /// How long it took to read it and to make a scene of it.
+    pub load_ms: Option<f64>,
+    /// Meshes of the scene: each is there once, however many objects have it.
+    pub meshes: u64,
+    /// What they are made of.
+    pub materials: u64,
+    /// Their textures.
+    pub textures: u64,
+    /// Images of those.
+    pub images: u64,
+    /// Lights beside the ambient one.
+    pub lights: u64,
+    /// Objects through which one sees what is behind; they are not among the scene's objects.
+    pub blended_objects: u64,
+    /// Meshes that change their form.
+    pub deformed_meshes: u64,
+    /// Cameras.
+    pub cameras: u64,
+    /// Clips.
+    pub clips: u64,
+    /// How many of them played.
+    pub playing: u64,
+    /// What was in the file that is not shown.
+    pub notes: Vec<String>,
+}
+
+/// Memory at the end of a walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MemoryReport {
+    /// The most that the process had resident.
+    pub peak_resident_mib: Option<f64>,
+    /// What was allocated from the device.
+    pub gpu_allocated_mib: Option<f64>,
+}
+
+/// Times of the preparations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct BuildReport {
+    /// Generating or loading the objects and their meshes.
+    pub scene: Option<f64>,
+    /// Building the bounding-volume hierarchy.
+    pub hierarchy: Option<f64>,
+    /// Bringing everything to the device.
+    pub upload: Option<f64>,
+}
+
+/// Median and maximum of the age of query results, in frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct AgeReport {
+    /// The median; absent where no result came home.
+    pub median: Option<u64>,
+    /// The largest.
+    pub max: Option<u64>,
+}
+
+/// What frames taught a governor about the costs, in times what was measured before the walk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct CorrectionsReport {
+    /// What draws seem to cost.
+    pub draws: Option<f64>,
+    /// What tests seem to cost.
+    pub tests: Option<f64>,
+    /// By what the prices of tests were multiplied at the end, since that much was sure.
+    pub proportion: Option<f64>,
+    /// From how many frames that was learned; 0 where the device tells no times.
+    pub frames: u64,
+}
+
+impl From<Corrections> for CorrectionsReport {
+    fn from(learned: Corrections) -> Self {
+        let factor = |value: f32| value.is_finite().then(|| kept(value.into()));
+        Self {
+            draws: factor(learned.draws),
+            tests: factor(learned.tests),
+            proportion: factor(learned.proportion),
+            frames: learned.frames,
+        }
+    }
+}
+
+/// One strategy's walk. Counts are medians per frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Its name.
+    pub strategy: String,
+    /// Time of a frame: from its begin on the CPU to its end on the device, per frame in flight.
+    pub frame_ms: Summary,
+    /// The times that `frame_ms` sums up, in the order of the path.
+    pub frame_times_ms: Vec<Option<f64>>,
+    /// CPU time of the engine in a frame.
+    pub cpu_ms: Summary,
+    /// Draws submitted.
+    pub draws: Option<u64>,
+    /// Triangles submitted, those of predicated draws included.
+    pub triangles: Option<u64>,
+    /// Proxies tested, by queries or otherwise.
+    pub tests: Option<u64>,
+    /// Occlusion queries issued.
+    pub queries: Option<u64>,
+    /// Draws that a predicate decided.
+    pub predicated_draws: Option<u64>,
+    /// Nodes of the hierarchy that the culler looked at.
+    pub nodes_visited: Option<u64>,
+    /// Objects drawn because testing them would have cost more than it saved.
+    pub untested_by_cost: Option<u64>,
+    /// Rounds of tests that `antumbra` gave to a compute shader because that cost least.
+    pub rounds_by_compute: Option<u64>,
+    /// After how many frames the own draw of a calm object was tested again; 0 without a governor.
+    pub retest_interval_frames: Option<u64>,
+    /// What the tests were expected to save in a frame, in nanoseconds of GPU time.
+    pub expected_saving_ns: Option<u64>,
+    /// What the governor had learned about the costs at the end; absent without one.
+    pub corrections: Option<CorrectionsReport>,
+    /// GPU time of each pass by its label, where `--time-passes` asked for it.
+    pub passes_ms: BTreeMap<String, Summary>,
+    /// How old the results were that came home.
+    pub result_age_frames: AgeReport,
+    /// Waits for answers within a frame.
+    pub waits: Option<u64>,
+    /// Waits of the frame loop, in all frames together, other than for a frame's own slot.
+    pub blocking_waits: u64,
+    /// How many frames the times and counts come from.
+    pub frames_timed: u64,
+    /// How many of them were compared with plain frustum culling.
+    pub frames_verified: u64,
+    /// How many more were compared that are not timed: they warm the strategy up, the first of all from
+    /// an empty history.
+    pub warm_up_frames_verified: u64,
+    /// Pixels that differed in all that were compared; absent where none was compared.
+    pub pixels_wrong: Option<u64>,
+    /// How many of them a threshold accounts for at most: the samples that showed and were left out. 0
+    /// without a threshold; absent where none was compared, or nothing is promised.
+    pub pixels_wrong_at_most: Option<u64>,
+    /// Samples that showed and were left out because of the threshold, in all frames timed.
+    pub neglected_samples: u64,
+}
+
+/// "A/B" for every ordered pair of runs: median frame time of A over that of B.
+pub fn ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
+    pairs(runs, |a, b| ratio(a.frame_ms.median, b.frame_ms.median))
+}
+
+/// "A/B" for every ordered pair of runs: the median of the ratios frame by frame. Where frames differ
+/// much over a path, it says more than the ratio of two medians that stem from different frames.
+pub fn paired_ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
+    pairs(runs, |a, b| paired_ratio(&a.frame_times_ms, &b.frame_times_ms))
+}
+
+/// Frame times as reports keep them: absent where they are no number.
+pub fn kept_times(times_ms: impl Iterator<Item = f64>) -> Vec<Option<f64>> {
+    times_ms.map(|time_ms| time_ms.is_finite().then(|| kept(time_ms))).collect()
+}
+
+fn pairs(
+    runs: &[RunReport],
+    ratio: impl Fn(&RunReport, &RunReport) -> Option<f64>,
+) -> BTreeMap<String, Option<f64>> {
+    let mut ratios = BTreeMap::new();
+    for (a_place, a) in runs.iter().enumerate() {
+        for (b_place, b) in runs.iter().enumerate() {
+            if a_place != b_place {
+                let name = format!("{}/{}", a.strategy, b.strategy);
+                ratios.insert(name, ratio(a, b));
+            }
+        }
+    }
+    ratios
+}
+
+impl Report {
+    /// The report as indented JSON with a final line break.
+    ///
+    /// # Errors
+    /// When a value cannot be JSON, which no report that this program makes holds.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
+        serde_json::to_string_pretty(self).map(|json| json + "\n")
+    }
+
+    /// Writes the report so that the file is either the old one or the whole new one.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        let json = self.to_json().map_err(|error| WriteError::new(path, error))?;
+        write_file(path, json.as_bytes())
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

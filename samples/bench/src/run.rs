@@ -1,0 +1,274 @@
+//! From options to report: opens the device, builds the scene, walks, sums up.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
+use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
+use render::{Renderer, RendererOptions, ShaderSet, object_bounds};
+
+use crate::choices::{DeviceChoice, Predicates, Validation};
+use crate::options::{LeftOut, SceneChoice};
+use crate::pictures::Pictures;
+use crate::progress::Progress;
+use crate::provenance::Provenance;
+use crate::report::{
+    BuildReport, DeviceReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
+};
+use crate::run_error::RunError;
+use crate::signals::Signals;
+use crate::statistics::kept;
+use crate::stopwatch::Stopwatch;
+use crate::walk::Walk;
+use crate::walk_scene::WalkScene;
+use crate::{Options, memory};
+
+/// What a walk leaves.
+pub struct Walked {
+    /// What was measured.
+    pub report: Report,
+    /// The pictures in `options.output`.
+    pub pictures: Pictures,
+}
+
+/// Walks, measures, writes the pictures into `options.output` (which exists and is writable). After a
+/// signal it leaves what was measured so far.
+///
+/// # Errors
+/// When the device is not there or cannot do it, or a signal came before anything was measured.
+pub fn run(
+    options: &Options,
+    progress: &dyn Progress,
+    signals: &Signals,
+) -> Result<Walked, RunError> {
+    let instance = open_instance(options.validation, None)?;
+    let adapter = pick_adapter(&instance, &options.device)?;
+    progress.stage(&format!("opening {}", adapter.name));
+    let device_options =
+        DeviceOptions { pipeline_cache: pipeline_cache_file(), ..Default::default() };
+    let device = Device::new(&instance, &adapter, &device_options)?;
+    let mut walked = walk_on(&device, options, progress, signals)?;
+    // The layers have their last word when everything is torn down.
+    drop(device);
+    walked.report.validation_messages =
+        u64::try_from(instance.validation_log().len()).unwrap_or(u64::MAX);
+    Ok(walked)
+}
+
+/// A line for each Vulkan device, in the order that `--device INDEX` counts, from 0.
+///
+/// # Errors
+/// When there is no Vulkan loader or no driver.
+pub fn list_devices() -> Result<Vec<String>, RunError> {
+    let adapters = open_instance(Validation::Off, None)?.adapters()?;
+    let line = |(index, adapter): (usize, &Adapter)| {
+        let fitness = match adapter.missing() {
+            None => String::new(),
+            Some(missing) => format!(", cannot be used: it lacks {missing}"),
+        };
+        format!("{index}: {} ({}, Vulkan {}){fitness}", adapter.name, adapter.driver, adapter.api)
+    };
+    Ok(adapters.iter().enumerate().map(line).collect())
+}
+
+/// An instance, for windows of that system if there will be one.
+pub fn open_instance(
+    validation: Validation,
+    windows: Option<WindowSystem>,
+) -> Result<Instance, RunError> {
+    let options = InstanceOptions {
+        application: "Antumbra sample".to_owned(),
+        validation: match validation {
+            Validation::Off => gpu::Validation::Off,
+            Validation::On => gpu::Validation::Core,
+            Validation::Sync => gpu::Validation::Synchronization,
+        },
+        windows,
+    };
+    Ok(Instance::new(gpu::load_entry()?, &options)?)
+}
+
+fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapter, RunError> {
+    Ok(instance.pick_adapter(wanted(choice).as_deref())?)
+}
+
+/// A choice as the engine takes it.
+pub fn wanted(choice: &DeviceChoice) -> Option<String> {
+    match choice {
+        DeviceChoice::Best => None,
+        DeviceChoice::Index(index) => Some(index.to_string()),
+        DeviceChoice::Name(name) => Some(name.clone()),
+    }
+}
+
+/// Where compiled pipelines are kept: the user's cache folder, if there is one.
+pub fn pipeline_cache_file() -> Option<PathBuf> {
+    let absolute = |folder: &PathBuf| folder.is_absolute();
+    let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(absolute);
+    let home = || std::env::var_os("HOME").map(PathBuf::from).filter(absolute);
+    let folder = cache.or_else(|| home().map(|home| home.join(".cache")))?;
+    Some(folder.join("antumbra").join("pipelines.bin"))
+}
+
+/// Does the same on a device that is open.
+///
+/// # Errors
+/// As [`run`].
+pub fn walk_on(
+    device: &Device,
+    options: &Options,
+    progress: &dyn Progress,
+    signals: &Signals,
+) -> Result<Walked, RunError> {
+    let mut clock = Stopwatch::start();
+    let WalkScene { scene, seed, path, path_name, mut moving, mut file } =
+        WalkScene::build(options, progress, signals)?;
+    signals.check()?;
+    let scene_ms = clock.lap_ms();
+    let hierarchy = Hierarchy::build(&object_bounds(&scene)?).map_err(RunError::machine)?;
+    let hierarchy_ms = clock.lap_ms();
+    signals.check()?;
+    progress.stage("bringing it to the device");
+    let mut renderer =
+        Renderer::with_hierarchy(device, &scene, hierarchy, &renderer_options(options)?).map_err(
+            |error| match &options.scene {
+                SceneChoice::File(file) => RunError::from(error).about(file),
+                SceneChoice::Made(_) => error.into(),
+            },
+        )?;
+    let upload_ms = clock.lap_ms();
+    if let Some(file) = &mut file {
+        file.notes.extend(renderer.degradations().texts());
+    }
+    let scene_report = SceneReport {
+        name: scene_name(&options.scene),
+        objects: scene.objects.len() as u64,
+        triangles: scene.triangles(),
+        seed,
+        file,
+    };
+    // The device has it all.
+    drop(scene);
+    let (strategies, left_out) = able(&renderer, options)?;
+    if options.time_passes {
+        renderer.time_passes()?;
+    }
+
+    let options = &Options { strategies, left_out, ..options.clone() };
+    let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress, signals)?;
+    let cut_short = signals.received().is_some();
+    let mut pictures = Pictures::default();
+    if let Some(folder) = options.output.as_ref().filter(|_| !cut_short) {
+        progress.stage("drawing the pictures");
+        pictures.write(&mut renderer, &path, &mut moving, options, folder, signals);
+    }
+    let adapter = device.adapter();
+    let report = Report {
+        device: DeviceReport {
+            name: adapter.name.clone(),
+            driver: adapter.driver.clone(),
+            api: adapter.api.clone(),
+            conditional_rendering: adapter.has_conditional_rendering(),
+        },
+        scene: scene_report,
+        path: path_name,
+        views: options.views,
+        moving_percent: options.moving_percent,
+        moving_objects: moving.movers() as u64,
+        frames: options.frames,
+        cut_short,
+        size: [options.size.width, options.size.height],
+        frames_in_flight: options.frames_in_flight,
+        predicates: renderer.predication().name().to_owned(),
+        threshold_pixels: options.threshold_pixels,
+        costs_ns: costs_report(&renderer),
+        validation_messages: 0,
+        memory: MemoryReport {
+            peak_resident_mib: memory::peak_resident_mib(),
+            gpu_allocated_mib: Some(device.memory_bytes().1 as f64 / f64::from(1 << 20)),
+        },
+        build_ms: BuildReport {
+            scene: Some(scene_ms),
+            hierarchy: Some(hierarchy_ms),
+            upload: Some(upload_ms),
+        },
+        ratios: ratios(&runs),
+        paired_ratios: paired_ratios(&runs),
+        left_out: options.left_out.clone(),
+        provenance: Provenance::of_this_process(),
+        runs,
+    };
+    Ok(Walked { report, pictures })
+}
+
+/// What reports call a scene: a file by its name without its folder.
+fn scene_name(choice: &SceneChoice) -> String {
+    match choice {
+        SceneChoice::Made(made) => made.scene.to_string(),
+        SceneChoice::File(file) => {
+            file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned()
+        }
+    }
+}
+
+/// The strategies that the device has everything for, and the others.
+///
+/// # Errors
+/// The first reason, if it has what it takes for none.
+fn able(renderer: &Renderer, options: &Options) -> Result<(Vec<Strategy>, Vec<LeftOut>), RunError> {
+    let mut able = Vec::new();
+    let mut left_out = options.left_out.clone();
+    let mut first_reason = None;
+    for strategy in &options.strategies {
+        match renderer.supports(*strategy) {
+            Ok(()) => able.push(*strategy),
+            Err(error) => {
+                let (strategy, reason) = (strategy.name().to_owned(), error.to_string());
+                left_out.push(LeftOut { strategy, reason });
+                first_reason.get_or_insert(error);
+            }
+        }
+    }
+    match first_reason {
+        Some(error) if able.is_empty() => Err(error.into()),
+        _ => Ok((able, left_out)),
+    }
+}
+
+/// Every measured cost by its name.
+fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
+    let entries = renderer.costs().map(|table| table.entries());
+    let entry = |(name, value): (&str, f32)| {
+        (name.to_owned(), value.is_finite().then(|| kept(value.into())))
+    };
+    entries.into_iter().flatten().map(entry).collect()
+}
+
+/// The same threshold for the method of the literature that has one.
+fn dialogue_options(options: &Options) -> DialogueOptions {
+    let coherent = CoherentOptions {
+        visibility_threshold_samples: options.threshold_pixels,
+        ..CoherentOptions::default()
+    };
+    DialogueOptions { coherent, ..DialogueOptions::default() }
+}
+
+fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
+    let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?;
+    let frames_in_flight = options.frames_in_flight.try_into().unwrap_or(1);
+    Ok(RendererOptions {
+        size: [options.size.width, options.size.height],
+        frames_in_flight,
+        predication: match options.predicates {
+            Predicates::Auto => None,
+            Predicates::Conditional => Some(Predication::Conditional),
+            Predicates::Count => Some(Predication::Counts),
+            Predicates::Instances => Some(Predication::Instances),
+        },
+        shaders,
+        threshold_samples: options.threshold_pixels,
+        dialogue: dialogue_options(options),
+        costs: options.costs.into(),
+        ..Default::default()
+    })
+}

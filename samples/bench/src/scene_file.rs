@@ -1,0 +1,104 @@
+//! Scenes out of glTF files: loaded, told of, and ready to be filmed.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use cull::Hierarchy;
+use import::{Cause, GltfScene, LoadOptions, Stage};
+use render::object_bounds;
+use scene::Scene;
+
+use crate::report::FileReport;
+use crate::run_error::RunError;
+use crate::terminal::shown;
+
+/// How far loading has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Told<'a> {
+    /// What is being done.
+    pub what: &'a str,
+    /// How much of that is done, 0 to 1, where it is known.
+    pub fraction: Option<f32>,
+}
+
+/// Who is told, and says whether to go on.
+pub type Listener<'a> = dyn FnMut(Told<'_>) -> ControlFlow<()> + 'a;
+
+/// Tells how far it is; ends all that where nobody waits for it any more.
+///
+/// # Errors
+/// When it was given up.
+pub fn tell(told: &mut Listener<'_>, what: &str, fraction: Option<f32>) -> Result<(), RunError> {
+    match told(Told { what, fraction }) {
+        ControlFlow::Continue(()) => Ok(()),
+        ControlFlow::Break(()) => Err(RunError::given_up()),
+    }
+}
+
+/// Reads a file. Lights are dimmed where they are too bright, unless an exposure is given.
+///
+/// # Errors
+/// What is wrong with it: file, object in it, reason; that it was given up.
+pub fn load(
+    file: &Path,
+    exposure: Option<f32>,
+    told: &mut Listener<'_>,
+) -> Result<GltfScene, RunError> {
+    tell(told, &format!("reading {}", shown(file)), None)?;
+    if file.is_dir() {
+        let shown = shown(file);
+        return Err(RunError::user(format!("cannot read the scene '{shown}': it is a folder")));
+    }
+    let options = LoadOptions { exposure, ..LoadOptions::default() };
+    let loaded = import::load(file, &options, &mut |progress| {
+        let what = match progress.stage {
+            Stage::Reading => "reading",
+            Stage::Meshes => "making meshes of",
+        };
+        let what = format!("{what} {}", shown(file));
+        told(Told { what: &what, fraction: Some(progress.fraction) })
+    });
+    loaded.map_err(|error| match error.cause {
+        Cause::GivenUp => RunError::given_up(),
+        cause => {
+            // The engine's sentence has the name as it is.
+            let said = error.to_string();
+            let said = said.replace(&file.display().to_string(), &shown(file).to_string());
+            match cause {
+                Cause::NoMemory => RunError::machine(said),
+                _ => RunError::user(said),
+            }
+        }
+    })
+}
+
+/// The hierarchy over a scene, in time for a word about it.
+///
+/// # Errors
+/// A scene that there can be no hierarchy over; that it was given up.
+pub fn hierarchy(scene: &Scene, told: &mut Listener<'_>) -> Result<Hierarchy, RunError> {
+    tell(told, "building the hierarchy", None)?;
+    Hierarchy::build(&object_bounds(scene)?).map_err(RunError::machine)
+}
+
+/// What reports say of a file.
+pub fn report(file: &Path, imported: &GltfScene, load_ms: f64) -> FileReport {
+    let scene = &imported.scene;
+    let surfaces = scene.surfaces.as_ref();
+    let count = |number: Option<usize>| number.unwrap_or_default() as u64;
+    FileReport {
+        path: file.display().to_string(),
+        load_ms: Some(load_ms),
+        meshes: scene.meshes.len() as u64,
+        materials: count(surfaces.map(|surfaces| surfaces.materials.len())),
+        textures: count(surfaces.map(|surfaces| surfaces.textures.len())),
+        images: count(surfaces.map(|surfaces| surfaces.images.len())),
+        lights: count(surfaces.map(|surfaces| surfaces.lights.len())),
+        blended_objects: count(surfaces.map(|surfaces| surfaces.blended.len())),
+        deformed_meshes: count(surfaces.map(|surfaces| surfaces.deformers.len())),
+        cameras: imported.cameras.len() as u64,
+        clips: imported.clips.len() as u64,
+        playing: 0,
+        notes: imported.notes.iter().map(ToString::to_string).collect(),
+    }
+}

@@ -1,0 +1,296 @@
+//! The table a person reads after a walk: the same numbers as the report.
+
+use std::fmt::{Display, Write};
+
+use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
+
+use crate::options::LeftOut;
+use crate::report::{Report, RunReport};
+use crate::statistics::Summary;
+use crate::strategy::Strategy;
+
+/// Shown where a number could not be had.
+const ABSENT: &str = "-";
+
+const COLUMNS: [&str; 10] = [
+    "strategy",
+    "frame ms\nmedian",
+    "frame ms\n95 %",
+    "CPU ms\nmedian",
+    "draws",
+    "triangles",
+    "queries",
+    "waits",
+    "result age\nframes",
+    "pixels\nwrong",
+];
+
+/// What was drawn on what, the strategies side by side, their ratios, memory and build times, in lines
+/// of at most `width` columns where words are no longer.
+pub fn render(report: &Report, width: usize) -> String {
+    let above = [head(report)];
+    let below = [
+        ratio_lines(report),
+        cost_lines(report),
+        pass_lines(report),
+        note_lines(report),
+        foot(report),
+    ];
+    let wrapped = |parts: &[String]| {
+        let lines = parts.iter().flat_map(|part| part.lines());
+        lines.map(|line| wrapped(line, width) + "\n").collect::<String>()
+    };
+    wrapped(&above) + &blocks(report, width) + &wrapped(&below)
+}
+
+/// A line in lines that fit, indented after the first.
+fn wrapped(line: &str, width: usize) -> String {
+    let options = textwrap::Options::new(width)
+        .subsequent_indent("  ")
+        .break_words(false)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation);
+    textwrap::fill(line, options)
+}
+
+/// The table in as few blocks of columns as fit one under the other, each with the strategies' names.
+fn blocks(report: &Report, width: usize) -> String {
+    let numbers: Vec<usize> = (1..COLUMNS.len()).collect();
+    for count in 1..=numbers.len() {
+        let blocks: Vec<String> = numbers
+            .chunks(numbers.len().div_ceil(count))
+            .map(|columns| block(report, columns))
+            .collect();
+        let fits = |block: &String| block.lines().all(|line| line.chars().count() <= width);
+        if blocks.iter().all(fits) || count == numbers.len() {
+            return blocks.concat();
+        }
+    }
+    String::new()
+}
+
+/// A table of these columns.
+fn block(report: &Report, columns: &[usize]) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED);
+    table.set_content_arrangement(ContentArrangement::Disabled);
+    let centred = |column: &usize| Cell::new(COLUMNS[*column]).set_alignment(CellAlignment::Center);
+    table.set_header([0].iter().chain(columns).map(centred));
+    for run in &report.runs {
+        let cells = row(run);
+        table.add_row([0].iter().chain(columns).map(|column| cells[*column].clone()));
+    }
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.trim_fmt() + "\n"
+}
+
+fn row(run: &RunReport) -> [String; 10] {
+    [
+        run.strategy.clone(),
+        milliseconds(run.frame_ms.median),
+        milliseconds(run.frame_ms.p95),
+        milliseconds(run.cpu_ms.median),
+        count(run.draws),
+        count(run.triangles),
+        count(run.queries),
+        count(run.waits),
+        shown(run.result_age_frames.median),
+        count(run.pixels_wrong),
+    ]
+}
+
+fn head(report: &Report) -> String {
+    let Report { device, scene, size: [width, height], .. } = report;
+    format!(
+        "{} ({}, Vulkan {}), hidden draws skipped by {}\n\
+         {} of {} objects, {} triangles, seed {}; path {}, {} frames of {width}x{height}, {} in flight{}",
+        device.name,
+        device.driver,
+        device.api,
+        report.predicates,
+        scene.name,
+        count(Some(scene.objects)),
+        count(Some(scene.triangles)),
+        scene.seed,
+        report.path,
+        report.frames,
+        report.frames_in_flight,
+        more_lines(report),
+    )
+}
+
+/// Lines of their own where several eyes look, something moves, or a strategy cannot run.
+fn more_lines(report: &Report) -> String {
+    let mut lines = String::new();
+    if report.cut_short {
+        let frames =
+            |run: &RunReport| format!("{} {}", run.strategy, count(Some(run.frames_timed)));
+        let frames = report.runs.iter().map(frames).collect::<Vec<_>>().join(", ");
+        lines += &format!("\nCUT SHORT by a signal; frames timed: {frames}");
+    }
+    if report.views > 1 {
+        lines += &format!("\n{} eyes side by side, half of the frame each", report.views);
+    }
+    if report.moving_percent > 0 {
+        let moving = count(Some(report.moving_objects));
+        lines += &format!("\n{moving} of the objects move ({} %)", report.moving_percent);
+    }
+    if report.threshold_pixels > 0 {
+        let most = count(Some(report.threshold_pixels.into()));
+        lines += &format!(
+            "\nnot exact: what shows at most {most} pixels counts as hidden in antumbra, antumbra_queries, coherent"
+        );
+    }
+    for LeftOut { strategy, reason } in &report.left_out {
+        lines += &format!("\nwithout {strategy}: {reason}");
+    }
+    lines
+}
+
+/// So many runs are compared with each other, one by one.
+const FEW_RUNS: usize = 3;
+
+/// What all others are compared with where there are many.
+const MEASURES: [Strategy; 3] = [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal];
+
+/// A sentence for each pair, in the order of the runs; of many, one for each run.
+fn ratio_lines(report: &Report) -> String {
+    let names: Vec<&str> = report.runs.iter().map(|run| run.strategy.as_str()).collect();
+    let ratio = |a: &str, b: &str| report.ratios.get(&format!("{a}/{b}")).copied().flatten();
+    if names.len() > FEW_RUNS {
+        let line = |name: &&str| {
+            let to = |measure: Strategy| Some((ratio(name, measure.name())?, measure));
+            let ratios = MEASURES.into_iter().filter_map(to);
+            let parts: Vec<String> =
+                ratios.map(|(ratio, measure)| format!("{ratio:.2} times {measure}")).collect();
+            (!parts.is_empty()).then(|| format!("a frame of {name} takes {}", parts.join(", ")))
+        };
+        return names.iter().filter_map(line).collect::<Vec<_>>().join("\n");
+    }
+    let mut lines = Vec::new();
+    for (place, a) in names.iter().enumerate() {
+        for b in names.iter().skip(place + 1) {
+            if let Some(ratio) = ratio(a, b) {
+                lines.push(format!("{a} takes {ratio:.2} times as long a frame as {b}"));
+            }
+        }
+    }
+    lines.join("\n")
+}
+
+/// What in a file is not shown, a line each.
+fn note_lines(report: &Report) -> String {
+    let notes = report.scene.file.iter().flat_map(|file| &file.notes);
+    notes.map(|note| format!("not as in the file: {note}")).collect::<Vec<_>>().join("\n")
+}
+
+/// A line for each run with a governor.
+fn cost_lines(report: &Report) -> String {
+    let line = |run: &RunReport| {
+        let learned = run.corrections?;
+        let saving_ms = run.expected_saving_ns.map(|saving_ns| saving_ns as f64 * 1e-6);
+        let times = match (learned.frames, learned.proportion) {
+            (0, _) | (_, None) => "not learned: no frame was timed".to_owned(),
+            (frames, Some(times)) => format!("{times:.2}, from {} frames", count(Some(frames))),
+        };
+        Some(format!(
+            "{}, by cost: {} objects untested a frame, {} ms saved (expected); tests times {times}",
+            run.strategy,
+            count(run.untested_by_cost),
+            milliseconds(saving_ms),
+        ))
+    };
+    report.runs.iter().filter_map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// A line for each run whose passes were timed.
+fn pass_lines(report: &Report) -> String {
+    let timed = report.runs.iter().filter(|run| !run.passes_ms.is_empty());
+    let line = |run: &RunReport| {
+        let pass =
+            |(label, time): (&String, &Summary)| format!("{label} {}", milliseconds(time.median));
+        let passes: Vec<String> = run.passes_ms.iter().map(pass).collect();
+        format!("{}, GPU ms a pass: {}", run.strategy, passes.join(", "))
+    };
+    timed.map(line).collect::<Vec<_>>().join("\n")
+}
+
+fn foot(report: &Report) -> String {
+    let waits: u64 = report.runs.iter().map(|run| run.blocking_waits).sum();
+    let verified: u64 =
+        report.runs.iter().map(|run| run.frames_verified + run.warm_up_frames_verified).sum();
+    let (build, memory) = (&report.build_ms, &report.memory);
+    let mut text = format!(
+        "built in ms: scene {}, hierarchy {}, upload {}; peak memory {} MiB, on the device {} MiB\n\
+         frames compared with frustum culling: {verified}; blocking waits: {waits}; validation messages: {}",
+        milliseconds(build.scene),
+        milliseconds(build.hierarchy),
+        milliseconds(build.upload),
+        whole(memory.peak_resident_mib),
+        whole(memory.gpu_allocated_mib),
+        report.validation_messages,
+    );
+    // Those that promise nothing are counted in their column.
+    let promised = |run: &&RunReport| run.strategy.parse().is_ok_and(Strategy::is_exact);
+    let unaccounted = |run: &RunReport| {
+        run.pixels_wrong.filter(|pixels| *pixels > run.pixels_wrong_at_most.unwrap_or(0))
+    };
+    let wrong: u64 = report.runs.iter().filter(promised).filter_map(unaccounted).sum();
+    if wrong > 0 {
+        // Writing to a String cannot fail.
+        let _ok = write!(text, "\nWRONG: {wrong} pixels differ from plain frustum culling");
+    }
+    text + &neglect_lines(report)
+}
+
+/// A line for each run that left out what showed little.
+fn neglect_lines(report: &Report) -> String {
+    let neglecting = report.runs.iter().filter(|run| {
+        // Those of frames before the walk are in the second number only.
+        run.neglected_samples > 0 || run.pixels_wrong_at_most.is_some_and(|most| most > 0)
+    });
+    let line = |run: &RunReport| {
+        let compared = match (run.pixels_wrong, run.pixels_wrong_at_most) {
+            (Some(_), Some(most)) => {
+                let [wrong, most] = [run.pixels_wrong, Some(most)].map(count);
+                format!("; of those compared {wrong} pixels differ, at most {most} could")
+            }
+            _ => String::new(),
+        };
+        let (samples, frames) = (count(Some(run.neglected_samples)), run.frames_timed);
+        format!("\n{} left out {samples} samples in {frames} frames{compared}", run.strategy)
+    };
+    neglecting.map(line).collect()
+}
+
+fn milliseconds(value: Option<f64>) -> String {
+    value.map_or(ABSENT.to_owned(), |value| format!("{value:.2}"))
+}
+
+fn whole(value: Option<f64>) -> String {
+    value.map_or(ABSENT.to_owned(), |value| format!("{value:.0}"))
+}
+
+fn shown(value: Option<impl Display>) -> String {
+    value.map_or(ABSENT.to_owned(), |value| value.to_string())
+}
+
+/// A number with a comma between each three digits.
+fn count(value: Option<u64>) -> String {
+    let Some(value) = value else {
+        return ABSENT.to_owned();
+    };
+    let digits = value.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,70 @@
+//! How a program begins: its command line, its help, its log.
+
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+
+use clap::{CommandFactory, FromArgMatches, Parser};
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::prelude::*;
+
+use super::ending::Ending;
+use super::names::harmless;
+use super::output::print;
+use super::style::{has_colour, width};
+
+/// The most columns of help: longer lines are hard to read.
+const HELP_WIDTH_MAX: usize = 100;
+
+/// Reads the command line and starts the log at `level` where `RUST_LOG` does not say otherwise.
+///
+/// # Errors
+/// The exit code where nothing remains to be done: help or version were printed, or what is wrong
+/// with the command line.
+pub fn start<A: Parser>(level: &str) -> Result<A, ExitCode> {
+    let arguments = parse().map_err(|error| answer(&error))?;
+    let asked = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok());
+    let is_debugging = asked.is_some();
+    let level = asked.or_else(|| level.parse().ok()).unwrap_or_default();
+    let log = tracing_subscriber::fmt::layer()
+        .with_ansi(has_colour(&io::stderr()))
+        .with_writer(io::stderr)
+        // It would panic where standard error is full.
+        .log_internal_errors(false);
+    // Modules and times are for whoever set `RUST_LOG`; users read sentences.
+    if is_debugging {
+        tracing_subscriber::registry().with(log.with_filter(level)).init();
+    } else {
+        let plain = log.without_time().with_target(false);
+        tracing_subscriber::registry().with(plain.with_filter(level)).init();
+    }
+    Ok(arguments)
+}
+
+fn parse<A: CommandFactory + FromArgMatches>() -> Result<A, clap::Error> {
+    let mut command = A::command().term_width(width().min(HELP_WIDTH_MAX));
+    let mut matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    A::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
+}
+
+/// Prints what the parser has to say.
+fn answer(error: &clap::Error) -> ExitCode {
+    let mut ending = Ending::default();
+    if !error.use_stderr() {
+        ending.attempt(print(&styled(error, &io::stdout())));
+        return ending.exit();
+    }
+    let _nobody_reads = io::stderr().write_all(styled(error, &io::stderr()).as_bytes());
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+}
+
+/// The text with colours where those are shown and no argument brings escape codes of its own.
+fn styled(error: &clap::Error, stream: &impl IsTerminal) -> String {
+    let text = error.render();
+    let mut words = std::env::args_os();
+    let is_harmless = words.all(|word| word.to_str().is_some_and(|word| harmless(word) == word));
+    if has_colour(stream) && is_harmless {
+        text.ansi().to_string()
+    } else {
+        harmless(&text.to_string())
+    }
+}

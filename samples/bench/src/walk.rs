@@ -1,0 +1,292 @@
+//! The walk: every strategy takes its turns over the frames, is timed, and is compared with plain
+//! frustum culling where that is asked for.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use cull::{FrameId, Strategy};
+use gpu::{Device, Readback};
+use render::{Renderer, VisibleSet};
+
+use crate::Options;
+use crate::camera_path::Course;
+use crate::choices::Verify;
+use crate::eyes::Eyes;
+use crate::measurement::{FrameMeasurement, RunMeasurement};
+use crate::moving::Moving;
+use crate::progress::Progress;
+use crate::report::RunReport;
+use crate::run_error::RunError;
+use crate::schedule::{Schedule, Step};
+use crate::signals::Signals;
+use crate::stopwatch::Stopwatch;
+
+/// A walk over a path: the strategies with a history each.
+pub struct Walk<'a> {
+    renderer: &'a mut Renderer,
+    device: Device,
+    path: &'a Course,
+    moving: &'a mut Moving,
+    views: u32,
+    verify: Verify,
+    frames_in_flight: usize,
+    schedule: Schedule,
+    runs: Vec<Run>,
+    reference: Eyes,
+    references: BTreeMap<u32, Vec<u8>>,
+    pictures: Vec<Readback>,
+    // What owns a pixel in each frame, for `ideal`.
+    visible_sets: BTreeMap<u32, Vec<VisibleSet>>,
+}
+
+/// One strategy on its way.
+struct Run {
+    strategy: Strategy,
+    eyes: Eyes,
+    measurement: RunMeasurement,
+}
+
+/// A frame of the turn: known in part when it was submitted, the rest when its answers came home.
+struct Walked {
+    frame: FrameId,
+    timed: bool,
+    measurement: FrameMeasurement,
+}
+
+impl<'a> Walk<'a> {
+    /// Prepares a walk; every strategy starts knowing nothing.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn new(
+        renderer: &'a mut Renderer,
+        path: &'a Course,
+        moving: &'a mut Moving,
+        options: &Options,
+    ) -> Result<Self, RunError> {
+        let run = |&strategy| -> Result<Run, RunError> {
+            let eyes = Eyes::new(renderer, options.views)?;
+            Ok(Run { strategy, eyes, measurement: RunMeasurement::new(strategy) })
+        };
+        Ok(Self {
+            runs: options.strategies.iter().map(run).collect::<Result<_, _>>()?,
+            reference: Eyes::new(renderer, options.views)?,
+            device: renderer.device().clone(),
+            renderer,
+            path,
+            moving,
+            views: options.views,
+            verify: options.verify,
+            frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
+            schedule: Schedule::new(options.frames, options.strategies.len()),
+            references: BTreeMap::new(),
+            pictures: Vec::new(),
+            visible_sets: BTreeMap::new(),
+        })
+    }
+
+    /// Finds what is visible in every frame if `ideal` is among the strategies. Not timed.
+    fn find_visible_sets(
+        &mut self,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<(), RunError> {
+        if self.runs.iter().all(|run| run.strategy != Strategy::Ideal) {
+            return Ok(());
+        }
+        let mut eyes = Eyes::new(self.renderer, self.views)?;
+        let frames: BTreeSet<u32> = self.schedule.steps().map(|step| step.frame).collect();
+        progress.begin_frames("finding out what is visible", frames.len() as u64);
+        for frame in frames {
+            signals.check()?;
+            self.moving.show(self.renderer, frame)?;
+            let sets = eyes.visible_sets(self.renderer, &self.path.camera(frame))?;
+            self.visible_sets.insert(frame, sets);
+            progress.frame_done("");
+        }
+        Ok(())
+    }
+
+    /// Walks all of it, or as much as there is time for before a signal.
+    ///
+    /// # Errors
+    /// When the device fails, or a signal came before anything was measured.
+    pub fn run(
+        mut self,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<Vec<RunReport>, RunError> {
+        self.find_visible_sets(progress, signals)?;
+        progress.begin_frames("drawing", self.schedule.len());
+        let mut steps: VecDeque<Step> = self.schedule.steps().collect();
+        while let (Some(turn), None) = (next_turn(&mut steps), signals.received()) {
+            self.walk_turn(&turn, progress, signals)?;
+        }
+        if self.runs.iter().all(|run| run.measurement.is_empty()) {
+            signals.check()?;
+        }
+        Ok(self.runs.iter().map(|run| run.measurement.report()).collect())
+    }
+
+    /// One strategy walks some consecutive frames; the pictures are compared when it is through, so
+    /// that comparing costs nobody time.
+    fn walk_turn(
+        &mut self,
+        turn: &[Step],
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<(), RunError> {
+        let verify = self.verify;
+        // Those that warm up, too: with the first of them, a history begins.
+        let compared = || turn.iter().filter(|step| verify.includes(step.frame));
+        self.draw_references(compared().map(|step| step.frame))?;
+        while self.pictures.len() < compared().count() {
+            self.pictures.push(Readback::new(&self.device, self.renderer.size())?);
+        }
+        let Some(run) = turn.first().and_then(|step| self.runs.get_mut(step.strategy)) else {
+            return Ok(());
+        };
+        let mut walked = Vec::with_capacity(turn.len());
+        let mut pictures = self.pictures.iter();
+        let mut clock = Stopwatch::start();
+        for step in turn.iter().take_while(|_| signals.received().is_none()) {
+            let moved = self.moving.show(self.renderer, step.frame)?;
+            let picture = verify.includes(step.frame).then(|| pictures.next()).flatten();
+            let camera = self.path.camera(step.frame);
+            let visible = self.visible_sets.get_mut(&step.frame);
+            let visible = visible.map_or(&mut [][..], Vec::as_mut_slice);
+            if run.strategy == Strategy::Ideal {
+                // Whatever moves is where it was in this frame when they were found.
+                visible.iter_mut().try_for_each(|set| self.renderer.visible_again(set))?;
+            }
+            let waits = self.device.wait_counts().other;
+            let report = run.eyes.render(self.renderer, run.strategy, &camera, visible, picture)?;
+            let measurement = FrameMeasurement {
+                // From submit to submit: in a full pipeline, the time a frame takes.
+                frame_ms: clock.lap_ms(),
+                cpu_ms: (moved + report.cpu).as_secs_f64() * 1e3,
+                tests: report.tests.into(),
+                queries: report.queries.into(),
+                predicated_draws: report.predicated_draws.into(),
+                nodes_visited: report.plan.nodes_visited.into(),
+                untested_by_cost: report.plan.untested_by_cost.into(),
+                rounds_by_compute: report.plan.rounds_by_compute.into(),
+                retest_interval_frames: report.plan.retest_interval_frames.into(),
+                expected_saving_ns: report.plan.expected_saving_ns,
+                corrections: report.corrections.filter(|_| run.strategy.is_governed()),
+                result_age_frames: report.oldest_answer_frames,
+                blocking_waits: self.device.wait_counts().other - waits,
+                is_compared: picture.is_some(),
+                ..FrameMeasurement::default()
+            };
+            let frame = run.eyes.frame();
+            walked.push(Walked { frame, timed: step.timed, measurement });
+            // A slot's times are those of its frame before: of this turn, once all were used.
+            if step.timed && walked.len() > self.frames_in_flight {
+                let passes = self.renderer.pass_times();
+                run.measurement.timed_passes(passes.iter().map(|pass| (pass.label, pass.gpu_ms)));
+            }
+            progress.frame_done(run.strategy.name());
+        }
+        run.eyes.drain(self.renderer)?;
+        let drawn = walked.len();
+        book(run, walked);
+        let compared = turn.iter().take(drawn).filter(|step| verify.includes(step.frame));
+        for (picture, step) in self.pictures.iter().zip(compared) {
+            let reference = self.references.get(&step.frame).map_or(&[][..], Vec::as_slice);
+            let pixels_wrong = pixels_that_differ(reference, &picture.rgba8()?);
+            if step.timed {
+                run.measurement.verified(pixels_wrong);
+            } else {
+                run.measurement.verified_warm_up(pixels_wrong);
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws the reference pictures of `frames` with plain frustum culling, unless they are there
+    /// from another strategy's turn in the same round.
+    fn draw_references(&mut self, frames: impl Iterator<Item = u32>) -> Result<(), RunError> {
+        let frames: BTreeSet<u32> = frames.collect();
+        if frames.iter().all(|frame| self.references.contains_key(frame)) {
+            return Ok(());
+        }
+        self.references.clear();
+        let picture = Readback::new(&self.device, self.renderer.size())?;
+        for frame in frames {
+            self.moving.show(self.renderer, frame)?;
+            let (camera, wanted) = (self.path.camera(frame), Some(&picture));
+            self.reference.render(self.renderer, Strategy::Frustum, &camera, &[], wanted)?;
+            self.reference.drain(self.renderer)?;
+            self.references.insert(frame, picture.rgba8()?.to_vec());
+        }
+        Ok(())
+    }
+}
+
+/// Adds what the answers told to the frames of a turn, and the frames to the run.
+fn book(run: &mut Run, mut walked: Vec<Walked>) {
+    for outcome in run.eyes.take_outcomes() {
+        if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
+            walked.measurement.draws += outcome.draws;
+            walked.measurement.triangles += outcome.triangles;
+            walked.measurement.neglected_samples += outcome.neglected_samples;
+        }
+    }
+    for Walked { timed, measurement, .. } in walked {
+        if timed {
+            run.measurement.push(measurement);
+        } else {
+            run.measurement.warmed_up(&measurement);
+        }
+    }
+}
+
+/// Takes the steps up to the next change of turns: a turn's warm-up follows another's timed frames.
+fn next_turn(steps: &mut VecDeque<Step>) -> Option<Vec<Step>> {
+    let mut turn = vec![steps.pop_front()?];
+    while let (Some(last), Some(next)) = (turn.last(), steps.front()) {
+        if last.strategy != next.strategy || (last.timed && !next.timed) {
+            break;
+        }
+        turn.extend(steps.pop_front());
+    }
+    Some(turn)
+}
+
+/// How many pixels of two pictures of the same size are not the same bits; all, if the sizes differ.
+fn pixels_that_differ(reference: &[u8], picture: &[u8]) -> u64 {
+    let (expected, found) = (reference.chunks_exact(4), picture.chunks_exact(4));
+    if reference.len() != picture.len() || picture.is_empty() {
+        return expected.len().max(found.len()).max(1) as u64;
+    }
+    expected.zip(found).filter(|(a, b)| a != b).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_cut_where_the_schedule_cuts_them() {
+        for strategies in 1..=3 {
+            let schedule = Schedule::with_rounds(30, strategies, 10, 2);
+            let mut steps: VecDeque<Step> = schedule.steps().collect();
+            let mut turns = 0;
+            while let Some(turn) = next_turn(&mut steps) {
+                assert_eq!(turn.len(), 12);
+                assert!(turn.iter().all(|step| step.strategy == turn[0].strategy));
+                turns += 1;
+            }
+            assert_eq!(turns, 3 * strategies);
+        }
+    }
+
+    #[test]
+    fn pixels_are_counted_once_each() {
+        let picture = [1, 2, 3, 255, 4, 5, 6, 255];
+        assert_eq!(pixels_that_differ(&picture, &picture), 0);
+        assert_eq!(pixels_that_differ(&picture, &[1, 2, 3, 255, 9, 9, 9, 255]), 1);
+        assert_eq!(pixels_that_differ(&[], &[]), 1, "nothing compared is no proof");
+        assert_eq!(pixels_that_differ(&picture, &picture[..4]), 2);
+    }
+}

@@ -1,0 +1,150 @@
+//! What a walk goes through: the scene, the camera's way, what moves, and what there is to say of it.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use import::SceneAnimator;
+use scene::Scene;
+use scenes::GeneratedScene;
+
+use crate::Options;
+use crate::camera_path::Course;
+use crate::choices;
+use crate::moving::Moving;
+use crate::options::{MadeScene, PathChoice, SceneChoice};
+use crate::playback::{self, Clips, FrameClock, Orbit};
+use crate::progress::Progress;
+use crate::recorded_path::RecordedPath;
+use crate::report::FileReport;
+use crate::run_error::RunError;
+use crate::scene_file;
+use crate::signals::Signals;
+use crate::stopwatch::Stopwatch;
+use crate::terminal::shown;
+
+/// What is walked through.
+pub struct WalkScene {
+    /// The scene at rest.
+    pub scene: Scene,
+    /// The seed it was made from; 0 where it comes out of a file.
+    pub seed: u64,
+    /// Where the camera goes.
+    pub path: Course,
+    /// What that is called.
+    pub path_name: String,
+    /// What moves.
+    pub moving: Moving,
+    /// What there is to say of its file, if it comes from one.
+    pub file: Option<FileReport>,
+}
+
+impl WalkScene {
+    /// Makes or loads what the options ask for.
+    ///
+    /// # Errors
+    /// Numbers that no scene can be made from; a file that cannot be shown; a path or a camera that is not
+    /// there.
+    pub fn build(
+        options: &Options,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<Self, RunError> {
+        match &options.scene {
+            SceneChoice::Made(made) => Self::make(made, options, progress),
+            SceneChoice::File(file) => Self::load(file, options, progress, signals),
+        }
+    }
+
+    fn make(
+        made: &MadeScene,
+        options: &Options,
+        progress: &dyn Progress,
+    ) -> Result<Self, RunError> {
+        let MadeScene { scene: kind, objects, seed } = *made;
+        progress.stage(&format!("building the {kind} of about {objects} objects"));
+        let GeneratedScene { scene, routes } = match kind {
+            choices::Scene::City => scenes::city(objects, seed)?,
+            choices::Scene::Field => scenes::field(objects, seed)?,
+        };
+        let path = Course::new(&options.path, &routes)?;
+        let moving = Moving::new(&scene, options.moving_percent, seed)?;
+        let path_name = options.path.to_string();
+        Ok(Self { scene, seed, path, path_name, moving, file: None })
+    }
+
+    fn load(
+        file: &Path,
+        options: &Options,
+        progress: &dyn Progress,
+        signals: &Signals,
+    ) -> Result<Self, RunError> {
+        let mut clock = Stopwatch::start();
+        let mut newest = String::new();
+        let imported = scene_file::load(file, None, &mut |told| {
+            if told.what != newest {
+                told.what.clone_into(&mut newest);
+                progress.stage(told.what);
+            }
+            match signals.received() {
+                Some(_) => ControlFlow::Break(()),
+                None => ControlFlow::Continue(()),
+            }
+        })?;
+        let load_ms = clock.lap_ms();
+        let mut report = scene_file::report(file, &imported, load_ms);
+        let size = [options.size.width / options.views.max(1), options.size.height];
+        let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
+        let way = Way::of(&options.path, &cameras, file)?;
+        let camera = match way {
+            Way::Camera(place) => cameras.get(place),
+            Way::Recorded(_) | Way::Around => None,
+        };
+        let own = camera.and_then(|camera| animator.clip_of(camera));
+        let clips = Clips::all(&animator, own);
+        report.playing = clips.playing().len() as u64;
+        report.notes.extend(clips.conflicts(&animator));
+        animator.play(clips.playing(), 0.0, 0.0);
+        let orbit = Orbit::around(&animator.bounds_playing(&scene), size);
+        let seconds = own.and_then(|clip| animator.duration_s(clip));
+        let clock = FrameClock::of_walk(seconds, options.frames);
+        let path_name = match (&way, camera) {
+            (Way::Recorded(_), _) => options.path.to_string(),
+            (_, Some(camera)) => camera.name.clone(),
+            (_, None) => "around".to_owned(),
+        };
+        let path = match (way, camera) {
+            (Way::Recorded(path), _) => Course::Recorded(path, orbit.camera(0, 1)),
+            (_, Some(camera)) => {
+                playback::cameras(&mut animator, camera, clock, (options.frames, size))
+            }
+            (_, None) => Course::Around(orbit, options.frames),
+        };
+        let moving = Moving::played(animator, clock);
+        Ok(Self { scene, seed: 0, path, path_name, moving, file: Some(report) })
+    }
+}
+
+/// Who leads the camera.
+enum Way {
+    Camera(usize),
+    Recorded(RecordedPath),
+    Around,
+}
+
+impl Way {
+    /// A camera of that name, else a recorded path.
+    fn of(choice: &PathChoice, cameras: &[import::Camera], file: &Path) -> Result<Self, RunError> {
+        let wanted = match choice {
+            PathChoice::OfFile(wanted) => wanted.as_deref(),
+            PathChoice::Recorded(path) => return Ok(Self::Recorded(RecordedPath::read(path)?)),
+            PathChoice::Made(path) => Some(choices::Named::name(*path)),
+        };
+        let is_camera = |name: &str| cameras.iter().any(|camera| camera.name == name);
+        let recorded = wanted.filter(|name| !is_camera(name)).and_then(crate::args::path_file);
+        if let Some(path) = recorded {
+            return Ok(Self::Recorded(RecordedPath::read(&path)?));
+        }
+        let camera = playback::find_camera(cameras, wanted, &shown(file))?;
+        Ok(camera.map_or(Self::Around, Self::Camera))
+    }
+}

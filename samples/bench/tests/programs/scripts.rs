@@ -1,0 +1,147 @@
+//! Runs ci/compare and ci/demo with programs that only pretend: what the scripts themselves decide.
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
+
+use harness::{Scratch, stderr};
+
+/// Knows some strategies; a walk leaves its options where its report was to be.
+const WALKTHROUGH: &str = r#"#!/bin/sh
+case " $* " in *" --list-strategies "*) printf 'frustum\nantumbra\nideal\n'; exit ;; esac
+case "$*" in *ideal*--moving*) echo "error: --strategy ideal and --moving 10 do not go together" >&2; exit 2 ;; esac
+words="$*"
+while [ "$#" -gt 1 ]; do
+    [ "$1" != --report ] || { mkdir -p "$(dirname "$2")"; echo "$words" >"$2"; }
+    shift
+done
+"#;
+
+/// Builds nothing; what it is to run it names.
+const CARGO: &str = "#!/bin/sh\n[ \"$1\" != run ] || echo \"$*\"\n";
+
+/// Held while a program is written and while one is started: a child that another test starts
+/// in between has the file open for writing until it is replaced, and no one may run it (ETXTBSY).
+static PROGRAMS: Mutex<()> = Mutex::new(());
+
+fn program(path: &Path, text: &str) {
+    let folder = path.parent().expect("a folder");
+    fs::create_dir_all(folder).expect("the target folder is writable");
+    let _no_child_starts = PROGRAMS.lock();
+    fs::write(path, text).expect("the target folder is writable");
+    fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("ours");
+}
+
+/// A tree with one of our scripts and nothing real besides.
+fn tree(name: &str, script: &str) -> Scratch {
+    let scratch = Scratch::new(name);
+    let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ci").join(script);
+    program(&scratch.0.join("ci").join(script), &fs::read_to_string(ours).expect("the script"));
+    program(&scratch.0.join("ci/setup"), "#!/bin/sh\n");
+    program(&scratch.0.join("bin/cargo"), CARGO);
+    program(&scratch.0.join("target/release/walkthrough"), WALKTHROUGH);
+    program(&scratch.0.join("target/release/compare"), "#!/bin/sh\n");
+    scratch
+}
+
+fn run(scratch: &Scratch, script: &str, arguments: &[&str]) -> Output {
+    let path = std::env::var("PATH").expect("a path");
+    let nothing_is_written = PROGRAMS.lock();
+    // It returns when the child has replaced itself and holds nothing of ours any more.
+    let child = Command::new(scratch.0.join("ci").join(script))
+        .args(arguments)
+        .env("PATH", format!("{}:{path}", scratch.0.join("bin").display()))
+        .env_remove("CARGO_TARGET_DIR")
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    drop(nothing_is_written);
+    child.wait_with_output().expect("it ends")
+}
+
+fn assert_ends_with(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}", stderr(output));
+}
+
+#[test]
+fn a_folder_takes_reports_of_one_mode_and_device_only() {
+    let scratch = tree("script-compare", "compare");
+    let compare = |more: &[&str]| run(&scratch, "compare", &[&["--out", "out"], more].concat());
+    assert_ends_with(&compare(&["--quick"]), 0);
+    let quick = scratch.names("out/reports");
+    assert!(quick.contains(&"street-2000.2.json".to_owned()), "{quick:?}");
+    for other in [&["--full"][..], &["--quick", "--device", "other"]] {
+        let output = compare(other);
+        assert_ends_with(&output, 2);
+        assert!(stderr(&output).contains("another build, device or mode"), "{}", stderr(&output));
+        assert_eq!(scratch.names("out/reports"), quick, "nothing was walked");
+    }
+    // The same goes on where it was.
+    fs::remove_file(scratch.0.join("out/reports/street-2000.1.json")).expect("it is there");
+    let again = compare(&[]);
+    assert_ends_with(&again, 0);
+    assert!(String::from_utf8_lossy(&again.stdout).contains("1 walks to go"));
+    assert_ends_with(&compare(&["--full", "--fresh"]), 0);
+    assert!(scratch.names("out/reports").contains(&"street-2000.3.json".to_owned()));
+}
+
+/// What is noisy is repeated as long as it is, up to a bound; the first walk of a case leaves a picture.
+#[test]
+fn noisy_walks_are_repeated_and_no_others() {
+    let scratch = tree("script-noise", "compare");
+    let noisy =
+        "#!/bin/sh\ncase \" $* \" in *' --noisy '*) printf 'street-2000\\nfield-fly\\n' ;; esac\n";
+    program(&scratch.0.join("target/release/compare"), noisy);
+    assert_ends_with(&run(&scratch, "compare", &["--quick", "--out", "out"]), 0);
+    let reports = scratch.names("out/reports");
+    let times = |name: &str| {
+        let of_name = |file: &&String| {
+            file.strip_prefix(name).is_some_and(|rest| rest.len() == ".1.json".len())
+        };
+        reports.iter().filter(of_name).count()
+    };
+    assert_eq!(["street-2000", "field-fly"].map(times), [4, 4], "{reports:?}");
+    assert_eq!(["street-2000-tie", "fly-10000"].map(times), [2, 2], "{reports:?}");
+    let words = |name: &str| fs::read_to_string(scratch.0.join("out/reports").join(name));
+    let first = words("street-2000.1.json").expect("a walk");
+    assert!(first.contains("--out out/pictures/street-2000.1 --pictures 1"), "{first}");
+    assert!(!words("street-2000.2.json").expect("a walk").contains("--out"));
+}
+
+#[test]
+fn moving_objects_are_compared_for_one_eye_and_for_two() {
+    let scratch = tree("script-compared", "compare");
+    assert_ends_with(&run(&scratch, "compare", &["--quick", "--out", "out"]), 0);
+    let words = |name: &str| {
+        let file = scratch.0.join(format!("out/reports/verify-{name}.1.json"));
+        fs::read_to_string(file).unwrap_or_else(|error| panic!("{name}: {error}"))
+    };
+    for (name, options) in [
+        ("moving", "--moving 10"),
+        ("views", "--views 2"),
+        ("moving-views", "--moving 10 --views 2"),
+    ] {
+        let words = words(name);
+        assert!(words.contains(options) && words.contains("--verify every"), "{words}");
+        assert_eq!(words.contains("ideal"), name == "views", "{words}");
+    }
+}
+
+#[test]
+fn options_of_the_demo_come_after_its_own() {
+    let scratch = tree("script-demo", "demo");
+    let output = run(&scratch, "demo", &["--path", "fly"]);
+    assert_ends_with(&output, 0);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let words = told.lines().next().expect("a call").split(" -- ").nth(1).expect("its options");
+    assert!(words.ends_with("--path fly"), "{words}");
+    // Read as the program reads them: the last word counts.
+    let line = ["walkthrough"].into_iter().chain(words.split(' '));
+    let arguments: bench::args::Arguments = clap::Parser::try_parse_from(line).expect("options");
+    let fly = bench::options::PathChoice::Made(bench::choices::CameraPath::Fly);
+    assert_eq!(arguments.options().expect("options").path, fly);
+}

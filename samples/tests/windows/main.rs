@@ -1,0 +1,24 @@
+//! Runs the window programs as users do: in windows of X and Wayland servers without a screen, and without.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test fails by panicking"
+)]
+
+mod city;
+mod city_keys;
+mod city_script;
+mod city_window;
+mod running;
+mod scene_pictures;
+#[cfg(target_os = "linux")]
+mod terminal;
+mod viewer_files;
+mod viewer_window;
+mod x11;
+
+const CITY: &str = env!("CARGO_BIN_EXE_city");
+const TRIANGLE: &str = env!("CARGO_BIN_EXE_triangle");
+const VIEWER: &str = env!("CARGO_BIN_EXE_viewer");

@@ -1,0 +1,87 @@
+//! Runs `city` in a window, and without one for the picture to compare with.
+
+use std::fs;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use tests::xvfb::Xvfb;
+
+use harness::{Scratch, pixels, program, stderr};
+
+pub const SIZE: &str = "320x180";
+pub const ESCAPE: u32 = 0xff1b;
+pub const TAB: u32 = 0xff09;
+
+/// A program in a window. It is killed if a test fails before it ends.
+pub struct Running {
+    pub process: Child,
+    log: std::path::PathBuf,
+}
+
+impl Running {
+    pub fn start(mut command: Command, scratch: &Scratch) -> Self {
+        let log = scratch.0.join("log");
+        let file = fs::File::create(&log).unwrap();
+        let process = command.stdout(Stdio::null()).stderr(file).spawn().unwrap();
+        Self { process, log }
+    }
+
+    pub fn city(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Self {
+        let all = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe"];
+        // What pays is for the machine to say; the keys that show tests want some.
+        let all = [&all[..], &["--validation", "sync", "--costs", "ignored"], arguments].concat();
+        let mut command = program(crate::CITY, &scratch.0, &all);
+        command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");
+        command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        Self::start(command, scratch)
+    }
+
+    pub fn log(&self) -> String {
+        fs::read_to_string(&self.log).unwrap()
+    }
+
+    pub fn await_text(&self, text: &str) {
+        let began = Instant::now();
+        while !self.log().contains(text) {
+            assert!(began.elapsed() < Duration::from_secs(60), "never said {text}: {}", self.log());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Waits for its end.
+    pub fn end(&mut self) -> ExitStatus {
+        let began = Instant::now();
+        loop {
+            if let Some(status) = self.process.try_wait().unwrap() {
+                return status;
+            }
+            assert!(began.elapsed() < Duration::from_secs(120), "it hangs: {}", self.log());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Waits for its end, which is a good one: so says the validation layer, too.
+    pub fn end_well(mut self) {
+        let status = self.end();
+        assert!(status.success(), "{status}: {}", self.log());
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _is_over = self.process.kill();
+        let _is_over = self.process.wait();
+    }
+}
+
+/// The picture of a camera that stands still, drawn without a window.
+pub fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
+    let all = ["--headless", "--frames", "2", "--objects", "500", "--device", "llvmpipe"];
+    let all = [&all[..], arguments, &["--out", "headless"]].concat();
+    // Nothing is overwritten.
+    let _absent = fs::remove_dir_all(scratch.0.join("headless"));
+    let mut command = program(crate::CITY, &scratch.0, &all);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    pixels(&scratch.0.join("headless/frame_00001.png"))
+}

@@ -1,0 +1,142 @@
+//! Runs `viewer` over files without a window: right ones, and what cannot be.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::process::Output;
+
+use harness::{Scratch, pixels, program, scene, stderr};
+
+use crate::VIEWER;
+
+fn scratch(name: &str) -> Scratch {
+    let scratch = Scratch::new(name);
+    fs::write(scratch.0.join("small.glb"), scene::small()).unwrap();
+    scratch
+}
+
+fn viewer(scratch: &Scratch, arguments: &[&str]) -> Output {
+    let mut command = program(VIEWER, &scratch.0, arguments);
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+    command.output().expect("the program runs")
+}
+
+#[test]
+fn the_viewer_writes_pictures_of_what_moves() {
+    let scratch = scratch("viewer-headless");
+    let arguments = ["small.glb", "--headless", "--frames", "31", "--out", "out"];
+    let rest = ["--camera", "still", "--size", "128x72", "--validation", "sync"];
+    fs::write(
+        scratch.0.join("script"),
+        "10 pause\n20 step\n20 step\n20 step\n20 step\n25 camera 1\n26 camera 2\n",
+    )
+    .unwrap();
+    let all = [&arguments[..], &rest, &["--script", "script", "--device", "llvmpipe"]].concat();
+    let output = viewer(&scratch, &all);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
+    assert!(picture(0) != picture(9), "the door moves");
+    assert!(picture(10) == picture(19), "time stands still");
+    assert!(picture(19) != picture(20), "some steps");
+    assert!(picture(25) != picture(24), "another camera");
+    assert!(picture(26) == picture(24), "the first one again");
+
+    let brighter = [&arguments[..5], &["dark"], &rest, &["--exposure", "0.25"]].concat();
+    assert_eq!(viewer(&scratch, &brighter).status.code(), Some(0));
+    let sum = |folder: &str| {
+        let picture = pixels(&scratch.0.join(folder).join("frame_00000.png"));
+        picture.iter().flatten().map(|part| u64::from(*part)).sum::<u64>()
+    };
+    assert!(sum("dark") < sum("out"));
+    let sky = |folder: &str| pixels(&scratch.0.join(folder).join("frame_00000.png"))[64];
+    assert!(sky("dark")[2] < sky("out")[2], "{:?} {:?}", sky("dark"), sky("out"));
+}
+
+#[test]
+fn a_camera_whose_clip_plays_no_more_gives_way_to_a_view_of_everything() {
+    let scratch = scratch("viewer-left");
+    // First the camera's clip alone, then the door's.
+    fs::write(scratch.0.join("script"), "1 camera 1\n2 next_clip\n3 next_clip\n").unwrap();
+    fs::write(scratch.0.join("none.glb"), scene::small_without_cameras()).unwrap();
+    let last = |file: &str, out: &str| {
+        let arguments = [file, "--headless", "--frames", "31", "--out", out, "--script", "script"];
+        let rest = ["--size", "128x72", "--device", "llvmpipe", "--hud", "off"];
+        let output = viewer(&scratch, &[&arguments[..], &rest].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        pixels(&scratch.0.join(out).join("frame_00030.png"))
+    };
+    assert!(last("small.glb", "seen") == last("none.glb", "unseen"));
+}
+
+#[test]
+fn the_first_camera_is_where_one_begins_unless_a_clip_has_it_before_a_wall() {
+    let scratch = scratch("viewer-begin");
+    fs::write(scratch.0.join("none.glb"), scene::small_without_cameras()).unwrap();
+    fs::write(scratch.0.join("wall.glb"), scene::small_before_the_wall()).unwrap();
+    let seen = |arguments: &[&str], out: &str| {
+        let rest = ["--headless", "--frames", "1", "--out", out, "--size", "128x72"];
+        let mut command = program(VIEWER, &scratch.0, arguments);
+        command.args(rest).args(["--device", "llvmpipe"]).env("RUST_LOG", "samples=info");
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        (pixels(&scratch.0.join(out).join("frame_00000.png")), stderr(&output))
+    };
+    let hint = "a clip moves the file's first camera, walk: key 1 looks through it, 2 through";
+    let (before, log) = seen(&["wall.glb"], "wall");
+    assert!(log.contains(hint), "{log}");
+    let (none, log) = seen(&["none.glb"], "none");
+    assert!(before == none && !log.contains("key 1"), "{log}");
+    let (asked, log) = seen(&["wall.glb", "--camera", "walk"], "asked");
+    assert!(asked != none && !log.contains("key 1"), "{log}");
+    let (clear, log) = seen(&["small.glb"], "clear");
+    assert!(clear != none && !log.contains("key 1"), "{log}");
+    assert!(clear == seen(&["small.glb", "--camera", "walk"], "clear-asked").0);
+}
+
+#[test]
+fn without_a_display_the_viewer_says_so() {
+    let scratch = scratch("viewer-no-display");
+    let output = viewer(&scratch, &["small.glb"]);
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("no display") && message.contains("--headless"), "{message}");
+}
+
+/// The message of a refusal: one line that names the file.
+fn refusal(output: &Output) -> String {
+    let message = stderr(output);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+    assert_eq!(message.lines().count(), 1, "one sentence: {message}");
+    assert!(output.stdout.is_empty());
+    message
+}
+
+#[test]
+fn files_that_cannot_be_shown_end_with_2_and_what_the_walkthrough_says() {
+    let scratch = scratch("viewer-mistakes");
+    for file in scene::write_unreadable(&scratch.0) {
+        let path = scratch.0.join(file);
+        let read = bench::scene_file::load(&path, None, &mut |_| ControlFlow::Continue(()));
+        let path = path.to_str().unwrap();
+        let output = viewer(&scratch, &[path, "--headless", "--size", "32x32", "--frames", "2"]);
+        let reason = read.err().expect("unreadable").to_string();
+        assert_eq!(refusal(&output), format!("error: {reason}\n"));
+        assert!(reason.contains(file), "{reason}");
+    }
+}
+
+#[test]
+fn a_camera_that_is_not_there_is_refused_with_those_that_are() {
+    let scratch = scratch("viewer-no-camera");
+    let viewed = viewer(&scratch, &["small.glb", "--headless", "--camera", "Still"]);
+    assert!(refusal(&viewed).contains("did you mean 'still'?"));
+}
+
+#[test]
+fn lamps_beyond_those_that_an_object_has_are_told() {
+    let scratch = Scratch::new("viewer-lamps");
+    fs::write(scratch.0.join("lamps.glb"), scene::small_with_lamps(17)).unwrap();
+    let shown = ["lamps.glb", "--headless", "--frames=1", "--size=32x32", "--device=llvmpipe"];
+    let told = stderr(&viewer(&scratch, &shown));
+    assert!(told.contains(scene::LAMPS_NOTE), "{told}");
+}

@@ -1,0 +1,151 @@
+//! Runs `viewer` in a window of an X server without a screen.
+
+use std::fs;
+use std::process::{Child, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::x11::Seen;
+use harness::{Scratch, pixels, program, scene, stderr};
+use tests::xvfb::Xvfb;
+
+const COMMON: [&str; 6] = ["--size", "320x180", "--device", "llvmpipe", "--validation", "sync"];
+
+/// A viewer in a window. It is killed if a test fails before it ends.
+struct Running {
+    process: Child,
+    log: std::path::PathBuf,
+}
+
+impl Running {
+    fn start(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Self {
+        let all = [&COMMON[..], arguments].concat();
+        let mut command = program(crate::VIEWER, &scratch.0, &all);
+        command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");
+        command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        let log = scratch.0.join("log");
+        let file = fs::File::create(&log).unwrap();
+        let process = command.stdout(Stdio::null()).stderr(file).spawn().unwrap();
+        Self { process, log }
+    }
+
+    fn log(&self) -> String {
+        fs::read_to_string(&self.log).unwrap()
+    }
+
+    fn end(&mut self) -> ExitStatus {
+        let began = Instant::now();
+        loop {
+            if let Some(status) = self.process.try_wait().unwrap() {
+                return status;
+            }
+            assert!(began.elapsed() < Duration::from_secs(120), "it hangs: {}", self.log());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _is_over = self.process.kill();
+        let _is_over = self.process.wait();
+    }
+}
+
+fn scratch(name: &str) -> Scratch {
+    let scratch = Scratch::new(name);
+    fs::write(scratch.0.join("small.glb"), scene::small()).unwrap();
+    scratch
+}
+
+#[test]
+fn the_window_shows_what_is_drawn_without_one() {
+    let (server, scratch) = (Xvfb::start(), scratch("viewer-window"));
+    fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
+    let still = ["small.glb", "--camera", "still", "--script", "script", "--hud", "off"];
+    let rest = ["--headless", "--frames", "2", "--out", "headless"];
+    let all = [&COMMON[..], &still, &rest].concat();
+    let output = program(crate::VIEWER, &scratch.0, &all).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let expected = pixels(&scratch.0.join("headless/frame_00001.png"));
+    let mut running = Running::start(&scratch, &server, &still);
+    let window = Seen::wait_for(&server);
+    window.await_pixels(&expected, "the picture");
+    (0..8).for_each(|_| window.strike('.'.into()));
+    window.await_that("some steps", |found| found != expected);
+    window.strike('1'.into());
+    window.strike('h'.into());
+    window.await_that("a text", |found| found.contains(&[235, 240, 245]));
+    window.close();
+    let status = running.end();
+    assert!(status.success(), "{status}: {}", running.log());
+    for said in ["time stands still", "one step", "camera walk"] {
+        assert!(running.log().contains(said), "{said}: {}", running.log());
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_shown_ends_with_2_in_a_window_too() {
+    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-broken"));
+    fs::write(scratch.0.join("cut.glb"), &scene::small()[..200]).unwrap();
+    let mut running = Running::start(&scratch, &server, &["cut.glb"]);
+    let status = running.end();
+    assert_eq!(status.code(), Some(2), "{}", running.log());
+    assert!(running.log().contains("error: cut.glb: "), "{}", running.log());
+}
+
+/// A broken file leaves the scene as it is and says why; a whole one takes its place.
+#[test]
+fn files_can_be_dropped_into_the_window() {
+    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-drop"));
+    fs::write(scratch.0.join("cut.glb"), &scene::small()[..200]).unwrap();
+    fs::write(scratch.0.join("thin.glb"), scene::thin()).unwrap();
+    fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
+    let still = ["small.glb", "--camera", "still", "--script", "script", "--hud", "off"];
+    let rest = ["--headless", "--frames", "2", "--out", "headless"];
+    let all = [&COMMON[..], &still, &rest].concat();
+    let output = program(crate::VIEWER, &scratch.0, &all).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    let expected = pixels(&scratch.0.join("headless/frame_00001.png"));
+    let mut running = Running::start(&scratch, &server, &still);
+    let window = Seen::wait_for(&server);
+    window.await_pixels(&expected, "the picture");
+    let folder = scratch.0.canonicalize().unwrap();
+    window.drop_file(&folder.join("cut.glb"));
+    // The upper half shows the scene that was there, the lower edge says what is wrong.
+    let half = expected.len() / 2;
+    window.await_that("what is wrong, over the old scene", |found| {
+        found[..half] == expected[..half] && found[half..] != expected[half..]
+    });
+    assert!(running.log().contains("cut.glb cannot be shown: "), "{}", running.log());
+    window.drop_file(&folder.join("thin.glb"));
+    window.await_that("points and lines", |found| {
+        [[255, 0, 0], [0, 255, 0]].iter().all(|colour: &[u8; 3]| {
+            found.iter().any(|pixel| (0..3).all(|part| pixel[part].abs_diff(colour[part]) < 80))
+        }) && found[..half] != expected[..half]
+    });
+    window.close();
+    let status = running.end();
+    assert!(status.success(), "{status}: {}", running.log());
+}
+
+#[test]
+fn a_signal_while_it_loads_ends_it() {
+    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-signal"));
+    let mut running = Running::start(&scratch, &server, &["small.glb"]);
+    let _window = Seen::wait_for(&server);
+    let process = rustix::process::Pid::from_child(&running.process);
+    rustix::process::kill_process(process, rustix::process::Signal::TERM).unwrap();
+    let status = running.end();
+    assert_eq!(status.code(), Some(143), "{status}: {}", running.log());
+}
+
+#[test]
+fn an_empty_window_waits_for_a_file() {
+    let (server, scratch) = (Xvfb::start(), scratch("viewer-window-empty"));
+    let mut running = Running::start(&scratch, &server, &[]);
+    let window = Seen::wait_for(&server);
+    window.await_that("what to do", |found| found.contains(&[250, 210, 90]));
+    window.close();
+    let status = running.end();
+    assert!(status.success(), "{status}: {}", running.log());
+}

@@ -1,0 +1,118 @@
+//! What holds for every scene that was loaded, whatever its file was.
+
+use import::{GltfScene, Placed};
+
+/// Fails where a number is not finite, an index is out of range, or a box is none.
+pub fn check(imported: &GltfScene) {
+    imported.scene.validate().expect("it can be drawn");
+    check_surfaces(imported);
+    check_placements(imported);
+    let rig = &imported.rig;
+    for skin in &imported.skins {
+        assert_eq!(skin.joints.len(), skin.inverse_bind.len());
+        assert!(skin.joints.iter().all(|joint| (joint.0 as usize) < rig.nodes().len()));
+    }
+    for clip in &imported.clips {
+        assert!(clip.duration_s().is_finite() && !clip.channels.is_empty(), "{}", clip.name);
+    }
+    let camera = imported.default_camera([3, 2]);
+    assert!(camera.eye.is_finite() && camera.near > 0.0 && camera.forward.is_finite());
+    assert!(camera.forward.length() > 0.5, "{camera:?}");
+}
+
+fn check_surfaces(imported: &GltfScene) {
+    let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
+    assert_eq!(scene.meshes.len(), surfaces.meshes.len());
+    let sprites: Vec<usize> = surfaces.sprites.iter().map(|it| it.mesh.0 as usize).collect();
+    for (place, (mesh, surface)) in scene.meshes.iter().zip(&surfaces.meshes).enumerate() {
+        assert_eq!(mesh.vertices.len(), surface.vertices.len());
+        let is_seen = !mesh.indices.is_empty() || sprites.binary_search(&place).is_ok();
+        assert!(is_seen, "{} draws nothing", mesh.name);
+        assert!((surface.material.0 as usize) < surfaces.materials.len());
+        for vertex in &surface.vertices {
+            let is_unit = |[x, y, z, _]: [i16; 4]| {
+                let square = |part: i16| f64::from(part).powi(2);
+                let length = (square(x) + square(y) + square(z)).sqrt() / 32767.0;
+                (length - 1.0).abs() < 1e-3
+            };
+            assert!(is_unit(vertex.normal) && is_unit(vertex.tangent), "{vertex:?}");
+            assert!(vertex.tangent[3].abs() == 32767);
+            assert!(vertex.uv.as_flattened().iter().all(|part| part.is_finite()));
+        }
+    }
+    for material in &surfaces.materials {
+        let factors = material.base_colour.iter().chain(&material.emission);
+        let others = [material.metallic, material.roughness, material.occlusion_strength];
+        assert!(factors.chain(&others).all(|factor| factor.is_finite() && *factor >= 0.0));
+        let textures = [
+            material.base_colour_texture,
+            material.metallic_roughness_texture,
+            material.normal_texture,
+            material.occlusion_texture,
+            material.emission_texture,
+        ];
+        for used in textures.into_iter().flatten() {
+            assert!((used.texture.0 as usize) < surfaces.textures.len() && used.uv_set < 2);
+            assert!(used.transform.is_finite());
+        }
+    }
+    assert!(surfaces.textures.iter().all(|it| (it.image.0 as usize) < surfaces.images.len()));
+    assert!(!surfaces.lights.is_empty());
+    for light in &surfaces.lights {
+        assert!(light.position.is_finite() && light.direction.is_normalized(), "{light:?}");
+        assert!(light.intensity.is_finite() && light.intensity >= 0.0, "{light:?}");
+    }
+    for deformer in &surfaces.deformers {
+        let vertices = scene.meshes[deformer.mesh.0 as usize].vertices.len();
+        for target in &deformer.targets {
+            for list in [&target.positions, &target.normals, &target.tangents] {
+                assert!(list.is_empty() || list.len() == vertices);
+                assert!(list.as_flattened().iter().all(|part| part.is_finite()));
+            }
+        }
+        let Some(skin) = &deformer.skin else { continue };
+        let sets = skin.sets as usize;
+        assert_eq!((skin.joints.len(), skin.weights.len()), (vertices * sets, vertices * sets));
+        assert!(
+            skin.joints.as_flattened().iter().all(|joint| u32::from(*joint) < skin.joint_count)
+        );
+        for weights in skin.weights.chunks(sets.max(1)) {
+            let sum: f32 = weights.as_flattened().iter().sum();
+            assert!((sum - 1.0).abs() < 1e-5, "{weights:?}");
+        }
+    }
+}
+
+fn check_placements(imported: &GltfScene) {
+    let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
+    let mut is_deformed = vec![false; scene.meshes.len()];
+    for deformer in &surfaces.deformers {
+        is_deformed[deformer.mesh.0 as usize] = true;
+    }
+    for object in scene.objects.iter().chain(&surfaces.blended) {
+        assert!(object.transform.is_finite());
+        let bounds = scene.bounds_of(object).expect("its mesh is there");
+        assert!(is_deformed[object.mesh.0 as usize] || bounds.is_usable(), "{bounds:?}");
+    }
+    for placement in &imported.placements {
+        assert!((placement.node.0 as usize) < imported.rig.nodes().len());
+        assert!(placement.local.is_finite());
+        let count = match placement.placed {
+            Placed::Object(id) => scene.objects.len() > id.0 as usize,
+            Placed::Blended(id) => surfaces.blended.len() > id.0 as usize,
+            Placed::Light(id) => surfaces.lights.len() > id.0 as usize,
+        };
+        assert!(count, "{:?}", placement.placed);
+        if let Some((deformer, skin)) = placement.deformer {
+            assert!((deformer.0 as usize) < surfaces.deformers.len());
+            assert!(skin.is_none_or(|skin| skin < imported.skins.len()));
+            assert!(placement.clip_bounds.iter().all(|(clip, _)| *clip < imported.clips.len()));
+            assert!(placement.clip_bounds.is_sorted_by_key(|(clip, _)| *clip));
+            let boxes = placement.clip_bounds.iter().map(|(_, bounds)| bounds);
+            let mut boxes = boxes.chain([&placement.rest_bounds, &placement.blend_bounds]);
+            assert!(boxes.all(|bounds| bounds.is_usable()));
+        } else {
+            assert!(placement.clip_bounds.is_empty() && placement.rest_bounds.is_empty());
+        }
+    }
+}

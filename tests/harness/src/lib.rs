@@ -1,0 +1,12 @@
+//! Runs programs as users do: in folders of their own, in terminals, with scenes that are made here.
+// A harness fails by panicking.
+#![allow(clippy::panic, clippy::expect_used)]
+#![forbid(unsafe_code)]
+
+mod picture;
+mod program;
+pub mod scene;
+pub mod terminal;
+
+pub use picture::pixels;
+pub use program::{Scratch, cache, edited_shaders, program, stderr};

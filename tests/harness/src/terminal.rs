@@ -1,0 +1,78 @@
+//! Runs a program in a terminal, and checks what each of ours does there.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::{Scratch, cache, program, stderr};
+
+/// Runs a command line in a terminal of so many columns. Returns what that shows.
+pub fn in_terminal(
+    scratch: &Scratch,
+    columns: u32,
+    variables: &[(&str, &str)],
+    line: &str,
+) -> String {
+    let line = format!("stty cols {columns} rows 40; {line}");
+    let mut command = Command::new("script");
+    command.current_dir(&scratch.0).args(["-qec", &line, "/dev/null"]);
+    command.env("TERM", "xterm-256color").env_remove("NO_COLOR").envs(variables.iter().copied());
+    command.env("XDG_CACHE_HOME", cache());
+    let output = command.stdin(Stdio::null()).output().expect("bsdutils has it");
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stdout));
+    String::from_utf8_lossy(&output.stdout).replace("\r\n", "\n")
+}
+
+/// Returns the help of a program, which fits the terminal and says what its exit codes mean.
+pub fn help_that_fits(scratch: &Scratch, program: &str, columns: u32) -> String {
+    let help = in_terminal(scratch, columns, &[("NO_COLOR", "1")], &format!("{program} --help"));
+    for line in help.lines() {
+        assert!(line.chars().count() <= columns.min(100) as usize, "{program}, {columns}: {line}");
+    }
+    assert!(help.contains("Exit codes: 0"), "{help}");
+    help
+}
+
+/// Fails unless a reader of the help may go early, and a full disk is an error.
+pub fn assert_readers_may_go(scratch: &Scratch, program: &str) {
+    let mut command = Command::new(program);
+    command.current_dir(&scratch.0).arg("--help").stdout(Stdio::piped());
+    let mut child = command.spawn().expect("it starts");
+    drop(child.stdout.take());
+    assert_eq!(child.wait().expect("it ends").code(), Some(0), "{program}");
+    let full = File::create("/dev/full").expect("a device");
+    let output = command.stdout(full).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(1), "{program}");
+}
+
+/// Fails unless a program refuses files in a line that a terminal shows and does not obey: files that
+/// are no scene, no script and no report; after some options, files below which it is to write.
+pub fn assert_names_give_no_orders(
+    scratch: &Scratch,
+    path: &str,
+    option: Option<&str>,
+    more: &[&str],
+) {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    for (name, text) in [
+        (&b"a\x1b[31m.glb"[..], "a\\x1b[31m.glb"),
+        (b"a\nerror: b.glb", "a\\nerror: b.glb"),
+        (b"a\xff.glb", "a\\xff.glb"),
+    ] {
+        let name = OsStr::from_bytes(name);
+        fs::write(scratch.0.join(name), "no glTF").expect("the target folder is writable");
+        let mut command = program(path, &scratch.0, more);
+        command.args(option);
+        match option {
+            Some("--report" | "--trace") => command.arg(Path::new(name).join("below")),
+            _ => command.arg(name),
+        };
+        let output = command.output().expect("it starts");
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{path} {option:?}: {said}");
+        assert!(said.contains(text), "{path} {option:?}: {said}");
+        assert!(!said.contains('\u{1b}') && said.lines().count() == 1, "{path}: {said}");
+    }
+}
