@@ -1,15 +1,15 @@
 //! The command line of `walkthrough`: its declaration, its help, and the checks that make it
 //! [`Options`].
 
-use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::Parser;
+use clap::{Args, Parser, value_parser};
 
 use crate::Options;
 use crate::choices::{
-    Costs, DeviceChoice, Named, Predicates, Scene, Verify, enumerate, parse_named,
+    Costs, DeviceChoice, Predicates, Scene, Validation, Verify, enumerate, parse_named,
+    parse_strategy,
 };
 use crate::options::{
     DEFAULT_PICTURES, FrameSize, LeftOut, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, MAX_OBJECTS, MAX_VIEWS,
@@ -53,14 +53,11 @@ walk short: the table and the report then have what was measured until then."
 pub struct Arguments {
     /// What to walk through: city (nearly all hidden at street level), field (objects side by side:
     /// from above nothing hides anything), or a glTF file, whose name has a dot or a slash
-    #[arg(long, value_name = "city|field|FILE", default_value = "city", help_heading = "Walk")]
-    pub scene: String,
-    /// About how many objects city or field has, 1 to 2000000 [default: 10000]
-    #[arg(long, value_name = "N", help_heading = "Walk")]
-    pub objects: Option<String>,
-    /// Seed of city or field: the same one builds the same scene [default: 1]
-    #[arg(long, value_name = "S", help_heading = "Walk")]
-    pub seed: Option<String>,
+    #[arg(long, value_name = "city|field|FILE", default_value = "city", help_heading = "Scene")]
+    pub scene: SceneArgument,
+    /// The numbers that city and field are made from.
+    #[command(flatten)]
+    pub made: MadeArguments,
     /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps), or
     /// as in a file that city or viewer recorded, whose name ends in .txt or has a slash. In a glTF
     /// file: a camera of that name, whose whole clip is walked once from end to end
@@ -69,79 +66,71 @@ pub struct Arguments {
     pub path: Option<String>,
     /// How many eyes look: 1, or 2 for a stereo pair side by side in one frame, half of it each
     #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
-    pub views: String,
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_VIEWS)))]
+    pub views: u32,
     /// How many objects of a hundred of city or field move, come and go, 0 to 100. In a file its clips
     /// play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
-    pub moving: String,
+    #[arg(value_parser = value_parser!(u32).range(0..=100))]
+    pub moving: u32,
     /// Timed frames of each strategy, 1 to 1000000
     #[arg(long, value_name = "N", default_value = "120", help_heading = "Walk")]
-    pub frames: String,
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
+    pub frames: u32,
     /// Size of the frames in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Walk")]
-    pub size: String,
+    pub size: FrameSize,
 
     /// What to compare: names from --list-strategies, or all that can be; `ideal` only where nothing
     /// moves [default: frustum,antumbra,ideal]
     #[arg(long, value_name = "NAME[,NAME]|all", help_heading = "Compare")]
-    pub strategy: Option<String>,
+    pub strategy: Option<StrategyList>,
     /// Print a line for each strategy: its name, whether it is exact, what it does; and end
     #[arg(long, help_heading = "Compare")]
     pub list_strategies: bool,
     /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that warm
     /// up too, from an empty history on
     #[arg(long, value_name = "every|K|off", default_value = "off", help_heading = "Compare")]
-    pub verify: String,
+    pub verify: Verify,
     /// How many frames the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Compare")]
-    pub frames_in_flight: String,
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
+    pub frames_in_flight: u32,
     /// How draws that turn out hidden are skipped; auto takes what the device does best
-    #[arg(
-        long,
-        value_name = "auto|conditional|count|instances",
-        default_value = "auto",
-        help_heading = "Compare"
-    )]
-    pub predicates: String,
+    #[arg(long, value_name = "WAY", default_value = "auto", help_heading = "Compare")]
+    pub predicates: Predicates,
 
     /// What shows at most so many pixels counts as hidden, with antumbra, antumbra_queries and coherent:
     /// above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
-    pub threshold: String,
+    pub threshold: u32,
     /// What the governor does: leave out tests that cost more than they save, by costs that are measured
     /// on the device before the walk and corrected by what frames take; or nothing [default: measured]
-    #[arg(long, value_name = "ignored|measured", help_heading = "Compare")]
-    pub costs: Option<String>,
+    #[arg(long, value_name = "COSTS", help_heading = "Compare")]
+    pub costs: Option<Costs>,
 
     /// Measure the GPU time of every pass too. It costs time, most of all on a software driver:
     /// leave it off for ratios
     #[arg(long, help_heading = "Compare")]
     pub time_passes: bool,
 
-    /// The device that draws, by its place in --list-devices or a part of its name [default: best]
-    #[arg(long, value_name = "INDEX|NAME", help_heading = "Device")]
-    pub device: Option<String>,
+    /// The device that draws.
+    #[command(flatten)]
+    pub device: DeviceArguments,
     /// List the Vulkan devices and end
     #[arg(long, help_heading = "Device")]
     pub list_devices: bool,
-    /// Load the Vulkan validation layer: core checks (on), or with synchronization (sync)
-    #[arg(long, value_name = "off|on|sync", default_value = "off", help_heading = "Device")]
-    pub validation: String,
-    /// Compile the shaders from this folder instead of using the embedded ones (needs a build with
-    /// `--features shader-compiler`)
-    #[arg(long, value_name = "DIR", help_heading = "Device")]
-    pub shaders: Option<PathBuf>,
 
     /// Folder for pictures; made if it is missing [default: no pictures]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
     /// How many frames become pictures in --out, spread over the walk [default: 4]
-    #[arg(long, value_name = "N", help_heading = "Output")]
-    pub pictures: Option<String>,
+    #[arg(long, value_name = "N", requires = "out", help_heading = "Output")]
+    pub pictures: Option<u32>,
     /// The frame that --out also shows from above: what is drawn, what is hidden, the frustum; or off
     /// [default: the middle one]
-    #[arg(long, value_name = "FRAME|off", help_heading = "Output")]
-    pub birds_eye: Option<String>,
+    #[arg(long, value_name = "FRAME|off", requires = "out", help_heading = "Output")]
+    pub birds_eye: Option<BirdsEye>,
     /// File for the report as JSON [default: none]
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
     pub report: Option<PathBuf>,
@@ -150,79 +139,186 @@ pub struct Arguments {
     pub quiet: bool,
 }
 
+/// The numbers that a scene is made from.
+#[derive(Clone, Debug, Args)]
+pub struct MadeArguments {
+    /// About how many objects city or field has, 1 to 2000000 [default: 10000]
+    #[arg(long, value_name = "N", help_heading = "Scene")]
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_OBJECTS)))]
+    pub objects: Option<u32>,
+    /// Seed of city or field: the same one builds the same scene [default: 1]
+    #[arg(long, value_name = "S", help_heading = "Scene")]
+    pub seed: Option<u64>,
+}
+
+impl MadeArguments {
+    /// Returns what they make of a scene.
+    pub fn of(&self, scene: Scene) -> MadeScene {
+        MadeScene { scene, objects: self.objects.unwrap_or(10_000), seed: self.seed.unwrap_or(1) }
+    }
+}
+
+/// The device that draws, for all programs.
+#[derive(Clone, Debug, Args)]
+pub struct DeviceArguments {
+    /// The device that draws, by its place in `walkthrough --list-devices` or a part of its name
+    /// [default: best]
+    #[arg(long = "device", value_name = "INDEX|NAME", help_heading = "Device")]
+    pub choice: Option<DeviceChoice>,
+    /// Load the Vulkan validation layer
+    #[arg(long, value_name = "MODE", default_value = "off", help_heading = "Device")]
+    pub validation: Validation,
+    /// Compile the shaders from this folder instead of using the embedded ones; in a window again
+    /// whenever they change (needs a build with `--features shader-compiler`)
+    #[arg(long, value_name = "DIR", help_heading = "Device")]
+    pub shaders: Option<PathBuf>,
+}
+
+impl DeviceArguments {
+    /// Returns the device that is asked for.
+    pub fn choice(&self) -> DeviceChoice {
+        self.choice.clone().unwrap_or(DeviceChoice::Best)
+    }
+}
+
+/// A scene that is made, or the file that it is in: what has a dot or a slash is no name of ours.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneArgument {
+    /// It is made.
+    Made(Scene),
+    /// It is in this file.
+    File(PathBuf),
+}
+
+impl FromStr for SceneArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.contains(['.', '/', std::path::MAIN_SEPARATOR]) {
+            return Ok(Self::File(PathBuf::from(text)));
+        }
+        parse_named("scene", text)
+            .map(Self::Made)
+            .map_err(|message| format!("{message} (a glTF file has a dot or a slash in its name)"))
+    }
+}
+
+/// Strategies to compare.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum StrategyList {
+    /// All that can be.
+    All,
+    /// These, each of them once.
+    These(Vec<Strategy>),
+}
+
+impl FromStr for StrategyList {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "all" {
+            return Ok(Self::All);
+        }
+        let mut strategies = Vec::new();
+        for name in text.split(',') {
+            let strategy = parse_strategy(name.trim())?;
+            if strategies.contains(&strategy) {
+                return Err(format!("it names '{strategy}' twice: name each once"));
+            }
+            strategies.push(strategy);
+        }
+        Ok(Self::These(strategies))
+    }
+}
+
+/// The frame that is shown from above.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BirdsEye {
+    /// None.
+    Off,
+    /// This one.
+    Frame(u32),
+}
+
+impl FromStr for BirdsEye {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "off" => Ok(Self::Off),
+            _ => text.parse().map(Self::Frame).map_err(|_| "it takes a frame, or off".to_owned()),
+        }
+    }
+}
+
 impl Arguments {
-    /// Checks every argument. Looks at nothing but the arguments: files and devices come later.
+    /// Checks what no argument can say alone. Looks at nothing but the arguments: files and devices come
+    /// later.
     ///
     /// # Errors
-    /// The first argument that cannot be.
+    /// The first arguments that do not go together.
     pub fn options(&self) -> Result<Options, UsageError> {
-        let (scene, path) = self.parse_walk()?;
-        let frames = parse_in_range("--frames", &self.frames, 1, MAX_FRAMES)?;
-        let size = parse_size(&self.size)?;
-        let views = parse_in_range("--views", &self.views, 1, MAX_VIEWS)?;
+        let Self { frames, size, views, moving, predicates, threshold, .. } = *self;
+        let (scene, path) = self.walk()?;
         if size.width < views {
             return usage(format!(
                 "--views {views} needs a column of pixels for each eye: --size {size} is too narrow"
             ));
         }
-        let moving_percent = parse_in_range("--moving", &self.moving, 0, 100)?;
-        let (strategies, left_out) = self.parse_strategies(moving_percent)?;
-        let predicates = named("--predicates", &self.predicates)?;
-        let threshold_pixels = parse_in_range("--threshold", &self.threshold, 0, u32::MAX)?;
-        if threshold_pixels > 0 && predicates == Predicates::Conditional {
+        let (strategies, left_out) = self.strategies()?;
+        if threshold > 0 && predicates == Predicates::Conditional {
             return usage(format!(
-                "--threshold {threshold_pixels} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count or instances"
+                "--threshold {threshold} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count or instances"
             ));
         }
-        let costs = self.parse_costs(&strategies)?;
-        if threshold_pixels > 0 {
-            let option = format!("--threshold {threshold_pixels}");
-            refuse_unheeded(&option, &strategies, Strategy::can_neglect)?;
+        let costs = self.costs(&strategies)?;
+        if threshold > 0 {
+            refuse_unheeded(
+                &format!("--threshold {threshold}"),
+                &strategies,
+                Strategy::can_neglect,
+            )?;
         }
         Ok(Options {
             scene,
             path,
-            moving_percent,
+            moving_percent: moving,
             frames,
             views,
             size,
             strategies,
             left_out,
-            verify: parse_verify(&self.verify)?,
-            frames_in_flight: parse_in_range(
-                "--frames-in-flight",
-                &self.frames_in_flight,
-                1,
-                MAX_FRAMES_IN_FLIGHT,
-            )?,
+            verify: self.verify,
+            frames_in_flight: self.frames_in_flight,
             costs,
             time_passes: self.time_passes,
-            device: parse_device(self.device.as_deref())?,
-            validation: named("--validation", &self.validation)?,
+            device: self.device.choice(),
+            validation: self.device.validation,
             predicates,
-            threshold_pixels,
-            shaders: self.shaders.clone(),
+            threshold_pixels: threshold,
+            shaders: self.device.shaders.clone(),
             output: self.out.clone(),
             report: self.report.clone(),
-            pictures: self.parse_pictures(frames)?,
-            birds_eye: self.parse_birds_eye(frames)?,
+            pictures: self.pictures()?,
+            birds_eye: self.birds_eye()?,
         })
     }
 
-    /// What is walked through, and on which way.
-    fn parse_walk(&self) -> Result<(SceneChoice, PathChoice), UsageError> {
-        let Some(file) = scene_file(&self.scene) else {
-            let scene = parse_scene(&self.scene)?;
-            let made = parse_made(scene, self.objects.as_deref(), self.seed.as_deref())?;
-            let path = parse_path(self.path.as_deref().unwrap_or("street"))?;
-            return Ok((SceneChoice::Made(made), path));
+    /// Returns what is walked through, and on which way.
+    fn walk(&self) -> Result<(SceneChoice, PathChoice), UsageError> {
+        let file = match &self.scene {
+            SceneArgument::File(file) => file,
+            SceneArgument::Made(scene) => {
+                let path = parse_path(self.path.as_deref().unwrap_or("street"));
+                let path = path.map_err(|message| UsageError(format!("--path: {message}")))?;
+                return Ok((SceneChoice::Made(self.made.of(*scene)), path));
+            }
         };
-        let shown = shown(&file);
-        let is_moving = self.moving != "0";
+        let shown = shown(file);
         for (option, is_there, why) in [
-            ("--objects", self.objects.is_some(), "the file has those that it has"),
-            ("--seed", self.seed.is_some(), "nothing in a file is left to chance"),
-            ("--moving", is_moving, "what moves in a file is what its clips move"),
+            ("--objects", self.made.objects.is_some(), "the file has those that it has"),
+            ("--seed", self.made.seed.is_some(), "nothing in a file is left to chance"),
+            ("--moving", self.moving > 0, "what moves in a file is what its clips move"),
         ] {
             if is_there {
                 return usage(format!(
@@ -230,27 +326,25 @@ impl Arguments {
                 ));
             }
         }
-        Ok((SceneChoice::File(file), PathChoice::OfFile(self.path.clone())))
+        Ok((SceneChoice::File(file.clone()), PathChoice::OfFile(self.path.clone())))
     }
 
-    /// The strategies, and those that were not asked for by name and cannot be.
-    fn parse_strategies(
-        &self,
-        moving_percent: u32,
-    ) -> Result<(Vec<Strategy>, Vec<LeftOut>), UsageError> {
+    /// Returns the strategies, and those that were not asked for by name and cannot be.
+    fn strategies(&self) -> Result<(Vec<Strategy>, Vec<LeftOut>), UsageError> {
         const STANDS_STILL: &str =
             "it draws what was found visible beforehand, in a scene that stands still";
-        let mut strategies = match self.strategy.as_deref() {
+        let mut strategies = match &self.strategy {
             None => vec![Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal],
-            Some("all") => Strategy::ALL.to_vec(),
-            Some(text) => parse_strategies(text)?,
+            Some(StrategyList::All) => Strategy::ALL.to_vec(),
+            Some(StrategyList::These(strategies)) => strategies.clone(),
         };
         let mut left_out = Vec::new();
-        let is_refused = |strategy: &Strategy| moving_percent > 0 && strategy.needs_still_scene();
+        let is_refused = |strategy: &Strategy| self.moving > 0 && strategy.needs_still_scene();
         for refused in strategies.extract_if(.., |strategy| is_refused(strategy)) {
-            if self.strategy.as_deref().is_some_and(|text| text != "all") {
+            if matches!(self.strategy, Some(StrategyList::These(_))) {
                 return usage(format!(
-                    "--strategy {refused} and --moving {moving_percent} do not go together: {STANDS_STILL}"
+                    "--strategy {refused} and --moving {} do not go together: {STANDS_STILL}",
+                    self.moving
                 ));
             }
             let reason = STANDS_STILL.to_owned();
@@ -259,36 +353,33 @@ impl Arguments {
         Ok((strategies, left_out))
     }
 
-    fn parse_pictures(&self, frames: u32) -> Result<u32, UsageError> {
-        match (&self.out, &self.pictures) {
-            (None, None) => Ok(0),
-            (None, Some(_)) => usage("--pictures needs a folder: say --out DIR"),
-            (Some(_), None) => Ok(DEFAULT_PICTURES.min(frames)),
-            (Some(_), Some(text)) => parse_in_range("--pictures", text, 0, frames),
+    fn pictures(&self) -> Result<u32, UsageError> {
+        match self.pictures {
+            _ if self.out.is_none() => Ok(0),
+            None => Ok(DEFAULT_PICTURES.min(self.frames)),
+            Some(pictures) => at_most("--pictures", pictures, self.frames),
         }
     }
 
     /// Nobody measures what none of the strategies heeds, unless he is told to: then he says so.
-    fn parse_costs(&self, strategies: &[Strategy]) -> Result<Costs, UsageError> {
-        let Some(costs) = &self.costs else {
+    fn costs(&self, strategies: &[Strategy]) -> Result<Costs, UsageError> {
+        let Some(costs) = self.costs else {
             let is_heeded = strategies.iter().any(|strategy| strategy.is_governed());
             return Ok(if is_heeded { Costs::Measured } else { Costs::Ignored });
         };
-        let costs = named("--costs", costs)?;
         if costs == Costs::Measured {
             refuse_unheeded("--costs measured", strategies, Strategy::is_governed)?;
         }
         Ok(costs)
     }
 
-    fn parse_birds_eye(&self, frames: u32) -> Result<Option<u32>, UsageError> {
-        match (&self.out, &self.birds_eye) {
-            (None, None) => Ok(None),
-            (None, Some(_)) => usage("--birds-eye needs a folder: say --out DIR"),
-            (Some(_), None) => Ok(Some(frames / 2)),
-            (Some(_), Some(text)) if text == "off" => Ok(None),
-            (Some(_), Some(text)) => {
-                parse_in_range("--birds-eye", text, 0, frames.saturating_sub(1)).map(Some)
+    fn birds_eye(&self) -> Result<Option<u32>, UsageError> {
+        match self.birds_eye {
+            _ if self.out.is_none() => Ok(None),
+            None => Ok(Some(self.frames / 2)),
+            Some(BirdsEye::Off) => Ok(None),
+            Some(BirdsEye::Frame(frame)) => {
+                at_most("--birds-eye", frame, self.frames.saturating_sub(1)).map(Some)
             }
         }
     }
@@ -300,6 +391,13 @@ impl Arguments {
 /// Always.
 pub fn usage<T>(message: impl Into<String>) -> Result<T, UsageError> {
     Err(UsageError(message.into()))
+}
+
+fn at_most(option: &str, number: u32, most: u32) -> Result<u32, UsageError> {
+    match number <= most {
+        true => Ok(number),
+        false => usage(format!("{option} takes a whole number from 0 to {most}, not '{number}'")),
+    }
 }
 
 /// Refuses an option that none of the strategies heeds.
@@ -321,57 +419,6 @@ fn refuse_unheeded(
     ))
 }
 
-/// Finds a value by its name.
-///
-/// # Errors
-/// A name that none has.
-pub fn named<T: Named>(option: &str, text: &str) -> Result<T, UsageError> {
-    parse_named(text).map_err(|message| UsageError(format!("{option}: {message}")))
-}
-
-/// Reads a whole number.
-///
-/// # Errors
-/// What is none, or out of the range.
-pub fn parse_in_range<T>(option: &str, text: &str, least: T, most: T) -> Result<T, UsageError>
-where
-    T: FromStr + PartialOrd + std::fmt::Display,
-{
-    match text.parse::<T>() {
-        Ok(number) if number >= least && number <= most => Ok(number),
-        _ => usage(format!("{option} takes a whole number from {least} to {most}, not '{text}'")),
-    }
-}
-
-/// The file that a scene is in: what has a dot or a slash is no name of ours.
-fn scene_file(text: &str) -> Option<PathBuf> {
-    text.contains(['.', '/', std::path::MAIN_SEPARATOR]).then(|| PathBuf::from(text))
-}
-
-/// Reads the name of a scene that is made.
-///
-/// # Errors
-/// A name that none has.
-pub fn parse_scene(text: &str) -> Result<Scene, UsageError> {
-    named("--scene", text).map_err(|UsageError(message)| {
-        UsageError(format!("{message} (a glTF file has a dot or a slash in its name)"))
-    })
-}
-
-/// Reads the numbers that a scene is made from.
-///
-/// # Errors
-/// What is none, or out of its range.
-pub fn parse_made(
-    scene: Scene,
-    objects: Option<&str>,
-    seed: Option<&str>,
-) -> Result<MadeScene, UsageError> {
-    let objects = parse_in_range("--objects", objects.unwrap_or("10000"), 1, MAX_OBJECTS)?;
-    let seed = parse_in_range("--seed", seed.unwrap_or("1"), 0, u64::MAX)?;
-    Ok(MadeScene { scene, objects, seed })
-}
-
 /// The path file that is meant, if one is: its name ends in .txt, or has a slash.
 pub fn path_file(text: &str) -> Option<PathBuf> {
     let is_file = text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]);
@@ -382,72 +429,15 @@ pub fn path_file(text: &str) -> Option<PathBuf> {
 ///
 /// # Errors
 /// What is neither.
-pub fn parse_path(text: &str) -> Result<PathChoice, UsageError> {
+pub fn parse_path(text: &str) -> Result<PathChoice, String> {
     if let Some(file) = path_file(text) {
         return Ok(PathChoice::Recorded(file));
     }
-    named("--path", text).map(PathChoice::Made).map_err(|UsageError(message)| {
-        UsageError(format!(
+    parse_named("path", text).map(PathChoice::Made).map_err(|message| {
+        format!(
             "{message}; a file ends in .txt, or has a slash in its name (cameras have names in glTF files only)"
-        ))
+        )
     })
-}
-
-/// Reads a size such as 1280x720.
-///
-/// # Errors
-/// What is none.
-pub fn parse_size(text: &str) -> Result<FrameSize, UsageError> {
-    let side = |text: &str| text.parse::<u32>().ok().filter(|&side| side > 0);
-    let sides = text.split_once(['x', 'X']).map(|(width, height)| (side(width), side(height)));
-    match sides {
-        Some((Some(width), Some(height))) => Ok(FrameSize { width, height }),
-        _ => usage(format!(
-            "--size takes two whole numbers of pixels above 0, such as 1280x720, not '{text}'"
-        )),
-    }
-}
-
-fn parse_strategies(text: &str) -> Result<Vec<Strategy>, UsageError> {
-    let mut strategies = Vec::new();
-    for name in text.split(',') {
-        let strategy: Strategy = named("--strategy", name.trim())?;
-        if strategies.contains(&strategy) {
-            return usage(format!("--strategy names '{}' twice: name each once", strategy.name()));
-        }
-        strategies.push(strategy);
-    }
-    Ok(strategies)
-}
-
-fn parse_verify(text: &str) -> Result<Verify, UsageError> {
-    match text {
-        "off" => Ok(Verify::Off),
-        "every" => Ok(Verify::EveryNth(NonZeroU32::MIN)),
-        _ => match text.parse::<NonZeroU32>() {
-            Ok(interval) => Ok(Verify::EveryNth(interval)),
-            Err(_) => usage(format!(
-                "--verify takes 'every', 'off' or a whole number K above 0 (every K-th frame), not '{text}'"
-            )),
-        },
-    }
-}
-
-/// Reads a place in the list of devices, or a part of a name.
-///
-/// # Errors
-/// Nothing but blanks.
-pub fn parse_device(text: Option<&str>) -> Result<DeviceChoice, UsageError> {
-    match text.map(str::trim) {
-        None => Ok(DeviceChoice::Best),
-        Some("") => {
-            usage("--device takes a place in --list-devices or a part of a name, not nothing")
-        }
-        Some(text) => Ok(match text.parse() {
-            Ok(index) => DeviceChoice::Index(index),
-            Err(_) => DeviceChoice::Name(text.to_owned()),
-        }),
-    }
 }
 
 #[cfg(test)]

@@ -1,50 +1,30 @@
-//! The named choices of the command line, each with its list of names and a parser that suggests.
+//! The named choices of the command line, and what suggests a name to whoever misses one.
 
 use std::fmt;
 use std::num::NonZeroU32;
+use std::str::FromStr;
+
+use clap::ValueEnum;
 
 use crate::strategy::Strategy;
 
-/// A choice that has a name on the command line and in reports.
-pub trait Named: Copy + 'static {
-    /// What is chosen, for messages: "unknown WHAT".
-    const WHAT: &'static str;
-    /// Every value, in the order in which help and messages list them.
-    const VALUES: &'static [Self];
-    /// The name of one value: lower case, stable.
-    fn name(self) -> &'static str;
-}
-
-/// Implements [`Named`], `Display` and nothing else for an enum, from one list of names.
-macro_rules! named {
-    ($type:ident, $what:literal, $($value:ident => $name:literal),+) => {
-        impl Named for $type {
-            const WHAT: &'static str = $what;
-            const VALUES: &'static [Self] = &[$(Self::$value),+];
-            fn name(self) -> &'static str {
-                match self { $(Self::$value => $name),+ }
-            }
-        }
-        impl fmt::Display for $type {
-            fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str(self.name())
-            }
-        }
-    };
-}
-
 /// What the camera walks through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Scene {
     /// Streets between buildings, with props: nearly everything is hidden from eye level.
     City,
     /// Objects side by side on a plane: from above nothing hides anything.
     Field,
 }
-named!(Scene, "scene", City => "city", Field => "field");
+
+impl fmt::Display for Scene {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&name_of(self))
+    }
+}
 
 /// How the camera moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CameraPath {
     /// At eye level along the streets.
     Street,
@@ -53,10 +33,15 @@ pub enum CameraPath {
     /// Along the streets, but every tenth frame jumps somewhere else.
     Cut,
 }
-named!(CameraPath, "path", Street => "street", Fly => "fly", Cut => "cut");
+
+impl fmt::Display for CameraPath {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&name_of(self))
+    }
+}
 
 /// How much the Vulkan validation layer looks at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Validation {
     /// The layer is not loaded.
     Off,
@@ -65,10 +50,9 @@ pub enum Validation {
     /// Core checks and synchronization validation.
     Sync,
 }
-named!(Validation, "validation mode", Off => "off", On => "on", Sync => "sync");
 
 /// How the GPU skips draws that turned out hidden.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Predicates {
     /// Conditional rendering where the device has it, counts otherwise.
     Auto,
@@ -79,18 +63,15 @@ pub enum Predicates {
     /// A compute pass that writes instance counts.
     Instances,
 }
-named!(Predicates, "way to skip draws", Auto => "auto", Conditional => "conditional",
-    Count => "count", Instances => "instances");
 
 /// Whether the engine weighs what its tests cost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Costs {
     /// It tests whatever may be hidden.
     Ignored,
     /// It measures at the start what things cost on the device, and leaves out tests that do not pay.
     Measured,
 }
-named!(Costs, "way to weigh costs", Ignored => "ignored", Measured => "measured");
 
 impl From<Costs> for render::Costs {
     fn from(costs: Costs) -> Self {
@@ -98,14 +79,6 @@ impl From<Costs> for render::Costs {
             Costs::Ignored => Self::Ignored,
             Costs::Measured => Self::Measured,
         }
-    }
-}
-
-impl Named for Strategy {
-    const WHAT: &'static str = "strategy";
-    const VALUES: &'static [Self] = &Self::ALL;
-    fn name(self) -> &'static str {
-        self.name()
     }
 }
 
@@ -119,7 +92,7 @@ pub enum Verify {
 }
 
 impl Verify {
-    /// Whether the frame of this number is compared.
+    /// Returns true if the frame of this number is compared.
     pub fn includes(self, frame: u32) -> bool {
         match self {
             Self::Off => false,
@@ -139,16 +112,53 @@ pub enum DeviceChoice {
     Name(String),
 }
 
-/// Finds a value by its name; the error lists all names and suggests the nearest.
+impl FromStr for Verify {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "off" => Ok(Self::Off),
+            "every" => Ok(Self::EveryNth(NonZeroU32::MIN)),
+            _ => text.parse().map(Self::EveryNth).map_err(|_| {
+                "it takes 'every', 'off' or a whole number K above 0 (every K-th frame)".to_owned()
+            }),
+        }
+    }
+}
+
+impl FromStr for DeviceChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.trim() {
+            "" => Err("it takes a place in --list-devices or a part of a name".to_owned()),
+            text => Ok(text.parse().map_or_else(|_| Self::Name(text.to_owned()), Self::Index)),
+        }
+    }
+}
+
+/// Returns the name that a value has on the command line.
+fn name_of(value: &impl ValueEnum) -> String {
+    value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
+/// Finds a value by its name.
 ///
 /// # Errors
-/// A sentence, when no value has that name.
-pub fn parse_named<T: Named>(text: &str) -> Result<T, String> {
-    if let Some(&value) = T::VALUES.iter().find(|value| value.name() == text) {
-        return Ok(value);
-    }
-    let names: Vec<&str> = T::VALUES.iter().map(|value| value.name()).collect();
-    Err(unknown(T::WHAT, text, &names))
+/// A sentence with all names, and the nearest.
+pub fn parse_named<T: ValueEnum>(what: &str, text: &str) -> Result<T, String> {
+    T::from_str(text, false).map_err(|_| {
+        let names: Vec<String> = T::value_variants().iter().map(name_of).collect();
+        unknown(what, text, &names.iter().map(String::as_str).collect::<Vec<_>>())
+    })
+}
+
+/// Finds a strategy by its name.
+///
+/// # Errors
+/// As [`parse_named`].
+pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
+    text.parse().map_err(|_| unknown("strategy", text, &Strategy::ALL.map(Strategy::name)))
 }
 
 /// A sentence about a name that nobody has: it lists those that there are and suggests the nearest.
@@ -188,31 +198,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_name_parses_to_its_value() {
-        for &scene in Scene::VALUES {
-            assert_eq!(parse_named::<Scene>(scene.name()), Ok(scene));
-        }
-        for &path in CameraPath::VALUES {
-            assert_eq!(parse_named::<CameraPath>(path.name()), Ok(path));
-        }
-        for &strategy in Strategy::VALUES {
-            assert_eq!(parse_named::<Strategy>(strategy.name()), Ok(strategy));
-        }
-    }
-
-    #[test]
     fn a_typing_error_gets_a_suggestion() {
-        let message = parse_named::<Strategy>("antumbar").unwrap_err();
+        let message = parse_strategy("antumbar").unwrap_err();
         assert!(message.starts_with("unknown strategy 'antumbar': there is frustum"), "{message}");
         assert!(message.ends_with("did you mean 'antumbra'?"), "{message}");
-        assert!(parse_named::<Scene>("CITY").unwrap_err().ends_with("did you mean 'city'?"));
-        assert!(parse_named::<Predicates>("cond").unwrap_err().contains("'conditional'"));
+        let message = parse_named::<Scene>("scene", "CITY").unwrap_err();
+        assert!(message.ends_with("did you mean 'city'?"), "{message}");
     }
 
     #[test]
     fn something_else_gets_no_suggestion() {
         for text in ["", "x", "mountains"] {
-            let message = parse_named::<CameraPath>(text).unwrap_err();
+            let message = parse_named::<CameraPath>("path", text).unwrap_err();
             assert!(message.ends_with("there is street, fly and cut"), "{message}");
         }
     }

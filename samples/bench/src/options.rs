@@ -2,6 +2,7 @@
 
 use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use serde::Serialize;
 use thiserror::Error;
@@ -42,6 +43,20 @@ pub struct FrameSize {
     pub width: u32,
     /// Pixels from top to bottom.
     pub height: u32,
+}
+
+impl FromStr for FrameSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let side = |text: &str| text.parse::<u32>().ok().filter(|&side| side > 0);
+        let sides = text.split_once(['x', 'X']);
+        let sides = sides.and_then(|(width, height)| side(width).zip(side(height)));
+        let size = sides.map(|(width, height)| Self { width, height });
+        size.ok_or_else(|| {
+            "it takes two whole numbers of pixels above 0, such as 1280x720".to_owned()
+        })
+    }
 }
 
 impl fmt::Display for FrameSize {

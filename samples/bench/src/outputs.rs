@@ -93,7 +93,8 @@ impl Outputs {
                 "{option}: {what} '{shown}' ({error}); choose a place you can write"
             ))
         };
-        if folder.exists() && !folder.is_dir() {
+        // Asked once: it may be gone between two questions.
+        if fs::metadata(folder).is_ok_and(|found| !found.is_dir()) {
             return Err(refuse("cannot use", &"it is not a folder"));
         }
         let mut tries = 1..=TRIES_MAX;

@@ -135,10 +135,11 @@ impl Way {
     /// A camera of that name, else a recorded path.
     fn of(choice: &PathChoice, cameras: &[import::Camera], file: &Path) -> Result<Self, RunError> {
         let wanted = match choice {
-            PathChoice::OfFile(wanted) => wanted.as_deref(),
+            PathChoice::OfFile(wanted) => wanted.clone(),
             PathChoice::Recorded(path) => return Ok(Self::Recorded(RecordedPath::read(path)?)),
-            PathChoice::Made(path) => Some(choices::Named::name(*path)),
+            PathChoice::Made(path) => Some(path.to_string()),
         };
+        let wanted = wanted.as_deref();
         let is_camera = |name: &str| cameras.iter().any(|camera| camera.name == name);
         let recorded = wanted.filter(|name| !is_camera(name)).and_then(crate::args::path_file);
         if let Some(path) = recorded {

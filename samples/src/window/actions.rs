@@ -2,7 +2,7 @@
 
 use gpu::PresentMode;
 
-use bench::choices::parse_named;
+use bench::choices::parse_strategy;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
 use bench::strategy::Strategy;
 
@@ -141,7 +141,7 @@ impl Action {
         let action =
             match (name, value) {
                 ("strategy", None) => Self::NextStrategy,
-                ("strategy", Some(name)) => Self::Strategy(parse_named(name)?),
+                ("strategy", Some(name)) => Self::Strategy(parse_strategy(name)?),
                 ("frames_in_flight", None) => Self::NextFramesInFlight,
                 ("frames_in_flight", Some(count)) => {
                     let within = |count: &u32| (1..=MAX_FRAMES_IN_FLIGHT).contains(count);

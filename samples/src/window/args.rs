@@ -5,8 +5,9 @@ use clap::Parser;
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::Source;
-use bench::args::{parse_made, parse_path, parse_scene, usage};
-use bench::options::UsageError;
+use bench::args::{MadeArguments, SceneArgument, parse_path, usage};
+use bench::options::{PathChoice, UsageError};
+use bench::terminal::shown;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -36,43 +37,42 @@ there is, and a second one ends it at once.";
 )]
 pub struct CityArguments {
     /// What to fly through: city or field
-    #[arg(long, value_name = "city|field", default_value = "city", help_heading = "World")]
-    pub scene: String,
-    /// About how many objects the scene has, 1 to 2000000
-    #[arg(long, value_name = "N", default_value = "10000", help_heading = "World")]
-    pub objects: String,
-    /// Seed of the scene: the same one builds the same scene
-    #[arg(long, value_name = "S", default_value = "1", help_heading = "World")]
-    pub seed: String,
+    #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Scene")]
+    pub scene: SceneArgument,
+    /// The numbers that it is made from.
+    #[command(flatten)]
+    pub made: MadeArguments,
     /// The camera goes along a path, until you take over: street, fly, cut, or a file that was
     /// recorded, whose name ends in .txt or has a slash [default: it stands where street begins]
     #[arg(
         long,
         visible_alias = "replay",
         value_name = "street|fly|cut|FILE",
-        help_heading = "World"
+        value_parser = parse_path,
+        help_heading = "Scene"
     )]
-    pub path: Option<String>,
+    pub path: Option<PathChoice>,
     /// How it is shown.
     #[command(flatten)]
     pub show: ShowArguments,
 }
 
 impl CityArguments {
-    /// Checks every argument. Looks at nothing but the arguments: files and devices come later.
+    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come later.
     ///
     /// # Errors
-    /// The first argument that cannot be.
+    /// A scene out of a file.
     pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
-        let show = self.show.options()?;
-        if self.scene.contains(['.', '/']) {
-            let file = &self.scene;
-            return usage(format!("--scene: city makes its scenes; `viewer {file}` shows a file"));
-        }
-        let scene = parse_scene(&self.scene)?;
-        let made = parse_made(scene, Some(&self.objects), Some(&self.seed))?;
-        let path = self.path.as_deref().map(parse_path).transpose()?;
-        Ok((Source::Made { made, path }, show))
+        let made = match &self.scene {
+            SceneArgument::Made(scene) => self.made.of(*scene),
+            SceneArgument::File(file) => {
+                let file = shown(file);
+                return usage(format!(
+                    "--scene: city makes its scenes; `viewer {file}` shows a file"
+                ));
+            }
+        };
+        Ok((Source::Made { made, path: self.path.clone() }, self.show.options()))
     }
 }
 
@@ -84,11 +84,12 @@ mod tests {
     use bench::options::PathChoice;
     use bench::strategy::Strategy;
 
-    fn parse_all(line: &[&str]) -> Result<(Source, ShowOptions), UsageError> {
-        CityArguments::try_parse_from([&["city"], line].concat()).unwrap().options()
+    fn parse_all(line: &[&str]) -> Result<(Source, ShowOptions), String> {
+        let parsed = CityArguments::try_parse_from([&["city"], line].concat());
+        parsed.map_err(|error| error.to_string())?.options().map_err(|error| error.to_string())
     }
 
-    fn parse(line: &[&str]) -> Result<ShowOptions, UsageError> {
+    fn parse(line: &[&str]) -> Result<ShowOptions, String> {
         parse_all(line).map(|(_, show)| show)
     }
 
@@ -131,9 +132,9 @@ mod tests {
     fn what_only_a_window_heeds_is_refused_without_one() {
         for option in [["--present-mode", "fifo"], ["--frame-limit", "60"]] {
             assert!(parse(&option).is_ok());
-            let refused = parse(&[&option[..], &["--headless"]].concat()).unwrap_err().to_string();
-            let expected = format!("{} changes nothing with --headless", option[0]);
-            assert!(refused.starts_with(&expected), "{refused}");
+            let refused = parse(&[&option[..], &["--headless"]].concat()).unwrap_err();
+            let [named, headless] = [option[0], "cannot be used with '--headless'"];
+            assert!(refused.contains(named) && refused.contains(headless), "{refused}");
         }
     }
 
@@ -144,16 +145,16 @@ mod tests {
             (["--strategy", "antumbar"], "did you mean 'antumbra'?"),
             (["--present-mode", "vsync"], "fifo_relaxed, mailbox"),
             (["--frame-limit", "0"], "0.1 to 10000"),
-            (["--frame-limit", "NaN"], "not 'NaN'"),
-            (["--hud", "maybe"], "on, details or off"),
-            (["--costs", "ignore"], "did you mean 'ignored'?"),
+            (["--frame-limit", "NaN"], "'NaN'"),
+            (["--hud", "maybe"], "[possible values: off, on, details]"),
+            (["--costs", "ignore"], "a similar value exists: 'ignored'"),
             (["--path", "stret"], "did you mean 'street'?"),
             (["--scene", "a.glb"], "`viewer a.glb`"),
-            (["--frames", "0"], "from 1 to"),
-            (["--capture", "-1"], "not '-1'"),
+            (["--frames", "0"], "0 is not in 1..=1000000"),
+            (["--capture", "-1"], "-1 is not in 0..="),
             (["--size", "1x0"], "1280x720"),
         ] {
-            let refused = parse(&line).unwrap_err().to_string();
+            let refused = parse(&line).unwrap_err();
             assert!(refused.contains(reason), "{line:?}: {refused}");
         }
     }

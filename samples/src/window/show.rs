@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use bench::args::DeviceArguments;
+use bench::choices::{Costs, DeviceChoice, Validation, parse_strategy};
+use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT};
+use bench::strategy::Strategy;
+use clap::{Args, value_parser};
 use gpu::PresentMode;
 
 use super::actions::present_mode;
 use crate::hud::HudLevel;
-use bench::args::{named, parse_device, parse_in_range, parse_size, usage};
-use bench::choices::{Costs, DeviceChoice, Validation};
-use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, UsageError};
-use bench::strategy::Strategy;
 
 /// How something is shown, as it was asked for.
 #[derive(Clone, Debug, Args)]
@@ -20,53 +20,44 @@ pub struct ShowArguments {
     pub script: Option<PathBuf>,
     /// Size of the window, or of the frames, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Frames")]
-    pub size: String,
+    pub size: FrameSize,
     /// Who decides what is drawn; `walkthrough --list-strategies` has the names
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
-    pub strategy: String,
+    #[arg(value_parser = parse_product)]
+    pub strategy: Strategy,
     /// What the governor does: leave out tests that cost more than they save, by costs that are measured
     /// at the start and corrected by what frames take; or nothing
-    #[arg(
-        long,
-        value_name = "ignored|measured",
-        default_value = "measured",
-        help_heading = "Frames"
-    )]
-    pub costs: String,
+    #[arg(long, value_name = "COSTS", default_value = "measured", help_heading = "Frames")]
+    pub costs: Costs,
     /// How many frames the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Frames")]
-    pub frames_in_flight: String,
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
+    pub frames_in_flight: u32,
     /// How pictures follow each other in the window [default: fifo]
     #[arg(long, value_name = "fifo|fifo_relaxed|mailbox|immediate", help_heading = "Frames")]
-    pub present_mode: Option<String>,
+    #[arg(value_parser = present_mode, conflicts_with = "headless")]
+    pub present_mode: Option<PresentMode>,
     /// At most so many frames a second in the window [default: as the screen goes]
     #[arg(long, value_name = "HZ", help_heading = "Frames")]
-    pub frame_limit: Option<String>,
+    #[arg(value_parser = frame_limit, conflicts_with = "headless")]
+    pub frame_limit: Option<f64>,
     /// End after so many frames [default: 120 without a window, never with one]
     #[arg(long, value_name = "N", help_heading = "Frames")]
-    pub frames: Option<String>,
+    #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
+    pub frames: Option<u32>,
     /// Open no window
     #[arg(long, help_heading = "Frames")]
     pub headless: bool,
-    /// How much text is over the picture at the start: the most important numbers, all that have room,
-    /// or none [default: on in a window]
-    #[arg(long, value_name = "on|details|off", help_heading = "Frames")]
-    pub hud: Option<String>,
+    /// How much text is over the picture at the start [default: on in a window]
+    #[arg(long, value_name = "LEVEL", help_heading = "Frames")]
+    pub hud: Option<HudLevel>,
     /// Measure the GPU time of every pass from the start
     #[arg(long, help_heading = "Frames")]
     pub time_passes: bool,
 
-    /// The device that draws, by its place in `walkthrough --list-devices` or a part of its name
-    /// [default: best]
-    #[arg(long, value_name = "INDEX|NAME", help_heading = "Device")]
-    pub device: Option<String>,
-    /// Load the Vulkan validation layer: core checks (on), or with synchronization (sync)
-    #[arg(long, value_name = "off|on|sync", default_value = "off", help_heading = "Device")]
-    pub validation: String,
-    /// Compile the shaders from this folder, and again whenever they change (needs a build with
-    /// `--features shader-compiler`)
-    #[arg(long, value_name = "DIR", help_heading = "Device")]
-    pub shaders: Option<PathBuf>,
+    /// The device that draws.
+    #[command(flatten)]
+    pub device: DeviceArguments,
 
     /// Folder for screenshots and recorded paths, and without a window for a picture of every frame;
     /// made if it is missing [default: this one, and no pictures]
@@ -77,7 +68,8 @@ pub struct ShowArguments {
     pub trace: Option<PathBuf>,
     /// Have RenderDoc capture this frame, where its library is loaded
     #[arg(long, value_name = "FRAME", help_heading = "Output")]
-    pub capture: Option<String>,
+    #[arg(value_parser = value_parser!(u32).range(0..=i64::from(MAX_FRAMES)))]
+    pub capture: Option<u32>,
 }
 
 /// How something is shown. Every value is in its range.
@@ -122,76 +114,44 @@ pub struct ShowOptions {
 const HEADLESS_FRAMES: u32 = 120;
 
 impl ShowArguments {
-    /// Checks every argument. Looks at nothing but the arguments: files and devices come later.
-    ///
-    /// # Errors
-    /// The first argument that cannot be.
-    pub fn options(&self) -> Result<ShowOptions, UsageError> {
-        let strategy = named("--strategy", &self.strategy)?;
-        if strategy == Strategy::Ideal {
-            return usage(
-                "--strategy: 'ideal' draws what was found visible beforehand, on a path that is known; see walkthrough",
-            );
-        }
-        let present_mode = present_mode(self.present_mode.as_deref().unwrap_or("fifo"))
-            .map_err(|message| UsageError(format!("--present-mode: {message}")))?;
-        self.refuse_unheeded()?;
-        let frames = self.frames.as_deref();
-        let frames = frames.map(|text| parse_in_range("--frames", text, 1, MAX_FRAMES));
-        let frames = frames.transpose()?;
-        let capture = self.capture.as_deref();
-        let capture = capture.map(|text| parse_in_range("--capture", text, 0, MAX_FRAMES));
-        let [least, most] = pacing::FRAME_LIMIT_HZ;
-        let limit = self.frame_limit.as_deref();
-        let limit = limit.map(|text| match text.parse::<f64>() {
-            Ok(hz) if (least..=most).contains(&hz) => Ok(hz),
-            _ => usage(format!(
-                "--frame-limit takes {least} to {most} frames a second, not '{text}'"
-            )),
-        });
-        Ok(ShowOptions {
+    /// Returns what they mean together.
+    pub fn options(&self) -> ShowOptions {
+        let hud = if self.headless { HudLevel::Off } else { HudLevel::Compact };
+        ShowOptions {
             script: self.script.clone(),
-            size: parse_size(&self.size)?,
-            strategy,
-            costs: named("--costs", &self.costs)?,
-            frames_in_flight: parse_in_range(
-                "--frames-in-flight",
-                &self.frames_in_flight,
-                1,
-                MAX_FRAMES_IN_FLIGHT,
-            )?,
-            present_mode,
-            frame_limit_hz: limit.transpose()?,
-            frames: frames.or(self.headless.then_some(HEADLESS_FRAMES)),
+            size: self.size,
+            strategy: self.strategy,
+            costs: self.costs,
+            frames_in_flight: self.frames_in_flight,
+            present_mode: self.present_mode.unwrap_or(PresentMode::Fifo),
+            frame_limit_hz: self.frame_limit,
+            frames: self.frames.or(self.headless.then_some(HEADLESS_FRAMES)),
             is_headless: self.headless,
-            hud: match self.hud.as_deref() {
-                None if self.headless => HudLevel::Off,
-                None | Some("on") => HudLevel::Compact,
-                Some("details") => HudLevel::Detailed,
-                Some("off") => HudLevel::Off,
-                Some(text) => {
-                    return usage(format!("--hud takes on, details or off, not '{text}'"));
-                }
-            },
+            hud: self.hud.unwrap_or(hud),
             times_passes: self.time_passes || self.trace.is_some(),
-            device: parse_device(self.device.as_deref())?,
-            validation: named("--validation", &self.validation)?,
-            shaders: self.shaders.clone(),
+            device: self.device.choice(),
+            validation: self.device.validation,
+            shaders: self.device.shaders.clone(),
             out: self.out.clone(),
             trace: self.trace.clone(),
-            capture: capture.transpose()?,
-        })
-    }
-
-    /// Refuses what only a window heeds where there is none.
-    fn refuse_unheeded(&self) -> Result<(), UsageError> {
-        let of_windows =
-            [("--present-mode", &self.present_mode), ("--frame-limit", &self.frame_limit)];
-        match of_windows.into_iter().find(|(_, value)| self.headless && value.is_some()) {
-            Some((option, _)) => usage(format!(
-                "{option} changes nothing with --headless: leave it out, or open a window"
-            )),
-            None => Ok(()),
+            capture: self.capture,
         }
     }
+}
+
+/// Reads the name of a strategy that needs to know nothing beforehand.
+fn parse_product(text: &str) -> Result<Strategy, String> {
+    match parse_strategy(text)? {
+        Strategy::Ideal => Err(
+            "it draws what was found visible beforehand, on a path that is known; see walkthrough"
+                .to_owned(),
+        ),
+        strategy => Ok(strategy),
+    }
+}
+
+fn frame_limit(text: &str) -> Result<f64, String> {
+    let [least, most] = pacing::FRAME_LIMIT_HZ;
+    let limit = text.parse().ok().filter(|hz| (least..=most).contains(hz));
+    limit.ok_or_else(|| format!("it takes {least} to {most} frames a second"))
 }

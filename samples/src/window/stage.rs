@@ -13,7 +13,7 @@ use super::source::FileSource;
 use super::world::World;
 use crate::hud::{HudLevel, PANEL_SHARE};
 use bench::camera_path::Course;
-use bench::choices::{self, Named};
+use bench::choices;
 use bench::options::{MadeScene, PathChoice};
 use bench::run_error::RunError;
 use bench::scene_file::{self, Told};
@@ -71,7 +71,9 @@ impl Stage {
         let renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
         Ok(Self {
             renderer,
-            world: World::still(made.scene.name(), start).with_names(&scene).with_course(course),
+            world: World::still(&made.scene.to_string(), start)
+                .with_names(&scene)
+                .with_course(course),
         })
     }
 

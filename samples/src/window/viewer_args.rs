@@ -42,52 +42,37 @@ pub struct ViewerArguments {
     pub file: Option<PathBuf>,
     /// The camera of the file to begin with, by its name [default: the first one; where there is none or
     /// a clip has it right before a wall, a place from which all is seen]
-    #[arg(long, value_name = "NAME", help_heading = "World")]
+    #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub camera: Option<String>,
     /// The camera goes along a path that was recorded, whose name ends in .txt or has a slash
-    #[arg(long, visible_alias = "replay", value_name = "FILE", help_heading = "World")]
-    pub path: Option<String>,
+    #[arg(long, visible_alias = "replay", value_name = "FILE", help_heading = "Scene")]
+    #[arg(value_parser = recorded_path, conflicts_with = "camera")]
+    pub path: Option<PathBuf>,
     /// What all light is multiplied with before it is brought to the screen [default: 1, with the lights
     /// dimmed where they would leave nothing but white]
-    #[arg(long, value_name = "FACTOR", help_heading = "World")]
-    pub exposure: Option<String>,
+    #[arg(long, value_name = "FACTOR", value_parser = positive, help_heading = "Scene")]
+    pub exposure: Option<f32>,
     /// Objects take coarser forms where that moves no surface by more than so many pixels [default: never]
-    #[arg(long, value_name = "PIXELS", help_heading = "World")]
-    pub detail: Option<String>,
+    #[arg(long, value_name = "PIXELS", value_parser = positive, help_heading = "Scene")]
+    pub detail: Option<f32>,
     /// How it is shown.
     #[command(flatten)]
     pub show: ShowArguments,
 }
 
 impl ViewerArguments {
-    /// Checks every argument. Looks at nothing but the arguments: files and devices come later.
+    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come later.
     ///
     /// # Errors
-    /// The first argument that cannot be.
+    /// Arguments about a file where none is named.
     pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
-        let show = self.show.options()?;
-        let exposure = self.exposure.as_deref();
-        let exposure = exposure.map(|text| positive("--exposure", text)).transpose()?;
-        let detail_pixels = self.detail.as_deref();
-        let detail_pixels = detail_pixels.map(|text| positive("--detail", text)).transpose()?;
-        let recorded = match &self.path {
-            None => None,
-            Some(_) if self.camera.is_some() => {
-                return usage(
-                    "--path and --camera do not go together: one of them moves the camera",
-                );
-            }
-            Some(text) => match path_file(text) {
-                Some(file) => Some(file),
-                None => {
-                    return usage(format!(
-                        "--path takes a file that was recorded, whose name ends in .txt or has a slash, not '{text}'; for a camera of the file say --camera"
-                    ));
-                }
-            },
+        let show = self.show.options();
+        let settings = FileSource {
+            camera: self.camera.clone(),
+            recorded: self.path.clone(),
+            exposure: self.exposure,
+            detail_pixels: self.detail,
         };
-        let camera = self.camera.clone();
-        let settings = FileSource { camera, recorded, exposure, detail_pixels };
         match &self.file {
             Some(file) => Ok((Source::File { file: file.clone(), settings }, show)),
             None if show.is_headless => usage(
@@ -101,11 +86,16 @@ impl ViewerArguments {
     }
 }
 
-fn positive(option: &str, text: &str) -> Result<f32, UsageError> {
-    match text.parse::<f32>() {
-        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
-        _ => usage(format!("{option} takes a number above 0, not '{text}'")),
-    }
+fn recorded_path(text: &str) -> Result<PathBuf, String> {
+    path_file(text).ok_or_else(|| {
+        "it takes a file that was recorded, whose name ends in .txt or has a slash; for a camera of the file say --camera"
+            .to_owned()
+    })
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number| *number > 0.0 && f32::is_finite(*number));
+    number.ok_or_else(|| "it takes a number above 0".to_owned())
 }
 
 #[cfg(test)]
@@ -115,8 +105,9 @@ mod tests {
 
     use crate::hud::HudLevel;
 
-    fn parse(line: &[&str]) -> Result<(Source, ShowOptions), UsageError> {
-        ViewerArguments::try_parse_from([&["viewer"], line].concat()).unwrap().options()
+    fn parse(line: &[&str]) -> Result<(Source, ShowOptions), String> {
+        let parsed = ViewerArguments::try_parse_from([&["viewer"], line].concat());
+        parsed.map_err(|error| error.to_string())?.options().map_err(|error| error.to_string())
     }
 
     #[test]
@@ -163,15 +154,15 @@ mod tests {
         for (line, reason) in [
             (&["--headless"][..], "say which"),
             (&["--camera", "walk"], "say which"),
-            (&["a.glb", "--exposure", "0"], "above 0, not '0'"),
-            (&["a.glb", "--exposure", "NaN"], "above 0, not 'NaN'"),
-            (&["a.glb", "--exposure", "bright"], "above 0, not 'bright'"),
-            (&["a.glb", "--detail", "-1"], "above 0, not '-1'"),
+            (&["a.glb", "--exposure", "0"], "a number above 0"),
+            (&["a.glb", "--exposure", "NaN"], "a number above 0"),
+            (&["a.glb", "--exposure", "bright"], "a number above 0"),
+            (&["a.glb", "--detail", "-1"], "a number above 0"),
             (&["a.glb", "--path", "walk"], "say --camera"),
-            (&["a.glb", "--path", "a/b", "--camera", "walk"], "do not go together"),
+            (&["a.glb", "--path", "a/b", "--camera", "walk"], "cannot be used with '--camera"),
             (&["a.glb", "--strategy", "ideal"], "see walkthrough"),
         ] {
-            let refused = parse(line).unwrap_err().to_string();
+            let refused = parse(line).unwrap_err();
             assert!(refused.contains(reason), "{line:?}: {refused}");
         }
     }

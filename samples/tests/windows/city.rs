@@ -51,7 +51,7 @@ fn what_cannot_be_ends_with_2_and_one_sentence() {
         (["--path", "bad.txt"], "bad.txt:2: a frame has 12 numbers, not 3"),
         (["--path", "missing.txt"], "'missing.txt'"),
         (["--script", "bad.script"], "bad.script:2: unknown deed 'jump'"),
-        (["--strategy", "ideal"], "see walkthrough"),
+        (["--scene", "a.glb"], "`viewer a.glb` shows a file"),
         (["--device", "no such"], "there is no device 'no such'"),
         (["--trace", "/proc/trace.json"], "--trace: cannot write into the folder '/proc'"),
     ] {

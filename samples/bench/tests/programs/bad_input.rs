@@ -27,37 +27,52 @@ fn assert_empty(scratch: &Scratch) {
 fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
     let scratch = Scratch::new("mistakes");
     let out = ["--out", "made", "--report", "made/report.json"];
+    let refused = |mistake: [&str; 2], sentence: &str, message: String| {
+        assert!(message.contains(mistake[0]), "names the option: {message}");
+        assert!(message.contains(sentence), "{message}");
+        assert_empty(&scratch);
+    };
+    // What is wrong by itself: as every program says it.
     for (mistake, sentence) in [
         (["--scene", "citty"], "did you mean 'city'?"),
-        (["--path", "Camera"], "there is street, fly and cut"),
         (["--strategy", "frustum,frustum"], "'frustum' twice"),
         (["--strategy", "best"], "unknown strategy 'best': there is frustum"),
-        (["--objects", "0"], "from 1 to 2000000, not '0'"),
-        (["--objects", "2000001"], "from 1 to 2000000, not '2000001'"),
-        (["--objects", "99999999999999999999"], "from 1 to 2000000"),
-        (["--objects", "-3"], "from 1 to 2000000, not '-3'"),
-        (["--views", "3"], "from 1 to 2, not '3'"),
-        (["--views", "0"], "from 1 to 2, not '0'"),
-        (["--moving", "101"], "from 0 to 100, not '101'"),
-        (["--moving", "-1"], "from 0 to 100, not '-1'"),
-        (["--moving", "some"], "from 0 to 100, not 'some'"),
-        (["--threshold", "-1"], "from 0 to 4294967295, not '-1'"),
-        (["--frames", "0"], "from 1 to 1000000, not '0'"),
-        (["--frames-in-flight", "5"], "from 1 to 4, not '5'"),
-        (["--size", "0x0"], "such as 1280x720, not '0x0'"),
-        (["--size", "1280x0"], "such as 1280x720, not '1280x0'"),
-        (["--size", "1280"], "such as 1280x720, not '1280'"),
-        (["--verify", "0"], "not '0'"),
-        (["--validation", "maybe"], "off, on and sync"),
-        (["--predicates", "maybe"], "auto, conditional, count and instances"),
+        (["--objects", "0"], "0 is not in 1..=2000000"),
+        (["--objects", "2000001"], "2000001 is not in 1..=2000000"),
+        (["--objects", "99999999999999999999"], "'99999999999999999999'"),
+        (["--objects", "-3"], "-3 is not in 1..=2000000"),
+        (["--views", "3"], "3 is not in 1..=2"),
+        (["--views", "0"], "0 is not in 1..=2"),
+        (["--moving", "101"], "101 is not in 0..=100"),
+        (["--moving", "-1"], "-1 is not in 0..=100"),
+        (["--moving", "some"], "'some'"),
+        (["--threshold", "-1"], "-1 is not in 0..=4294967295"),
+        (["--frames", "0"], "0 is not in 1..=1000000"),
+        (["--frames-in-flight", "5"], "5 is not in 1..=4"),
+        (["--size", "0x0"], "'0x0'"),
+        (["--size", "1280x0"], "such as 1280x720"),
+        (["--size", "1280"], "such as 1280x720"),
+        (["--verify", "0"], "above 0"),
+        (["--validation", "maybe"], "[possible values: off, on, sync]"),
+        (["--predicates", "maybe"], "[possible values: auto, conditional, count, instances]"),
+        (["--predicates", "condtional"], "a similar value exists: 'conditional'"),
+        (["--birds-eye", "-1"], "a frame, or off"),
+    ] {
+        let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
+        let output = output.expect("it starts");
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{mistake:?}");
+        let message = stderr(&output);
+        assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
+        refused(mistake, sentence, message);
+    }
+    // What is wrong with the others: one sentence.
+    for (mistake, sentence) in [
+        (["--path", "Camera"], "there is street, fly and cut"),
         (["--birds-eye", "120"], "from 0 to 119, not '120'"),
         (["--pictures", "121"], "from 0 to 120, not '121'"),
     ] {
         let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
-        let message = refusal(&output.expect("it starts"), 2);
-        assert!(message.contains(mistake[0]), "names the option: {message}");
-        assert!(message.contains(sentence), "{message}");
-        assert_empty(&scratch);
+        refused(mistake, sentence, refusal(&output.expect("it starts"), 2));
     }
 }
 
