@@ -1,40 +1,28 @@
 //! One view's culler: takes answers, keeps the history, makes plans.
 
-mod answers;
-mod cover;
-mod economy;
-mod explain;
-mod history;
-mod record;
-mod rounds;
-mod selection;
-mod traversal;
-
 use glam::Vec3;
 
-use crate::cost_model::CostModel;
-use crate::costs::{BadCost, CostTable, SceneCosts};
-use crate::frustum::PlaneMask;
+use crate::cost::cost_model::CostModel;
+use crate::cost::table::{BadCost, CostTable, SceneCosts};
+use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
-use crate::ids::{FrameId, LeafIndex, NodeId};
-use crate::next_frame::NextFrame;
-use crate::plan::{
-    Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester,
-};
-use crate::policy::Policy;
+use crate::history::answers;
+use crate::history::record::{NodeState, Stamp};
+use crate::history::records::History;
+use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
+use crate::plan::asking::Asking;
+use crate::plan::candidates::Scratch;
+use crate::plan::cost_filter::CostFilter;
+use crate::plan::explain::{self, LeafExplanation, NodeHistory};
+use crate::plan::frame_plan::{Abilities, Answer, FramePlan, PlanStats, QueryKind, Tester};
+use crate::plan::next_frame::NextFrame;
+use crate::plan::policy::Policy;
+use crate::plan::rounds::{self, Grouping};
+use crate::plan::shared_proxies::{self, Front};
+use crate::plan::strategy::Strategy;
+use crate::plan::traverse::{Knowledge, Walk};
+use crate::plan::{budget, occluders};
 use crate::rng::SplitMix64;
-use crate::strategy::Strategy;
-use crate::view::View;
-use cover::Front;
-use economy::Economy;
-pub use explain::{Decision, LeafExplanation, NodeHistory, Outcome};
-use history::History;
-pub(crate) use record::Doubt;
-pub use record::NodeState;
-use record::Stamp;
-use rounds::Grouping;
-use selection::Scratch;
-use traversal::{Knowledge, Walk};
 
 /// Decides for one view of one hierarchy what to draw and what to ask.
 ///
@@ -206,123 +194,80 @@ impl Culler {
         query_budget: usize,
         plan: &mut FramePlan,
     ) {
-        let now = self.advance();
-        self.history.adopt(hierarchy);
+        let now = self.begin(hierarchy, plan);
         self.watch(view, now);
-        plan.clear(self.frame);
         if strategy == Strategy::NextFrame {
             return self.next_frame.plan(hierarchy, view, plan);
         }
         let tester = self.tester(strategy);
         let policy = self.tune(strategy, &mut plan.stats);
+        let costs = CostFilter::new(self.governor.as_ref(), strategy, tester, self.abilities);
+        let (scratch, has_parts) = (&mut self.scratch, self.abilities.parts);
         let mut walk = Walk {
             hierarchy,
             view,
             policy: &policy,
-            knowledge: match strategy.is_governed() {
-                true => Knowledge::Used(&self.history),
-                // Those that decide elsewhere get what they start from.
-                false => Knowledge::Ignored,
-            },
+            knowledge: Knowledge::of(&self.history, strategy),
             now,
             can_flag: tester != Tester::Query,
-            growth_frames: match self.abilities.parts {
-                true => policy.growth_frames_parts,
-                false => policy.growth_frames,
-            },
-            is_turning: self.turned != Stamp::NEVER
-                && now.since(self.turned) < policy.turning_frames,
+            has_parts,
+            is_turning: self.turned.is_within(now, policy.turning_frames),
             // What was needed last time is where to begin: each attempt is a walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
-        let governor = self.governor.as_ref().filter(|_| strategy.is_governed());
-        let economy = governor.map(|governor| Economy {
-            governor,
-            tester: (strategy != Strategy::Antumbra).then(|| self.tester(strategy)),
-            has_flags: self.abilities.flags,
-        });
-        let economy = economy.as_ref();
-        let is_cut = self.scratch.choose(&mut walk, query_budget, economy, &mut plan.stats);
+
+        // The stages, each in the file of its name.
+        walk.traverse(scratch, query_budget, &mut plan.stats);
         self.coarseness = walk.coarseness;
-        let generation = hierarchy.generation();
-        let frame = self.frame;
-        let tag =
-            |node: u32, kind: QueryKind| QueryTag { node: NodeId(node), generation, frame, kind };
-        let contained =
-            |node: u32| view.frustum.classify(&hierarchy.bounds(NodeId(node)), PlaneMask::ALL).0;
-        plan.draws.extend(self.scratch.draws.iter().map(|draw| draw.leaf));
-        self.scratch.place_retests();
-        for retest in &self.scratch.retests {
-            plan.queried_after.push(retest.after);
-            let asked = tag(retest.node, QueryKind::OwnDraw);
-            plan.queried_draws.push((retest.leaf, asked));
-            self.history.doubt(retest.node, contained(retest.node));
-            self.history.asked_own_draw(retest.node, now, &policy, &mut self.rng);
+        if let Some(costs) = &costs {
+            costs.drop_unpaid(scratch, &walk, &mut plan.stats);
         }
-        for [leaf, top] in &self.scratch.assumed {
-            let due = now.plus(self.rng.between(1, policy.retest_max));
-            self.history.assume_visible(&hierarchy.topology, *leaf, *top, now, due, &policy);
+        let is_cut = occluders::is_cut(scratch, &policy);
+        if is_cut {
+            occluders::draw_occluders(scratch, &walk, &mut plan.stats);
         }
-        for test in &self.scratch.tests {
-            let node = NodeId(test.node);
-            let question = economy.map(|_| Economy::question(view, test));
-            plan.stats.proxy_pixels += question.map_or(0, |question| question.pixels as u64);
-            let mut leaves = hierarchy.leaves(node);
-            let mut kind = test.kind;
-            if kind == QueryKind::Probe {
-                leaves.count = 0;
-                self.history.asked_probe(test.node, now, &policy);
-            } else if kind == QueryKind::OwnBox {
-                leaves.count = 0;
-                self.history.doubt(test.node, contained(test.node));
-            } else {
-                match test.inherited {
-                    Some(since) => self.history.inherit(test.node, since),
-                    None => self.history.closed(&hierarchy.topology, test.node),
-                }
-                if self.abilities.parts && leaves.count >= policy.parts_leaves {
-                    kind = QueryKind::Parts;
-                }
-            }
-            plan.tests.push(ProxyTest {
-                tag: tag(test.node, kind),
-                bounds: test.proxy,
-                leaves,
-                level: hierarchy.level(node),
-                tester: match economy.zip(question) {
-                    // Boxes of visible leaves are not counted as queries, nor asked by them.
-                    Some((economy, question)) if kind != QueryKind::OwnBox => {
-                        economy.tester(&question)
-                    }
-                    _ => tester,
-                },
-            });
+        budget::fit(scratch, &walk, query_budget, &mut plan.stats);
+        let (history, rng, frame) = (&mut self.history, &mut self.rng, self.frame);
+        let costs = costs.as_ref();
+        Asking {
+            hierarchy,
+            view,
+            policy: &policy,
+            history,
+            rng,
+            frame,
+            now,
+            has_parts,
+            tester,
+            costs,
         }
-        for node in &self.scratch.visited {
-            self.history.visit(*node, now);
+        .write(scratch, plan);
+        if has_parts {
+            shared_proxies::share_proxies(plan, &scratch.tests, view, &policy, &mut self.fronts);
         }
-        if self.abilities.parts {
-            let fronts = &mut self.fronts;
-            let hidden_frames = self.scratch.tests.iter().map(|test| test.hidden_frames);
-            plan.stats.behind =
-                cover::share_answers(&mut plan.tests, hidden_frames, view, &policy, fronts);
+        rounds::schedule(plan, tester, is_cut, &policy);
+        if let Some(costs) = costs {
+            plan.stats.rounds_by_compute = costs.hand_to_compute(view, plan);
         }
-        let most = match (tester, is_cut) {
-            (Tester::Compute, false) => policy.rounds_compute_calm,
-            (Tester::Compute, true) => policy.rounds_compute_cut,
-            (_, false) => policy.rounds_calm,
-            (_, true) => policy.rounds_cut,
-        };
-        rounds::split(plan.tests.len(), most, is_cut, &policy, &mut plan.rounds);
-        let chooses = strategy == Strategy::Antumbra && self.abilities.compute;
-        plan.stats.rounds_by_compute =
-            economy.filter(|_| chooses).map_or(0, |it| it.hand_to_compute(view, plan));
-        self.visible = plan.stats.visible;
+        rounds::group_by_tester(plan, &mut self.grouping);
+        self.note_prospect(strategy, plan.stats.visible);
+    }
+
+    /// Begins the next frame and its plan.
+    fn begin(&mut self, hierarchy: &Hierarchy, plan: &mut FramePlan) -> Stamp {
+        let now = self.advance();
+        self.history.adopt(hierarchy);
+        plan.clear(self.frame);
+        now
+    }
+
+    /// Keeps for the next frame what this one hoped for.
+    fn note_prospect(&mut self, strategy: Strategy, visible: u32) {
+        self.visible = visible;
         if let Some(governor) = self.governor.as_mut().filter(|_| strategy.is_governed()) {
             let [saving_ns, break_ns] = self.scratch.prospect_ns;
-            governor.note_prospect(saving_ns, break_ns, plan.stats.visible);
+            governor.note_prospect(saving_ns, break_ns, visible);
         }
-        rounds::group_by_tester(&mut plan.tests, &plan.rounds, &mut self.grouping);
     }
 
     /// Plans the next frame from the outcome: draws `leaves` in their order and asks nothing
@@ -333,11 +278,36 @@ impl Culler {
         leaves: &[LeafIndex],
         plan: &mut FramePlan,
     ) {
-        self.advance();
-        self.history.adopt(hierarchy);
-        plan.clear(self.frame);
+        self.begin(hierarchy, plan);
         plan.draws.extend_from_slice(leaves);
         plan.stats.visible = leaves.len() as u32;
+    }
+
+    /// Returns what is known of a node; nothing of a foreign one.
+    #[must_use]
+    pub fn node_history(&self, node: NodeId) -> NodeHistory {
+        let record = self.history.record(node.0);
+        let frame =
+            |stamp: Stamp| Some(FrameId(self.epoch + stamp.frames()?)).filter(|frame| frame.0 > 0);
+        NodeHistory {
+            state: record.state,
+            since: frame(record.since),
+            answered: frame(record.answered),
+            next_test: frame(record.due).filter(|_| record.state == NodeState::Visible),
+        }
+    }
+
+    /// Explains what `plan`, made for `view` over the hierarchy as it is now, decided about an object.
+    /// `None` if there is no such object.
+    #[must_use]
+    pub fn explain(
+        &self,
+        hierarchy: &Hierarchy,
+        view: &View,
+        plan: &FramePlan,
+        object: ObjectId,
+    ) -> Option<LeafExplanation> {
+        explain::explain(hierarchy, view, plan, object, |node| self.node_history(node))
     }
 
     /// The constants for the next frame.

@@ -69,42 +69,39 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod bounds;
-mod camera;
-mod cost_model;
-mod costs;
+mod cost;
 mod culler;
-mod detail;
 mod dialogue;
-mod front_to_back;
-mod frustum;
+mod geom;
 mod hierarchy;
+mod history;
 mod ids;
-mod margin;
-mod next_frame;
 mod plan;
-mod policy;
 mod rng;
-mod strategy;
-mod view;
 
-pub use bounds::Aabb;
-pub use camera::Camera;
-pub use cost_model::{Corrections, CostModel, FrameContents, Judgement, Question};
-pub use costs::{BadCost, CostTable, SceneCosts};
-pub use culler::{Culler, Decision, LeafExplanation, NodeHistory, NodeState, Outcome};
-pub use detail::{DetailLevel, DetailPolicy};
+pub use cost::contents::FrameContents;
+pub use cost::corrections::Corrections;
+pub use cost::cost_model::{CostModel, Judgement, Question};
+pub use cost::table::{BadCost, CostTable, SceneCosts};
+pub use culler::Culler;
 pub use dialogue::{
     Batch, BatchDraw, BatchTest, BatchedOptions, CoherentOptions, Conversation, Dialogue,
     DialogueOptions, DialogueStats, FirstPass, LeafTest, Step, TestAnswer, TestToken,
 };
-pub use frustum::{Containment, Frustum, PlaneMask};
+pub use geom::bounds::{Aabb, MAX_COORDINATE};
+pub use geom::camera::Camera;
+pub use geom::detail::{DetailLevel, DetailPolicy};
+pub use geom::frustum::{Containment, Frustum, PlaneMask};
+pub use geom::margin::Margin;
+pub use geom::view::View;
 pub use hierarchy::{
-    BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_COORDINATE, MAX_OBJECTS,
+    BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,
 };
+pub use history::record::NodeState;
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
-pub use margin::Margin;
-pub use plan::{Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester};
-pub use policy::Policy;
-pub use strategy::{Strategy, UnknownStrategy};
-pub use view::View;
+pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
+pub use plan::frame_plan::{
+    Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester,
+};
+pub use plan::policy::Policy;
+pub use plan::strategy::{Strategy, UnknownStrategy};

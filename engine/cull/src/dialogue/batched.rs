@@ -4,8 +4,8 @@
 //! The queries do not wait for each other, so no test profits from what another one revealed: what
 //! hides is what was drawn before all of them, untested (29.3.2).
 
-use super::{DialogueStats, Heard, Method, Step, Words};
-use crate::front_to_back::{InSight, Sight};
+use super::words::{DialogueStats, Heard, Method, Step, Words};
+use crate::hierarchy::front_to_back::{InSight, Sight};
 use crate::ids::NodeId;
 
 /// How [`Strategy::Batched`](crate::Strategy::Batched) works.

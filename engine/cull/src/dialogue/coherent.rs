@@ -12,11 +12,11 @@
 
 use std::sync::Arc;
 
-use super::{DialogueStats, Heard, Method, Step, Words};
-use crate::bounds::Aabb;
-use crate::front_to_back::{InSight, NearestFirst, Sight};
-use crate::frustum::PlaneMask;
+use super::words::{DialogueStats, Heard, Method, Step, Words};
+use crate::geom::bounds::Aabb;
+use crate::geom::frustum::PlaneMask;
 use crate::hierarchy::Hierarchy;
+use crate::hierarchy::front_to_back::{InSight, NearestFirst, Sight};
 use crate::ids::{FrameId, Generation, NodeId, ObjectId};
 use crate::rng::SplitMix64;
 

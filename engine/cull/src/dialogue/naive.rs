@@ -1,8 +1,8 @@
 //! A query for every object, and a wait for each (GPU Gems, 29.2; GPU Gems 2, 6.2): what one would
 //! write first, and the reason why occlusion queries were thought to be slow.
 
-use super::{DialogueStats, Heard, Method, Step, Words};
-use crate::front_to_back::{InSight, Sight};
+use super::words::{DialogueStats, Heard, Method, Step, Words};
+use crate::hierarchy::front_to_back::{InSight, Sight};
 
 /// Objects front to back, one at a time.
 #[derive(Debug, Default)]

@@ -1,7 +1,7 @@
 //! The hierarchy from the root down, a query and a wait at every node (GPU Gems 2, 6.3).
 
-use super::{DialogueStats, Heard, Method, Step, Words};
-use crate::front_to_back::{InSight, Sight};
+use super::words::{DialogueStats, Heard, Method, Step, Words};
+use crate::hierarchy::front_to_back::{InSight, Sight};
 
 /// The walk down the tree, the nearer child first.
 #[derive(Debug, Default)]

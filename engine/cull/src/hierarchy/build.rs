@@ -5,9 +5,9 @@
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
+use super::error::{BUILD_BYTES_PER_OBJECT, HierarchyError, MAX_OBJECTS, check};
 use super::topology::{Split, Topology};
-use super::{BUILD_BYTES_PER_OBJECT, HierarchyError, MAX_OBJECTS, check};
-use crate::bounds::Aabb;
+use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 use crate::rng::SplitMix64;
 

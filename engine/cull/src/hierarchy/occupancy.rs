@@ -4,10 +4,10 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::error::{HierarchyError, check};
 use super::refit::{Nodes, occupied};
 use super::topology::{NO_NODE, Topology};
-use super::{HierarchyError, check};
-use crate::bounds::Aabb;
+use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
 /// Empties the leaf of an object; answers its node.

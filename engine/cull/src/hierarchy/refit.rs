@@ -1,9 +1,9 @@
 //! Moves boxes in a hierarchy whose shape stays: only ancestors of what moved are touched.
 
+use super::error::{HierarchyError, check};
 use super::topology::{NO_NODE, Topology};
 use super::wear::Wear;
-use super::{HierarchyError, check};
-use crate::bounds::Aabb;
+use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
 /// What every node knows of the objects under it.

@@ -1,13 +1,13 @@
 //! Rebuilds single subtrees in place: n leaves always have 2n - 1 nodes, in depth-first pre-order, so
 //! that a subtree keeps its range of nodes and its range of leaves however it is built.
 
-use super::HierarchyError;
 use super::build;
+use super::error::HierarchyError;
 use super::journal::{FREE_LEAF, Restructured};
 use super::refit::Nodes;
 use super::topology::{Links, NO_NODE, Topology};
 use super::wear::LEAVES_MIN;
-use crate::bounds::Aabb;
+use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
 /// Subtrees that were found worn and wait for their rebuild.

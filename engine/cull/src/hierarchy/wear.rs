@@ -5,7 +5,7 @@
 //! change when a subtree moves or grows as a whole, and grows when its parts drift apart or one of
 //! them leaves. A subtree is worn when its cost is well above that after its last build.
 
-use crate::bounds::Aabb;
+use crate::geom::bounds::Aabb;
 
 /// How much a cost may grow before the subtree counts as worn. Boxes of moving things breathe: below
 /// this a rebuild would come back frame after frame and gain nothing.

@@ -1,0 +1,127 @@
+//! What a frame was made of, and what that should take by the table.
+
+use std::ops::AddAssign;
+
+use crate::cost::table::CostTable;
+use crate::plan::frame_plan::{FramePlan, QueryKind, Tester};
+
+/// What a frame was made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameContents {
+    /// Objects that were drawn.
+    pub draws: u64,
+    /// Their triangles.
+    pub triangles: u64,
+    /// Tests by query, own draws included.
+    pub queries: u32,
+    /// Boxes tested by query.
+    pub queried_boxes: u32,
+    /// Boxes tested by flag.
+    pub flagged_boxes: u32,
+    /// Boxes tested by compute shader.
+    pub computed_boxes: u32,
+    /// Rounds with such boxes.
+    pub computed_rounds: u32,
+    /// Pixels of all boxes that are rastered.
+    pub proxy_pixels: u64,
+    /// Ranges under a predicate.
+    pub predicates: u32,
+    /// Breaks of rendering.
+    pub breaks: u32,
+}
+
+impl FrameContents {
+    /// What a plan asks for. What is drawn is known when its answers are home.
+    #[must_use]
+    pub fn of(plan: &FramePlan) -> Self {
+        let mut contents = Self {
+            queries: plan.query_count() as u32,
+            breaks: plan.rounds.len() as u32,
+            ..Self::default()
+        };
+        for round in &plan.rounds {
+            let mut has_computed = false;
+            let mut has_parts = false;
+            for test in plan.tests.get(round.clone()).unwrap_or_default() {
+                match test.tester {
+                    Tester::Query => contents.queried_boxes += 1,
+                    Tester::Flag => contents.flagged_boxes += 1,
+                    Tester::Compute => contents.computed_boxes += 1,
+                    Tester::Behind(_) => {}
+                }
+                has_computed |= test.tester == Tester::Compute;
+                has_parts |= test.tag.kind == QueryKind::Parts;
+                contents.predicates += u32::from(!test.leaves.is_empty());
+            }
+            contents.computed_rounds += u32::from(has_computed);
+            // The second level of a round shares its break with the round after it, if there is one.
+            let is_last = round.end == plan.tests.len();
+            contents.breaks += u32::from(has_parts && is_last);
+        }
+        if contents.computed_boxes == 0 {
+            contents.proxy_pixels = plan.stats.proxy_pixels;
+        }
+        contents
+    }
+
+    /// What this should take.
+    pub(crate) fn predicted(&self, table: &CostTable) -> Predicted {
+        let each = |count: u32, price_ns: f32| f64::from(count) * f64::from(price_ns);
+        let draw_ns = self.draws as f64 * f64::from(table.draw_ns)
+            + self.triangles as f64 * f64::from(table.triangle_ns);
+        let waits = if self.breaks > 0 { table.break_wait_share } else { 0.0 };
+        let test_ns = draw_ns * f64::from(waits)
+            + each(self.queries, table.query_ns)
+            + each(self.queried_boxes, table.query_box_ns)
+            + each(self.flagged_boxes, table.flag_box_ns)
+            + each(self.computed_boxes, table.compute_box_ns)
+            + each(self.computed_rounds, table.compute_round_ns)
+            + self.proxy_pixels as f64 * f64::from(table.hidden_pixel_ns)
+            + each(self.predicates, table.predicate_ns)
+            + each(self.breaks, table.break_ns);
+        Predicted { draw_ns, test_ns }
+    }
+}
+
+impl AddAssign for FrameContents {
+    /// Of several views that are drawn in one frame.
+    fn add_assign(&mut self, other: Self) {
+        self.draws += other.draws;
+        self.triangles += other.triangles;
+        self.queries += other.queries;
+        self.queried_boxes += other.queried_boxes;
+        self.flagged_boxes += other.flagged_boxes;
+        self.computed_boxes += other.computed_boxes;
+        self.computed_rounds += other.computed_rounds;
+        self.proxy_pixels += other.proxy_pixels;
+        self.predicates += other.predicates;
+        self.breaks += other.breaks;
+    }
+}
+
+/// What a frame should take, in nanoseconds of GPU time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Predicted {
+    /// Its draws.
+    pub(crate) draw_ns: f64,
+    /// Its tests, with the breaks of rendering that they are the reason for.
+    pub(crate) test_ns: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_takes_what_its_parts_take() {
+        let table = CostTable::uniform(1.0);
+        let mut contents =
+            FrameContents { draws: 10, triangles: 40, queries: 3, breaks: 2, ..Default::default() };
+        assert_eq!(contents.predicted(&table), Predicted { draw_ns: 50.0, test_ns: 5.0 });
+        let slow = CostTable { break_wait_share: 0.5, ..table };
+        assert_eq!(contents.predicted(&slow), Predicted { draw_ns: 50.0, test_ns: 30.0 });
+        contents += FrameContents { draws: 1, flagged_boxes: 4, proxy_pixels: 100, ..contents };
+        let both = Predicted { draw_ns: 10.0 + 40.0 + 1.0 + 40.0, test_ns: 10.0 + 104.0 };
+        assert_eq!(contents.predicted(&table), both);
+    }
+}

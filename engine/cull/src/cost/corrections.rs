@@ -1,0 +1,234 @@
+//! How much dearer tests are in proportion to draws than the table says, learned from what frames took.
+//!
+//! Recursive least squares with a prior and forgetting, as a Kalman filter (R. E. Kalman 1960, "A New
+//! Approach to Linear Filtering and Prediction Problems") for
+//!
+//! ```text
+//! gpu_ns = draws * (draw_ns + test_ns) + excess * test_ns + rest_ns
+//! ```
+//!
+//! where `draw_ns` and `test_ns` are what the table says of the frame, and the rest is what it says
+//! nothing of: above all the shading of pixels. Tests cost `draws + excess` times what the table says.
+//! The prior is that the table is right, and that the excess is 0 whatever `draws` is: a clock that goes
+//! wrong makes all dearer and changes no decision. The rest may
+//! be anything and drifts. So only where frames differ in their tests is anything learned about
+//! tests. What was learned fades back to the prior: where tests ended because they were dear, a few
+//! are tried again after a while.
+//!
+//! The excess counts only as far as it is sure, so that noise decides nothing. A frame that took
+//! too long to be believed is left out, unless several in a row say the same.
+
+use crate::cost::contents::Predicted;
+
+/// What frames taught about the table. Only `proportion` steers decisions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Corrections {
+    /// How many times dearer draws seem than the table says (1/8 to 8).
+    pub draws: f32,
+    /// How many times dearer tests seem than the table says (1/8 to 8).
+    pub tests: f32,
+    /// By what the prices of tests are multiplied: `tests` over `draws`, as far as that is sure (1/8 to
+    /// 8; 1 as long as it is not).
+    pub proportion: f32,
+    /// From how many frames that was learned; 0 where the device tells no times.
+    pub frames: u64,
+}
+
+impl Default for Corrections {
+    fn default() -> Self {
+        Self { draws: 1.0, tests: 1.0, proportion: 1.0, frames: 0 }
+    }
+}
+
+/// No correction goes farther, in either direction.
+const MOST: f64 = 8.0;
+
+/// No frame takes longer: a clock that says so is wrong.
+const LONGEST_NS: f64 = 60.0e9;
+/// And none is shorter.
+const SHORTEST_NS: f64 = 1.0;
+
+/// A table that is so far from what frames take is of another world, and not to be corrected.
+const MOST_PREDICTED: f64 = 1.0e3;
+
+/// After so many frames what was learned about draws and tests counts half.
+const HALF_LIFE_FRAMES: f64 = 64.0;
+
+/// Variance of the factor of draws, before anything is learned.
+const DRAWS_VARIANCE: f64 = 1.0;
+/// The same of the excess: that tests cost five times as much is two deviations away.
+const EXCESS_VARIANCE: f64 = 4.0;
+
+/// By what share of a frame the rest drifts in each.
+const REST_DRIFT: f64 = 0.01;
+
+/// Errors beyond so many deviations count less (Huber 1964, "Robust Estimation of a Location Parameter").
+const LARGE_ERROR: f64 = 2.0;
+/// Beyond so many they do not count at all ...
+const ODD_ERROR: f64 = 4.0;
+/// ... unless so many frames in a row are odd: then something has changed.
+const ODD_FRAMES: u32 = 4;
+
+/// How many deviations make sure.
+const SURE: f64 = 2.0;
+
+/// A change of prices by less is none: decisions do not flap.
+const LEAST_CHANGE: f64 = 1.125;
+
+/// Places in the state.
+const DRAWS: usize = 0;
+const EXCESS: usize = 1;
+const REST: usize = 2;
+
+/// Before anything is learned.
+const PRIOR: [(f64, f64); 2] = [(1.0, DRAWS_VARIANCE), (0.0, EXCESS_VARIANCE)];
+
+/// What is believed, and how firmly.
+#[derive(Clone, Debug)]
+pub(crate) struct Learner {
+    /// The factor of draws, the excess, and the rest (ns).
+    state: [f64; 3],
+    covariance: [[f64; 3]; 3],
+    /// About what frames take (ns).
+    level_ns: f64,
+    /// By how much they miss what was expected, on average (ns).
+    noise_ns: f64,
+    odd: u32,
+    frames: u64,
+    proportion: f64,
+}
+
+impl Default for Learner {
+    fn default() -> Self {
+        let [(draws, draws_variance), (excess, excess_variance)] = PRIOR;
+        Self {
+            state: [draws, excess, 0.0],
+            covariance: [[draws_variance, 0.0, 0.0], [0.0, excess_variance, 0.0], [0.0; 3]],
+            level_ns: 0.0,
+            noise_ns: 0.0,
+            odd: 0,
+            frames: 0,
+            proportion: 1.0,
+        }
+    }
+}
+
+impl Learner {
+    pub(crate) fn corrections(&self) -> Corrections {
+        Corrections {
+            draws: self.state[DRAWS] as f32,
+            tests: (self.state[DRAWS] + self.state[EXCESS]) as f32,
+            proportion: self.proportion as f32,
+            frames: self.frames,
+        }
+    }
+
+    /// A frame took so long. Answers whether the proportion is another one now.
+    pub(crate) fn note(&mut self, gpu_ns: f64, predicted: Predicted) -> bool {
+        let all_ns = predicted.draw_ns + predicted.test_ns;
+        let can_be = (SHORTEST_NS..LONGEST_NS).contains(&gpu_ns);
+        let most_ns = MOST_PREDICTED * gpu_ns.max(self.level_ns);
+        if !(can_be && all_ns > 0.0 && all_ns < most_ns) {
+            return false;
+        }
+        if self.frames == 0 {
+            self.level_ns = gpu_ns;
+            self.noise_ns = 0.1 * gpu_ns;
+            self.covariance[REST][REST] = gpu_ns * gpu_ns;
+        }
+        self.frames += 1;
+        self.level_ns *= (gpu_ns / self.level_ns).clamp(0.9, 1.1);
+        self.forget();
+        self.correct(gpu_ns, [all_ns, predicted.test_ns, 1.0]);
+        self.settle()
+    }
+
+    /// Goes back a step towards the prior: what was learned weighs less, what was known before as much
+    /// as ever.
+    fn forget(&mut self) {
+        let keep = (-std::f64::consts::LN_2 / HALF_LIFE_FRAMES).exp();
+        for (place, (mean, prior)) in PRIOR.into_iter().enumerate() {
+            let variance = self.covariance[place][place];
+            let kept = prior / (keep * prior + (1.0 - keep) * variance);
+            self.state[place] = mean + keep * kept * (self.state[place] - mean);
+            for other in 0..3 {
+                self.covariance[place][other] *= kept.sqrt();
+                self.covariance[other][place] *= kept.sqrt();
+            }
+        }
+        self.covariance[REST][REST] += (REST_DRIFT * self.level_ns).powi(2);
+    }
+
+    /// Takes in what a frame took.
+    fn correct(&mut self, gpu_ns: f64, contents: [f64; 3]) {
+        let error = gpu_ns - dot(self.state, contents);
+        let noise_ns = self.noise_ns.max(0.01 * self.level_ns);
+        let variance = (1.25 * noise_ns).powi(2);
+        let expected = dot(self.times(contents), contents) + variance;
+        let deviations = error.abs() / expected.sqrt();
+        // Bounded, so that odd frames neither hide in the noise they make nor are the noise.
+        self.noise_ns = noise_ns + 0.05 * (error.abs().min(3.0 * noise_ns) - noise_ns);
+        let is_odd = deviations > ODD_ERROR;
+        self.odd = if is_odd { self.odd + 1 } else { 0 };
+        if is_odd && self.odd < ODD_FRAMES {
+            return;
+        }
+        if is_odd {
+            self.odd = 0;
+            self.rest_changed(error);
+        }
+        let weight = if is_odd { 1.0 } else { (LARGE_ERROR / deviations).min(1.0) };
+        let towards = self.times(contents);
+        let expected = dot(towards, contents) + variance / weight;
+        for row in 0..3 {
+            self.state[row] += towards[row] * error / expected;
+            for column in 0..3 {
+                self.covariance[row][column] -= towards[row] * towards[column] / expected;
+            }
+        }
+        let draws = self.state[DRAWS].clamp(1.0 / MOST, MOST);
+        self.state[DRAWS] = draws;
+        self.state[EXCESS] = self.state[EXCESS].clamp(1.0 / MOST - draws, MOST - draws);
+        // Rounding must not make anything surer than sure.
+        for (place, least) in [(DRAWS, 1.0e-9), (EXCESS, 1.0e-9), (REST, 1.0e-9 * variance)] {
+            self.covariance[place][place] = self.covariance[place][place].max(least);
+        }
+    }
+
+    /// Nothing is known of the rest any more but that it is off by about `error_ns`.
+    fn rest_changed(&mut self, error_ns: f64) {
+        for place in [DRAWS, EXCESS] {
+            self.covariance[REST][place] = 0.0;
+            self.covariance[place][REST] = 0.0;
+        }
+        self.covariance[REST][REST] = 4.0 * error_ns.powi(2).max(self.level_ns.powi(2));
+    }
+
+    fn times(&self, contents: [f64; 3]) -> [f64; 3] {
+        self.covariance.map(|row| dot(row, contents))
+    }
+
+    /// The proportion follows as far as it is sure. Answers whether it did.
+    fn settle(&mut self) -> bool {
+        let beyond_doubt = |place: usize, mean: f64| {
+            let (learned, variance) = (self.state[place] - mean, self.covariance[place][place]);
+            mean + learned.signum() * (learned.abs() - SURE * variance.sqrt()).max(0.0)
+        };
+        let [draws, excess] = [DRAWS, EXCESS].map(|place| beyond_doubt(place, PRIOR[place].0));
+        let sure = (1.0 + excess / draws).clamp(1.0 / MOST, MOST);
+        let change = (sure / self.proportion).max(self.proportion / sure);
+        // Not a number, should that ever be, changes nothing.
+        let changes = change >= LEAST_CHANGE;
+        if changes {
+            self.proportion = sure;
+        }
+        changes
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,436 @@
+//! The governor: whether a test is worth what it costs.
+//!
+//! It counts what tests told and sets prices against it; it reads no clock, but is told what frames took
+//! and corrects its prices by that. What it keeps from being
+//! tested is drawn, so that no image depends on it. Evidence fades, so that what was true once is
+//! tried again, and leaves that were drawn without a test are still asked about on their own draw, now
+//! and then: both together notice within a bounded number of frames when a world changes in which
+//! testing did not pay.
+
+use crate::cost::contents::FrameContents;
+use crate::cost::corrections::{Corrections, Learner};
+use crate::cost::evidence::{Evidence, HideRate};
+use crate::cost::table::{BadCost, CostTable, SceneCosts};
+use crate::history::record::{Doubt, NodeState};
+use crate::plan::frame_plan::{QueryKind, Tester};
+use crate::plan::policy::Policy;
+
+/// An interval of own-draw tests from which on there are none.
+const NEVER_FRAMES: u32 = 1 << 20;
+
+/// However seldom leaves become hidden, a leaf is asked about so often ...
+const CALM_RETEST_FRAMES: f32 = 256.0;
+/// ... unless all those tests together would cost more than this share of the draws.
+const CALM_SHARE: f32 = 0.01;
+
+/// Nobody notices a change of the world later than this for the sake of [`CALM_SHARE`].
+const MOST_GATE_FRAMES: u32 = 32;
+
+/// After so many frames in which tests could not pay, it is of little use to learn what they could hide.
+const IDLE_AFTER_FRAMES: u32 = 8;
+
+/// For how many frames it is worth knowing that something is hidden, before its own draw would have
+/// told.
+const HORIZON_FRAMES: f32 = 8.0;
+
+/// A hidden object's own pixels fail the depth test like those of its box, which are about twice as
+/// many.
+const LEAF_FILL: f32 = 0.5;
+
+/// Whether unknown nodes turn out hidden is an even bet until some were tested.
+const UNKNOWN_PRIOR: Evidence = Evidence { yes: 2.0, no: 2.0 };
+/// What is drawn shows, unless enough tests of own draws told otherwise.
+const DRAWN_PRIOR: Evidence = Evidence { yes: 0.0, no: 8.0 };
+/// What was hidden stays so, nine times of ten.
+const KNOWN_PRIOR: Evidence = Evidence { yes: 7.2, no: 0.8 };
+
+/// A test that could be made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Question {
+    /// Leaves that are drawn without it.
+    pub leaves: u32,
+    /// Pixels that its proxy covers.
+    pub pixels: f32,
+    /// Nothing is known of the node.
+    pub is_unknown: bool,
+}
+
+/// What speaks for a test and what against it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judgement {
+    /// What it saves on average.
+    pub saving_ns: f32,
+    /// What of that is saved in this frame.
+    pub saving_now_ns: f32,
+    /// What it costs.
+    pub cost_ns: f32,
+}
+
+impl Judgement {
+    /// Whether the test pays.
+    #[must_use]
+    pub fn pays(self) -> bool {
+        self.saving_ns >= self.cost_ns
+    }
+}
+
+/// One view's prices, and its statistics of what tests told.
+#[derive(Clone, Debug)]
+pub struct CostModel {
+    table: CostTable,
+    /// The table with what tests are found to cost in proportion to draws.
+    prices: CostTable,
+    leaf_ns: f32,
+    unknown: Evidence,
+    known: Evidence,
+    /// Whether a leaf that is drawn is hidden by now.
+    drawn: Evidence,
+    hides: HideRate,
+    learner: Learner,
+    /// Frames since tests could have paid for the breaks of rendering that they need.
+    idle_frames: u32,
+}
+
+impl CostModel {
+    /// A governor that saw nothing yet.
+    ///
+    /// # Errors
+    /// [`BadCost`] if `table` or `scene` cannot be.
+    pub fn new(table: CostTable, scene: SceneCosts) -> Result<Self, BadCost> {
+        let table = table.checked()?;
+        let triangles = scene.triangles_per_leaf;
+        if !triangles.is_finite() || triangles < 0.0 {
+            return Err(BadCost { name: "triangles_per_leaf", value: triangles });
+        }
+        Ok(Self {
+            table,
+            prices: table,
+            // Finite prices may have a product that is not.
+            leaf_ns: table.leaf_ns(triangles).min(f32::MAX),
+            unknown: Evidence::default(),
+            known: Evidence::default(),
+            drawn: Evidence::default(),
+            hides: HideRate::default(),
+            learner: Learner::default(),
+            idle_frames: 0,
+        })
+    }
+
+    /// The prices as they were told.
+    #[must_use]
+    pub fn table(&self) -> CostTable {
+        self.table
+    }
+
+    /// What frames taught about them.
+    #[must_use]
+    pub fn corrections(&self) -> Corrections {
+        self.learner.corrections()
+    }
+
+    /// How likely an unknown node turns out hidden.
+    #[must_use]
+    pub fn unknown_hidden(&self) -> f32 {
+        self.unknown.probability(UNKNOWN_PRIOR)
+    }
+
+    /// How likely a hidden node is still hidden.
+    #[must_use]
+    pub fn still_hidden(&self) -> f32 {
+        self.known.probability(KNOWN_PRIOR)
+    }
+
+    /// Forgets what tests told, not what things cost.
+    pub fn forget(&mut self) {
+        self.unknown = Evidence::default();
+        self.known = Evidence::default();
+        self.drawn = Evidence::default();
+        self.hides = HideRate::default();
+        self.idle_frames = 0;
+    }
+
+    /// A frame begins, after one in which `visible` leaves were taken as visible.
+    pub(crate) fn begin_frame(&mut self, visible: u32) {
+        self.unknown.fade();
+        self.known.fade();
+        self.drawn.fade();
+        self.hides.fade(visible);
+        self.idle_frames = self.idle_frames.saturating_add(1);
+    }
+
+    /// The tests of this frame would save so much and need breaks at this price, in a frame that
+    /// takes `visible` leaves as visible: of those some are hidden by now that no test told of yet.
+    pub(crate) fn note_prospect(&mut self, saving_ns: f32, break_ns: f32, visible: u32) {
+        let hidden = self.drawn.probability(DRAWN_PRIOR) * visible as f32;
+        let prospect_ns = saving_ns + hidden * self.leaf_ns;
+        if prospect_ns > 0.0 && prospect_ns >= break_ns {
+            self.idle_frames = 0;
+        }
+    }
+
+    /// Whether tests have not paid for a while: what hides is drawn all the same, so to ask which
+    /// leaves those are saves nothing until they are many.
+    fn is_idle(&self) -> bool {
+        self.idle_frames > IDLE_AFTER_FRAMES
+    }
+
+    /// A test of a node in such a state had an answer.
+    pub(crate) fn learn(&mut self, kind: QueryKind, state: NodeState, doubt: Doubt, showed: bool) {
+        match (kind, state) {
+            (QueryKind::Proxy | QueryKind::Parts, NodeState::Hidden) => self.known.note(!showed),
+            (QueryKind::Proxy | QueryKind::Parts, _) => self.unknown.note(!showed),
+            (QueryKind::OwnDraw | QueryKind::OwnBox, _) if doubt == Doubt::Edge => {}
+            (QueryKind::OwnDraw, NodeState::Hidden) => self.known.note(!showed),
+            (QueryKind::OwnDraw | QueryKind::OwnBox, NodeState::Visible) => {
+                if doubt == Doubt::Assumed {
+                    self.unknown.note(!showed);
+                }
+                if kind == QueryKind::OwnDraw {
+                    self.drawn.note(!showed);
+                }
+                if !showed {
+                    self.hides.note();
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// After how many frames a calm leaf's own draw is tested again: a test costs its price once in
+    /// the interval T, a leaf that became hidden is drawn in vain for T / 2 frames on average, and
+    /// the sum is least at the square root of twice the price over rate and cost of draws.
+    pub(crate) fn retest_frames(&self, policy: &Policy) -> u32 {
+        let least = policy.retest_max.max(1) as f32;
+        let price = f64::from(self.prices.query_ns) / f64::from(self.leaf_ns);
+        if price.is_nan() {
+            return policy.retest_max;
+        }
+        // Until something was seen, the rate is that to which the policy's interval is the answer.
+        let expected = 2.0 * price / f64::from(least * least);
+        let best = (2.0 * price / self.hides.per_leaf_and_frame(expected)).sqrt();
+        let calm = f64::from(CALM_RETEST_FRAMES).max(price / f64::from(CALM_SHARE));
+        let wished = if best.is_nan() { f64::from(least) } else { best };
+        // So seldom that it hardly costs, and no more often while nothing is made of the answers.
+        let frames =
+            if self.is_idle() { wished.max(price / f64::from(CALM_SHARE)) } else { wished };
+        // A price that makes even the calm tests too rare to matter makes all tests too dear.
+        let frames = if calm >= f64::from(NEVER_FRAMES) { calm } else { frames.min(calm) };
+        frames.max(f64::from(least)).min(f64::from(u32::MAX / 4)) as u32
+    }
+
+    /// The constants of `policy` as they are best now.
+    pub(crate) fn tuned(&self, policy: &Policy) -> Policy {
+        let frames = self.retest_frames(policy);
+        // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
+        let is_calm = self.is_idle() || frames > policy.retest_max.saturating_mul(2);
+        let own_box_angle = if is_calm { 0.0 } else { policy.own_box_angle };
+        let retest_first = if is_calm { frames / 4 } else { policy.retest_first };
+        let retest_gate = if is_calm { self.gate_frames() } else { policy.retest_gate };
+        Policy {
+            retest_max: frames,
+            retest_first,
+            retest_spread: frames,
+            retest_gate,
+            own_box_angle,
+            ..*policy
+        }
+    }
+
+    /// In which frames of a calm view questions are asked, so that waiting for answers costs no more
+    /// than [`CALM_SHARE`] of all.
+    fn gate_frames(&self) -> u32 {
+        ((self.prices.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
+    }
+
+    /// Weighs a test that `tester` answers.
+    #[must_use]
+    pub fn judge(&self, question: &Question, tester: Tester) -> Judgement {
+        let (hidden, frames) = match question.is_unknown {
+            true => (self.unknown_hidden(), HORIZON_FRAMES),
+            false => (self.still_hidden(), 1.0),
+        };
+        let fill = LEAF_FILL * question.pixels * self.table.hidden_pixel_ns;
+        let drawing = question.leaves as f32 * self.leaf_ns + fill;
+        let cost_ns = self.box_ns(question.pixels, hidden, tester) + self.prices.predicate_ns;
+        let saving_now_ns = (hidden * drawing).min(f32::MAX);
+        let saving_ns = (frames * saving_now_ns).min(f32::MAX);
+        Judgement { saving_ns, saving_now_ns, cost_ns: cost_ns.min(f32::MAX) }
+    }
+
+    /// Weighs a probe: it saves nothing now, but the parts of its node may be left undrawn at the price
+    /// of one test from then on. Where a test of a single leaf does not pay, one of many may.
+    #[must_use]
+    pub fn judge_probe(&self, question: &Question, tester: Tester) -> Judgement {
+        let judgement = self.judge(question, tester);
+        let saving_ns = HORIZON_FRAMES * (judgement.saving_ns - judgement.cost_ns).max(0.0);
+        Judgement { saving_ns: saving_ns.min(f32::MAX), ..judgement }
+    }
+
+    /// Who of those that there are answers for a box at the least cost.
+    #[must_use]
+    pub fn cheaper(&self, question: &Question, has_flags: bool) -> Tester {
+        let cost = |tester| self.judge(question, tester).cost_ns;
+        if has_flags && cost(Tester::Flag) <= cost(Tester::Query) {
+            Tester::Flag
+        } else {
+            Tester::Query
+        }
+    }
+
+    /// Whether a compute shader answers for a round at the least cost: of `boxes` that cover `pixels`
+    /// together, and of `shared` ones beside that cost the others nothing. It has a fixed price, the
+    /// others are paid by the pixel.
+    #[must_use]
+    pub fn is_for_compute(&self, boxes: u32, shared: u32, pixels: f32, has_flags: bool) -> bool {
+        let count = boxes as f32;
+        let hidden = self.still_hidden();
+        let per_box = |tester| self.box_ns(pixels / count.max(1.0), hidden, tester);
+        let (flag, query) = (count * per_box(Tester::Flag), count * per_box(Tester::Query));
+        let raster = if has_flags { flag.min(query) } else { query };
+        let computed = count + shared as f32;
+        self.prices.compute_round_ns + computed * self.prices.compute_box_ns < raster
+    }
+
+    /// What a break costs in a frame that takes `leaves` as visible: tests that save less together
+    /// are left out.
+    pub(crate) fn break_ns(&self, leaves: usize) -> f32 {
+        let drawn = leaves as f32 * self.leaf_ns;
+        (self.prices.break_ns + self.prices.break_wait_share * drawn).min(f32::MAX)
+    }
+
+    /// A frame of these contents took so long on the GPU. Where frames that differ agree that tests are
+    /// dearer or cheaper in proportion to draws than the table says, the prices of tests follow
+    /// ([`CostModel::corrections`]). Times that cannot be are ignored.
+    pub fn observe(&mut self, gpu_ns: f64, contents: &FrameContents) {
+        if self.learner.note(gpu_ns, contents.predicted(&self.table)) {
+            self.prices = self.table.with_tests_at(self.corrections().proportion);
+        }
+    }
+
+    fn box_ns(&self, pixels: f32, hidden: f32, tester: Tester) -> f32 {
+        let table = &self.prices;
+        match tester {
+            Tester::Query => table.query_ns + table.query_box_ns + pixels * table.hidden_pixel_ns,
+            Tester::Flag => {
+                let shown = (1.0 - hidden) * table.flagged_pixel_ns;
+                table.flag_box_ns + pixels * (hidden * table.hidden_pixel_ns + shown)
+            }
+            // The round's own price is for the whole round.
+            Tester::Compute => table.compute_box_ns,
+            // Somebody else pays.
+            Tester::Behind(_) => 0.0,
+        }
+    }
+}
+
+/// Whether an interval of own-draw tests means that there are none.
+pub(crate) const fn is_never(retest_frames: u32) -> bool {
+    retest_frames >= NEVER_FRAMES
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn governor() -> CostModel {
+        CostModel::new(CostTable::default(), SceneCosts::default()).unwrap()
+    }
+
+    #[test]
+    fn own_draws_are_tested_by_the_square_root_of_the_rate() {
+        let policy = Policy::default();
+        let interval = |hides_per_frame: f32| {
+            let mut governor = governor();
+            let mut owed = 0.0;
+            for _ in 0..2_000 {
+                governor.begin_frame(10_000);
+                governor.note_prospect(1.0, 1.0, 0);
+                owed += hides_per_frame;
+                while owed >= 1.0 {
+                    owed -= 1.0;
+                    governor.learn(QueryKind::OwnDraw, NodeState::Visible, Doubt::None, false);
+                }
+            }
+            governor.retest_frames(&policy) as f32
+        };
+        assert_eq!(governor().retest_frames(&policy), policy.retest_max);
+        assert_eq!(interval(0.0), CALM_RETEST_FRAMES);
+        let (rare, often) = (interval(0.5), interval(2.0));
+        assert!((rare / often - 2.0).abs() < 0.1, "{rare} {often}");
+        assert_eq!(interval(10_000.0), policy.retest_max as f32);
+    }
+
+    #[test]
+    fn what_nothing_is_made_of_is_asked_seldom_and_in_few_frames() {
+        let policy = Policy::default();
+        let prices = CostTable { break_wait_share: 0.2, ..CostTable::default() };
+        let mut governor = CostModel::new(prices, SceneCosts::default()).unwrap();
+        let mut busy_frame = |is_paid| {
+            governor.begin_frame(100);
+            for number in 0..100 {
+                let showed = number >= 10;
+                governor.learn(QueryKind::OwnDraw, NodeState::Visible, Doubt::None, showed);
+            }
+            let drawn_ns = 100.0 * governor.leaf_ns;
+            governor.note_prospect(if is_paid { drawn_ns } else { 0.0 }, drawn_ns, 100);
+            governor.tuned(&policy)
+        };
+        for _ in 0..50 {
+            assert_eq!(busy_frame(true).retest_gate, 1);
+        }
+        let idle = (0..50).map(|_| busy_frame(false)).last().unwrap();
+        assert_eq!(idle.retest_gate, 20, "its share of a frame's draws is a fifth");
+        assert!(idle.retest_max > policy.retest_max && idle.own_box_angle == 0.0, "{idle:?}");
+        let busy = busy_frame(true);
+        assert_eq!((busy.retest_gate, busy.retest_max), (1, policy.retest_max));
+    }
+
+    #[test]
+    fn a_test_pays_as_often_as_it_saves() {
+        let mut governor = governor();
+        let question = Question { leaves: 2, pixels: 1_000.0, is_unknown: true };
+        assert!(governor.judge(&question, Tester::Flag).pays());
+        for _ in 0..400 {
+            governor.learn(QueryKind::Proxy, NodeState::Unknown, Doubt::None, true);
+        }
+        assert!(!governor.judge(&question, Tester::Flag).pays());
+        let known = Question { is_unknown: false, ..question };
+        assert!(governor.judge(&known, Tester::Flag).pays(), "that is another matter");
+        let mut frames = 0;
+        while !governor.judge(&question, Tester::Flag).pays() {
+            governor.begin_frame(0);
+            frames += 1;
+            assert!(frames < 1_000, "evidence fades");
+        }
+        assert!(frames > 30, "but not at once: {frames}");
+    }
+
+    #[test]
+    fn many_pixels_go_to_the_compute_tester() {
+        let governor = governor();
+        assert!(!governor.is_for_compute(50, 0, 10_000.0, true));
+        assert!(governor.is_for_compute(50, 0, 4.0e6, true));
+        assert!(!governor.is_for_compute(50, 5_000, 4.0e6, true), "the others share");
+        let question = Question { leaves: 1, pixels: 100.0, is_unknown: false };
+        assert_eq!(governor.cheaper(&question, true), Tester::Flag);
+        assert_eq!(governor.cheaper(&question, false), Tester::Query);
+    }
+
+    #[test]
+    fn extreme_prices_give_decisions_all_the_same() {
+        let question = Question { leaves: u32::MAX, pixels: f32::MAX, is_unknown: true };
+        for ns in [0.0, f32::MIN_POSITIVE, f32::MAX] {
+            for triangles_per_leaf in [0.0, f32::MAX] {
+                let scene = SceneCosts { triangles_per_leaf };
+                let governor = CostModel::new(CostTable::uniform(ns), scene).unwrap();
+                let judgement = governor.judge(&question, Tester::Query);
+                assert!(judgement.cost_ns.is_finite() && judgement.saving_ns.is_finite());
+                assert!(governor.break_ns(usize::MAX).is_finite());
+                assert!(governor.retest_frames(&Policy::default()) > 0);
+            }
+        }
+        assert!(CostModel::new(CostTable::uniform(f32::NAN), SceneCosts::default()).is_err());
+        let nothing = SceneCosts { triangles_per_leaf: f32::NAN };
+        assert!(CostModel::new(CostTable::default(), nothing).is_err());
+    }
+}

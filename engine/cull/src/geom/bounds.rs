@@ -1,0 +1,142 @@
+//! Axis-aligned boxes.
+
+use glam::Vec3;
+
+/// Largest coordinate that a box may have (metres), so that squares of distances stay finite.
+pub const MAX_COORDINATE: f32 = 1.0e15;
+
+/// An axis-aligned bounding box in world space (metres).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// The corner with the smallest coordinates.
+    pub min: Vec3,
+    /// The corner with the largest coordinates.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// The box of nothing: the neutral element of [`Aabb::union`].
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// A box from its two extreme corners.
+    #[must_use]
+    pub const fn new(min: Vec3, max: Vec3) -> Self {
+        Self { min, max }
+    }
+
+    /// The smallest box around both.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The box grown by `distance` in all six directions.
+    #[must_use]
+    pub fn enlarged(&self, distance: f32) -> Self {
+        Self { min: self.min - distance, max: self.max + distance }
+    }
+
+    /// The middle.
+    #[must_use]
+    pub fn centre(&self) -> Vec3 {
+        self.min * 0.5 + self.max * 0.5
+    }
+
+    /// Half of the size along each axis.
+    #[must_use]
+    pub fn half_extent(&self) -> Vec3 {
+        self.max * 0.5 - self.min * 0.5
+    }
+
+    /// The squared distance from `point` to the nearest point of the box; 0 inside.
+    #[must_use]
+    pub fn distance_squared(&self, point: Vec3) -> f32 {
+        (self.min - point).max(point - self.max).max(Vec3::ZERO).length_squared()
+    }
+
+    /// True if `point` is inside or on the surface.
+    #[must_use]
+    pub fn contains_point(&self, point: Vec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    /// True if no point of `other` is outside.
+    #[must_use]
+    pub fn contains(&self, other: &Self) -> bool {
+        other.min.cmpge(self.min).all() && other.max.cmple(self.max).all()
+    }
+
+    /// True if there is nothing in it, not even a point: a free leaf, or a node with no others.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.min.cmpgt(self.max).any()
+    }
+
+    /// Half of the surface (square metres); 0 for [`Aabb::EMPTY`].
+    #[must_use]
+    pub fn half_area(&self) -> f32 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        let size = self.max - self.min;
+        size.dot(Vec3::new(size.y, size.z, size.x))
+    }
+
+    /// True if all six coordinates are numbers and none is infinite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite()
+    }
+
+    /// True if an object can have this box: finite, not [empty](Aabb::is_empty), and no coordinate
+    /// beyond [`MAX_COORDINATE`].
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        self.is_finite()
+            && self.largest_coordinate() <= MAX_COORDINATE
+            && self.min.cmple(self.max).all()
+    }
+
+    /// The largest coordinate without its sign: what single-precision rounding is relative to.
+    #[must_use]
+    pub fn largest_coordinate(&self) -> f32 {
+        self.min.abs().max(self.max.abs()).max_element()
+    }
+
+    /// The eight corners.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|corner| {
+            let upper = glam::BVec3::new(corner & 1 != 0, corner & 2 != 0, corner & 4 != 0);
+            Vec3::select(upper, self.max, self.min)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_is_neutral_and_distance_is_to_the_surface() {
+        let unit = Aabb::new(Vec3::ZERO, Vec3::ONE);
+        assert_eq!(Aabb::EMPTY.union(&unit), unit);
+        assert!(!Aabb::EMPTY.is_finite());
+        assert!(Aabb::EMPTY.is_empty() && !unit.is_empty());
+        assert!(!Aabb::new(Vec3::ONE, Vec3::ONE).is_empty(), "a point is something");
+        assert_eq!((Aabb::EMPTY.half_area(), unit.half_area()), (0.0, 3.0));
+        assert_eq!(unit.distance_squared(Vec3::splat(0.5)), 0.0);
+        assert_eq!(unit.distance_squared(Vec3::new(3.0, 0.5, 0.5)), 4.0);
+        assert_eq!(unit.enlarged(1.0).half_extent(), Vec3::splat(1.5));
+    }
+
+    #[test]
+    fn corners_span_the_box() {
+        let bounds = Aabb::new(Vec3::new(-1.0, 2.0, 3.0), Vec3::new(4.0, 5.0, 6.0));
+        let spanned = bounds
+            .corners()
+            .iter()
+            .fold(Aabb::EMPTY, |sum, corner| sum.union(&Aabb::new(*corner, *corner)));
+        assert_eq!(spanned, bounds);
+    }
+}

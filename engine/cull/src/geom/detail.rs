@@ -1,0 +1,112 @@
+//! Levels of detail: the coarsest form of an object whose error is too small to be seen.
+
+/// One form of an object: 0 is the finest, each higher one is coarser.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct DetailLevel(pub u8);
+
+/// When an object takes another form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DetailPolicy {
+    /// How far a surface may be from where it should be (pixels in the middle of the image, above 0).
+    pub error_pixels: f32,
+    /// A coarser form is taken only if its error is smaller than that by this share (0 to 1), so that an
+    /// object at the limit does not change to and fro.
+    pub hysteresis: f32,
+}
+
+impl Default for DetailPolicy {
+    /// Half a pixel; objects take a coarser form a quarter farther away than they take the finer one.
+    fn default() -> Self {
+        Self { error_pixels: 0.5, hysteresis: 0.2 }
+    }
+}
+
+impl DetailPolicy {
+    /// The form of an object whose forms have the errors `errors_m` (metres in the world, ascending;
+    /// the first is that of the finest form), where a metre covers `pixels_per_metre` (as
+    /// [`View::pixels_per_metre`](crate::View::pixels_per_metre) says) and the object has the form `now`.
+    ///
+    /// It depends on nothing else, above all not on what is visible: all who draw the same frame
+    /// draw the same forms. Without errors, or with numbers that are none, it is the finest.
+    #[must_use]
+    pub fn choose(&self, pixels_per_metre: f32, errors_m: &[f32], now: DetailLevel) -> DetailLevel {
+        let within = |limit_pixels: f32| {
+            let fits = |error: &&f32| **error * pixels_per_metre <= limit_pixels;
+            errors_m.iter().skip(1).take(usize::from(u8::MAX)).take_while(fits).count() as u8
+        };
+        let coarsest = within(self.error_pixels);
+        let surely = within(self.error_pixels * (1.0 - self.hysteresis.clamp(0.0, 1.0)));
+        DetailLevel(now.0.clamp(surely.min(coarsest), coarsest))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geom::bounds::Aabb;
+    use crate::geom::camera::Camera;
+    use crate::geom::view::View;
+
+    const ERRORS_M: [f32; 4] = [0.0, 0.01, 0.02, 0.08];
+    const POLICY: DetailPolicy = DetailPolicy { error_pixels: 1.0, hysteresis: 0.2 };
+
+    fn settled(pixels_per_metre: f32) -> u8 {
+        let choose = |now| POLICY.choose(pixels_per_metre, &ERRORS_M, DetailLevel(now)).0;
+        let [from_finest, from_coarsest] = [choose(0), choose(3)];
+        assert!(from_finest <= from_coarsest);
+        assert_eq!(choose(from_finest), from_finest, "it stays where it is");
+        assert_eq!(choose(from_coarsest), from_coarsest, "it stays where it is");
+        from_coarsest
+    }
+
+    #[test]
+    fn the_coarsest_form_whose_error_is_small_enough_is_taken() {
+        for (pixels_per_metre, level) in
+            [(0.0, 3), (12.5, 3), (12.6, 2), (50.0, 2), (51.0, 1), (100.0, 1), (101.0, 0), (1e9, 0)]
+        {
+            assert_eq!(settled(pixels_per_metre), level, "{pixels_per_metre}");
+        }
+    }
+
+    #[test]
+    fn an_object_at_the_limit_does_not_change_to_and_fro() {
+        let mut level = DetailLevel(0);
+        let mut changes = 0;
+        for step in 0..100 {
+            let pixels_per_metre = if step % 2 == 0 { 99.0 } else { 101.0 };
+            let next = POLICY.choose(pixels_per_metre, &ERRORS_M, level);
+            changes += u32::from(next != level);
+            level = next;
+        }
+        assert_eq!((level, changes), (DetailLevel(0), 0));
+        assert_eq!(POLICY.choose(80.0, &ERRORS_M, level), DetailLevel(1));
+        assert_eq!(POLICY.choose(99.0, &ERRORS_M, DetailLevel(1)), DetailLevel(1));
+    }
+
+    #[test]
+    fn what_is_no_number_gives_the_finest() {
+        assert_eq!(POLICY.choose(f32::NAN, &ERRORS_M, DetailLevel(3)), DetailLevel(0));
+        assert_eq!(POLICY.choose(1.0, &[0.0, f32::NAN, 0.0], DetailLevel(9)), DetailLevel(0));
+        assert_eq!(POLICY.choose(1.0, &[], DetailLevel(9)), DetailLevel(0));
+        let odd = DetailPolicy { error_pixels: f32::NAN, hysteresis: -3.0 };
+        assert_eq!(odd.choose(1.0, &ERRORS_M, DetailLevel(1)), DetailLevel(0));
+    }
+
+    #[test]
+    fn a_metre_covers_fewer_pixels_farther_away() {
+        let camera = Camera {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            fov_y: std::f32::consts::FRAC_PI_2,
+            near: 0.1,
+        };
+        let view = View::new(&camera, [400, 200], 8);
+        let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
+        for (z, pixels) in [(-1.0, 100.0), (-10.0, 10.0), (0.5, 1000.0)] {
+            assert!((view.pixels_per_metre(&at(z)) - pixels).abs() < 0.01, "{z}");
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! What a box covers of the screen: its outline, and about how many pixels.
+
+use glam::Vec2;
+
+use crate::geom::bounds::Aabb;
+use crate::geom::margin::rounding;
+use crate::geom::view::View;
+
+/// The outline of a box on the screen, in pixels, counter-clockwise or clockwise throughout.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Outline {
+    corners: [Vec2; Self::MOST],
+    count: usize,
+}
+
+impl Outline {
+    /// Eight corners have six on the outline; each side of the screen can add one.
+    const MOST: usize = 12;
+
+    /// The outline of a box that is in front of the eye, and its nearest depth (metres along the line
+    /// of sight). `None` where it is not, or where numbers fail.
+    pub(crate) fn of(bounds: &Aabb, view: &View) -> Option<(Self, f32)> {
+        let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
+        let mut points = [Vec2::ZERO; 8];
+        let mut nearest = f32::INFINITY;
+        for (point, corner) in points.iter_mut().zip(bounds.corners()) {
+            let clip = view.view_proj * corner.extend(1.0);
+            nearest = nearest.min(clip.w);
+            *point = (Vec2::new(clip.x, clip.y) / clip.w + 1.0) * scale;
+        }
+        let is_sound = nearest > 0.0 && points.iter().all(|point| point.is_finite());
+        is_sound.then(|| (Self::around(points), nearest))
+    }
+
+    /// The convex hull, by Andrew's monotone chain.
+    fn around(mut points: [Vec2; 8]) -> Self {
+        points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        let mut hull = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
+        for backwards in [false, true] {
+            let start = hull.count;
+            for step in 0..points.len() {
+                let point = points[if backwards { points.len() - 1 - step } else { step }];
+                while hull.count >= start + 2 && hull.turns_right(point) {
+                    hull.count -= 1;
+                }
+                if hull.count < Self::MOST {
+                    hull.corners[hull.count] = point;
+                    hull.count += 1;
+                }
+            }
+            // The last of one chain is the first of the other.
+            hull.count = hull.count.saturating_sub(1);
+        }
+        hull
+    }
+
+    /// Whether rounding moves it by little where it is computed and where it is drawn; `nearest` is the
+    /// depth of the nearest corner.
+    pub(crate) fn is_sharp(&self, bounds: &Aabb, nearest: f32, view: &View) -> bool {
+        const MOST_PIXELS: f32 = 1.0 / 16.0;
+        // Beyond, a pixel's fractions are lost, and a product of two such no longer tells sides.
+        const FARTHEST_PIXELS: f32 = 32_768.0;
+        let pixels_per_metre = view.size[1] as f32 / (2.0 * view.tan_half[1] * nearest);
+        rounding(bounds, view.eye) * pixels_per_metre <= MOST_PIXELS
+            && self.points().all(|point| point.abs().max_element() <= FARTHEST_PIXELS)
+    }
+
+    fn turns_right(&self, point: Vec2) -> bool {
+        let [before, last] = [self.corners[self.count - 2], self.corners[self.count - 1]];
+        (last - before).perp_dot(point - last) <= 0.0
+    }
+
+    pub(crate) fn points(&self) -> impl Iterator<Item = Vec2> {
+        self.corners[..self.count].iter().copied()
+    }
+
+    fn edges(&self) -> impl Iterator<Item = (Vec2, Vec2)> {
+        (0..self.count).map(|at| (self.corners[at], self.corners[(at + 1) % self.count]))
+    }
+
+    /// The part on the screen. Empty where nothing is.
+    pub(crate) fn clipped(&self, [width, height]: [f32; 2]) -> Self {
+        let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
+        sides.into_iter().fold(*self, |outline, (normal, offset)| {
+            let mut kept = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
+            let mut keep = |point| {
+                if kept.count < Self::MOST {
+                    kept.corners[kept.count] = point;
+                    kept.count += 1;
+                }
+            };
+            for (from, to) in outline.edges() {
+                let [inside, next] = [from, to].map(|point| normal.dot(point) + offset);
+                if inside >= 0.0 {
+                    keep(from);
+                }
+                if (inside >= 0.0) != (next >= 0.0) {
+                    keep(from + (to - from) * (inside / (inside - next)));
+                }
+            }
+            kept
+        })
+    }
+
+    /// In pixels.
+    pub(crate) fn area(&self) -> f32 {
+        0.5 * self.edges().map(|(from, to)| from.perp_dot(to)).sum::<f32>().abs()
+    }
+
+    /// Whether a point is inside, with an allowance for rounding far below the margin's.
+    pub(crate) fn holds(&self, point: Vec2) -> bool {
+        const ALLOWED_PIXELS: f32 = 1.0 / 64.0;
+        self.count >= 3
+            && self.edges().all(|(from, to)| {
+                let edge = to - from;
+                edge.perp_dot(point - from) >= -ALLOWED_PIXELS * edge.length()
+            })
+    }
+}
+
+/// About how many pixels of `view` a box covers, at most all: its silhouette from the eye, as if all
+/// of it were as far away as its centre.
+pub(crate) fn covered_pixels(view: &View, bounds: &Aabb) -> f32 {
+    let [width, height] = view.size.map(|pixels| pixels as f32);
+    if bounds.distance_squared(view.eye) == 0.0 {
+        return width * height;
+    }
+    let sides = 2.0 * bounds.half_extent();
+    let towards = bounds.centre() - view.eye;
+    let distance = towards.length().max(view.near);
+    let along = towards.abs() / distance;
+    let area =
+        along.x * sides.y * sides.z + along.y * sides.z * sides.x + along.z * sides.x * sides.y;
+    let pixels_per_metre = height / (2.0 * view.tan_half[1] * distance);
+    let pixels = area * pixels_per_metre * pixels_per_metre;
+    if pixels.is_nan() { width * height } else { pixels.min(width * height) }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::geom::camera::Camera;
+
+    #[test]
+    fn a_box_before_the_eye_covers_its_face() {
+        let camera = Camera {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            fov_y: std::f32::consts::FRAC_PI_2,
+            near: 0.1,
+        };
+        let view = View::new(&camera, [200, 100], 8);
+        let at = |z: f32, half: f32| {
+            let centre = Vec3::new(0.0, 0.0, z);
+            covered_pixels(&view, &Aabb::new(centre - half, centre + half))
+        };
+        assert!((at(-10.0, 1.0) - 100.0).abs() < 1.0, "{}", at(-10.0, 1.0));
+        assert_eq!(at(-10.0, 1_000.0), 20_000.0);
+        assert_eq!(at(0.0, 1.0), 20_000.0);
+    }
+}

@@ -1,0 +1,225 @@
+//! A hierarchy that changes: objects move, go and come, and worn parts are rebuilt. The work is that
+//! of what changed, not of the scene.
+
+use super::super::journal::{Change, FREE_LEAF, Journal, NEW_LEAF, Restructured};
+use super::super::refit::{Nodes, refit};
+use super::super::topology::Topology;
+use super::super::wear::{LEAVES_OF_WHOLE, LEAVES_PER_UPDATE};
+use super::super::{Hierarchy, HierarchyError, build, occupancy, restructure};
+use crate::geom::bounds::Aabb;
+use crate::ids::{Generation, LeafRange, NodeId, ObjectId};
+
+/// What changes have cost so far, counted since the hierarchy was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HierarchyWork {
+    /// Leaves whose box was set.
+    pub placed_leaves: u64,
+    /// Inner nodes computed again because something below them moved, came or went.
+    pub refitted_nodes: u64,
+    /// Leaves in subtrees that were rebuilt.
+    pub rebuilt_leaves: u64,
+}
+
+impl Hierarchy {
+    /// Moves objects: sets their boxes and updates the boxes of their ancestors and no others.
+    ///
+    /// # Errors
+    /// [`HierarchyError::BadBox`] or [`HierarchyError::UnknownObject`] for the first object that
+    /// cannot be moved; those before it have been, and the hierarchy is consistent.
+    pub fn refit(
+        &mut self,
+        moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
+    ) -> Result<(), HierarchyError> {
+        let Self { topology, nodes, refit_scratch, worn, work, .. } = self;
+        let moved = moved.into_iter().inspect(|_| work.placed_leaves += 1);
+        let mut refitted = 0;
+        let outcome = refit(topology, nodes, refit_scratch, moved, |nodes, node| {
+            refitted += 1;
+            worn.consider(topology, nodes, node, LEAVES_PER_UPDATE);
+        });
+        work.refitted_nodes += refitted;
+        outcome
+    }
+
+    /// Takes an object out. Its leaf stays, with an [empty](Aabb::EMPTY) box, and so does its id,
+    /// until [`Hierarchy::insert`] gives both to another.
+    ///
+    /// # Errors
+    /// [`HierarchyError::UnknownObject`] if it is not there.
+    pub fn remove(&mut self, object: ObjectId) -> Result<(), HierarchyError> {
+        let node = occupancy::vacate(&self.topology, &mut self.nodes, object)?;
+        self.refit_above(node);
+        Ok(())
+    }
+
+    /// Puts an object in, in the free leaf where it fits best: one of an object that was removed, or that
+    /// was built with an empty box. Nothing of what the leaf held before is remembered of the new
+    /// object, in no view, and answers to questions about it are ignored.
+    ///
+    /// # Errors
+    /// [`HierarchyError::BadBox`]; [`HierarchyError::NoFreeLeaf`].
+    pub fn insert(&mut self, bounds: Aabb) -> Result<ObjectId, HierarchyError> {
+        let node = occupancy::occupy(&self.topology, &mut self.nodes, &mut self.search, bounds)?;
+        self.refit_above(node);
+        let generation = self.begin_generation();
+        self.births[node as usize] = generation;
+        self.note(generation, Change::Recycled(node));
+        let leaf = self.topology.nodes[node as usize].first_leaf;
+        let object = self.topology.leaf_objects[leaf as usize];
+        self.arrivals[object.0 as usize] = generation;
+        Ok(object)
+    }
+
+    /// How many objects can still be inserted.
+    #[must_use]
+    pub fn free_leaves(&self) -> usize {
+        self.nodes.free.first().map_or(0, |free| *free as usize)
+    }
+
+    /// Rebuilds what has become worn by moving, a bounded number of leaves at a time, the most
+    /// rewarding parts first; the whole only if it is worn as a whole and not large. Call it
+    /// once a frame, after what moved, came and went. Adds the ranges whose leaves are in another
+    /// order now to `reordered`.
+    ///
+    /// Objects keep their ids and cullers what they know of them.
+    pub fn restructure(&mut self, reordered: &mut Vec<LeafRange>) {
+        if self.is_worn() && self.topology.leaf_objects.len() <= LEAVES_OF_WHOLE as usize {
+            self.rebuild_below(0, reordered);
+            return;
+        }
+        let mut chosen = std::mem::take(&mut self.chosen);
+        self.worn.choose(&self.topology, &self.nodes, LEAVES_PER_UPDATE, &mut chosen);
+        for node in chosen.drain(..) {
+            // A rebuild above or below may have mended it.
+            if self.nodes.wear.excess(node, &self.nodes.bounds[node as usize]).is_some() {
+                self.rebuild_below(node, reordered);
+            }
+        }
+        self.chosen = chosen;
+    }
+
+    /// True if the hierarchy as a whole is worn, so that a [rebuild](Hierarchy::rebuild) is worth its
+    /// time. Up to some ten thousand objects [`Hierarchy::restructure`] does that by itself.
+    #[must_use]
+    pub fn is_worn(&self) -> bool {
+        let root = self.nodes.bounds.first();
+        root.is_some_and(|bounds| self.nodes.wear.excess(0, bounds).is_some())
+    }
+
+    /// Builds anew, for instance after objects were moved so far that the old shape is a bad one, or
+    /// to make room for more. Cullers notice by themselves and carry their history over by object:
+    /// an object keeps its id, or its history is that of the object that had the id before.
+    ///
+    /// # Errors
+    /// As [`Hierarchy::build`]; the hierarchy is then unchanged.
+    pub fn rebuild(&mut self, boxes: &[Aabb]) -> Result<Generation, HierarchyError> {
+        let topology = build::topology(boxes)?;
+        let moved_from = topology.leaf_objects.iter().map(|object| {
+            if boxes[object.0 as usize].is_empty() {
+                return FREE_LEAF;
+            }
+            let before = self.topology.object_nodes.get(object.0 as usize);
+            let before = before.filter(|node| self.nodes.free[**node as usize] == 0);
+            before.map_or(NEW_LEAF, |node| self.topology.nodes[*node as usize].first_leaf)
+        });
+        let leaf_counts = |topology: &Topology| {
+            topology.nodes.iter().map(|links| links.leaf_count).collect::<Vec<u32>>()
+        };
+        let change = Restructured {
+            root: 0,
+            before: leaf_counts(&self.topology),
+            after: leaf_counts(&topology),
+            moved_from: moved_from.collect(),
+        };
+        self.nodes = Nodes::new(&topology, boxes);
+        self.topology = topology;
+        self.worn = restructure::Worn::default();
+        self.refit_scratch = super::super::refit::Scratch::default();
+        self.work.rebuilt_leaves += boxes.len() as u64;
+        let generation = self.begin_generation();
+        self.births = vec![generation; self.topology.nodes.len()];
+        self.arrivals.resize(boxes.len(), generation);
+        let leaves = change.moved_from.iter().zip(&self.topology.leaf_objects);
+        for (_, object) in leaves.filter(|(moved_from, _)| **moved_from == NEW_LEAF) {
+            self.arrivals[object.0 as usize] = generation;
+        }
+        self.note(generation, Change::Restructured(Box::new(change)));
+        Ok(generation)
+    }
+
+    /// What changes have cost so far.
+    #[must_use]
+    pub fn work(&self) -> HierarchyWork {
+        self.work
+    }
+
+    /// True if a node stood for the same in `generation` as now: what was found out about it then
+    /// is about what it is now.
+    #[must_use]
+    pub fn is_same_since(&self, node: NodeId, generation: Generation) -> bool {
+        let born = self.births.get(node.0 as usize);
+        generation <= self.generation && born.is_some_and(|born| *born <= generation)
+    }
+
+    /// True if an object is there and was there in `generation`: what was found out about its id then
+    /// is about it and not about one that had the id before.
+    #[must_use]
+    pub fn is_same_object_since(&self, object: ObjectId, generation: Generation) -> bool {
+        let arrived = self.arrivals.get(object.0 as usize);
+        self.contains(object)
+            && generation <= self.generation
+            && arrived.is_some_and(|arrived| *arrived <= generation)
+    }
+
+    pub(crate) fn journal(&self) -> &Journal {
+        &self.journal
+    }
+
+    fn refit_above(&mut self, leaf: u32) {
+        let Self { topology, nodes, worn, work, .. } = self;
+        work.placed_leaves += 1;
+        occupancy::refit_above(topology, nodes, leaf, |nodes, node| {
+            work.refitted_nodes += 1;
+            worn.consider(topology, nodes, node, LEAVES_PER_UPDATE);
+        });
+    }
+
+    fn rebuild_below(&mut self, root: u32, reordered: &mut Vec<LeafRange>) {
+        let leaves = self.leaves(NodeId(root));
+        let rebuilt = restructure::rebuild_subtree(&mut self.topology, &mut self.nodes, root);
+        // The boxes of a hierarchy were checked when they came in: they cannot be refused now.
+        let Ok(change) = rebuilt else {
+            return;
+        };
+        self.work.rebuilt_leaves += u64::from(leaves.count);
+        let generation = self.begin_generation();
+        let end = root as usize + change.after.len();
+        if let Some(births) = self.births.get_mut(root as usize..end) {
+            births.fill(generation);
+        }
+        self.note(generation, Change::Restructured(Box::new(change)));
+        reordered.push(leaves);
+    }
+
+    /// Numbers a change. After 2^32 of them the past begins anew: nobody's knowledge and no answer
+    /// is older than that.
+    fn begin_generation(&mut self) -> Generation {
+        match self.generation.0.checked_add(1) {
+            Some(next) => self.generation = Generation(next),
+            None => {
+                self.generation = Generation(1);
+                self.births.fill(self.generation);
+                self.arrivals.fill(self.generation);
+                self.journal.clear();
+            }
+        }
+        self.generation
+    }
+
+    fn note(&mut self, generation: Generation, change: Change) {
+        // As much as a few full rebuilds are: enough for views that pause for a while.
+        const WORDS_MIN: usize = 1 << 14;
+        let most_words = WORDS_MIN.max(8 * self.topology.nodes.len());
+        self.journal.push(generation, change, most_words);
+    }
+}

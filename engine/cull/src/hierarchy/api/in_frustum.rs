@@ -1,0 +1,43 @@
+//! Counts the objects of a hierarchy, all of them and those in a frustum, for statistics.
+
+use super::super::Hierarchy;
+use crate::geom::frustum::{Containment, PlaneMask};
+use crate::geom::view::View;
+
+impl Hierarchy {
+    /// Returns the number of objects; free leaves are none.
+    #[must_use]
+    pub fn object_count(&self) -> u32 {
+        self.topology.nodes.first().map_or(0, |root| root.leaf_count) - self.free_below(0)
+    }
+
+    /// Counts the objects whose box meets the view's frustum: exactly those that
+    /// [`Strategy::Frustum`](crate::Strategy::Frustum) draws.
+    ///
+    /// Descends only into nodes that cross a plane of the frustum, so the cost grows with the
+    /// frustum's surface and not with what lies inside of it or outside. Allocates nothing.
+    #[must_use]
+    pub fn objects_in_frustum(&self, view: &View) -> u32 {
+        let mut count = 0;
+        let mut node = 0;
+        // In pre-order the node after a subtree is the next that is not below it.
+        while let Some((links, bounds)) =
+            self.topology.nodes.get(node as usize).zip(self.nodes.bounds.get(node as usize))
+        {
+            let (containment, _) = view.frustum.classify(bounds, PlaneMask::ALL);
+            node = match containment {
+                Containment::Intersects if !links.is_leaf() => node + 1,
+                Containment::Outside => links.end(node),
+                Containment::Intersects | Containment::Inside => {
+                    count += links.leaf_count - self.free_below(node);
+                    links.end(node)
+                }
+            };
+        }
+        count
+    }
+
+    fn free_below(&self, node: u32) -> u32 {
+        self.nodes.free.get(node as usize).copied().unwrap_or(0)
+    }
+}

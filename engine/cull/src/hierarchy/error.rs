@@ -1,0 +1,70 @@
+//! What a hierarchy refuses, and its limits.
+
+use thiserror::Error;
+
+use crate::geom::bounds::Aabb;
+use crate::ids::ObjectId;
+
+/// Objects that one hierarchy can hold: its node ids stay below 2^31.
+pub const MAX_OBJECTS: usize = 1 << 30;
+
+/// Memory that building a hierarchy takes for each object, at its peak (bytes).
+pub const BUILD_BYTES_PER_OBJECT: usize = 288;
+
+/// Why a hierarchy cannot be built or refitted.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum HierarchyError {
+    /// A box has a coordinate that is infinite, no number, or beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE), or its
+    /// minimum lies above its maximum.
+    #[error(
+        "object {} has no usable bounding box ({} to {}): \
+         check its mesh and its transform for infinities and NaN", object.0, bounds.min, bounds.max
+    )]
+    BadBox {
+        /// The object.
+        object: ObjectId,
+        /// Its box as it was given.
+        bounds: Aabb,
+    },
+    /// More objects than [`MAX_OBJECTS`].
+    #[error("{count} objects are more than one hierarchy holds ({MAX_OBJECTS}): split the scene")]
+    TooMany {
+        /// How many there were.
+        count: usize,
+    },
+    /// Less memory can be had than building a hierarchy takes.
+    #[error(
+        "there is no memory to cull {count} objects (about {} MiB): use fewer, or end other programs",
+        (count * BUILD_BYTES_PER_OBJECT) >> 20
+    )]
+    NoMemory {
+        /// How many there were.
+        count: usize,
+    },
+    /// An object that the hierarchy was not built with, or that was removed.
+    #[error(
+        "object {} is not in the hierarchy: insert it, or rebuild the hierarchy with it", object.0
+    )]
+    UnknownObject {
+        /// The object.
+        object: ObjectId,
+    },
+    /// There is an object in every leaf.
+    #[error(
+        "the hierarchy has no free leaf: remove an object first, or build it with empty boxes as \
+         room for more"
+    )]
+    NoFreeLeaf,
+}
+
+/// Whether a box can be part of a hierarchy.
+pub(super) fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
+    if bounds.is_usable() {
+        return Ok(());
+    }
+    Err(HierarchyError::BadBox {
+        object: ObjectId(u32::try_from(object).unwrap_or(u32::MAX)),
+        bounds: *bounds,
+    })
+}

@@ -1,0 +1,113 @@
+//! What is in the frustum from front to back, for methods with a traversal of their own.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::geom::bounds::Aabb;
+use crate::geom::frustum::{Containment, PlaneMask};
+use crate::geom::view::View;
+use crate::hierarchy::Hierarchy;
+use crate::ids::{LeafIndex, NodeId};
+
+/// A scene as one view sees it.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight<'a> {
+    pub(crate) hierarchy: &'a Hierarchy,
+    pub(crate) view: &'a View,
+}
+
+/// A node in the frustum. In the order of distance, then of ids.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct InSight {
+    /// The squared distance: floats that are not negative sort like their bits.
+    distance_bits: u32,
+    pub(crate) node: NodeId,
+    pub(crate) mask: PlaneMask,
+}
+
+impl InSight {
+    /// From the eye to the node's box (metres).
+    pub(crate) fn distance(&self) -> f32 {
+        f32::from_bits(self.distance_bits).sqrt()
+    }
+}
+
+impl<'a> Sight<'a> {
+    /// The node, if some of it may be in the frustum; `mask` is that of the node above.
+    pub(crate) fn look(&self, node: NodeId, mask: PlaneMask) -> Option<InSight> {
+        let bounds = self.hierarchy.bounds(node);
+        let (containment, mask) = self.view.frustum.classify(&bounds, mask);
+        let distance_bits = bounds.distance_squared(self.view.eye).to_bits();
+        (containment != Containment::Outside).then_some(InSight { distance_bits, node, mask })
+    }
+
+    /// The root, if it is in sight.
+    pub(crate) fn root(&self) -> Option<InSight> {
+        self.look(self.hierarchy.root()?, PlaneMask::ALL)
+    }
+
+    /// The children that are in sight, the nearer first; `None` for a leaf.
+    pub(crate) fn children(
+        &self,
+        above: &InSight,
+    ) -> Option<impl Iterator<Item = InSight> + use<'a>> {
+        let children = self.hierarchy.children(above.node)?;
+        let mut seen = children.map(|child| self.look(child, above.mask));
+        if let [Some(left), Some(right)] = &seen
+            && right < left
+        {
+            seen.reverse();
+        }
+        Some(seen.into_iter().flatten())
+    }
+
+    /// The box to test in place of a node; `None` where it must count as visible.
+    pub(crate) fn proxy(&self, node: NodeId) -> Option<Aabb> {
+        self.view.margin.proxy(&self.hierarchy.bounds(node))
+    }
+
+    pub(crate) fn is_leaf(&self, node: NodeId) -> bool {
+        self.hierarchy.children(node).is_none()
+    }
+
+    /// The leaf that a leaf's node is.
+    pub(crate) fn leaf(&self, node: NodeId) -> LeafIndex {
+        self.hierarchy.leaves(node).first
+    }
+
+    /// Fills `leaves` with the nodes of all leaves in sight, the nearest first. Answers how many
+    /// nodes that took.
+    pub(crate) fn leaves(&self, leaves: &mut Vec<InSight>) -> u32 {
+        leaves.clear();
+        let mut visited = 0;
+        let mut stack: Vec<InSight> = self.root().into_iter().collect();
+        while let Some(node) = stack.pop() {
+            visited += 1;
+            match self.children(&node) {
+                Some(children) => stack.extend(children),
+                None => leaves.push(node),
+            }
+        }
+        leaves.sort_unstable();
+        visited
+    }
+}
+
+/// Nodes that wait for their turn, the nearest first ("Hardware Occlusion Queries Made Useful",
+/// 6.5.7).
+#[derive(Debug, Default)]
+pub(crate) struct NearestFirst(BinaryHeap<Reverse<InSight>>);
+
+impl NearestFirst {
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+
+    pub(crate) fn extend(&mut self, nodes: impl IntoIterator<Item = InSight>) {
+        self.0.extend(nodes.into_iter().map(Reverse));
+    }
+
+    pub(crate) fn pop(&mut self) -> Option<InSight> {
+        self.0.pop().map(|Reverse(node)| node)
+    }
+}

@@ -1,0 +1,152 @@
+//! The bounding-volume hierarchy: nodes in depth-first pre-order, one object a leaf, every subtree
+//! one contiguous range of leaves.
+
+mod api;
+mod build;
+mod error;
+pub(crate) mod front_to_back;
+mod journal;
+mod occupancy;
+mod refit;
+mod restructure;
+mod topology;
+mod wear;
+
+use crate::geom::bounds::Aabb;
+use crate::ids::{Generation, LeafIndex, LeafRange, NodeId, ObjectId};
+pub use api::changes::HierarchyWork;
+pub use error::{BUILD_BYTES_PER_OBJECT, HierarchyError, MAX_OBJECTS};
+pub(crate) use journal::{Change, FREE_LEAF, NEW_LEAF, Restructured};
+pub(crate) use topology::{NO_NODE, Topology};
+
+/// A bounding-volume hierarchy over the boxes of objects.
+///
+/// An object whose box is [`Aabb::EMPTY`] is none: its leaf is free, room for one that is
+/// [inserted](Hierarchy::insert) later.
+///
+/// Ids of nodes that are not in the hierarchy are answered as if the node were empty; no accessor
+/// panics.
+#[derive(Clone, Debug)]
+pub struct Hierarchy {
+    pub(crate) topology: Topology,
+    nodes: refit::Nodes,
+    generation: Generation,
+    /// Since which generation each node is what it is.
+    births: Vec<Generation>,
+    /// Since which generation each id is that of the object it is, by object.
+    arrivals: Vec<Generation>,
+    journal: journal::Journal,
+    worn: restructure::Worn,
+    refit_scratch: refit::Scratch,
+    search: occupancy::Search,
+    /// Subtrees to rebuild; kept to allocate nothing.
+    chosen: Vec<u32>,
+    work: HierarchyWork,
+}
+
+impl Hierarchy {
+    /// Builds the hierarchy of `boxes`; the position of a box is its object's id.
+    ///
+    /// # Errors
+    /// [`HierarchyError::BadBox`] names the first object whose box is unusable;
+    /// [`HierarchyError::TooMany`]; [`HierarchyError::NoMemory`].
+    pub fn build(boxes: &[Aabb]) -> Result<Self, HierarchyError> {
+        let topology = build::topology(boxes)?;
+        let nodes = refit::Nodes::new(&topology, boxes);
+        let generation = Generation(0);
+        Ok(Self {
+            births: vec![generation; topology.nodes.len()],
+            arrivals: vec![generation; topology.leaf_objects.len()],
+            topology,
+            nodes,
+            generation,
+            journal: journal::Journal::default(),
+            worn: restructure::Worn::default(),
+            refit_scratch: refit::Scratch::default(),
+            search: occupancy::Search::default(),
+            chosen: Vec::new(),
+            work: HierarchyWork::default(),
+        })
+    }
+
+    /// How often some node came to stand for something else.
+    #[must_use]
+    pub fn generation(&self) -> Generation {
+        self.generation
+    }
+
+    /// The node above all others; `None` if there are no objects.
+    #[must_use]
+    pub fn root(&self) -> Option<NodeId> {
+        (!self.nodes.bounds.is_empty()).then_some(NodeId(0))
+    }
+
+    /// How many nodes there are: twice the objects less one.
+    #[must_use]
+    pub fn node_count(&self) -> usize {
+        self.nodes.bounds.len()
+    }
+
+    /// The object of each leaf, in depth-first order; the id that is free where the leaf is.
+    #[must_use]
+    pub fn leaf_objects(&self) -> &[ObjectId] {
+        &self.topology.leaf_objects
+    }
+
+    /// Where an object's leaf stands in depth-first order.
+    #[must_use]
+    pub fn leaf_of(&self, object: ObjectId) -> Option<LeafIndex> {
+        let node = *self.topology.object_nodes.get(object.0 as usize)?;
+        Some(self.leaves(NodeId(node)).first)
+    }
+
+    /// True if an object is there.
+    #[must_use]
+    pub fn contains(&self, object: ObjectId) -> bool {
+        refit::occupied(&self.topology, &self.nodes, object).is_ok()
+    }
+
+    /// The node of an object's leaf.
+    #[must_use]
+    pub fn node_of(&self, object: ObjectId) -> Option<NodeId> {
+        self.topology.object_nodes.get(object.0 as usize).map(|node| NodeId(*node))
+    }
+
+    /// The box around everything under a node; [`Aabb::EMPTY`] if there is nothing, or for a foreign
+    /// id.
+    #[must_use]
+    pub fn bounds(&self, node: NodeId) -> Aabb {
+        self.nodes.bounds.get(node.0 as usize).copied().unwrap_or(Aabb::EMPTY)
+    }
+
+    /// The leaves under a node; none for a foreign id.
+    #[must_use]
+    pub fn leaves(&self, node: NodeId) -> LeafRange {
+        match self.topology.nodes.get(node.0 as usize) {
+            Some(links) => {
+                LeafRange { first: LeafIndex(links.first_leaf), count: links.leaf_count }
+            }
+            None => LeafRange { first: LeafIndex(0), count: 0 },
+        }
+    }
+
+    /// The two children of an inner node; `None` for a leaf or a foreign id.
+    #[must_use]
+    pub fn children(&self, node: NodeId) -> Option<[NodeId; 2]> {
+        let links = self.topology.nodes.get(node.0 as usize)?;
+        (links.leaf_count > 1).then(|| links.children(node.0).map(NodeId))
+    }
+
+    /// The node above; `None` for the root or a foreign id.
+    #[must_use]
+    pub fn parent(&self, node: NodeId) -> Option<NodeId> {
+        let links = self.topology.nodes.get(node.0 as usize)?;
+        (links.parent != NO_NODE).then_some(NodeId(links.parent))
+    }
+
+    /// How many nodes lie above; 0 for the root or a foreign id.
+    #[must_use]
+    pub fn level(&self, node: NodeId) -> u32 {
+        self.topology.nodes.get(node.0 as usize).map_or(0, |links| links.level)
+    }
+}

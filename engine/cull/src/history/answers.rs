@@ -1,0 +1,283 @@
+//! How an answer changes the history: visibility is pulled up to the ancestors of what showed and
+//! pulled down to the parts of a node that did ("Hardware Occlusion Queries Made Useful", 6.4).
+//!
+//! Where the literature also pulls hidden children up to a hidden parent, the parent is probed
+//! first: its box shows in many places where the boxes of its children do not, and a parent that is
+//! merged on trust would then be drawn whole.
+
+use crate::hierarchy::{NO_NODE, Topology};
+use crate::history::record::{NodeState, Record, Stamp};
+use crate::history::records::{History, retest_interval};
+use crate::plan::frame_plan::QueryKind;
+use crate::plan::policy::Policy;
+use crate::rng::SplitMix64;
+
+/// Takes one answer.
+pub(crate) struct Ingest<'a> {
+    pub(crate) history: &'a mut History,
+    pub(crate) topology: &'a Topology,
+    pub(crate) policy: &'a Policy,
+    pub(crate) rng: &'a mut SplitMix64,
+    /// The frame planned last.
+    pub(crate) now: Stamp,
+    /// The frame that asked.
+    pub(crate) asked: Stamp,
+}
+
+impl Ingest<'_> {
+    pub(crate) fn apply(&mut self, node: u32, kind: QueryKind, samples: u32) {
+        let Some(record) = self.history.record_mut(node) else {
+            return;
+        };
+        // The answer for a part refines that for its node, which came first.
+        let is_old = match kind {
+            QueryKind::Part => record.answered > self.asked,
+            _ => record.answered >= self.asked,
+        };
+        if is_old {
+            return;
+        }
+        record.answered = self.asked;
+        // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place of
+        // its test are asked about and not visited. Then, not now: what comes home very late is stale.
+        record.visited = record.visited.max(self.asked);
+        match (kind, samples) {
+            (QueryKind::Part, 0) => {}
+            (QueryKind::Part, _) => self.leaf_showed(node),
+            (QueryKind::Parts, 0) => self.proxy_hidden(node),
+            (QueryKind::Parts, _) => self.parts_showed(node),
+            (QueryKind::Proxy, 0) => self.proxy_hidden(node),
+            (QueryKind::Proxy, _) if self.is_leaf(node) => self.leaf_showed(node),
+            (QueryKind::Proxy, _) => self.inner_showed(node),
+            (QueryKind::Probe, 0) => self.merge(node),
+            (QueryKind::Probe, _) => self.probe_failed(node),
+            (QueryKind::OwnDraw | QueryKind::OwnBox, 0) => self.set_hidden(node),
+            (QueryKind::OwnBox, _) => self.own_box_showed(node),
+            (QueryKind::OwnDraw, _) => self.own_draw_showed(node),
+        }
+    }
+
+    fn is_leaf(&self, node: u32) -> bool {
+        self.topology.nodes[node as usize].is_leaf()
+    }
+
+    /// For nodes that are known to exist.
+    fn update(&mut self, node: u32, change: impl FnOnce(&mut Record)) {
+        if let Some(record) = self.history.record_mut(node) {
+            change(record);
+        }
+    }
+
+    fn proxy_hidden(&mut self, node: u32) {
+        let record = self.history.record(node);
+        let is_open = record.state == NodeState::Visible && record.due > self.now;
+        // A test that was under way when its node was opened: the parts answer for themselves now.
+        if is_open && !self.is_leaf(node) {
+            return;
+        }
+        self.set_hidden(node);
+    }
+
+    fn set_hidden(&mut self, node: u32) {
+        let asked = self.asked;
+        self.update(node, |record| {
+            if record.state != NodeState::Hidden {
+                record.state = NodeState::Hidden;
+                record.since = asked;
+            }
+            record.streak = 0;
+        });
+    }
+
+    fn leaf_showed(&mut self, node: u32) {
+        let mut record = self.history.record(node);
+        if record.state != NodeState::Visible {
+            let was_brief = record.state == NodeState::Hidden
+                && self.asked.since(record.since) <= self.policy.flip_frames;
+            // Hidden as of the same answer is no past: that of a part's node came just before.
+            if record.since != self.asked {
+                record.flips = if was_brief { record.flips.saturating_add(1) } else { 0 };
+            }
+            record.state = NodeState::Visible;
+            record.since = self.asked;
+            record.streak = 0;
+            record.due = self.now.plus(retest_interval(&record, self.policy, self.rng));
+            self.update(node, |slot| *slot = record);
+        }
+        self.pull_up(node);
+    }
+
+    /// Says little: the box may show where its leaf does not. In the end the leaf's own draw is asked.
+    fn own_box_showed(&mut self, node: u32) {
+        self.update(node, |record| record.streak = record.streak.saturating_add(1));
+    }
+
+    fn own_draw_showed(&mut self, node: u32) {
+        let mut record = self.history.record(node);
+        if record.state != NodeState::Visible {
+            record.state = NodeState::Visible;
+            record.since = self.asked;
+            record.streak = 0;
+        }
+        record.flips = 0;
+        record.streak = record.streak.saturating_add(1);
+        record.due = self.now.plus(retest_interval(&record, self.policy, self.rng));
+        self.update(node, |slot| *slot = record);
+        self.pull_up(node);
+    }
+
+    fn inner_showed(&mut self, node: u32) {
+        let record = self.history.record(node);
+        if record.state != NodeState::Visible || record.due <= self.now {
+            self.open(node);
+        }
+        self.pull_up(node);
+    }
+
+    /// A node showed, and so did those of its leaves that are told about next: all others did not.
+    fn parts_showed(&mut self, top: u32) {
+        let failures = self.failures_of(top);
+        let end = self.topology.nodes[top as usize].end(top);
+        for node in top..end {
+            let asked = self.asked;
+            self.update(node, |record| {
+                if record.answered < asked {
+                    if record.state != NodeState::Hidden {
+                        record.state = NodeState::Hidden;
+                        record.since = asked;
+                    }
+                    record.streak = 0;
+                }
+                // The GPU was here, if not the traversal.
+                record.visited = record.visited.max(asked);
+            });
+        }
+        let due = self.open_until(failures);
+        let asked = self.asked;
+        self.update(top, |record| {
+            if record.state != NodeState::Visible {
+                record.state = NodeState::Visible;
+                record.since = asked;
+            }
+            record.due = due;
+            record.streak = failures;
+        });
+        self.pull_up(top);
+    }
+
+    /// How often a node that shows was tested as one in vain: its box may show in many places where
+    /// those of its parts, all hidden, do not.
+    fn failures_of(&self, node: u32) -> u8 {
+        if self.is_leaf(node) {
+            return 0;
+        }
+        let children = self.topology.nodes[node as usize].children(node);
+        let is_hidden = |child| self.history.record(child).state == NodeState::Hidden;
+        match children.into_iter().all(is_hidden) {
+            true => self.history.record(node).streak.saturating_add(1),
+            false => 0,
+        }
+    }
+
+    /// Opens a node that showed and some levels below it, so that small parts are tested next. Of
+    /// those parts nothing is taken as visible: what is known of them is from before.
+    fn open(&mut self, top: u32) {
+        let top_level = self.topology.nodes[top as usize].level;
+        let mut node = top;
+        let end = self.topology.nodes[top as usize].end(top);
+        while node < end {
+            let links = self.topology.nodes[node as usize];
+            let depth = links.level - top_level;
+            let is_opened = !links.is_leaf()
+                && (depth < self.policy.open_levels
+                    || (depth < self.policy.open_levels_max
+                        && links.leaf_count > self.policy.open_leaves));
+            if is_opened {
+                let asked = self.asked;
+                let due = self.open_until(0);
+                self.update(node, |record| {
+                    record.state = NodeState::Visible;
+                    record.since = asked;
+                    record.due = due;
+                    record.streak = 0;
+                });
+                node += 1;
+                continue;
+            }
+            let asked = self.asked;
+            self.update(node, |record| {
+                if record.state == NodeState::Visible && record.answered < asked {
+                    record.state = NodeState::Unknown;
+                }
+            });
+            node = links.end(node);
+        }
+    }
+
+    fn open_until(&mut self, failures: u8) -> Stamp {
+        let exponent = u32::from(failures).min(self.policy.probe_backoff).min(16);
+        let frames = self.policy.open_frames.saturating_mul(1 << exponent);
+        let jitter = self.rng.between(0, self.policy.open_jitter);
+        self.now.plus(frames.saturating_add(jitter))
+    }
+
+    /// The whole of an opened node did not show, as did none of its parts: from now on one query
+    /// is enough.
+    fn merge(&mut self, node: u32) {
+        if self.is_leaf(node) {
+            return;
+        }
+        let children = self.topology.nodes[node as usize].children(node);
+        let since = children
+            .map(|child| self.history.record(child))
+            .iter()
+            .filter(|child| child.state == NodeState::Hidden)
+            .map(|child| child.since)
+            .max()
+            .unwrap_or(self.asked);
+        self.update(node, |record| {
+            if record.state != NodeState::Hidden {
+                record.state = NodeState::Hidden;
+                record.since = since;
+            }
+            record.streak = 0;
+        });
+    }
+
+    fn probe_failed(&mut self, node: u32) {
+        let failures = self.history.record(node).streak;
+        let due = self.open_until(failures);
+        self.update(node, |record| {
+            record.due = due;
+            record.streak = failures.saturating_add(1);
+        });
+    }
+
+    /// Something below showed, so the ancestors are visible, unless they know better from a later
+    /// frame. Stops at the first that has been told.
+    fn pull_up(&mut self, node: u32) {
+        let mut parent = self.topology.nodes[node as usize].parent;
+        while parent != NO_NODE {
+            let record = self.history.record(parent);
+            let is_told = record.state == NodeState::Visible && record.answered >= self.asked;
+            let knows_better = record.state == NodeState::Hidden && record.answered > self.asked;
+            if is_told || knows_better {
+                return;
+            }
+            let due =
+                if record.state == NodeState::Visible { record.due } else { self.open_until(0) };
+            let asked = self.asked;
+            self.update(parent, |record| {
+                if record.state != NodeState::Visible {
+                    record.state = NodeState::Visible;
+                    record.since = asked;
+                    record.streak = 0;
+                }
+                record.answered = record.answered.max(asked);
+                record.visited = record.visited.max(asked);
+                record.due = due;
+            });
+            parent = self.topology.nodes[parent as usize].parent;
+        }
+    }
+}

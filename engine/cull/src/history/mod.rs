@@ -1,0 +1,5 @@
+//! What is remembered of each node, and how answers change it.
+
+pub(crate) mod answers;
+pub(crate) mod record;
+pub(crate) mod records;

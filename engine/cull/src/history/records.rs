@@ -1,0 +1,280 @@
+//! The records of all nodes, and how they follow a hierarchy that changes.
+
+use std::sync::Arc;
+
+use crate::geom::frustum::Containment;
+use crate::hierarchy::{Change, FREE_LEAF, Hierarchy, NEW_LEAF, Restructured, Topology};
+use crate::history::record::{Doubt, NodeState, Record, Stamp};
+use crate::ids::Generation;
+use crate::plan::policy::Policy;
+use crate::rng::SplitMix64;
+
+/// One record a node, as the nodes were in the generation that is kept here.
+#[derive(Debug)]
+pub(crate) struct History {
+    records: Vec<Record>,
+    generation: Generation,
+    /// Which hierarchy it is about.
+    identity: Option<Arc<()>>,
+    /// Records of the leaves of a part that is carried over.
+    leaves: Vec<Record>,
+    /// Records of its nodes; none where there are only free leaves.
+    carried: Vec<Option<Record>>,
+}
+
+impl Default for History {
+    fn default() -> Self {
+        Self {
+            records: Vec::new(),
+            generation: Generation(0),
+            identity: None,
+            leaves: Vec::new(),
+            carried: Vec::new(),
+        }
+    }
+}
+
+impl History {
+    /// What is remembered of a node; nothing of a foreign one.
+    pub(crate) fn record(&self, node: u32) -> Record {
+        self.records.get(node as usize).copied().unwrap_or_default()
+    }
+
+    pub(crate) fn record_mut(&mut self, node: u32) -> Option<&mut Record> {
+        self.records.get_mut(node as usize)
+    }
+
+    pub(crate) fn forget(&mut self) {
+        self.records.fill(Record::default());
+    }
+
+    pub(crate) fn visit(&mut self, node: u32, now: Stamp) {
+        if let Some(record) = self.record_mut(node) {
+            record.visited = now;
+        }
+    }
+
+    /// A leaf is drawn under a query: the next is due after its interval, even if no answer comes.
+    pub(crate) fn asked_own_draw(
+        &mut self,
+        node: u32,
+        now: Stamp,
+        policy: &Policy,
+        rng: &mut SplitMix64,
+    ) {
+        if let Some(record) = self.record_mut(node) {
+            record.due = now.plus(retest_interval(record, policy, rng));
+        }
+    }
+
+    /// A leaf below `top` is drawn without a test although nothing is known of it: it counts as
+    /// visible until its own draw is tested, and what is above it up to `top` as open.
+    pub(crate) fn assume_visible(
+        &mut self,
+        topology: &Topology,
+        leaf: u32,
+        top: u32,
+        now: Stamp,
+        due: Stamp,
+        policy: &Policy,
+    ) {
+        // Long streaks make for long intervals, and this one makes the next test one of its own draw.
+        let streak = policy.own_box_streak.saturating_add(1).min(u8::MAX.into()) as u8;
+        if let Some(record) = self.record_mut(leaf) {
+            if record.state != NodeState::Hidden {
+                record.state = NodeState::Visible;
+                record.doubt = Doubt::Assumed;
+                record.since = now;
+                record.streak = streak;
+                record.due = due;
+            }
+            record.visited = now;
+        }
+        let mut node = leaf;
+        while node != top {
+            let Some(links) = topology.nodes.get(node as usize) else { return };
+            node = links.parent;
+            let Some(record) = self.record_mut(node) else { return };
+            if record.state == NodeState::Visible && record.visited == now {
+                return;
+            }
+            record.state = NodeState::Visible;
+            record.since = now;
+            record.visited = now;
+            record.streak = 0;
+            record.due = due;
+        }
+    }
+
+    /// Notes what the answer to the test of a leaf by itself will say.
+    pub(crate) fn doubt(&mut self, node: u32, containment: Containment) {
+        if let Some(record) = self.record_mut(node) {
+            record.doubt = match (containment, record.doubt) {
+                (Containment::Inside, Doubt::Assumed) => Doubt::Assumed,
+                (Containment::Inside, _) => Doubt::None,
+                _ => Doubt::Edge,
+            };
+        }
+    }
+
+    /// An answer came for a leaf that had been drawn without a test.
+    pub(crate) fn answered_assumed(&mut self, node: u32) {
+        if let Some(record) = self.record_mut(node) {
+            record.doubt = Doubt::None;
+        }
+    }
+
+    /// A node is probed: not again before the answer had time to come.
+    pub(crate) fn asked_probe(&mut self, node: u32, now: Stamp, policy: &Policy) {
+        if let Some(record) = self.record_mut(node) {
+            record.due = now.plus(policy.probe_retry);
+        }
+    }
+
+    /// An open node is tested as one from now on: it counts as hidden for as long as its parts, until
+    /// the answer comes.
+    pub(crate) fn closed(&mut self, topology: &Topology, node: u32) {
+        let Some(links) = topology.nodes.get(node as usize) else {
+            return;
+        };
+        if links.is_leaf() || self.record(node).state != NodeState::Visible {
+            return;
+        }
+        let parts = links.children(node).map(|child| self.record(child).since);
+        let since = parts.into_iter().max().unwrap_or(Stamp::NEVER);
+        if let Some(record) = self.record_mut(node) {
+            record.state = NodeState::Hidden;
+            record.since = since;
+        }
+    }
+
+    /// A node is tested by itself that was hidden with another above it until now.
+    pub(crate) fn inherit(&mut self, node: u32, since: Stamp) {
+        if let Some(record) = self.record_mut(node) {
+            record.state = NodeState::Hidden;
+            record.since = since;
+            record.streak = 0;
+        }
+    }
+
+    /// Follows the hierarchy to its present generation. Objects keep what was known of them; a new
+    /// inner node is hidden if all below it is, and visible if something is. Of another hierarchy,
+    /// and of one that is too far ahead, nothing is known.
+    pub(crate) fn adopt(&mut self, hierarchy: &Hierarchy) {
+        let (journal, generation) = (hierarchy.journal(), hierarchy.generation());
+        let is_same = self.identity.as_ref().is_some_and(|i| Arc::ptr_eq(i, journal.identity()));
+        if is_same && self.generation == generation {
+            return;
+        }
+        let is_ahead = self.generation > generation;
+        match journal.since(self.generation).filter(|_| is_same && !is_ahead) {
+            Some(changes) => changes.for_each(|change| self.follow(change)),
+            None => self.records.clear(),
+        }
+        if self.records.len() != hierarchy.node_count() {
+            self.records.clear();
+            self.records.resize(hierarchy.node_count(), Record::default());
+        }
+        self.generation = generation;
+        if !is_same {
+            self.identity = Some(Arc::clone(journal.identity()));
+        }
+    }
+
+    fn follow(&mut self, change: &Change) {
+        match change {
+            Change::Recycled(node) => {
+                if let Some(record) = self.record_mut(*node) {
+                    *record = Record::default();
+                }
+            }
+            Change::Restructured(change) => self.carry_over(change),
+        }
+    }
+
+    /// Deals the records of a subtree out to the nodes that take its place.
+    fn carry_over(&mut self, change: &Restructured) {
+        self.collect_leaves(change);
+        let Self { records, leaves, carried, .. } = self;
+        carried.clear();
+        carried.resize(change.after.len(), None);
+        // Children follow their parents.
+        let mut moved_from = change.moved_from.iter().rev();
+        for (node, leaf_count) in change.after.iter().enumerate().rev() {
+            carried[node] = if *leaf_count == 1 {
+                match moved_from.next() {
+                    Some(&FREE_LEAF) => None,
+                    Some(&NEW_LEAF) | None => Some(Record::default()),
+                    Some(&leaf) => Some(leaves.get(leaf as usize).copied().unwrap_or_default()),
+                }
+            } else {
+                let left = carried.get(node + 1).copied().flatten();
+                let beside = change.after.get(node + 1).map_or(0, |leaves| 2 * *leaves as usize);
+                let right = carried.get(node + beside).copied().flatten();
+                match (left, right) {
+                    (Some(left), Some(right)) => Some(above(&left, &right)),
+                    (one, other) => one.or(other),
+                }
+            };
+        }
+        let carried = carried.iter().map(|record| record.unwrap_or_default());
+        if change.before.len() == change.after.len() {
+            let places = records.iter_mut().skip(change.root as usize);
+            places.zip(carried).for_each(|(place, record)| *place = record);
+        } else {
+            records.clear();
+            records.extend(carried);
+        }
+    }
+
+    /// What was known of each leaf of a subtree before it changed: the record of the topmost hidden
+    /// node that it was under, since nothing below such a node is kept up to date, or else its own.
+    fn collect_leaves(&mut self, change: &Restructured) {
+        self.leaves.clear();
+        let mut node = 0;
+        while let Some(leaf_count) = change.before.get(node) {
+            let record = self.record(change.root + node as u32);
+            if *leaf_count > 1 && record.state != NodeState::Hidden {
+                node += 1;
+                continue;
+            }
+            let leaves = *leaf_count as usize;
+            self.leaves.resize(self.leaves.len() + leaves, record);
+            node += 2 * leaves - 1;
+        }
+    }
+}
+
+/// The record of a node that is new above two others.
+fn above(left: &Record, right: &Record) -> Record {
+    let state = match (left.state, right.state) {
+        (NodeState::Hidden, NodeState::Hidden) => NodeState::Hidden,
+        (NodeState::Visible, _) | (_, NodeState::Visible) => NodeState::Visible,
+        _ => NodeState::Unknown,
+    };
+    Record {
+        state,
+        streak: 0,
+        flips: 0,
+        doubt: Doubt::None,
+        since: left.since.max(right.since),
+        visited: match state {
+            NodeState::Visible => left.visited.max(right.visited),
+            NodeState::Hidden | NodeState::Unknown => left.visited.min(right.visited),
+        },
+        answered: left.answered.max(right.answered),
+        due: left.due.max(right.due),
+    }
+}
+
+/// Frames until a visible leaf's own draw is tested again: longer the longer it has been visible,
+/// and much longer where its proxy promised too much; the upper half of the range at random.
+pub(crate) fn retest_interval(record: &Record, policy: &Policy, rng: &mut SplitMix64) -> u32 {
+    let doubled = |exponent: u8| {
+        policy.retest_first.saturating_mul(1_u32.checked_shl(exponent.into()).unwrap_or(u32::MAX))
+    };
+    let calm = doubled(record.streak).min(policy.retest_max);
+    let flipping = doubled(record.flips).min(policy.flip_retest_max);
+    let interval = calm.max(flipping).max(1);
+    rng.between(interval.div_ceil(2), interval)
+}

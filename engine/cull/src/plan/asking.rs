@@ -1,0 +1,100 @@
+//! Writes what was chosen into the plan, and into the history what is asked about.
+
+use crate::geom::frustum::{Containment, PlaneMask};
+use crate::geom::view::View;
+use crate::hierarchy::Hierarchy;
+use crate::history::record::Stamp;
+use crate::history::records::History;
+use crate::ids::{FrameId, NodeId};
+use crate::plan::candidates::{Candidate, Scratch};
+use crate::plan::cost_filter::CostFilter;
+use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
+use crate::plan::policy::Policy;
+use crate::rng::SplitMix64;
+
+/// What the questions of one frame go by.
+pub(crate) struct Asking<'a> {
+    pub(crate) hierarchy: &'a Hierarchy,
+    pub(crate) view: &'a View,
+    pub(crate) policy: &'a Policy,
+    pub(crate) history: &'a mut History,
+    pub(crate) rng: &'a mut SplitMix64,
+    pub(crate) frame: FrameId,
+    pub(crate) now: Stamp,
+    /// Leaves can be tested one by one below a node that shows.
+    pub(crate) has_parts: bool,
+    /// Answers where nothing is weighed.
+    pub(crate) tester: Tester,
+    pub(crate) costs: Option<&'a CostFilter<'a>>,
+}
+
+impl Asking<'_> {
+    /// Fills `plan` with the draws and tests of `scratch`.
+    pub(crate) fn write(&mut self, scratch: &mut Scratch, plan: &mut FramePlan) {
+        plan.draws.extend(scratch.draws.iter().map(|draw| draw.leaf));
+        scratch.place_retests();
+        for retest in &scratch.retests {
+            plan.queried_after.push(retest.after);
+            let asked = self.tag(retest.node, QueryKind::OwnDraw);
+            plan.queried_draws.push((retest.leaf, asked));
+            self.history.doubt(retest.node, self.containment(retest.node));
+            self.history.asked_own_draw(retest.node, self.now, self.policy, self.rng);
+        }
+        for [leaf, top] in &scratch.assumed {
+            let due = self.now.plus(self.rng.between(1, self.policy.retest_max));
+            let topology = &self.hierarchy.topology;
+            self.history.assume_visible(topology, *leaf, *top, self.now, due, self.policy);
+        }
+        for test in &scratch.tests {
+            let test = self.test(test, plan);
+            plan.tests.push(test);
+        }
+        for node in &scratch.visited {
+            self.history.visit(*node, self.now);
+        }
+    }
+
+    fn test(&mut self, test: &Candidate, plan: &mut FramePlan) -> ProxyTest {
+        let node = NodeId(test.node);
+        let question = self.costs.map(|_| CostFilter::question(self.view, test));
+        plan.stats.proxy_pixels += question.map_or(0, |question| question.pixels as u64);
+        let mut leaves = self.hierarchy.leaves(node);
+        let mut kind = test.kind;
+        if kind == QueryKind::Probe {
+            leaves.count = 0;
+            self.history.asked_probe(test.node, self.now, self.policy);
+        } else if kind == QueryKind::OwnBox {
+            leaves.count = 0;
+            self.history.doubt(test.node, self.containment(test.node));
+        } else {
+            match test.inherited {
+                Some(since) => self.history.inherit(test.node, since),
+                None => self.history.closed(&self.hierarchy.topology, test.node),
+            }
+            if self.has_parts && leaves.count >= self.policy.parts_leaves {
+                kind = QueryKind::Parts;
+            }
+        }
+        ProxyTest {
+            tag: self.tag(test.node, kind),
+            bounds: test.proxy,
+            leaves,
+            level: self.hierarchy.level(node),
+            tester: match self.costs.zip(question) {
+                // Boxes of visible leaves are not counted as queries, nor asked by them.
+                Some((costs, question)) if kind != QueryKind::OwnBox => costs.tester(&question),
+                _ => self.tester,
+            },
+        }
+    }
+
+    fn tag(&self, node: u32, kind: QueryKind) -> QueryTag {
+        let generation = self.hierarchy.generation();
+        QueryTag { node: NodeId(node), generation, frame: self.frame, kind }
+    }
+
+    fn containment(&self, node: u32) -> Containment {
+        let bounds = self.hierarchy.bounds(NodeId(node));
+        self.view.frustum.classify(&bounds, PlaneMask::ALL).0
+    }
+}

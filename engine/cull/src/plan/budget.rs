@@ -1,0 +1,68 @@
+//! From what a traversal would like to ask to what the queries allow.
+//!
+//! Tests decide about draws and come first. If there are more of them than queries, the tests with the
+//! most leaves stay and the leaves of the others are drawn. What is left of the queries is shared by
+//! probes, which save tests later on, and own-draw tests, which can as well be draws.
+
+use crate::plan::candidates::{Draw, Scratch};
+use crate::plan::frame_plan::{PlanStats, QueryKind};
+use crate::plan::policy::Policy;
+use crate::plan::traverse::Walk;
+
+/// Makes the lists fit into `budget` queries.
+pub(crate) fn fit(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut PlanStats) {
+    drop_tests(scratch, walk, budget, stats);
+    drop_optional(scratch, walk.policy, budget, stats);
+    scratch.count(stats);
+}
+
+/// Draws the leaves of the smallest tests where there are more tests than queries.
+fn drop_tests(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut PlanStats) {
+    let excess = scratch.frontier().count().saturating_sub(budget);
+    if excess == 0 {
+        return;
+    }
+    scratch.by_size.clear();
+    let frontier = (0_u32..).zip(&scratch.tests).filter(|(_, test)| test.kind == QueryKind::Proxy);
+    scratch.by_size.extend(frontier.map(|(position, _)| position));
+    // Among equals the nearest are drawn: they are the likeliest to be seen.
+    let tests = &scratch.tests;
+    scratch
+        .by_size
+        .sort_unstable_by_key(|position| (tests[*position as usize].leaf_count, *position));
+    for position in &scratch.by_size[..excess] {
+        scratch.is_dropped[*position as usize] = true;
+        let node = scratch.tests[*position as usize].node;
+        walk.leaves_in_frustum(node, &mut scratch.stack, |leaf| {
+            scratch.draws.push(Draw { nearness: leaf.nearness, leaf: leaf.leaf });
+            stats.over_budget += 1;
+        });
+    }
+    scratch.discard();
+    scratch.sort_draws();
+}
+
+/// Leaves out probes and own-draw tests that no queries are left for.
+fn drop_optional(scratch: &mut Scratch, policy: &Policy, budget: usize, stats: &mut PlanStats) {
+    let frontier = scratch.frontier().count();
+    let left = budget.saturating_sub(frontier);
+    let wished = scratch.tests.iter().filter(|test| test.kind == QueryKind::Probe).count();
+    let share = frontier / (policy.tests_per_probe.max(1) as usize);
+    let probes = wished
+        .min(share.max(policy.probes_min as usize))
+        .min((left / 2).max(left.saturating_sub(scratch.retests.len())));
+    let mut remaining = probes;
+    for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
+        if test.kind == QueryKind::Probe {
+            *is_dropped = remaining == 0;
+            remaining = remaining.saturating_sub(1);
+        }
+    }
+    scratch.discard();
+    stats.probes = probes as u32;
+    let retests = left - probes;
+    if scratch.retests.len() > retests {
+        scratch.draw_unasked(retests);
+        scratch.sort_draws();
+    }
+}

@@ -1,0 +1,168 @@
+//! The lists of a plan in the making: what to draw, what to test, and in which order.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use crate::geom::bounds::Aabb;
+use crate::geom::frustum::PlaneMask;
+use crate::history::record::Stamp;
+use crate::ids::LeafIndex;
+use crate::plan::frame_plan::{PlanStats, QueryKind};
+
+/// Squared distance from the eye as sortable bits: floats that are not negative sort like them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Nearness(u32);
+
+impl Nearness {
+    pub(crate) fn of(bounds: &Aabb, eye: glam::Vec3) -> Self {
+        Self(bounds.distance_squared(eye).to_bits())
+    }
+
+    pub(crate) fn distance(self) -> f32 {
+        f32::from_bits(self.0).sqrt()
+    }
+}
+
+/// A node in the frustum that waits for its turn; the nearest comes first, then the smallest id.
+pub(crate) type Waiting = Reverse<(Nearness, u32, Above)>;
+
+/// What the nodes above a node say of it; takes no part in the order.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Above {
+    pub(crate) mask: PlaneMask,
+    /// Since when a node above has been hidden, as one, until now.
+    pub(crate) hidden_since: Option<Stamp>,
+}
+
+impl PartialEq for Above {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+impl Eq for Above {}
+impl PartialOrd for Above {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Above {
+    fn cmp(&self, _: &Self) -> std::cmp::Ordering {
+        std::cmp::Ordering::Equal
+    }
+}
+
+/// A leaf to draw.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Draw {
+    pub(crate) nearness: Nearness,
+    pub(crate) leaf: LeafIndex,
+}
+
+/// A leaf to draw under a query.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Retest {
+    pub(crate) nearness: Nearness,
+    pub(crate) leaf: LeafIndex,
+    pub(crate) node: u32,
+    /// How many draws come before it.
+    pub(crate) after: u32,
+}
+
+/// A node to test.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    pub(crate) node: u32,
+    /// Proxy, probe or own box.
+    pub(crate) kind: QueryKind,
+    pub(crate) proxy: Aabb,
+    pub(crate) leaf_count: u32,
+    /// Since when a node above it was hidden, where nothing newer is known.
+    pub(crate) inherited: Option<Stamp>,
+    /// For how long the node has been hidden; `None` where it is not known to be. 0 where nothing
+    /// depends on that: probes and own boxes, whose nodes are visible.
+    pub(crate) hidden_frames: Option<u32>,
+}
+
+impl Candidate {
+    pub(crate) fn is_unknown(&self) -> bool {
+        self.hidden_frames.is_none()
+    }
+}
+
+/// The lists of one plan in the making, kept so that steady frames do not allocate.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    pub(crate) queue: BinaryHeap<Waiting>,
+    pub(crate) draws: Vec<Draw>,
+    pub(crate) retests: Vec<Retest>,
+    pub(crate) tests: Vec<Candidate>,
+    pub(crate) visited: Vec<u32>,
+    /// Leaves that are drawn without a test although nothing is known, and the node that was not
+    /// tested.
+    pub(crate) assumed: Vec<[u32; 2]>,
+    pub(crate) stack: Vec<(u32, PlaneMask)>,
+    pub(crate) by_size: Vec<u32>,
+    pub(crate) is_dropped: Vec<bool>,
+    /// What all tests that pay by themselves save together, and what their breaks of rendering cost.
+    pub(crate) prospect_ns: [f32; 2],
+}
+
+impl Scratch {
+    pub(crate) fn clear(&mut self) {
+        self.queue.clear();
+        self.draws.clear();
+        self.retests.clear();
+        self.tests.clear();
+        self.visited.clear();
+        self.assumed.clear();
+    }
+
+    /// Finds the place of each retest among the draws.
+    pub(crate) fn place_retests(&mut self) {
+        for retest in &mut self.retests {
+            let before = self.draws.partition_point(|draw| draw.nearness <= retest.nearness);
+            retest.after = before as u32;
+        }
+        self.retests.sort_unstable_by_key(|retest| (retest.nearness, retest.leaf));
+    }
+
+    /// The tests that decide about draws.
+    pub(crate) fn frontier(&self) -> impl Iterator<Item = &Candidate> {
+        self.tests.iter().filter(|test| test.kind == QueryKind::Proxy)
+    }
+
+    /// Draws the retests from the given one on without asking.
+    pub(crate) fn draw_unasked(&mut self, first: usize) {
+        let excess = self.retests.drain(first.min(self.retests.len())..);
+        self.draws
+            .extend(excess.map(|retest| Draw { nearness: retest.nearness, leaf: retest.leaf }));
+    }
+
+    /// Takes back all marks.
+    pub(crate) fn keep_all(&mut self) {
+        self.is_dropped.clear();
+        self.is_dropped.resize(self.tests.len(), false);
+    }
+
+    /// Removes the tests that are marked, and all marks.
+    pub(crate) fn discard(&mut self) {
+        let mut marks = self.is_dropped.iter();
+        self.tests.retain(|_| !marks.next().copied().unwrap_or(false));
+        self.keep_all();
+    }
+
+    pub(crate) fn sort_draws(&mut self) {
+        self.draws.sort_unstable_by_key(|draw| (draw.nearness, draw.leaf));
+    }
+
+    /// Counts what is planned.
+    pub(crate) fn count(&self, stats: &mut PlanStats) {
+        let own_boxes = self.tests.iter().filter(|test| test.kind == QueryKind::OwnBox);
+        stats.own_boxes = own_boxes.count() as u32;
+        for test in self.frontier() {
+            stats.frontier += 1;
+            stats.tested_leaves = stats.tested_leaves.saturating_add(test.leaf_count);
+            stats.unknown += u32::from(test.is_unknown());
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Leaves out the tests of a plan that cost more than they save; what is not tested is drawn.
+
+use std::ops::Range;
+
+use crate::cost::cost_model::{CostModel, Question, is_never};
+use crate::geom::outline::covered_pixels;
+use crate::geom::view::View;
+use crate::plan::candidates::{Candidate, Draw, Scratch};
+use crate::plan::frame_plan::{Abilities, FramePlan, PlanStats, ProxyTest, QueryKind, Tester};
+use crate::plan::strategy::Strategy;
+use crate::plan::traverse::Walk;
+
+/// What tests are weighed by.
+pub(crate) struct CostFilter<'a> {
+    governor: &'a CostModel,
+    /// Who answers; `None` for whoever is cheaper.
+    tester: Option<Tester>,
+    has_flags: bool,
+    /// Whether a compute shader may be taken for a round.
+    has_compute: bool,
+}
+
+impl<'a> CostFilter<'a> {
+    /// Returns none where nothing is weighed. [`Strategy::Antumbra`] takes the cheapest tester, all
+    /// others have the given one.
+    pub(crate) fn new(
+        governor: Option<&'a CostModel>,
+        strategy: Strategy,
+        tester: Tester,
+        abilities: Abilities,
+    ) -> Option<Self> {
+        let is_open = strategy == Strategy::Antumbra;
+        governor.filter(|_| strategy.is_governed()).map(|governor| Self {
+            governor,
+            tester: (!is_open).then_some(tester),
+            has_flags: abilities.flags,
+            has_compute: is_open && abilities.compute,
+        })
+    }
+
+    /// Who answers for a box.
+    pub(crate) fn tester(&self, question: &Question) -> Tester {
+        self.tester.unwrap_or_else(|| self.governor.cheaper(question, self.has_flags))
+    }
+
+    /// Gives those rounds of `plan` to the compute shader that cost least so, and says how many. A test
+    /// that answers for others does not change without them, so rounds that have such in common go
+    /// together or stay.
+    pub(crate) fn hand_to_compute(&self, view: &View, plan: &mut FramePlan) -> u32 {
+        if !self.has_compute {
+            return 0;
+        }
+        let mut handed = 0_u64;
+        for (bit, round) in plan.rounds.iter().take(64).enumerate() {
+            if self.is_for_compute(view, plan.tests.get(round.clone()).unwrap_or_default()) {
+                handed |= 1 << bit;
+            }
+        }
+        let bit_of = |rounds: &[Range<usize>], number: usize| {
+            rounds.iter().take(64).position(|round| round.contains(&number)).map_or(0, |at| 1 << at)
+        };
+        // Each turn that changes something takes a round back.
+        while handed != 0 {
+            let before = handed;
+            for (number, test) in plan.tests.iter().enumerate() {
+                let Tester::Behind(front) = test.tester else { continue };
+                let pair: u64 = bit_of(&plan.rounds, number) | bit_of(&plan.rounds, front as usize);
+                if handed & pair != pair {
+                    handed &= !pair;
+                }
+            }
+            if handed == before {
+                break;
+            }
+        }
+        let is_handed = |(bit, _): &(usize, &Range<usize>)| *bit < 64 && handed >> bit & 1 == 1;
+        for (_, round) in plan.rounds.iter().enumerate().filter(is_handed) {
+            for test in plan.tests.get_mut(round.clone()).unwrap_or_default() {
+                test.tester = Tester::Compute;
+            }
+        }
+        handed.count_ones()
+    }
+
+    /// Whether a round of `tests` costs least by compute shader.
+    fn is_for_compute(&self, view: &View, tests: &[ProxyTest]) -> bool {
+        let is_own = |test: &&ProxyTest| !matches!(test.tester, Tester::Behind(_));
+        let boxes = tests.iter().filter(is_own).count() as u32;
+        let shared = tests.len() as u32 - boxes;
+        let covered = tests.iter().filter(is_own).map(|test| covered_pixels(view, &test.bounds));
+        boxes > 0 && self.governor.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
+    }
+
+    pub(crate) fn question(view: &View, test: &Candidate) -> Question {
+        Question {
+            leaves: test.leaf_count,
+            pixels: covered_pixels(view, &test.proxy),
+            is_unknown: test.is_unknown(),
+        }
+    }
+
+    /// Takes out each test that does not pay by itself, and all of them if together they do not pay
+    /// for the breaks of rendering.
+    pub(crate) fn drop_unpaid(
+        &self,
+        scratch: &mut Scratch,
+        walk: &Walk<'_>,
+        stats: &mut PlanStats,
+    ) {
+        let mut saving_ns = 0.0;
+        let mut dropped_leaves = 0;
+        for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
+            let question = Self::question(walk.view, test);
+            let tester = self.tester(&question);
+            let judgement = match test.kind {
+                QueryKind::Proxy => self.governor.judge(&question, tester),
+                QueryKind::Probe => self.governor.judge_probe(&question, tester),
+                // Few, and no reason for a round.
+                _ => continue,
+            };
+            if judgement.pays() {
+                // Breaks are paid in every frame, so only what each frame saves pays for them: what
+                // is known for later is worth nothing if later tests do not pay either.
+                saving_ns += judgement.saving_now_ns - judgement.cost_ns;
+                continue;
+            }
+            *is_dropped = true;
+            if test.kind == QueryKind::Proxy {
+                dropped_leaves += test.leaf_count as usize;
+            }
+        }
+        let drawn = scratch.draws.len() + scratch.retests.len() + dropped_leaves;
+        scratch.prospect_ns = [saving_ns, self.governor.break_ns(drawn)];
+        if saving_ns < scratch.prospect_ns[1] {
+            scratch.is_dropped.fill(true);
+            saving_ns = 0.0;
+        }
+        stats.expected_saving_ns = saving_ns as u64;
+        draw_untested(scratch, walk, stats);
+        if is_never(walk.policy.retest_max) {
+            scratch.draw_unasked(0);
+        }
+        scratch.discard();
+        scratch.sort_draws();
+    }
+}
+
+/// Draws the leaves of the tests that are marked.
+fn draw_untested(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
+    for (test, is_dropped) in scratch.tests.iter().zip(&scratch.is_dropped) {
+        if !is_dropped || test.kind != QueryKind::Proxy {
+            continue;
+        }
+        // What counts as hidden and is drawn all the same is asked about now and then: it may be
+        // visible by now, and a reason to test it with its neighbours no more.
+        let is_asked =
+            test.leaf_count == 1 && !test.is_unknown() && walk.is_turn_to_retest(test.node);
+        walk.leaves_in_frustum(test.node, &mut scratch.stack, |leaf| {
+            stats.untested_by_cost += 1;
+            if is_asked {
+                scratch.retests.push(leaf);
+                return;
+            }
+            scratch.draws.push(Draw { nearness: leaf.nearness, leaf: leaf.leaf });
+            if test.is_unknown() {
+                scratch.assumed.push([leaf.node, test.node]);
+            }
+        });
+    }
+}

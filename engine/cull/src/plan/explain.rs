@@ -1,0 +1,171 @@
+//! Why an object was drawn in a frame, or was not: the plan's decision and the history behind it.
+
+use crate::geom::bounds::Aabb;
+use crate::geom::frustum::{Containment, PlaneMask};
+use crate::geom::view::View;
+use crate::hierarchy::Hierarchy;
+use crate::history::record::NodeState;
+use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
+use crate::plan::frame_plan::{Answer, FramePlan, QueryKind, Tester};
+
+/// What is known of a node, and since when.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NodeHistory {
+    /// The state.
+    pub state: NodeState,
+    /// The frame whose answer brought the state about, or in which it was assumed.
+    pub since: Option<FrameId>,
+    /// The newest frame that answered a question about the node.
+    pub answered: Option<FrameId>,
+    /// The frame from which on a visible leaf's own draw is tested again.
+    pub next_test: Option<FrameId>,
+}
+
+/// What a plan decided about one object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Decision {
+    /// Its box is outside of the view's frustum, and it is in no group that is tested: left out.
+    Outside,
+    /// Taken as visible and drawn; nothing is asked.
+    Drawn,
+    /// Drawn, and the draw itself is tested for the frames to come.
+    DrawnAndTested,
+    /// Drawn, and its box is tested for the frames to come.
+    DrawnAndBoxTested {
+        /// The tester that answers.
+        tester: Tester,
+    },
+    /// Drawn in this frame only if the box of a node shows.
+    Tested {
+        /// The node: the object's own leaf, or a group that it is in.
+        node: NodeId,
+        /// Objects under the node.
+        leaves: u32,
+        /// Nodes above the node.
+        level: u32,
+        /// [`QueryKind::Parts`] where each leaf is tested by itself if the node shows.
+        kind: QueryKind,
+        /// The tester that answers.
+        tester: Tester,
+        /// What is known of the node.
+        history: NodeHistory,
+    },
+    /// In the frustum and not in the plan: a strategy decides elsewhere, or leaves out what was hidden.
+    Unplanned,
+}
+
+/// What the answers of a frame say about an object that was tested in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// A box showed, so that the object was drawn in that same frame.
+    Revealed,
+    /// The box of its node, or its own below a node that showed, did not show: left out.
+    Hidden,
+}
+
+/// Why one object was drawn in a frame, or was not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LeafExplanation {
+    /// The object.
+    pub object: ObjectId,
+    /// Its box in metres.
+    pub bounds: Aabb,
+    /// Nodes above its leaf.
+    pub level: u32,
+    /// The frame that was planned.
+    pub frame: FrameId,
+    /// What is known of its leaf.
+    pub history: NodeHistory,
+    /// What the plan decided.
+    pub decision: Decision,
+    leaf: LeafIndex,
+    node: NodeId,
+}
+
+/// Explains what `plan`, made for `view` over the hierarchy as it is now, decided about an object;
+/// `known` tells what is known of a node. `None` if there is no such object.
+pub(crate) fn explain(
+    hierarchy: &Hierarchy,
+    view: &View,
+    plan: &FramePlan,
+    object: ObjectId,
+    known: impl Fn(NodeId) -> NodeHistory,
+) -> Option<LeafExplanation> {
+    if !hierarchy.contains(object) {
+        return None;
+    }
+    let (node, leaf) = (hierarchy.node_of(object)?, hierarchy.leaf_of(object)?);
+    let bounds = hierarchy.bounds(node);
+    Some(LeafExplanation {
+        object,
+        bounds,
+        level: hierarchy.level(node),
+        frame: plan.frame,
+        history: known(node),
+        decision: decision(view, plan, (leaf, node, &bounds), known),
+        leaf,
+        node,
+    })
+}
+
+fn decision(
+    view: &View,
+    plan: &FramePlan,
+    (leaf, node, bounds): (LeafIndex, NodeId, &Aabb),
+    known: impl Fn(NodeId) -> NodeHistory,
+) -> Decision {
+    if plan.queried_draws.iter().any(|(queried, _)| *queried == leaf) {
+        return Decision::DrawnAndTested;
+    }
+    if plan.draws.contains(&leaf) {
+        let is_own = |kind| kind == QueryKind::OwnBox;
+        let own = plan.tests.iter().find(|test| test.tag.node == node && is_own(test.tag.kind));
+        return own
+            .map_or(Decision::Drawn, |test| Decision::DrawnAndBoxTested { tester: test.tester });
+    }
+    let is_outside = || view.frustum.classify(bounds, PlaneMask::ALL).0 == Containment::Outside;
+    match plan.tests.iter().find(|test| test.leaves.contains(leaf)) {
+        Some(test) => Decision::Tested {
+            node: test.tag.node,
+            leaves: test.leaves.count,
+            level: test.level,
+            kind: test.tag.kind,
+            tester: test.tester,
+            history: known(test.tag.node),
+        },
+        None if is_outside() => Decision::Outside,
+        None => Decision::Unplanned,
+    }
+}
+
+impl LeafExplanation {
+    /// Returns what `answers`, all those of one frame, say about the object; `None` if it was not tested
+    /// in that frame. `shows` tells whether an answer counts as seen.
+    pub fn outcome<'a>(
+        &self,
+        hierarchy: &Hierarchy,
+        answers: impl IntoIterator<Item = &'a Answer>,
+        shows: impl Fn(&Answer) -> bool,
+    ) -> Option<Outcome> {
+        let mut outcome = None;
+        for answer in answers {
+            let decides = match answer.tag.kind {
+                QueryKind::Part => answer.tag.node == self.node,
+                QueryKind::Proxy | QueryKind::Parts => {
+                    hierarchy.leaves(answer.tag.node).contains(self.leaf)
+                }
+                QueryKind::Probe | QueryKind::OwnBox | QueryKind::OwnDraw => false,
+            };
+            if !decides {
+                continue;
+            }
+            // Below a node of parts that showed, the leaf itself must show.
+            let is_revealed = answer.tag.kind != QueryKind::Parts && shows(answer);
+            if is_revealed {
+                return Some(Outcome::Revealed);
+            }
+            outcome = Some(Outcome::Hidden);
+        }
+        outcome
+    }
+}

@@ -1,0 +1,215 @@
+//! The messages between the culler and whoever drives the GPU: a plan out, answers back.
+
+use std::ops::Range;
+
+use crate::geom::bounds::Aabb;
+use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
+
+/// What a query was for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum QueryKind {
+    /// A node's proxy, whose leaves are drawn if it shows.
+    Proxy,
+    /// A node's proxy that nothing hangs on: its parts are tested or drawn on their own, and the
+    /// answer says whether they could share one query from now on. Its range of leaves is empty.
+    Probe,
+    /// A node's proxy; if it shows, the proxies of its leaves decide which of them are drawn.
+    Parts,
+    /// The proxy of a leaf under a node of [`QueryKind::Parts`] that showed. Only leaves that show
+    /// have such an answer, and it comes after the node's.
+    Part,
+    /// The proxy of a leaf that is taken as visible and drawn. Its range of leaves is empty.
+    OwnBox,
+    /// The draw of a leaf that is taken as visible.
+    OwnDraw,
+}
+
+/// Who answers for a proxy. All give the same answer but for rounding; they differ in what they cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Tester {
+    /// The fragments of the proxy set a flag.
+    Flag,
+    /// An occlusion query.
+    #[default]
+    Query,
+    /// A compute shader compares the box with the depth buffer.
+    Compute,
+    /// The flag of the test of this number in the plan, which lies in front of all of it: as long
+    /// as that stays hidden, so does this. In the same round or an earlier one.
+    Behind(u32),
+}
+
+/// What the device and the renderer offer to plans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Abilities {
+    /// There are flags ([`Tester::Flag`]).
+    pub flags: bool,
+    /// There is a compute test ([`Tester::Compute`]).
+    pub compute: bool,
+    /// Leaves of a node that shows can be tested one by one in the same frame
+    /// ([`QueryKind::Parts`]).
+    pub parts: bool,
+}
+
+/// Goes with a query to the GPU and comes back with its result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct QueryTag {
+    /// The node that was asked about.
+    pub node: NodeId,
+    /// The generation of the hierarchy that the node belongs to.
+    pub generation: Generation,
+    /// The frame that asked.
+    pub frame: FrameId,
+    /// What was drawn under the query.
+    pub kind: QueryKind,
+}
+
+/// The result of a query. It may come late, never, twice, and in any order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// As it was given out in the plan.
+    pub tag: QueryTag,
+    /// Samples that passed; where queries are not precise, any number but 0 for "some".
+    pub samples: u32,
+}
+
+/// One node of the frontier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProxyTest {
+    /// For the query.
+    pub tag: QueryTag,
+    /// The box to test, enlarged already by the view's [margin](crate::Margin).
+    pub bounds: Aabb,
+    /// What to draw in this same frame if a sample of the box shows; empty for a probe.
+    pub leaves: LeafRange,
+    /// How deep the node lies, for views that explain what happens.
+    pub level: u32,
+    /// Who answers.
+    pub tester: Tester,
+}
+
+/// What a frame draws and asks.
+///
+/// To be executed in this order: `draws` and, each under its query, `queried_draws`, merged as
+/// `queried_after` says; then for every range of `rounds`: test the proxies of the range against the depth so far, front faces only,
+/// without writing; draw the leaves of those that show. Where such a test is of
+/// [`QueryKind::Parts`], test the [proxy](crate::Margin::proxy) of each leaf in the same way first,
+/// and draw those that show. With a threshold ([`Culler::neglect`](crate::Culler::neglect)) a query shows
+/// that counts more samples than that.
+///
+/// Every leaf whose box meets the frustum is in exactly one place: in `draws`, in `queried_draws`
+/// or in the range of one test.
+#[derive(Clone, Debug)]
+pub struct FramePlan {
+    /// The frame that this is the plan of.
+    pub frame: FrameId,
+    /// Taken as visible, front to back.
+    pub draws: Vec<LeafIndex>,
+    /// Taken as visible and asked about on their own draw; front to back.
+    pub queried_draws: Vec<(LeafIndex, QueryTag)>,
+    /// For each of `queried_draws`, how many of `draws` come before it; ascending. Each keeps its
+    /// place from front to back: what is large would hide too little if it came last.
+    pub queried_after: Vec<u32>,
+    /// The frontier, front to back.
+    pub tests: Vec<ProxyTest>,
+    /// Contiguous slabs of `tests`, front to back, none empty.
+    pub rounds: Vec<Range<usize>>,
+    /// What happened on the way.
+    pub stats: PlanStats,
+}
+
+impl Default for FramePlan {
+    fn default() -> Self {
+        Self {
+            frame: FrameId(0),
+            draws: Vec::new(),
+            queried_draws: Vec::new(),
+            queried_after: Vec::new(),
+            tests: Vec::new(),
+            rounds: Vec::new(),
+            stats: PlanStats::default(),
+        }
+    }
+}
+
+impl FramePlan {
+    /// Queries that the plan asks for.
+    #[must_use]
+    pub fn query_count(&self) -> usize {
+        let tests = self.tests.iter().filter(|test| test.tester == Tester::Query);
+        tests.count() + self.queried_draws.len()
+    }
+
+    pub(crate) fn clear(&mut self, frame: FrameId) {
+        self.frame = frame;
+        self.draws.clear();
+        self.queried_draws.clear();
+        self.queried_after.clear();
+        self.tests.clear();
+        self.rounds.clear();
+        self.stats = PlanStats::default();
+    }
+}
+
+/// Counts of one plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlanStats {
+    /// Nodes taken from the queue: the work of the traversal. All attempts together, if the
+    /// first had more tests than queries.
+    pub nodes_visited: u32,
+    /// Tests that decide about draws.
+    pub frontier: u32,
+    /// Leaves under these tests.
+    pub tested_leaves: u32,
+    /// Tests among them of which nothing was known before.
+    pub unknown: u32,
+    /// Tests that decide about nothing but the next frames.
+    pub probes: u32,
+    /// Boxes of visible leaves that are tested.
+    pub own_boxes: u32,
+    /// Tests among those of the frontier that another test answers.
+    pub behind: u32,
+    /// Leaves drawn because they were visible, queried or not.
+    pub visible: u32,
+    /// Leaves drawn because their proxy would be cut by the near plane.
+    pub too_near: u32,
+    /// Leaves drawn because testing them would cost more than it saves.
+    pub untested_by_cost: u32,
+    /// After how many frames a calm leaf's own draw is tested again; 0 without a governor.
+    pub retest_interval_frames: u32,
+    /// What the tests are expected to save, their own cost deducted; 0 without a governor.
+    pub expected_saving_ns: u64,
+    /// Pixels that the boxes of all tests cover, about; 0 without a governor.
+    pub proxy_pixels: u64,
+    /// Rounds of tests that a governor gave to the compute shader, where that costs least.
+    pub rounds_by_compute: u32,
+    /// Leaves drawn to have occluders when nothing is known.
+    pub occluders: u32,
+    /// Leaves drawn because there were too few queries to test them.
+    pub over_budget: u32,
+    /// How often the allowed size of tested nodes was raised to make do with fewer tests.
+    pub coarsened: u32,
+}
+
+impl std::ops::AddAssign for PlanStats {
+    /// Of several plans together; `coarsened` and `retest_interval_frames` are the largest.
+    fn add_assign(&mut self, other: Self) {
+        self.nodes_visited += other.nodes_visited;
+        self.frontier += other.frontier;
+        self.tested_leaves = self.tested_leaves.saturating_add(other.tested_leaves);
+        self.unknown += other.unknown;
+        self.probes += other.probes;
+        self.own_boxes += other.own_boxes;
+        self.behind += other.behind;
+        self.visible += other.visible;
+        self.too_near += other.too_near;
+        self.untested_by_cost += other.untested_by_cost;
+        self.retest_interval_frames = self.retest_interval_frames.max(other.retest_interval_frames);
+        self.expected_saving_ns += other.expected_saving_ns;
+        self.proxy_pixels += other.proxy_pixels;
+        self.rounds_by_compute += other.rounds_by_compute;
+        self.occluders += other.occluders;
+        self.over_budget += other.over_budget;
+        self.coarsened = self.coarsened.max(other.coarsened);
+    }
+}

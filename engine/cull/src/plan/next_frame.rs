@@ -1,0 +1,130 @@
+//! A query an object that is read in a later frame, and decides about that one (GPU Gems, 29.4).
+//!
+//! What was visible when it was last asked is drawn, under a query of its own draw; what was hidden is
+//! tested by its box, every frame, and not drawn whatever the answer will be. So an object that comes
+//! into view is missing for as long as its answer takes: the image is not exact. That an object comes
+//! into the frustum is no surprise, so there it counts as visible.
+
+use crate::geom::view::View;
+use crate::hierarchy::Hierarchy;
+use crate::hierarchy::front_to_back::{InSight, Sight};
+use crate::ids::{FrameId, Generation, NodeId};
+use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
+
+/// A visible object is asked again after so many frames: that it is still visible is what one
+/// expects, and costs little if it is wrong. Objects take turns.
+const VISIBLE_INTERVAL_FRAMES: u64 = 4;
+
+/// What was out of the frustum for longer counts as visible when it comes back.
+const STALE_FRAMES: u64 = 2;
+
+/// What is known of an object; frame 0 stands for never.
+#[derive(Clone, Copy, Debug)]
+struct Record {
+    is_visible: bool,
+    /// The youngest frame that is known to have answered.
+    answered: FrameId,
+    /// The last frame that had it in the frustum.
+    in_sight: FrameId,
+    /// When it was about the object that has the id; one that came later has it anew.
+    since: Generation,
+}
+
+impl Record {
+    const NEW: Self =
+        Self { is_visible: true, answered: FrameId(0), in_sight: FrameId(0), since: Generation(0) };
+}
+
+/// The history of one view, by object.
+#[derive(Debug, Default)]
+pub(crate) struct NextFrame {
+    records: Vec<Record>,
+    leaves: Vec<InSight>,
+}
+
+impl NextFrame {
+    /// Takes an answer about a node of `hierarchy`; only those about leaves count.
+    pub(crate) fn take(&mut self, hierarchy: &Hierarchy, tag: &QueryTag, samples: u32) {
+        if hierarchy.leaves(tag.node).count != 1 {
+            return;
+        }
+        let Some(record) = self.record(hierarchy, tag.node) else { return };
+        if record.answered < tag.frame {
+            record.answered = tag.frame;
+            record.is_visible = samples > 0;
+        }
+    }
+
+    /// Nothing is known of anything.
+    pub(crate) fn forget(&mut self) {
+        self.records.clear();
+    }
+
+    /// Plans a frame into `plan`, which is clear.
+    pub(crate) fn plan(&mut self, hierarchy: &Hierarchy, view: &View, plan: &mut FramePlan) {
+        let sight = Sight { hierarchy, view };
+        let mut leaves = std::mem::take(&mut self.leaves);
+        plan.stats.nodes_visited = sight.leaves(&mut leaves);
+        for leaf in &leaves {
+            self.plan_leaf(&sight, leaf.node, plan);
+        }
+        self.leaves = leaves;
+        plan.rounds.extend((!plan.tests.is_empty()).then_some(0..plan.tests.len()));
+    }
+
+    fn plan_leaf(&mut self, sight: &Sight<'_>, node: NodeId, plan: &mut FramePlan) {
+        let (frame, generation) = (plan.frame, sight.hierarchy.generation());
+        let tag = |kind| QueryTag { node, generation, frame, kind };
+        let leaf = sight.leaf(node);
+        let Some(record) = self.record(sight.hierarchy, node) else {
+            return plan.draws.push(leaf);
+        };
+        let is_new = record.in_sight.0 + STALE_FRAMES < frame.0;
+        record.in_sight = frame;
+        if is_new {
+            record.is_visible = true;
+            // What was asked before it went away says nothing about it now.
+            record.answered = FrameId(frame.0 - 1);
+        }
+        let Some(bounds) = sight.proxy(node) else {
+            plan.stats.too_near += 1;
+            record.is_visible = true;
+            return plan.draws.push(leaf);
+        };
+        if !record.is_visible {
+            plan.stats.probes += 1;
+            let mut leaves = sight.hierarchy.leaves(node);
+            leaves.count = 0;
+            return plan.tests.push(ProxyTest {
+                tag: tag(QueryKind::Probe),
+                bounds,
+                leaves,
+                level: sight.hierarchy.level(node),
+                tester: Tester::Query,
+            });
+        }
+        plan.stats.visible += 1;
+        let is_turn = (frame.0 + u64::from(leaf.0)).is_multiple_of(VISIBLE_INTERVAL_FRAMES);
+        if is_new || is_turn || frame.0 - record.answered.0 > 2 * VISIBLE_INTERVAL_FRAMES {
+            plan.queried_after.push(plan.draws.len() as u32);
+            plan.queried_draws.push((leaf, tag(QueryKind::OwnDraw)));
+        } else {
+            plan.draws.push(leaf);
+        }
+    }
+
+    /// The record of a leaf's object, whatever generation of the hierarchy it is in: a new one for an
+    /// object that came since, under whichever id.
+    fn record(&mut self, hierarchy: &Hierarchy, leaf: NodeId) -> Option<&mut Record> {
+        let objects = hierarchy.leaf_objects();
+        if self.records.len() < objects.len() {
+            self.records.resize(objects.len(), Record::NEW);
+        }
+        let object = objects.get(hierarchy.leaves(leaf).first.0 as usize)?;
+        let record = self.records.get_mut(object.0 as usize)?;
+        if !hierarchy.is_same_object_since(*object, record.since) {
+            *record = Record { since: hierarchy.generation(), ..Record::NEW };
+        }
+        Some(record)
+    }
+}

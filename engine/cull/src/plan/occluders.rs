@@ -1,0 +1,37 @@
+//! After a cut, when most is unknown: what is near is drawn first, so that the tests of all else have
+//! something to be hidden by.
+
+use crate::plan::candidates::Scratch;
+use crate::plan::frame_plan::PlanStats;
+use crate::plan::policy::Policy;
+use crate::plan::traverse::Walk;
+
+/// Returns true if so much is unknown as after a cut.
+pub(crate) fn is_cut(scratch: &Scratch, policy: &Policy) -> bool {
+    let unknown = scratch.frontier().filter(|test| test.is_unknown()).count();
+    unknown >= policy.cut_tests as usize
+        && unknown.saturating_mul(policy.cut_share as usize) >= scratch.frontier().count()
+}
+
+/// Turns the nearest unknown tests into draws, each under its own query so that it is known
+/// afterwards.
+pub(crate) fn draw_occluders(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
+    let mut left = walk.policy.occluders;
+    for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
+        let is_fit = test.is_unknown() && test.leaf_count <= walk.policy.unknown_leaves;
+        if !is_fit {
+            continue;
+        }
+        if test.leaf_count > left {
+            break;
+        }
+        left -= test.leaf_count;
+        *is_dropped = true;
+        walk.leaves_in_frustum(test.node, &mut scratch.stack, |leaf| {
+            scratch.retests.push(leaf);
+            stats.occluders += 1;
+        });
+    }
+    scratch.retests.sort_unstable_by_key(|retest| (retest.nearness, retest.leaf));
+    scratch.discard();
+}

@@ -1,0 +1,131 @@
+//! Cuts the tests of a frame into slabs, front to back, each tested against the depth that the
+//! draws of the one before left.
+
+use std::ops::Range;
+
+use crate::plan::frame_plan::{FramePlan, ProxyTest, Tester};
+use crate::plan::policy::Policy;
+
+/// Cuts the tests of `plan`, which `tester` answers, into rounds.
+pub(crate) fn schedule(plan: &mut FramePlan, tester: Tester, is_cut: bool, policy: &Policy) {
+    let most = match (tester, is_cut) {
+        (Tester::Compute, false) => policy.rounds_compute_calm,
+        (Tester::Compute, true) => policy.rounds_compute_cut,
+        (_, false) => policy.rounds_calm,
+        (_, true) => policy.rounds_cut,
+    };
+    split(plan.tests.len(), most, is_cut, policy, &mut plan.rounds);
+}
+
+/// Fills `rounds` with at most `wished` ranges that cover `0..tests`. After a cut each is twice as
+/// long as the one before; in a calm frame they are equal.
+fn split(tests: usize, wished: u32, is_cut: bool, policy: &Policy, rounds: &mut Vec<Range<usize>>) {
+    rounds.clear();
+    let worth = tests / (policy.round_tests_min.max(1) as usize);
+    let count = (wished.min(16) as usize).min(worth).max(1);
+    let weight = |round: usize| if is_cut { 1_usize << round } else { 1 };
+    let total: usize = (0..count).map(weight).sum();
+    let mut passed = 0;
+    let mut start = 0;
+    for round in 0..count {
+        passed += weight(round);
+        let end = if round + 1 == count {
+            tests
+        } else {
+            (tests as u64 * passed as u64 / total as u64) as usize
+        };
+        if end > start {
+            rounds.push(start..end);
+            start = end;
+        }
+    }
+}
+
+/// Puts the tests of each round that are answered in the same way behind each other, front to back
+/// as they were: in a round nothing depends on their order. `scratch` keeps its memory.
+pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
+    let (tests, rounds) = (&mut plan.tests, &plan.rounds);
+    scratch.places.clear();
+    scratch.places.resize(tests.len(), 0);
+    for round in rounds {
+        scratch.grouped.clear();
+        for kind in [Answers::Queries, Answers::Compute, Answers::Flags, Answers::Others] {
+            for (number, test) in round.clone().zip(&tests[round.clone()]) {
+                if Answers::of(test.tester) == kind {
+                    scratch.places[number] = (round.start + scratch.grouped.len()) as u32;
+                    scratch.grouped.push(*test);
+                }
+            }
+        }
+        tests[round.clone()].copy_from_slice(&scratch.grouped);
+    }
+    for test in tests {
+        if let Tester::Behind(front) = &mut test.tester {
+            *front = scratch.places[*front as usize];
+        }
+    }
+}
+
+/// The memory of [`group_by_tester`].
+#[derive(Debug, Default)]
+pub(crate) struct Grouping {
+    grouped: Vec<ProxyTest>,
+    /// Where each test went.
+    places: Vec<u32>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Answers {
+    Queries,
+    Compute,
+    Flags,
+    Others,
+}
+
+impl Answers {
+    fn of(tester: Tester) -> Self {
+        match tester {
+            Tester::Query => Self::Queries,
+            Tester::Compute => Self::Compute,
+            Tester::Flag => Self::Flags,
+            Tester::Behind(_) => Self::Others,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rounds(tests: usize, is_cut: bool) -> Vec<Range<usize>> {
+        let mut rounds = Vec::new();
+        let policy = Policy::default();
+        let wished = if is_cut { policy.rounds_cut } else { policy.rounds_calm };
+        split(tests, wished, is_cut, &policy, &mut rounds);
+        rounds
+    }
+
+    #[test]
+    fn slabs_are_contiguous_and_complete() {
+        for tests in 0..200 {
+            for is_cut in [false, true] {
+                let rounds = rounds(tests, is_cut);
+                let mut next = 0;
+                for round in &rounds {
+                    assert_eq!(round.start, next);
+                    assert!(round.end > round.start);
+                    next = round.end;
+                }
+                assert_eq!(next, tests);
+            }
+        }
+    }
+
+    #[test]
+    fn slabs_double_after_a_cut_only() {
+        let doubling = [0..1, 1..4, 4..8, 8..18, 18..37, 37..74, 74..150];
+        assert_eq!(rounds(150, true), doubling);
+        assert_eq!(rounds(150, false), [0..50, 50..100, 100..150]);
+        assert_eq!(rounds(5, true).len(), 1);
+    }
+}

@@ -1,0 +1,328 @@
+//! Tests that another test answers as well: what lies behind a hidden box, and within its outline.
+//!
+//! If no sample of a proxy shows, the depth buffer is nearer than its front at every sample that it
+//! covers. So nothing shows of an object whose samples are all among those and which is all beyond
+//! the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden, so does
+//! what is behind it; if it shows, the leaves behind are tested one by one.
+//!
+//! A ray from the eye has entered a box once it has passed the planes of all faces that the eye sees
+//! from outside (the slab method). So what is on the inner side of these planes and within the
+//! outline is beyond the front, be it inside of the box or behind it.
+//!
+//! Rounding is paid for by the margin of the proxy behind: its outline is a quarter of a pixel and
+//! more wider than the samples of its object, and its nearest depth as much nearer (see
+//! [`Margin`](crate::Margin)); the proxy in front loses less to the sub-pixel grid. But the outline
+//! of what is in front is computed here and drawn there, each with its own rounding, and the nearer
+//! it is the more pixels that is: only boxes of which it is at most a sixteenth are in front.
+
+use glam::{Vec2, Vec3};
+
+use crate::geom::bounds::Aabb;
+use crate::geom::outline::Outline;
+use crate::geom::view::View;
+use crate::plan::candidates::Candidate;
+use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, Tester};
+use crate::plan::policy::Policy;
+
+/// A proxy that may answer for others.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Front {
+    test: u32,
+    outline: Outline,
+    low: Vec2,
+    high: Vec2,
+    area: f32,
+    bounds: Aabb,
+    /// What would have to be tested if it showed.
+    leaves_behind: u32,
+    /// The most that may be.
+    most_behind: u32,
+}
+
+/// Makes the tests of `plan`, made of these candidates, share the answers of others where they can.
+/// `fronts` keeps its memory.
+pub(crate) fn share_proxies(
+    plan: &mut FramePlan,
+    candidates: &[Candidate],
+    view: &View,
+    policy: &Policy,
+    fronts: &mut Vec<Front>,
+) {
+    let hidden_frames = candidates.iter().map(|test| test.hidden_frames);
+    plan.stats.behind = share_answers(&mut plan.tests, hidden_frames, view, policy, fronts);
+}
+
+/// Makes tests share the answers of others, front to back, and asks for their leaves one by one.
+/// Says how many. `hidden_frames` tells of each test for how long its node has been hidden, if it is
+/// known to be: what was so for n frames is not in the next with a chance of about 1 in n (Laplace's
+/// rule of succession), so what a front may answer for grows with n, and what is expected to be paid
+/// where it shows does not. `fronts` keeps its memory.
+fn share_answers(
+    tests: &mut [ProxyTest],
+    hidden_frames: impl Iterator<Item = Option<u32>>,
+    view: &View,
+    policy: &Policy,
+    fronts: &mut Vec<Front>,
+) -> u32 {
+    fronts.clear();
+    let mut behind = 0;
+    let [width, height] = view.size.map(|pixels| pixels as f32);
+    let least_area = policy.front_area * width * height;
+    for ((number, test), hidden_frames) in (0..).zip(tests).zip(hidden_frames) {
+        if test.tester != Tester::Flag || test.leaves.count == 0 {
+            continue;
+        }
+        let Some((outline, nearest)) = Outline::of(&test.bounds, view) else {
+            continue;
+        };
+        let seen = outline.clipped([width, height]);
+        let leaves = test.leaves.count;
+        let in_front = fronts.iter_mut().find(|front| {
+            front.leaves_behind.saturating_add(leaves) <= front.most_behind
+                && front.is_before(&test.bounds, view.eye)
+                && front.holds(&seen)
+        });
+        if let Some(front) = in_front {
+            front.leaves_behind += leaves;
+            test.tester = Tester::Behind(front.test);
+            test.tag.kind = QueryKind::Parts;
+            behind += 1;
+            continue;
+        }
+        let known = hidden_frames.unwrap_or(0).saturating_mul(policy.leaves_behind_a_frame);
+        let most_behind = known.min(policy.leaves_behind);
+        let area = seen.area();
+        if most_behind > 0 && area >= least_area && outline.is_sharp(&test.bounds, nearest, view) {
+            let front = Front {
+                test: number,
+                outline,
+                low: outline.points().fold(Vec2::INFINITY, Vec2::min),
+                high: outline.points().fold(Vec2::NEG_INFINITY, Vec2::max),
+                area,
+                bounds: test.bounds,
+                leaves_behind: 0,
+                most_behind,
+            };
+            keep_largest(fronts, front, policy.fronts as usize);
+        }
+    }
+    behind
+}
+
+/// Adds a front; if there are too many, the smallest goes.
+fn keep_largest(fronts: &mut Vec<Front>, front: Front, most: usize) {
+    if fronts.len() < most {
+        fronts.push(front);
+        return;
+    }
+    let smallest = fronts.iter_mut().min_by(|a, b| a.area.total_cmp(&b.area));
+    if let Some(smallest) = smallest.filter(|smallest| smallest.area < front.area) {
+        *smallest = front;
+    }
+}
+
+impl Front {
+    /// Whether a box is all on the inner side of the faces that are seen from `eye`.
+    fn is_before(&self, behind: &Aabb, eye: Vec3) -> bool {
+        let (low, high) = (self.bounds.min, self.bounds.max);
+        let beyond_low = eye.cmpge(low) | behind.min.cmpge(low);
+        let beyond_high = eye.cmple(high) | behind.max.cmple(high);
+        (beyond_low & beyond_high).all()
+    }
+
+    /// Whether all of an outline is within this one.
+    fn holds(&self, outline: &Outline) -> bool {
+        outline.points().all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
+            && outline.points().all(|point| self.outline.holds(point))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3};
+
+    use super::*;
+    use crate::geom::camera::Camera;
+    use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
+    use crate::plan::frame_plan::QueryTag;
+    use crate::rng::SplitMix64;
+
+    /// Where a point is on the screen, in pixels, without much rounding.
+    fn exactly(point: Vec3, view: &View) -> DVec2 {
+        let offset = point.as_dvec3() - view.eye.as_dvec3();
+        let along = |axis: Vec3| offset.dot(axis.as_dvec3());
+        let [x, y] = [along(view.right), -along(view.up)];
+        let [tan_x, tan_y] = view.tan_half.map(f64::from);
+        let [width, height] = view.size.map(f64::from);
+        let at = DVec2::new(x / tan_x, y / tan_y) / along(view.forward);
+        (at + 1.0) * 0.5 * DVec2::new(width, height)
+    }
+
+    #[test]
+    fn only_sharp_outlines_are_in_front_wherever_the_world_is() {
+        let mut rng = SplitMix64::new(7);
+        let mut between = |low: f32, high: f32| {
+            low + (high - low) * (rng.between(0, 1 << 20) as f32 / (1 << 20) as f32)
+        };
+        let (mut sharp, mut blunt) = (0, 0);
+        for _ in 0..20_000 {
+            let home = 10.0_f32.powf(between(0.0, 5.0));
+            let eye = Vec3::new(home, between(-1.0, 1.0) * home, between(-1.0, 1.0) * home);
+            let forward = Vec3::new(between(-1.0, 1.0), between(-1.0, 1.0), between(-1.0, 1.0));
+            let camera = Camera { eye, forward, up: Vec3::Y, fov_y: 1.0, near: 0.01 };
+            let view = View::new(&camera, [1280, 720], 8);
+            let size = 10.0_f32.powf(between(-1.0, 2.0));
+            let aside = view.right * between(-1.0, 1.0) + view.up * between(-1.0, 1.0);
+            let distance = size * between(0.5, 8.0);
+            let centre = eye + (view.forward + aside) * distance;
+            let half = Vec3::new(between(0.1, 1.0), between(0.1, 1.0), between(0.1, 1.0)) * size;
+            let bounds = Aabb::new(centre - half, centre + half);
+            let Some((outline, nearest)) = Outline::of(&bounds, &view) else { continue };
+            if nearest < view.near || !outline.is_sharp(&bounds, nearest, &view) {
+                blunt += 1;
+                continue;
+            }
+            sharp += 1;
+            let corners = bounds.corners().map(|corner| exactly(corner, &view));
+            for point in outline.points() {
+                let away = corners.iter().map(|corner| corner.distance(point.as_dvec2()));
+                let away = away.fold(f64::INFINITY, f64::min);
+                assert!(away <= 1.0 / 16.0, "{away} pixels at {home} m from the origin");
+            }
+        }
+        assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
+    }
+
+    /// Two tests of four leaves in a row, the first of them hidden for so long and answering for at most so
+    /// many leaves, and whether the second is taken as answered by the first.
+    fn shares_after(
+        hidden_frames: Option<u32>,
+        leaves_behind: u32,
+        [front, behind]: [Aabb; 2],
+        view: &View,
+    ) -> bool {
+        let leaves = LeafRange { first: LeafIndex(0), count: 4 };
+        let test = |bounds| ProxyTest {
+            tag: QueryTag {
+                node: NodeId(0),
+                generation: Generation(0),
+                frame: FrameId(1),
+                kind: QueryKind::Proxy,
+            },
+            bounds,
+            leaves,
+            level: 3,
+            tester: Tester::Flag,
+        };
+        let mut tests = [test(front), test(behind)];
+        let policy = Policy {
+            front_area: 1.0e-6,
+            fronts: 4,
+            leaves_behind,
+            leaves_behind_a_frame: 2,
+            ..Policy::default()
+        };
+        let hidden_frames = [hidden_frames, None].into_iter();
+        let behind = share_answers(&mut tests, hidden_frames, view, &policy, &mut Vec::new());
+        assert_eq!(behind == 1, matches!(tests[1].tester, Tester::Behind(0)));
+        behind == 1
+    }
+
+    fn shares(front: Aabb, behind: Aabb, view: &View) -> bool {
+        shares_after(Some(100), 100, [front, behind], view)
+    }
+
+    #[test]
+    fn what_is_unknown_or_was_just_hidden_answers_for_nothing_else() {
+        let forward = Vec3::NEG_Z;
+        let camera = Camera { eye: Vec3::ZERO, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 };
+        let view = View::new(&camera, [640, 360], 8);
+        let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
+        let after =
+            |hidden_frames, most| shares_after(hidden_frames, most, [at(-4.0), at(-20.0)], &view);
+        assert!(![None, Some(0), Some(1)].into_iter().any(|frames| after(frames, 100)));
+        assert!([Some(2), Some(3), Some(u32::MAX)].into_iter().all(|frames| after(frames, 100)));
+        assert!(!after(Some(u32::MAX), 3), "more than any may");
+    }
+
+    /// How far along the way from `eye` to `point` the box is entered, if it is on this way.
+    fn entry(bounds: &Aabb, eye: DVec3, point: DVec3) -> Option<f64> {
+        let way = point - eye;
+        let (low, high) = (bounds.min.as_dvec3() - eye, bounds.max.as_dvec3() - eye);
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            if way[axis] == 0.0 {
+                if low[axis] > 0.0 || high[axis] < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = (low[axis] / way[axis], high[axis] / way[axis]);
+            enter = enter.max(a.min(b));
+            leave = leave.min(a.max(b));
+        }
+        (enter <= leave && leave >= 0.0).then_some(enter)
+    }
+
+    #[test]
+    fn what_is_behind_is_entered_after_what_is_in_front() {
+        let mut rng = SplitMix64::new(11);
+        let mut between = |low: f32, high: f32| {
+            low + (high - low) * (rng.between(0, 1 << 20) as f32 / (1 << 20) as f32)
+        };
+        let (mut shared, mut apart) = (0, 0);
+        for _ in 0..40_000 {
+            let mut sides = |least: f32, most: f32| {
+                Vec3::new(between(least, most), between(least, most), between(least, most))
+            };
+            let (forward, eye) = (sides(-1.0, 1.0), sides(-20.0, 20.0));
+            let camera = Camera { eye, forward, up: Vec3::Y, fov_y: 1.2, near: 0.05 };
+            let view = View::new(&camera, [640, 360], 8);
+            let front = (sides(-4.0, 4.0), sides(0.2, 6.0));
+            let behind = (sides(-9.0, 9.0), sides(0.1, 2.0));
+            let (near, far) = (between(4.0, 20.0), between(0.0, 40.0));
+            let at = |(aside, half): (Vec3, Vec3), distance: f32| {
+                let centre = eye + view.forward * distance + aside;
+                Aabb::new(centre - half, centre + half)
+            };
+            let (front, behind) = (at(front, near), at(behind, near + far));
+            if !shares(front, behind, &view) {
+                apart += 1;
+                continue;
+            }
+            shared += 1;
+            // What the margin of the proxy behind pays for is no object's: a quarter of a pixel.
+            let depth = (behind.centre() - eye).dot(view.forward).max(view.near);
+            let paid = 0.25 * depth * 2.0 * view.tan_half[1] / 360.0;
+            let (low, high) = (behind.min + paid, behind.max - paid);
+            for _ in 0..12 {
+                // A corner, or a point of an edge or a side.
+                let share = Vec3::from_array([0; 3].map(|_| between(-0.5, 1.5).clamp(0.0, 1.0)));
+                let point = low + (high - low).max(Vec3::ZERO) * share;
+                let at = exactly(point, &view);
+                if at.min_element() < 0.0 || at.x > 640.0 || at.y > 360.0 {
+                    continue;
+                }
+                let entered = entry(&front, eye.as_dvec3(), point.as_dvec3());
+                let is_beyond = entered.is_some_and(|at| at <= 1.0 + 1.0e-6);
+                assert!(is_beyond, "{front:?} {behind:?} {entered:?}");
+            }
+        }
+        assert!(shared > 500 && apart > 5_000, "{shared} share, {apart} do not");
+    }
+
+    #[test]
+    fn blunt_outlines_answer_for_nobody() {
+        let offsets = [(0.0, true), (3.0e6, false)];
+        for (home, may_share) in offsets {
+            let eye = Vec3::new(home, 0.0, 0.0);
+            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+            let view = View::new(&camera, [640, 360], 8);
+            let at = |z: f32, half: f32| {
+                let centre = eye + Vec3::new(0.0, 0.0, z);
+                Aabb::new(centre - Vec3::splat(half), centre + Vec3::splat(half))
+            };
+            assert_eq!(shares(at(-20.0, 4.0), at(-60.0, 2.0), &view), may_share, "{home} m away");
+        }
+    }
+}
