@@ -6,10 +6,10 @@ use std::path::Path;
 use gltf::json::Root;
 
 use crate::Limits;
+use crate::element::Kind;
 use crate::elements::BufferBytes;
 use crate::error::{At, Fault, Reason};
 use crate::memory;
-use crate::reach::Kind;
 use crate::uri::{self, Wanted};
 use crate::verdict::Verdict;
 

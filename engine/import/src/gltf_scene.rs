@@ -130,7 +130,7 @@ impl Placement {
 impl GltfScene {
     /// The box around everything that is seen, at rest; the origin alone if there is nothing.
     pub fn bounds(&self) -> Aabb {
-        crate::convert::bounds(self)
+        bounds(self)
     }
 
     /// What the first camera of the file sees at rest in pictures of `size` pixels; without one a view of the
@@ -144,6 +144,30 @@ impl GltfScene {
         let world = worlds.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
         camera.seen_from(&world, size)
     }
+}
+
+/// The box around everything at rest; around the origin alone if there is nothing.
+fn bounds(imported: &GltfScene) -> Aabb {
+    let scene = &imported.scene;
+    let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
+    let objects = scene.objects.len();
+    // The mesh of what changes its form is not where it is shown.
+    let deformed = imported.placements.iter().filter(|placement| placement.deformer.is_some());
+    let seen: std::collections::HashMap<usize, Aabb> = deformed
+        .filter_map(|placement| match placement.placed {
+            Placed::Object(id) => Some((id.0 as usize, placement.seen_at_rest)),
+            Placed::Blended(id) => Some((objects + id.0 as usize, placement.seen_at_rest)),
+            Placed::Light(_) => None,
+        })
+        .collect();
+    let all = scene.objects.iter().chain(blended).enumerate().fold(
+        Aabb::EMPTY,
+        |all, (place, object)| {
+            let at = seen.get(&place).copied().or_else(|| scene.bounds_of(object));
+            at.map_or(all, |one| all.union(&one))
+        },
+    );
+    if all.is_empty() { Aabb::new(Vec3::ZERO, Vec3::ZERO) } else { all }
 }
 
 #[cfg(test)]

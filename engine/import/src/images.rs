@@ -20,11 +20,11 @@ use scene::Image;
 
 use crate::Limits;
 use crate::buffers::Budget;
+use crate::element::Kind;
 use crate::elements::Store;
 use crate::error::{At, Fault, Reason, quoted};
 use crate::memory;
-use crate::reach::Kind;
-use crate::source::Told;
+use crate::progress::Told;
 use crate::uri::Wanted;
 use crate::verdict::Verdict;
 

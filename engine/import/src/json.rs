@@ -3,6 +3,7 @@
 mod huge;
 mod lenient;
 mod lists;
+mod names;
 mod version;
 mod weight;
 mod wide;
@@ -11,19 +12,11 @@ mod words;
 use gltf::Semantic;
 use gltf::json::Root;
 use serde_json::Value;
-use serde_path_to_error::Segment;
 
 use crate::Limits;
-use crate::error::{Fault, Reason, quoted};
+use crate::error::{Fault, Reason};
 use crate::notes::{Note, Notes};
-use crate::reach::Element;
-
-/// A root whose elements are in order, or blank and at fault.
-pub(crate) struct Parsed {
-    pub(crate) root: Root,
-    /// Why elements of its lists are blank.
-    pub(crate) faults: Vec<(Element, Fault)>,
-}
+pub(crate) use lenient::Parsed;
 
 /// Reads the JSON of a file. What was left out of it is noted.
 ///
@@ -72,15 +65,6 @@ fn syntax(error: &serde_json::Error) -> Reason {
     Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
 }
 
-/// Returns a number that is an index or a count, also where it is written like `1.0`.
-pub(crate) fn index(value: &Value) -> Option<usize> {
-    let whole =
-        |float: f64| float.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&float);
-    let number =
-        value.as_u64().or_else(|| value.as_f64().filter(|it| whole(*it)).map(|it| it as u64));
-    number.and_then(|number| usize::try_from(number).ok())
-}
-
 /// Reads JSON again that `gltf` did not take, or of which it may have taken only a part of a number.
 fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     let value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
@@ -122,56 +106,3 @@ fn strip(root: &mut Root, notes: &mut Notes) {
         }
     }
 }
-
-/// "mesh 3, primitive 0, indices" for `primitives[0].indices` in "mesh 3".
-fn object_name(mut name: String, path: &serde_path_to_error::Path) -> String {
-    for segment in path.iter() {
-        let part = match segment {
-            Segment::Map { key } => shown_key(key),
-            Segment::Seq { index } => {
-                let singular =
-                    ONE_OF.iter().find_map(|(many, one)| Some((name.strip_suffix(many)?, one)));
-                if let Some((before, one)) = singular {
-                    name = format!("{before}{one}");
-                }
-                name.push_str(&format!(" {index}"));
-                continue;
-            }
-            Segment::Enum { variant } => shown_key(variant),
-            Segment::Unknown => continue,
-        };
-        if !name.is_empty() {
-            name.push_str(", ");
-        }
-        name.push_str(&part);
-    }
-    if name.is_empty() { "JSON".to_owned() } else { name }
-}
-
-fn shown_key(key: &str) -> String {
-    let is_plain = key.len() <= 40 && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if is_plain { key.to_owned() } else { quoted(key) }
-}
-
-/// Names of lists, and of one of each.
-const ONE_OF: &[(&str, &str)] = &[
-    ("accessors", "accessor"),
-    ("animations", "animation"),
-    ("bufferViews", "buffer view"),
-    ("buffers", "buffer"),
-    ("cameras", "camera"),
-    ("channels", "channel"),
-    ("children", "child"),
-    ("images", "image"),
-    ("joints", "joint"),
-    ("lights", "light"),
-    ("materials", "material"),
-    ("meshes", "mesh"),
-    ("nodes", "node"),
-    ("primitives", "primitive"),
-    ("samplers", "sampler"),
-    ("scenes", "scene"),
-    ("skins", "skin"),
-    ("targets", "target"),
-    ("textures", "texture"),
-];

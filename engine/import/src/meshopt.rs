@@ -7,19 +7,12 @@ use gltf::json::Root;
 use gltf::json::buffer::View;
 use serde_json::{Map, Value};
 
+use crate::Limits;
+use crate::element::Kind;
 use crate::elements::{BufferBytes, Store};
 use crate::error::{At, Fault, Reason};
-use crate::reach::Kind;
+use crate::extensions::{self, MESHOPT, compression, compression_of};
 use crate::verdict::Verdict;
-use crate::{Limits, json};
-
-/// The extensions; the second one has a newer form of attributes and one filter more.
-const NAMES: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
-
-/// Which of the extensions something has, and what that says.
-fn extension(others: &Map<String, Value>) -> Option<(&'static str, &Value)> {
-    NAMES.into_iter().find_map(|name| Some((name, others.get(name)?)))
-}
 
 /// A view whose bytes are compressed in another buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +53,7 @@ pub(crate) fn compressed(
     let mut all = Vec::new();
     let mut total: u64 = 0;
     for (index, view) in root.buffer_views.iter().enumerate() {
-        let Some((name, extension)) = extension_of(view) else { continue };
+        let Some((name, extension)) = compression_of(view) else { continue };
         let at = || format!("buffer view {index}, {name}");
         let element = Kind::View.at(index);
         let compressed = of_view(root, (index, view), (name, extension)).and_then(|compressed| {
@@ -95,14 +88,14 @@ pub(crate) fn compressed(
 pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
     let mut is_compressed_into = vec![false; root.buffers.len()];
     for view in &root.buffer_views {
-        let is_compressed = extension_of(view).is_some();
+        let is_compressed = compression_of(view).is_some();
         if let Some(slot) = is_compressed_into.get_mut(view.buffer.value()) {
             *slot |= is_compressed;
         }
     }
     let buffers = root.buffers.iter().zip(is_compressed_into).enumerate();
     let is_placeholder = buffers.map(|(index, (buffer, is_compressed_into))| {
-        let extension = buffer.extensions.as_ref().and_then(|all| extension(&all.others));
+        let extension = buffer.extensions.as_ref().and_then(|all| compression(&all.others));
         let fallback = extension.and_then(|(_, it)| it.get("fallback"));
         let is_marked = fallback == Some(&Value::Bool(true));
         let is_binary_chunk = index == 0 && has_binary;
@@ -110,16 +103,6 @@ pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
         is_marked || (buffer.uri.is_none() && !is_binary_chunk && is_compressed_into)
     });
     is_placeholder.collect()
-}
-
-/// What a view says of its compression.
-fn extension_of(view: &View) -> Option<(&'static str, &Value)> {
-    view.extensions.as_ref().and_then(|all| extension(&all.others))
-}
-
-/// Returns the buffer that a view is compressed in.
-pub(crate) fn source_buffer(view: &View) -> Option<usize> {
-    extension_of(view).and_then(|(_, it)| it.get("buffer")).and_then(json::index)
 }
 
 fn of_view(
@@ -130,7 +113,8 @@ fn of_view(
     let json = said.as_object().ok_or_else(|| Reason::malformed("it is no object"))?;
     let number = |key: &str| -> Result<usize, Reason> {
         let value = json.get(key).ok_or_else(|| Reason::malformed(format!("it has no {key}")))?;
-        json::index(value).ok_or_else(|| Reason::malformed(format!("its {key} is no whole number")))
+        extensions::index(value)
+            .ok_or_else(|| Reason::malformed(format!("its {key} is no whole number")))
     };
     let from_byte = if json.contains_key("byteOffset") { number("byteOffset")? } else { 0 };
     let found = Compressed {
@@ -168,9 +152,9 @@ fn mode(json: &Map<String, Value>, extension: &str) -> Result<Mode, Reason> {
         Some(Some("OCTAHEDRAL")) => Filter::Octahedral,
         Some(Some("QUATERNION")) => Filter::Quaternion,
         Some(Some("EXPONENTIAL")) => Filter::Exponential,
-        Some(Some("COLOR")) if extension == NAMES[1] => Filter::Colour,
+        Some(Some("COLOR")) if extension == MESHOPT[1] => Filter::Colour,
         Some(Some("COLOR")) => {
-            let text = format!("its filter COLOR is one of {}, not of {extension}", NAMES[1]);
+            let text = format!("its filter COLOR is one of {}, not of {extension}", MESHOPT[1]);
             return Err(Reason::malformed(text));
         }
         Some(_) => return Err(Reason::malformed("its filter does not exist")),
@@ -220,7 +204,7 @@ pub(crate) fn decompress(
         let encoded = encoded.and_then(|bytes| bytes.get(..compressed.bytes)).unwrap_or_default();
         let element = Kind::View.at(compressed.view);
         let decoded = match verdict.is_kept(root, element) {
-            true => compressed.decode(encoded).at(at),
+            true => decode::decode(compressed, encoded).at(at),
             false => continue,
         };
         let Some(bytes) = verdict.judge(element, decoded)? else { continue };

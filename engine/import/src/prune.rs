@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use gltf::json::Root;
 
 use crate::blank::Blank;
+use crate::element::{Element, Kind, Need};
 use crate::notes::Note;
-use crate::reach::{Element, Kind, Need, shown_scene};
+use crate::reach::shown_scene;
 use crate::verdict::Verdict;
 
 /// Takes out of animations the channels of nodes that are not shown, and notes them.

@@ -1,120 +1,11 @@
 //! What the scene that is shown uses of a file: the elements of its lists, and what these refer to.
 
-use std::fmt;
-
 use gltf::Semantic;
 use gltf::json::validation::Checked;
-use gltf::json::{Node, Root};
+use gltf::json::{Material, Node, Root};
 
-use crate::check::{instance_accessors, lights};
-use crate::{meshopt, textures};
-
-/// The lists of a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) enum Kind {
-    Accessor,
-    Animation,
-    Buffer,
-    View,
-    Camera,
-    Image,
-    Light,
-    Material,
-    Mesh,
-    Node,
-    Sampler,
-    Scene,
-    Skin,
-    Texture,
-}
-
-impl Kind {
-    const ALL: [Self; 14] = [
-        Self::Accessor,
-        Self::Animation,
-        Self::Buffer,
-        Self::View,
-        Self::Camera,
-        Self::Image,
-        Self::Light,
-        Self::Material,
-        Self::Mesh,
-        Self::Node,
-        Self::Sampler,
-        Self::Scene,
-        Self::Skin,
-        Self::Texture,
-    ];
-
-    /// Returns the element with an index.
-    pub(crate) fn at(self, index: usize) -> Element {
-        Element { kind: self, index }
-    }
-
-    /// Returns the name of one element of the list.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Accessor => "accessor",
-            Self::Animation => "animation",
-            Self::Buffer => "buffer",
-            Self::View => "buffer view",
-            Self::Camera => "camera",
-            Self::Image => "image",
-            Self::Light => "light",
-            Self::Material => "material",
-            Self::Mesh => "mesh",
-            Self::Node => "node",
-            Self::Sampler => "sampler",
-            Self::Scene => "scene",
-            Self::Skin => "skin",
-            Self::Texture => "texture",
-        }
-    }
-
-    pub(crate) fn count(self, root: &Root) -> usize {
-        match self {
-            Self::Accessor => root.accessors.len(),
-            Self::Animation => root.animations.len(),
-            Self::Buffer => root.buffers.len(),
-            Self::View => root.buffer_views.len(),
-            Self::Camera => root.cameras.len(),
-            Self::Image => root.images.len(),
-            Self::Light => lights(root).len(),
-            Self::Material => root.materials.len(),
-            Self::Mesh => root.meshes.len(),
-            Self::Node => root.nodes.len(),
-            Self::Sampler => root.samplers.len(),
-            Self::Scene => root.scenes.len(),
-            Self::Skin => root.skins.len(),
-            Self::Texture => root.textures.len(),
-        }
-    }
-}
-
-/// An element of a list of the file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct Element {
-    pub(crate) kind: Kind,
-    pub(crate) index: usize,
-}
-
-impl fmt::Display for Element {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", self.kind.name(), self.index)
-    }
-}
-
-/// How much the scene needs an element.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Need {
-    /// Nothing that is shown uses it.
-    #[default]
-    None,
-    /// The scene can be shown without it: an animation, an image, or what these alone use.
-    Optional,
-    /// The scene cannot be shown without it.
-    Required,
-}
+use crate::element::{Element, Kind, Need};
+use crate::extensions::{image_of, instance_accessors, source_buffer};
 
 /// How much the scene needs each element of a file.
 #[derive(Clone, Debug, Default)]
@@ -222,14 +113,14 @@ pub(crate) fn references(root: &Root, element: Element, visit: &mut dyn FnMut(El
             accessor.into_iter().for_each(|it| visit(Kind::Accessor.at(it.value())));
         }
         Kind::Material => {
-            let shown = root.materials.get(index).into_iter().flat_map(textures::shown);
+            let shown = root.materials.get(index).into_iter().flat_map(shown_textures);
             shown.for_each(|texture| visit(Kind::Texture.at(texture)));
         }
         Kind::Texture => {
             let Some(texture) = root.textures.get(index) else { return };
             let sampler = texture.sampler.into_iter();
             sampler.for_each(|sampler| visit(Kind::Sampler.at(sampler.value())));
-            let image = textures::image_of(texture).into_iter();
+            let image = image_of(texture).into_iter();
             image.for_each(|image| visit(Kind::Image.at(image)));
         }
         Kind::Image => {
@@ -246,7 +137,7 @@ pub(crate) fn references(root: &Root, element: Element, visit: &mut dyn FnMut(El
         Kind::View => {
             let Some(view) = root.buffer_views.get(index) else { return };
             visit(Kind::Buffer.at(view.buffer.value()));
-            let compressed = meshopt::source_buffer(view).into_iter();
+            let compressed = source_buffer(view).into_iter();
             compressed.for_each(|buffer| visit(Kind::Buffer.at(buffer)));
         }
         Kind::Animation => {
@@ -289,4 +180,17 @@ fn of_mesh(root: &Root, index: usize, visit: &mut dyn FnMut(Element)) {
             visit(Kind::Accessor.at(accessor.value()));
         }
     }
+}
+
+/// Returns the textures that a material shows, some of them perhaps several times.
+fn shown_textures(material: &Material) -> impl Iterator<Item = usize> {
+    let pbr = &material.pbr_metallic_roughness;
+    let slots = [
+        pbr.base_color_texture.as_ref().map(|it| it.index),
+        pbr.metallic_roughness_texture.as_ref().map(|it| it.index),
+        material.normal_texture.as_ref().map(|it| it.index),
+        material.occlusion_texture.as_ref().map(|it| it.index),
+        material.emissive_texture.as_ref().map(|it| it.index),
+    ];
+    slots.into_iter().flatten().map(|texture| texture.value())
 }

@@ -12,42 +12,13 @@ use crate::elements::{self, Store};
 use crate::error::{Fault, Reason};
 use crate::images::Images;
 use crate::notes::{Note, Notes};
+use crate::progress::Told;
 use crate::reach::Reach;
 use crate::uri::{self, Wanted};
 use crate::verdict::{Verdict, note_broken_animations};
-use crate::{Cause, ImportError, Limits, check, glb, images, json, meshopt, prune, textures};
-
-/// The extensions that a file may require. Others that it requires are refused by name, others that it
-/// merely uses are noted.
-pub const SUPPORTED_EXTENSIONS: &[&str] = &[
-    "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_meshopt_compression",
-    "KHR_texture_transform",
-];
-
-/// Who is told what part of a file was read, and says whether to go on.
-pub(crate) type Told<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;
-
-/// Where a node's instances are: `EXT_mesh_gpu_instancing`.
-///
-/// All accessors that are there have `count` elements.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Instancing {
-    /// How many instances there are, at least 1.
-    pub count: usize,
-    /// The accessor of translations: three floats.
-    pub translation: Option<usize>,
-    /// The accessor of rotations: four floats or signed normalised integers, a quaternion x, y, z, w.
-    pub rotation: Option<usize>,
-    /// The accessor of scales: three floats.
-    pub scale: Option<usize>,
-}
+use crate::{
+    Cause, ImportError, Instancing, Limits, check, glb, images, json, meshopt, prune, textures,
+};
 
 /// A glTF file that was read and checked.
 ///
@@ -57,7 +28,7 @@ pub struct Instancing {
 /// (an empty view to the first buffer, if there is one), and are not described below. What is wrong with them is in
 /// the notes. So are animations that are broken, which are empty too, and images that cannot be read, for which
 /// placeholders stand. For all that is not empty:
-/// - **Indices.** Every index of core glTF 2.0 and of [`SUPPORTED_EXTENSIONS`] is in range: accessors,
+/// - **Indices.** Every index of core glTF 2.0 and of [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors,
 ///   views, buffers, nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images,
 ///   scenes, targets and samplers of animations. So the methods of `gltf` that look them up do not panic.
 ///   No enumerated value is unknown, every camera has the values of its type, every spot light its cone.

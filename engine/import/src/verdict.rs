@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use gltf::json::Root;
 
+use crate::element::{Element, Kind, Need};
 use crate::error::Fault;
 use crate::notes::{Note, Notes};
-use crate::reach::{Element, Kind, Need, Reach, references};
+use crate::reach::{Reach, references};
 
 /// Judges the faults of a file by what the scene needs.
 pub(crate) struct Verdict {

@@ -5,11 +5,11 @@ use gltf::json::buffer::{MAX_BYTE_STRIDE, MIN_BYTE_STRIDE, View};
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Root};
 
-use super::in_range;
+use super::numbers::in_range;
 use crate::Limits;
+use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
 use crate::layout::{self, Layout};
-use crate::reach::Kind;
 use crate::verdict::Verdict;
 
 /// Checks every view and every accessor; limits count those that are used. The values of sparse indices are left to

@@ -6,9 +6,10 @@ use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Animation, Index, Root};
 
 use super::attributes::{self, FLOATS, FRACTIONS};
-use super::{in_range, meshes};
+use super::meshes;
+use super::numbers::in_range;
+use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
-use crate::reach::Kind;
 use crate::verdict::Verdict;
 
 pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {

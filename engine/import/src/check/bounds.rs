@@ -4,8 +4,8 @@ use gltf::Semantic;
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Root, Value};
 
+use crate::element::Kind;
 use crate::elements::{self, Store};
-use crate::reach::Kind;
 use crate::verdict::Verdict;
 
 /// How far elements may be out of their bounds, as a share of the bounds: exporters round them.

@@ -6,12 +6,13 @@ use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use gltf::json::{Mesh, Node, Root};
 
+use super::instancing::Instancing;
 use super::meshes;
+use super::numbers::vertex_count;
 use crate::Limits;
+use crate::element::Kind;
 use crate::error::{Fault, Reason};
 use crate::layout::Layout;
-use crate::reach::Kind;
-use crate::source::Instancing;
 use crate::verdict::Verdict;
 
 /// A point or a segment of a line that changes its form becomes a box; others have two ends at most.
@@ -98,7 +99,7 @@ fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), F
             continue;
         }
         for (index, primitive) in mesh.primitives.iter().enumerate() {
-            let vertices = super::vertex_count(root, primitive).unwrap_or(0);
+            let vertices = vertex_count(root, primitive).unwrap_or(0);
             below("vertices", vertices, limits.vertices)
                 .map_err(|reason| reason.of(format!("mesh {mesh_index}, primitive {index}")))?;
         }
@@ -140,7 +141,7 @@ fn cost_of(root: &Root, mesh: &Mesh) -> Cost {
 }
 
 fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
-    let all = super::vertex_count(root, primitive).unwrap_or(0);
+    let all = vertex_count(root, primitive).unwrap_or(0);
     let indices =
         primitive.indices.and_then(|indices| root.get(indices)).map(|accessor| accessor.count.0);
     let drawn = indices.unwrap_or(all);

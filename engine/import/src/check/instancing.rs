@@ -7,43 +7,46 @@ use gltf::json::{Accessor, Node, Root};
 use serde_json::{Map, Value};
 
 use super::attributes::{self, FLOATS, FRACTIONS};
-use super::uses;
+use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
-use crate::json;
-use crate::reach::Kind;
-use crate::source::Instancing;
+use crate::extensions::{INSTANCING, index, uses};
 use crate::verdict::Verdict;
 
-const EXTENSION: &str = "EXT_mesh_gpu_instancing";
+/// Where a node's instances are: `EXT_mesh_gpu_instancing`.
+///
+/// All accessors that are there have `count` elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Instancing {
+    /// How many instances there are, at least 1.
+    pub count: usize,
+    /// The accessor of translations: three floats.
+    pub translation: Option<usize>,
+    /// The accessor of rotations: four floats or signed normalised integers, a quaternion x, y, z, w.
+    pub rotation: Option<usize>,
+    /// The accessor of scales: three floats.
+    pub scale: Option<usize>,
+}
 
 pub(super) fn check(
     root: &Root,
     verdict: &mut Verdict,
 ) -> Result<BTreeMap<usize, Instancing>, Fault> {
-    if !uses(root, EXTENSION) {
+    if !uses(root, INSTANCING) {
         return Ok(BTreeMap::new());
     }
     let mut all = BTreeMap::new();
     for (index, node) in root.nodes.iter().enumerate() {
         let element = Kind::Node.at(index);
-        let found = of_node(root, node).at(|| format!("node {index}, {EXTENSION}"));
+        let found = of_node(root, node).at(|| format!("node {index}, {INSTANCING}"));
         let found = verdict.judge(element, found)?.flatten();
         all.extend(found.filter(|_| verdict.is_used(element)).map(|found| (index, found)));
     }
     Ok(all)
 }
 
-/// Returns the indices of the accessors that place the instances of a node.
-pub(crate) fn accessors(node: &Node) -> impl Iterator<Item = usize> {
-    let extension = node.extensions.as_ref().and_then(|it| it.others.get(EXTENSION));
-    let attributes = extension.and_then(|it| it.get("attributes")).and_then(Value::as_object);
-    let indices = attributes.into_iter().flat_map(|attributes| attributes.values());
-    indices.filter_map(json::index)
-}
-
 fn of_node(root: &Root, node: &Node) -> Result<Option<Instancing>, Reason> {
     let extension =
-        node.extensions.as_ref().and_then(|extensions| extensions.others.get(EXTENSION));
+        node.extensions.as_ref().and_then(|extensions| extensions.others.get(INSTANCING));
     let Some(extension) = extension else {
         return Ok(None);
     };
@@ -86,7 +89,7 @@ fn accessor<'a>(
     name: &str,
     value: &Value,
 ) -> Result<(usize, &'a Accessor), Reason> {
-    let index = json::index(value);
+    let index = index(value);
     let found = index.and_then(|index| Some((index, root.accessors.get(index)?)));
     found.ok_or_else(|| {
         let name = crate::error::quoted(name);

@@ -6,9 +6,10 @@ use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::validation::Checked;
 use gltf::json::{Camera, Image, Index, Material, Root, Texture, texture};
 
-use super::{finite, in_range};
+use super::numbers::{finite, in_range};
+use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
-use crate::reach::Kind;
+use crate::extensions::{lights, plain_source, webp_source};
 use crate::verdict::Verdict;
 
 pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
@@ -32,13 +33,6 @@ fn each<T>(
         verdict.judge(at, check(element).at(|| at.to_string()))?;
     }
     Ok(())
-}
-
-/// The lights of `KHR_lights_punctual`.
-pub(crate) fn lights(root: &Root) -> &[Light] {
-    let extension =
-        root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
-    extension.map_or(&[], |extension| &extension.lights)
 }
 
 fn check_material(root: &Root, material: &Material) -> Result<(), Reason> {
@@ -92,8 +86,8 @@ fn check_texture(root: &Root, texture: &Texture) -> Result<(), Reason> {
     if let Some(sampler) = texture.sampler {
         in_range("sampler", sampler.value(), root.samplers.len())?;
     }
-    let plain = crate::textures::plain_source(texture);
-    for image in plain.into_iter().chain(crate::textures::webp_source(texture)?) {
+    let plain = plain_source(texture);
+    for image in plain.into_iter().chain(webp_source(texture)?) {
         in_range("image", image, root.images.len())?;
     }
     Ok(())

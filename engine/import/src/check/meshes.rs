@@ -8,9 +8,10 @@ use gltf::json::{Accessor, Index, Mesh, Root};
 
 use super::attributes::{self, INDICES};
 use super::extensions::QUANTISATION;
-use super::{finite, in_range, uses};
+use super::numbers::{finite, in_range};
+use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
-use crate::reach::Kind;
+use crate::extensions::uses;
 use crate::verdict::Verdict;
 
 pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {

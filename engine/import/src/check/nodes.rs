@@ -2,10 +2,12 @@
 
 use gltf::json::{Node, Root};
 
-use super::{finite, in_range, meshes};
+use super::meshes;
+use super::numbers::{finite, in_range};
 use crate::Limits;
+use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
-use crate::reach::Kind;
+use crate::extensions::lights;
 use crate::verdict::Verdict;
 
 /// Checks all nodes and scenes. Returns the parents of the nodes that are shown, which are a forest.
@@ -66,7 +68,7 @@ fn check_references(root: &Root, node: &Node) -> Result<(), Reason> {
     let light =
         node.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
     if let Some(light) = light {
-        in_range("light", light.light.value(), super::materials::lights(root).len())?;
+        in_range("light", light.light.value(), lights(root).len())?;
     }
     Ok(())
 }

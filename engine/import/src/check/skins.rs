@@ -4,9 +4,9 @@ use gltf::json::accessor::Type;
 use gltf::json::{Root, Skin};
 
 use super::attributes::{self, FLOATS};
-use super::in_range;
+use super::numbers::in_range;
+use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
-use crate::reach::Kind;
 use crate::verdict::Verdict;
 
 /// Checks all skins; `parents` are those of the nodes that are shown.

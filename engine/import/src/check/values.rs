@@ -8,9 +8,10 @@ use gltf::json::mesh::Primitive;
 use gltf::json::validation::Checked;
 use gltf::json::{Accessor, Index, Root};
 
+use super::numbers::vertex_count;
+use crate::element::Kind;
 use crate::elements::{self, Store};
 use crate::error::{At, Fault, Reason};
-use crate::reach::Kind;
 use crate::verdict::Verdict;
 
 /// Checks those that are used. The JSON was checked before.
@@ -115,7 +116,7 @@ impl Greatest<'_> {
     }
 
     fn check_indices(&mut self, primitive: &Primitive) -> Result<(), Reason> {
-        let vertices = super::vertex_count(self.root, primitive);
+        let vertices = vertex_count(self.root, primitive);
         let (Some(indices), Some(vertices)) = (primitive.indices, vertices) else {
             return Ok(());
         };

@@ -35,8 +35,7 @@ mod vertices;
 use std::collections::HashMap;
 
 use animation::NodeId;
-use cull::Aabb;
-use glam::{Affine3A, Vec3};
+use glam::Affine3A;
 use scene::{LightId, Scene, Surfaces};
 
 use self::assembly::{Assembly, rigid};
@@ -47,8 +46,9 @@ use self::nodes::Tree;
 use self::sight::Sight;
 use self::skins::Skins;
 use crate::gltf_scene::{GltfScene, Placed};
-use crate::load::{LoadOptions, Stage, Teller};
+use crate::load_options::LoadOptions;
 use crate::notes::Notes;
+use crate::progress::{Stage, Teller};
 use crate::{ImportError, Source};
 
 pub(crate) use self::framing::overview;
@@ -154,28 +154,4 @@ fn empty(name: String) -> Scene {
         light: lights::surroundings(),
         surfaces: None,
     }
-}
-
-/// The box around everything at rest; around the origin alone if there is nothing.
-pub(crate) fn bounds(imported: &GltfScene) -> Aabb {
-    let scene = &imported.scene;
-    let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
-    let objects = scene.objects.len();
-    // The mesh of what changes its form is not where it is shown.
-    let deformed = imported.placements.iter().filter(|placement| placement.deformer.is_some());
-    let seen: HashMap<usize, Aabb> = deformed
-        .filter_map(|placement| match placement.placed {
-            Placed::Object(id) => Some((id.0 as usize, placement.seen_at_rest)),
-            Placed::Blended(id) => Some((objects + id.0 as usize, placement.seen_at_rest)),
-            Placed::Light(_) => None,
-        })
-        .collect();
-    let all = scene.objects.iter().chain(blended).enumerate().fold(
-        Aabb::EMPTY,
-        |all, (place, object)| {
-            let at = seen.get(&place).copied().or_else(|| scene.bounds_of(object));
-            at.map_or(all, |one| all.union(&one))
-        },
-    );
-    if all.is_empty() { Aabb::new(Vec3::ZERO, Vec3::ZERO) } else { all }
 }

@@ -6,11 +6,19 @@ use gltf::json::extensions::scene::khr_lights_punctual::Light;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
-use super::{Parsed, lists, object_name, wide, words};
+use super::names::object_name;
+use super::{lists, wide, words};
 use crate::blank::Blank;
+use crate::element::{Element, Kind};
 use crate::error::{Fault, Reason};
 use crate::notes::{Note, Notes};
-use crate::reach::{Element, Kind};
+
+/// A root whose elements are in order, or blank and at fault.
+pub(crate) struct Parsed {
+    pub(crate) root: Root,
+    /// Why elements of its lists are blank.
+    pub(crate) faults: Vec<(Element, Fault)>,
+}
 
 const LIGHTS: &str = "KHR_lights_punctual";
 

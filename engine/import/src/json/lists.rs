@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::shown_key;
+use super::names::shown_key;
 use crate::error::{Fault, Reason};
 
 /// Returns whether a list may be an element of a list in the JSON: outside of extensions, glTF has no such thing.

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::shown_key;
+use super::names::shown_key;
 use crate::error::{Fault, Reason};
 
 /// Keys of glTF whose value is an index, a choice or a set: whole numbers of at most 32 bits.

@@ -1,7 +1,8 @@
 //! Decoding by the crate `meshopt`, whose decoders are made for bytes that nobody trusts.
 
-use super::{Compressed, Filter, Mode, NAMES};
+use super::{Compressed, Filter, Mode};
 use crate::error::Reason;
+use crate::extensions::MESHOPT;
 
 /// The first byte of attributes: of version 0 and of version 1, which only the newer extension has.
 const ATTRIBUTES: [u8; 2] = [0xA0, 0xA1];
@@ -19,58 +20,56 @@ impl<const COUNT: usize> Default for Words<COUNT> {
     }
 }
 
-impl Compressed {
-    /// Decompresses what was checked to fit its mode.
-    pub(super) fn decode(&self, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
-        self.check_header(encoded)?;
-        let (count, is_short) = (self.count, self.stride == 2);
-        let decoded = match self.mode {
-            Mode::Attributes(filter) => {
-                self.attributes(encoded).map(|words| filtered(words, filter, self.stride))
-            }
-            Mode::Triangles if is_short => {
-                ::meshopt::decode_index_buffer::<u16>(encoded, count).map(bytes_of)
-            }
-            Mode::Triangles => ::meshopt::decode_index_buffer::<u32>(encoded, count).map(bytes_of),
-            Mode::Indices if is_short => {
-                ::meshopt::decode_index_sequence::<u16>(encoded, count).map(bytes_of)
-            }
-            Mode::Indices => ::meshopt::decode_index_sequence::<u32>(encoded, count).map(bytes_of),
-        };
-        decoded.map_err(|_| Reason::damaged("its compressed bytes are cut off or damaged"))
-    }
-
-    fn check_header(&self, encoded: &[u8]) -> Result<(), Reason> {
-        let Some(&first) = encoded.first() else {
-            return Err(Reason::damaged("it has no bytes"));
-        };
-        let is_newer = self.extension == NAMES[1];
-        let known: &[u8] = match self.mode {
-            Mode::Attributes(_) if is_newer => &ATTRIBUTES,
-            Mode::Attributes(_) => &ATTRIBUTES[..1],
-            Mode::Triangles => &[TRIANGLES],
-            Mode::Indices => &[INDICES],
-        };
-        if known.contains(&first) {
-            return Ok(());
+/// Decompresses what was checked to fit its mode.
+pub(super) fn decode(view: &Compressed, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
+    check_header(view, encoded)?;
+    let (count, is_short) = (view.count, view.stride == 2);
+    let decoded = match view.mode {
+        Mode::Attributes(filter) => {
+            attributes(view, encoded).map(|words| filtered(words, filter, view.stride))
         }
-        let expected: Vec<String> = known.iter().map(|byte| format!("{byte:#04x}")).collect();
-        let expected = expected.join(" or ");
-        Err(Reason::damaged(format!("it begins with {first:#04x} and not with {expected}")))
-    }
-
-    fn attributes(&self, encoded: &[u8]) -> ::meshopt::Result<Vec<u32>> {
-        macro_rules! by_words {
-            ($($words:literal)*) => {
-                match self.stride / 4 {
-                    $($words => decode_words::<$words>(encoded, self.count),)*
-                    _ => Ok(Vec::new()),
-                }
-            };
+        Mode::Triangles if is_short => {
+            ::meshopt::decode_index_buffer::<u16>(encoded, count).map(bytes_of)
         }
-        by_words!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
-            33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
+        Mode::Triangles => ::meshopt::decode_index_buffer::<u32>(encoded, count).map(bytes_of),
+        Mode::Indices if is_short => {
+            ::meshopt::decode_index_sequence::<u16>(encoded, count).map(bytes_of)
+        }
+        Mode::Indices => ::meshopt::decode_index_sequence::<u32>(encoded, count).map(bytes_of),
+    };
+    decoded.map_err(|_| Reason::damaged("its compressed bytes are cut off or damaged"))
+}
+
+fn check_header(view: &Compressed, encoded: &[u8]) -> Result<(), Reason> {
+    let Some(&first) = encoded.first() else {
+        return Err(Reason::damaged("it has no bytes"));
+    };
+    let is_newer = view.extension == MESHOPT[1];
+    let known: &[u8] = match view.mode {
+        Mode::Attributes(_) if is_newer => &ATTRIBUTES,
+        Mode::Attributes(_) => &ATTRIBUTES[..1],
+        Mode::Triangles => &[TRIANGLES],
+        Mode::Indices => &[INDICES],
+    };
+    if known.contains(&first) {
+        return Ok(());
     }
+    let expected: Vec<String> = known.iter().map(|byte| format!("{byte:#04x}")).collect();
+    let expected = expected.join(" or ");
+    Err(Reason::damaged(format!("it begins with {first:#04x} and not with {expected}")))
+}
+
+fn attributes(view: &Compressed, encoded: &[u8]) -> ::meshopt::Result<Vec<u32>> {
+    macro_rules! by_words {
+        ($($words:literal)*) => {
+            match view.stride / 4 {
+                $($words => decode_words::<$words>(encoded, view.count),)*
+                _ => Ok(Vec::new()),
+            }
+        };
+    }
+    by_words!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32
+        33 34 35 36 37 38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64)
 }
 
 fn decode_words<const COUNT: usize>(encoded: &[u8], count: usize) -> ::meshopt::Result<Vec<u32>> {

@@ -1,0 +1,99 @@
+//! Extensions of glTF: which are known, and where they keep what refers to other elements.
+
+use gltf::json::buffer::View;
+use gltf::json::extensions::scene::khr_lights_punctual::Light;
+use gltf::json::{Node, Root, Texture};
+use serde_json::{Map, Value};
+
+use crate::error::Reason;
+
+/// The extensions that a file may require. Others that it requires are refused by name, others that it
+/// merely uses are noted.
+pub const SUPPORTED_EXTENSIONS: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_unlit",
+    "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_texture_transform",
+];
+
+/// Instances of a node.
+pub(crate) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Images of textures in a format of their own.
+const WEBP: &str = "EXT_texture_webp";
+
+/// Compressed views; the second one has a newer form of attributes and one filter more.
+pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
+/// Which of [`MESHOPT`] something has, and what that says.
+pub(crate) fn compression(others: &Map<String, Value>) -> Option<(&'static str, &Value)> {
+    MESHOPT.into_iter().find_map(|name| Some((name, others.get(name)?)))
+}
+
+/// Whether a file says that it uses an extension.
+pub(crate) fn uses(root: &Root, extension: &str) -> bool {
+    debug_assert!(SUPPORTED_EXTENSIONS.contains(&extension));
+    root.extensions_used.iter().chain(&root.extensions_required).any(|used| used == extension)
+}
+
+/// Returns a number that is an index or a count, also where it is written like `1.0`.
+pub(crate) fn index(value: &Value) -> Option<usize> {
+    let whole =
+        |float: f64| float.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&float);
+    let number =
+        value.as_u64().or_else(|| value.as_f64().filter(|it| whole(*it)).map(|it| it as u64));
+    number.and_then(|number| usize::try_from(number).ok())
+}
+
+/// The lights of `KHR_lights_punctual`.
+pub(crate) fn lights(root: &Root) -> &[Light] {
+    let extension =
+        root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+    extension.map_or(&[], |extension| &extension.lights)
+}
+
+/// Returns the indices of the accessors that place the instances of a node.
+pub(crate) fn instance_accessors(node: &Node) -> impl Iterator<Item = usize> {
+    let extension = node.extensions.as_ref().and_then(|it| it.others.get(INSTANCING));
+    let attributes = extension.and_then(|it| it.get("attributes")).and_then(Value::as_object);
+    let indices = attributes.into_iter().flat_map(|attributes| attributes.values());
+    indices.filter_map(index)
+}
+
+/// What a view says of its compression.
+pub(crate) fn compression_of(view: &View) -> Option<(&'static str, &Value)> {
+    view.extensions.as_ref().and_then(|all| compression(&all.others))
+}
+
+/// Returns the buffer that a view is compressed in.
+pub(crate) fn source_buffer(view: &View) -> Option<usize> {
+    compression_of(view).and_then(|(_, it)| it.get("buffer")).and_then(index)
+}
+
+/// The image that glTF itself names.
+pub(crate) fn plain_source(texture: &Texture) -> Option<usize> {
+    // So `gltf` says that there is none.
+    const NONE: usize = u32::MAX as usize;
+    Some(texture.source.value()).filter(|&source| source != NONE)
+}
+
+/// The image that `EXT_texture_webp` names.
+pub(crate) fn webp_source(texture: &Texture) -> Result<Option<usize>, Reason> {
+    let extension = texture.extensions.as_ref().and_then(|extensions| extensions.others.get(WEBP));
+    let Some(source) = extension.and_then(|extension| extension.get("source")) else {
+        return Ok(None);
+    };
+    index(source)
+        .map(Some)
+        .ok_or_else(|| Reason::malformed(format!("the source of its {WEBP} is no index")))
+}
+
+/// Returns the image that is shown for a texture.
+pub(crate) fn image_of(texture: &Texture) -> Option<usize> {
+    webp_source(texture).ok().flatten().or(plain_source(texture))
+}
