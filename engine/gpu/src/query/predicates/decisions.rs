@@ -33,11 +33,11 @@ impl WordSource {
 /// What happens to a range if its word is not zero.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reveal {
-    /// All of it is drawn ([`Predicates::draw`]).
+    /// All of it is drawn ([`Predicates::draw`](crate::Predicates::draw)).
     #[default]
     Whole,
-    /// A box for each of its draws is drawn first ([`Predicates::draw_boxes`]), whose fragments
-    /// decide draw by draw ([`Predicates::draw_parts`]).
+    /// A box for each of its draws is drawn first ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)), whose fragments
+    /// decide draw by draw ([`Predicates::draw_parts`](crate::Predicates::draw_parts)).
     Parts,
 }
 
