@@ -1,9 +1,7 @@
 //! The pacer: asked again and again what to do now, told what became known, never looking itself.
 
-mod learn;
-mod queue;
-mod schedule;
-mod timings;
+mod api;
+mod books;
 mod trial;
 
 use std::time::Duration;
@@ -16,8 +14,7 @@ use crate::margin::Margin;
 use crate::options::{PacerOptions, PacingError, Presentation};
 use crate::refresh_clock::RefreshClock;
 use crate::time::{MILLISECOND_NS, SECOND_NS, Time};
-use queue::Silence;
-use timings::Ledger;
+use books::{Ledger, Silence};
 use trial::Trial;
 
 /// Never told to sleep longer, so that a caller can look after its window.

@@ -9,27 +9,19 @@
 //! ago. With two images that frame is the newest one, and never is: there frames start so that it is
 //! finished when the next image is asked for.
 
-use super::Pacer;
-use crate::frames::Record;
 use crate::refresh_clock::RefreshClock;
-use crate::time::{MILLISECOND_NS, SECOND_NS};
+use crate::time::MILLISECOND_NS;
 
 /// So many times in a row the first wait after a shake must end where the ones before foretold.
 const ENOUGH: u32 = 6;
 /// Of a period: what it may be off. One that ends at random does so one time in seven.
 const AGREES: f64 = 0.07;
-/// Fewest images with which frames queue behind one that is finished.
-const QUEUEING_IMAGES: u32 = 3;
-/// Standard deviations that the GPU is given to finish.
-const SAFE: f64 = 3.0;
-/// Work that is not seen finished for so long is not waited for.
-const PATIENCE_NS: f64 = SECOND_NS;
 /// No display refreshes more rarely.
 const LONGEST_PERIOD_NS: f64 = 125.0 * MILLISECOND_NS;
 
 /// How far a shake is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shaking {
+pub(in crate::pacer) enum Shaking {
     Rests,
     /// The next frame is delayed.
     Due,
@@ -39,29 +31,29 @@ enum Shaking {
 
 /// What speaks for a display that makes acquires wait.
 #[derive(Clone, Debug)]
-pub(super) struct Trial {
+pub(in crate::pacer) struct Trial {
     clock: RefreshClock,
     agreed: u32,
-    is_won: bool,
-    shaking: Shaking,
+    pub(in crate::pacer) is_won: bool,
+    pub(in crate::pacer) shaking: Shaking,
     /// When the last acquire returned.
     returned: Option<f64>,
 }
 
 impl Trial {
-    pub(super) const fn new(hint: Option<f64>) -> Self {
+    pub(in crate::pacer) const fn new(hint: Option<f64>) -> Self {
         let clock = RefreshClock::new(hint);
         let shaking = Shaking::Rests;
         Self { clock, agreed: 0, is_won: false, shaking, returned: None }
     }
 
     /// Whether waits are believed.
-    pub(super) const fn is_won(&self) -> bool {
+    pub(in crate::pacer) const fn is_won(&self) -> bool {
         self.is_won
     }
 
     /// The acquire of `frame` returned; answers when the one before did.
-    pub(super) fn returned(&mut self, frame: u64, to: f64) -> Option<f64> {
+    pub(in crate::pacer) fn returned(&mut self, frame: u64, to: f64) -> Option<f64> {
         if self.shaking == Shaking::Due {
             self.shaking = Shaking::Done(frame);
         }
@@ -69,7 +61,7 @@ impl Trial {
     }
 
     /// What was seen so far was seen too long ago.
-    pub(super) fn begin_anew(&mut self, hint: Option<f64>) {
+    pub(in crate::pacer) fn begin_anew(&mut self, hint: Option<f64>) {
         if !self.is_won {
             (self.clock, self.agreed) = (RefreshClock::new(hint), 0);
             self.shaking = Shaking::Rests;
@@ -77,7 +69,7 @@ impl Trial {
     }
 
     /// A wait for `shown` ended that a display may have caused; answers its clock once it is sure.
-    fn observe(&mut self, shown: u64, at: f64) -> Option<RefreshClock> {
+    pub(in crate::pacer) fn observe(&mut self, shown: u64, at: f64) -> Option<RefreshClock> {
         // What frames of before the shake are waited for is not shaken.
         if matches!(self.shaking, Shaking::Done(frame) if shown < frame) {
             return None;
@@ -103,62 +95,12 @@ impl Trial {
     }
 
     /// Some part of what seems to be the period, another one for each frame.
-    fn delay(&self, frame: u64) -> f64 {
+    pub(in crate::pacer) fn delay(&self, frame: u64) -> f64 {
         // SplitMix64 (Steele, Lea, Flood 2014): followed by nothing that comes again and again.
         let mut mixed = frame.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         let part = (mixed >> 40) as f64 / f64::from(1_u32 << 24);
         part * self.clock.period().unwrap_or(0.0)
-    }
-}
-
-impl Pacer {
-    /// An acquire that had to wait returned, the last one before it at `before`; `shown` had to be shown
-    /// for it. Answers whether that tells of a refresh.
-    pub(super) fn tells_of_refresh(&mut self, shown: u64, to: f64, before: Option<f64>) -> bool {
-        if self.trial.is_won {
-            return true;
-        }
-        let seen = self.frames.record(shown).and_then(|record| record.seen_finished);
-        let latest = if self.has_few_images() { self.last_from } else { before };
-        if self.is_tried()
-            && seen.zip(latest).is_some_and(|(seen, latest)| seen <= latest)
-            && let Some(clock) = self.trial.observe(shown, to)
-        {
-            self.clock = clock;
-        }
-        false
-    }
-
-    const fn has_few_images(&self) -> bool {
-        self.presentation.images < QUEUEING_IMAGES
-    }
-
-    fn is_tried(&self) -> bool {
-        self.searches_phase() && !self.trial.is_won && self.sees_finishes
-    }
-
-    /// The earliest start of the next frame while the phase is searched for.
-    pub(super) fn start_in_search(&self, now: f64) -> f64 {
-        let is_shaken = self.trial.shaking == Shaking::Due;
-        if !self.is_tried() || !(is_shaken || self.has_few_images()) {
-            return now;
-        }
-        let Some((_, newest)) = self.frames.newest_first().next() else { return now };
-        let awaited = |record: &Record| {
-            !record.dropped && record.queued.is_some_and(|queued| now - queued < PATIENCE_NS)
-        };
-        if !awaited(newest) {
-            return now;
-        }
-        let finish = newest.seen_finished.unwrap_or_else(|| {
-            self.knowledge(f64::NEG_INFINITY).finish(newest, 0.0) + SAFE * self.gpu.spread()
-        });
-        match (is_shaken, newest.seen_finished) {
-            (true, None) => now + self.some_period_ns(),
-            (true, Some(seen)) => seen + self.trial.delay(self.frames.next()),
-            (false, _) => finish - self.cpu.expected(),
-        }
     }
 }

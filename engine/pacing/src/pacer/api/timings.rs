@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::Pacer;
+use super::super::Pacer;
 use crate::frame::{FrameId, FrameTiming};
 use crate::frames::REMEMBERED;
 use crate::options::PresentReports;
@@ -10,22 +10,6 @@ use crate::time::SECOND_NS;
 
 /// Frames after which nothing more is expected of one.
 const PATIENCE_FRAMES: u64 = 3 * REMEMBERED as u64 / 4;
-
-/// Frames handed out, and what their successors are compared with.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ledger {
-    next: u64,
-    last_start: Option<f64>,
-    last_shown: Option<f64>,
-}
-
-impl Ledger {
-    /// What comes now has no neighbour.
-    pub(super) const fn interrupt(&mut self) {
-        self.last_start = None;
-        self.last_shown = None;
-    }
-}
 
 impl Pacer {
     /// The next frame of which all is known that will be, once each and in order; dropped ones are

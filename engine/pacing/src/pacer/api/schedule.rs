@@ -1,6 +1,6 @@
 //! When the next frame should start: as late as its refresh allows, and for the first it can reach.
 
-use super::{Pacer, PhaseSearch, RATE_SEARCH_FRAMES, RATE_SEARCH_PAUSES};
+use super::super::{Pacer, PhaseSearch, RATE_SEARCH_FRAMES, RATE_SEARCH_PAUSES};
 use crate::forecast::Forecast;
 use crate::frame::{FrameId, WaitReason};
 use crate::time::{MICROSECOND_NS, SECOND_NS};
@@ -21,18 +21,18 @@ const LONGEST_TRIAL: u32 = 112;
 
 /// The next frame, if it went by what is known now. Times in nanoseconds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Schedule {
+pub(in crate::pacer) struct Schedule {
     /// Not before now.
-    pub(super) start: f64,
+    pub(in crate::pacer) start: f64,
     /// Where it would have started if it still could.
-    pub(super) wanted: f64,
+    pub(in crate::pacer) wanted: f64,
     /// When it should be shown.
-    pub(super) target: Option<f64>,
-    pub(super) reason: WaitReason,
+    pub(in crate::pacer) target: Option<f64>,
+    pub(in crate::pacer) reason: WaitReason,
 }
 
 impl Pacer {
-    pub(super) fn schedule(&self, now: f64) -> Schedule {
+    pub(in crate::pacer) fn schedule(&self, now: f64) -> Schedule {
         let forecast = self.knowledge(now).forecast(&self.frames, self.ordinal_in_the_way());
         let limited = self.limit_due > now;
         let earliest = now.max(self.limit_due);
@@ -92,7 +92,7 @@ impl Pacer {
     }
 
     /// When to look whether the GPU is done with the newest frame, if a look tells anything.
-    pub(super) fn poll_due(&self, now: f64) -> Option<(f64, FrameId)> {
+    pub(in crate::pacer) fn poll_due(&self, now: f64) -> Option<(f64, FrameId)> {
         if !self.sees_finishes {
             return None;
         }
@@ -116,18 +116,18 @@ impl Pacer {
 
     /// The limit holds on average: a frame may come early by what the ones before it were late, up
     /// to an interval, as they are where they wait for refreshes.
-    pub(super) fn account_limit(&mut self, start: f64) {
+    pub(in crate::pacer) fn account_limit(&mut self, start: f64) {
         let Some(hz) = self.options.frame_limit_hz else { return };
         let interval = SECOND_NS / hz;
         self.limit_due = self.limit_due.max(start - interval) + interval;
     }
 
-    pub(super) fn searches_phase(&self) -> bool {
+    pub(in crate::pacer) fn searches_phase(&self) -> bool {
         self.learns_from_acquires() && self.phase_search.active
     }
 
     /// Begins and ends the search for the phase where only acquires tell of it.
-    pub(super) fn search(&mut self, now: f64) {
+    pub(in crate::pacer) fn search(&mut self, now: f64) {
         if !self.learns_from_acquires() || self.options.queue_limit == 0 {
             return;
         }
@@ -151,7 +151,7 @@ impl Pacer {
     }
 
     /// Counts frames to the next search for a higher rate, and through it.
-    pub(super) fn advance_rate_search(&mut self) {
+    pub(in crate::pacer) fn advance_rate_search(&mut self) {
         let Some(period) = self.clock.period() else { return };
         if !self.presentation.has_grid() || self.clock.agrees_with_hint() {
             return;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Pacer, RateSearch};
+use super::super::{Pacer, RateSearch};
 use crate::frame::{Feedback, FrameId};
 use crate::margin::Margin;
 use crate::options::{PresentMode, PresentReports};

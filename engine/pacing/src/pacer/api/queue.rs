@@ -1,6 +1,6 @@
 //! How full the queue is, and what to do when it does not empty.
 
-use super::Pacer;
+use super::super::Pacer;
 use crate::frame::{FrameId, WaitReason};
 use crate::frames::Record;
 use crate::options::PresentReports;
@@ -18,18 +18,10 @@ const SHORTEST_PAUSE_NS: f64 = 0.1 * MILLISECOND_NS;
 /// First pause after frames in a row that could not be presented.
 const DROP_PAUSE_NS: f64 = 4.0 * MILLISECOND_NS;
 
-/// Whether anything is heard of the frames that were handed over.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Silence {
-    /// When a frame was last known to leave the queue, or the queue was last not full.
-    pub(super) since: f64,
-    pub(super) hidden: bool,
-}
-
 impl Pacer {
     /// Frames that may be queued. Where nothing is reported and the phase is not known, only a queue
     /// as full as the swapchain lets it be can tell of a refresh.
-    pub(super) fn queue_limit(&self) -> usize {
+    pub(in crate::pacer) fn queue_limit(&self) -> usize {
         let limit = self.options.queue_limit;
         let blind = self.learns_from_acquires()
             && (self.phase_search.active || self.clock.period().is_none());
@@ -37,7 +29,7 @@ impl Pacer {
     }
 
     /// Where acquires are the only sign of refreshes.
-    pub(super) fn learns_from_acquires(&self) -> bool {
+    pub(in crate::pacer) fn learns_from_acquires(&self) -> bool {
         self.presentation.reports == PresentReports::Missing
             && self.presentation.in_order()
             && self.presentation.has_grid()
@@ -45,13 +37,13 @@ impl Pacer {
 
     /// Once every image was presented, the next is free when another has taken the place of the one it
     /// showed last: that other's position among all presents.
-    pub(super) fn ordinal_in_the_way(&self) -> Option<u64> {
+    pub(in crate::pacer) fn ordinal_in_the_way(&self) -> Option<u64> {
         let images = u64::from(self.presentation.images);
         self.presented.checked_sub(images).map(|replaced| replaced + 1)
     }
 
     /// Where nothing is reported, frames leave the queue when by all that is known they must have.
-    pub(super) fn settle(&mut self, now: f64) {
+    pub(in crate::pacer) fn settle(&mut self, now: f64) {
         if self.presentation.reports == PresentReports::Times {
             return;
         }
@@ -80,7 +72,7 @@ impl Pacer {
     }
 
     /// Until when, and why, no frame may start at all.
-    pub(super) fn held_back(&mut self, now: f64) -> Option<(f64, WaitReason)> {
+    pub(in crate::pacer) fn held_back(&mut self, now: f64) -> Option<(f64, WaitReason)> {
         let last_start = self.last_start.unwrap_or(f64::NEG_INFINITY);
         if self.dropped_in_a_row > 1 {
             // Doubling: a window being resized goes on, one that is gone does not spin.
@@ -153,14 +145,14 @@ impl Pacer {
     }
 
     /// What is best known of when the newest frame that left was shown.
-    pub(super) fn shown_at(&mut self, frame: u64, at: f64) {
+    pub(in crate::pacer) fn shown_at(&mut self, frame: u64, at: f64) {
         if frame >= self.last_left.0 {
             self.last_left = (frame, at);
         }
     }
 
     /// Somebody sees our frames.
-    pub(super) fn heard(&mut self) {
+    pub(in crate::pacer) fn heard(&mut self) {
         self.silence.hidden = false;
         if let Some(now) = self.now {
             self.silence.since = now;

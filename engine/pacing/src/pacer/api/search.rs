@@ -1,0 +1,68 @@
+//! Where waits of acquires come from, tried out on the frames of a pacer.
+
+use super::super::Pacer;
+use super::super::trial::Shaking;
+use crate::frames::Record;
+use crate::time::SECOND_NS;
+
+/// Fewest images with which frames queue behind one that is finished.
+const QUEUEING_IMAGES: u32 = 3;
+/// Standard deviations that the GPU is given to finish.
+const SAFE: f64 = 3.0;
+/// Work that is not seen finished for so long is not waited for.
+const PATIENCE_NS: f64 = SECOND_NS;
+
+impl Pacer {
+    /// An acquire that had to wait returned, the last one before it at `before`; `shown` had to be shown
+    /// for it. Answers whether that tells of a refresh.
+    pub(in crate::pacer) fn tells_of_refresh(
+        &mut self,
+        shown: u64,
+        to: f64,
+        before: Option<f64>,
+    ) -> bool {
+        if self.trial.is_won {
+            return true;
+        }
+        let seen = self.frames.record(shown).and_then(|record| record.seen_finished);
+        let latest = if self.has_few_images() { self.last_from } else { before };
+        if self.is_tried()
+            && seen.zip(latest).is_some_and(|(seen, latest)| seen <= latest)
+            && let Some(clock) = self.trial.observe(shown, to)
+        {
+            self.clock = clock;
+        }
+        false
+    }
+
+    const fn has_few_images(&self) -> bool {
+        self.presentation.images < QUEUEING_IMAGES
+    }
+
+    fn is_tried(&self) -> bool {
+        self.searches_phase() && !self.trial.is_won && self.sees_finishes
+    }
+
+    /// The earliest start of the next frame while the phase is searched for.
+    pub(in crate::pacer) fn start_in_search(&self, now: f64) -> f64 {
+        let is_shaken = self.trial.shaking == Shaking::Due;
+        if !self.is_tried() || !(is_shaken || self.has_few_images()) {
+            return now;
+        }
+        let Some((_, newest)) = self.frames.newest_first().next() else { return now };
+        let awaited = |record: &Record| {
+            !record.dropped && record.queued.is_some_and(|queued| now - queued < PATIENCE_NS)
+        };
+        if !awaited(newest) {
+            return now;
+        }
+        let finish = newest.seen_finished.unwrap_or_else(|| {
+            self.knowledge(f64::NEG_INFINITY).finish(newest, 0.0) + SAFE * self.gpu.spread()
+        });
+        match (is_shaken, newest.seen_finished) {
+            (true, None) => now + self.some_period_ns(),
+            (true, Some(seen)) => seen + self.trial.delay(self.frames.next()),
+            (false, _) => finish - self.cpu.expected(),
+        }
+    }
+}
