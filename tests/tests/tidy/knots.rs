@@ -114,8 +114,8 @@ fn large_circles(count: usize, ties: &Ties<'_>) -> Vec<Vec<usize>> {
     };
     let reached: Vec<Vec<bool>> = (0..count).map(reached).collect();
     let mut circles = Vec::new();
-    for file in 0..count {
-        let both = |other: &usize| reached[file][*other] && reached[*other][file];
+    for (file, from_file) in reached.iter().enumerate() {
+        let both = |other: &usize| from_file[*other] && reached[*other][file];
         let circle: Vec<usize> = (0..count).filter(both).collect();
         if circle.len() > MAX_CIRCLE && circle.first() == Some(&file) {
             circles.push(circle);
