@@ -7,7 +7,7 @@ use gpu::{
     Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     Polygon, Spirv, StorageLayout, VertexLayout, vk,
 };
-use render::{ProxyPass, ShaderSet};
+use occlusion::{ProxyPass, ShaderSet};
 use scene::{
     Light, Material, MaterialId, Mesh, MeshId, Object, Scene, SurfaceMesh, SurfaceVertex, Surfaces,
     Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,

@@ -30,6 +30,8 @@
 //! |---|---|
 //! | [`scene`] | meshes, materials, objects, lights, and how they change |
 //! | [`render`] | the renderer: frames, views, updates, what explains them |
+//! | [`occlusion`] | the executor of the culler's plans, for who draws objects himself |
+//! | `methods` | the methods of the literature, with the feature `methods` |
 //! | [`gpu`] | devices, windows, pictures |
 //! | [`cull`] | cameras, strategies, the hierarchy; decisions as pure values |
 //! | `import`, `animation` | glTF files and their clips, with the feature `import` |
@@ -43,6 +45,9 @@ pub use glam;
 pub use gpu;
 #[cfg(feature = "import")]
 pub use import;
+#[cfg(feature = "methods")]
+pub use methods;
+pub use occlusion;
 #[cfg(feature = "pacing")]
 pub use pacing;
 pub use render;

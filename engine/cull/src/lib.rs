@@ -98,6 +98,7 @@ pub use hierarchy::{
     BUILD_BYTES_PER_OBJECT, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,
 };
 pub use history::record::NodeState;
+pub use history::results::{LeafList, PendingTest, ResultReader, TestResult, shows};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
 pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 pub use plan::frame_plan::{

@@ -2,17 +2,14 @@
 //! flight, the shaders. The scene and what views have learnt stay, and nothing waits for the GPU.
 
 use gpu::{FrameRing, Target};
+use occlusion::{ComputeTest, Method, MethodScene, ShaderSet};
 
 use crate::blended::Blended;
 use crate::debug_overlay::DebugRenderer;
-use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
-use crate::passes::{
-    ComputeTest, CountPass, DeformPass, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass,
-    ScatterPass,
-};
+use crate::frame_passes::DepthFirst;
+use crate::passes::{CountPass, DeformPass, OpaquePass, OverlayPass};
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
-use crate::shader_set::ShaderSet;
 use crate::shading::Shading;
 use crate::surfaces::SurfaceResources;
 
@@ -33,8 +30,8 @@ impl Renderer {
         }
         self.passes.target = Target::new(&self.device, size, "target")?;
         // These are made again by the next frame that needs them.
-        self.passes.compute_test = None;
-        self.pyramid = None;
+        self.executor.passes.compute_test = None;
+        self.methods.iter_mut().for_each(|method| method.resized());
         if let Some(explainer) = &mut self.explainer {
             let area = explainer.explanation.birds_eye;
             let fits = area.filter(|area| area.fits(size));
@@ -70,7 +67,7 @@ impl Renderer {
         }
         self.frames = frames;
         self.pass_times.clear();
-        self.passes.predicates.set_frames_in_flight(slots);
+        self.executor.leaves.set_frames_in_flight(slots);
         Ok(())
     }
 
@@ -112,18 +109,11 @@ impl Renderer {
         let has_sprites = surfaces.is_some_and(SurfaceResources::has_sprites);
         let shaders = if has_sprites { shaders.with_sprites() } else { shaders };
         let opaque = OpaquePass::new(device, &shaders)?;
-        let proxies = ProxyPass::new(device, &shaders)?;
-        let scatter = ScatterPass::new(device, &shaders)?;
-        let leaf_boxes = self.passes.leaf_boxes.as_ref();
-        let leaf_boxes = again(leaf_boxes, || LeafBoxPass::new(device, &shaders))?;
+        let executing = self.executor.passes.reloaded(device, &shaders, size)?;
+        let depth_first = self.passes.depth_first.as_ref();
+        let depth_first = again(depth_first, || DepthFirst::new(device, &shaders))?;
         let counts = again(self.passes.counts.as_ref(), || CountPass::new(device, &shaders))?;
-        let compute_test = self.passes.compute_test.as_ref();
-        let compute_test = again(compute_test, || ComputeTest::new(device, &shaders, size))?;
         let birds_eye = again(self.birds_eye.as_ref(), || OverlayPass::new(device, &shaders))?;
-        let dialogue = again(self.dialogue.as_ref(), || {
-            DialogueFrame::new(device, &shaders, self.dialogue_options)
-        })?;
-        let pyramid = again(self.pyramid.as_ref(), || self.pyramid_frame(&shaders))?;
         let deforming = self.passes.deformers.as_ref().map(|deformers| &deformers.pass);
         let deforming = again(deforming, || DeformPass::new(device, &shaders))?;
         let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
@@ -135,13 +125,13 @@ impl Renderer {
         let explanation = self.explanation();
         let explainer =
             again(self.explainer.as_ref(), || DebugRenderer::new(device, &shaders, explanation))?;
+        let methods = self.reloaded_methods(&shaders)?;
         if let Some(overlay) = &mut self.flat_overlay {
             overlay.reload(&shaders)?;
         }
         let passes = &mut self.passes;
-        (passes.opaque, passes.proxies, passes.leaf_boxes) = (opaque, proxies, leaf_boxes);
-        (passes.counts, passes.compute_test, self.scatter) = (counts, compute_test, scatter);
-        (self.birds_eye, self.dialogue, self.pyramid) = (birds_eye, dialogue, pyramid);
+        (passes.opaque, passes.depth_first, passes.counts) = (opaque, depth_first, counts);
+        (self.executor.passes, self.methods, self.birds_eye) = (executing, methods, birds_eye);
         (passes.shading, self.explainer) = (shading, explainer);
         if let (Some(blended), Some(pass)) = (&mut passes.blended, blending) {
             blended.pass = pass;
@@ -156,10 +146,16 @@ impl Renderer {
     }
 }
 
+impl Renderer {
+    fn reloaded_methods(&mut self, shaders: &ShaderSet) -> Result<Vec<Box<dyn Method>>, Error> {
+        let Self { device, hierarchy, passes, executor, methods, .. } = self;
+        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
+        let reloaded = methods.iter().map(|method| method.reloaded(&mut scene));
+        Ok(reloaded.collect::<Result<_, _>>()?)
+    }
+}
+
 /// Makes again what there is.
-fn again<T>(
-    there: Option<&T>,
-    make: impl FnOnce() -> Result<T, Error>,
-) -> Result<Option<T>, Error> {
+fn again<T, E>(there: Option<&T>, make: impl FnOnce() -> Result<T, E>) -> Result<Option<T>, E> {
     there.map(|_| make()).transpose()
 }

@@ -77,30 +77,31 @@ impl Renderer {
             Backdrop::Dark => None,
             Backdrop::Sky => self.outlined_bounds(),
         };
-        let Self { frames, passes, hierarchy, scatter, birds_eye, flat_overlay, .. } = self;
+        let Self { frames, passes, executor, hierarchy, birds_eye, flat_overlay, .. } = self;
         let (clear, explainer) = match backdrop {
             Backdrop::Dark => (BACKGROUND, None),
             Backdrop::Sky => (passes.sky(), self.explainer.as_ref()),
         };
         let mut frame = frames.begin()?;
-        passes.bring(&mut frame, hierarchy, scatter)?;
-        passes.gather_blended(&mut frame, &view, Strategy::Frustum)?;
-        let draws = snapshot.upload(&mut frame, &passes.geometry)?;
+        passes.upload_changes(&mut frame, hierarchy, executor)?;
+        passes.gather_blended(&mut frame, executor, &view, Strategy::Frustum)?;
+        let draws = snapshot.upload(&mut frame, &executor.leaves)?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
         passes.target.prepare(commands);
         commands.pass(VIEW_FROM_ABOVE, |commands| {
             let from = passes.picture_target(&view, clear);
             commands.rendering(from, |commands| {
-                passes.draw_all(commands, &view, draws, clear);
-                passes.draw_blended(commands, &view);
+                passes.draw_all(executor, commands, &view, draws, clear);
+                passes.draw_blended(executor, commands, &view);
                 if let Some(overlay) = birds_eye {
                     overlay.record(commands, &io, &view);
                 }
             });
         });
         if let Some(explainer) = explainer {
-            explainer.record_snapshot(&mut frame, passes, hierarchy, &view, (snapshot, draws))?;
+            let scene = (&mut *passes, &*executor, &*hierarchy);
+            explainer.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
         }
         if let (Some(bounds), Some(overlay)) = (outlined, birds_eye.as_ref()) {
             record_outline(&mut frame, passes, overlay, (bounds, &view))?;

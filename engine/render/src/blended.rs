@@ -18,14 +18,14 @@ use gpu::{
     Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
     MemoryBarrier, Parts, Place, vk,
 };
+use occlusion::{LeafBoxIo, PlanExecutor, ProxyBox, ShaderSet};
 use scene::{BlendedId, ENCLOSING, Mesh, Object, Scene, outwardness};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::{Geometry, bounds_in_world};
-use crate::passes::{LeafBoxIo, ProxyBox, SurfaceIo, SurfaceKind, SurfacePass};
+use crate::passes::{SurfaceIo, SurfaceKind, SurfacePass};
 use crate::renderer::Renderer;
-use crate::shader_set::ShaderSet;
 use crate::surfaces::SurfaceResources;
 
 /// The blended objects of a scene.
@@ -171,7 +171,7 @@ impl Blended {
         shaders: &ShaderSet,
         resources: &SurfaceResources,
     ) -> Result<SurfacePass, Error> {
-        SurfacePass::new(device, shaders, SurfaceKind::Blended, resources)
+        Ok(SurfacePass::new(device, shaders, SurfaceKind::Blended, resources)?)
     }
 
     /// Finds those in the frustum of a view and sorts them: the farthest first, by the middle of their
@@ -236,7 +236,7 @@ impl Blended {
 }
 
 impl FramePasses {
-    /// Gathers the blended objects of a view, which [`FramePasses::shade`] draws. Answers how many are in
+    /// Gathers the blended objects of a view, which [`FramePasses::shade_surfaces`] draws. Answers how many are in
     /// its frustum.
     ///
     /// # Errors
@@ -244,11 +244,12 @@ impl FramePasses {
     pub(crate) fn gather_blended(
         &mut self,
         frame: &mut Frame<'_>,
+        executor: &PlanExecutor,
         view: &View,
         strategy: Strategy,
     ) -> Result<u32, Error> {
         let Some(blended) = &mut self.blended else { return Ok(0) };
-        let tests = strategy != Strategy::Frustum && self.leaf_boxes.is_some();
+        let tests = strategy != Strategy::Frustum && executor.passes.leaf_boxes.is_some();
         blended.sort(view, if tests { Test::Box } else { Test::None });
         blended.write(frame, &self.geometry)?;
         Ok(blended.sorted.len() as u32)
@@ -269,8 +270,10 @@ impl FramePasses {
     }
 
     /// Tests the boxes against the finished depth, which is being rendered to.
-    pub(crate) fn test_blended(&self, commands: &Commands, view: &View) {
-        let (Some((blended, io)), Some(pass)) = (self.tested_blended(), &self.leaf_boxes) else {
+    pub(crate) fn test_blended(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        let (Some((blended, io)), Some(pass)) =
+            (self.tested_blended(), &executor.passes.leaf_boxes)
+        else {
             return;
         };
         let Some(boxes) = io.boxes else { return };
@@ -283,7 +286,12 @@ impl FramePasses {
     }
 
     /// Draws the blended objects over the finished picture of a view, in a rendering of their own.
-    pub(crate) fn record_blended(&mut self, commands: &Commands, view: &View) {
+    pub(crate) fn record_blended(
+        &mut self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+    ) {
         if self.blended.as_ref().is_none_or(|blended| blended.view.is_none()) {
             return;
         }
@@ -294,17 +302,17 @@ impl FramePasses {
         self.target.prepare(commands);
         commands.pass("draw blended", |commands| {
             let target = self.target_of(view, None);
-            commands.rendering(target, |commands| self.draw_blended(commands, view));
+            commands.rendering(target, |commands| self.draw_blended(executor, commands, view));
         });
     }
 
     /// Draws the blended objects of a view to what is being rendered to.
-    pub(crate) fn draw_blended(&self, commands: &Commands, view: &View) {
+    pub(crate) fn draw_blended(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
         let io = self.blended.as_ref().and_then(|it| Some((it, it.view.as_ref()?)));
         let (Some((blended, io)), Some(surfaces)) = (io, self.surface_io()) else { return };
         let surfaces = SurfaceIo { instances: io.instances, ..surfaces };
         blended.pass.bind(commands, &surfaces, view, &self.light);
-        self.predicates.draw_after_counted(commands, blended.draws(io));
+        executor.leaves.predicates().draw_after_counted(commands, blended.draws(io));
     }
 
     fn tested_blended(&self) -> Option<(&Blended, &BlendedIo)> {

@@ -2,6 +2,7 @@
 
 use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
+use occlusion::{Area, PlanExecutor, ShaderSet};
 
 use crate::birds_eye::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::error::Error;
@@ -10,9 +11,8 @@ use crate::frame_passes::FramePasses;
 use crate::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::passes::{OpaquePass, OverlayPass};
 use crate::pick::OUTLINE;
-use crate::shader_set::ShaderSet;
 use crate::view_state::ViewState;
-use crate::views::{Area, view_in};
+use crate::views::view_in;
 use crate::visibility_snapshot::VisibilitySnapshot;
 
 /// What is drawn over pictures to explain them; of several views, over the first. It follows the plan of
@@ -55,14 +55,13 @@ impl DebugRenderer {
     pub(crate) fn record(
         &self,
         frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        hierarchy: &Hierarchy,
+        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         (history, view): (&ViewState, &View),
     ) -> Result<(), Error> {
         let snapshot = VisibilitySnapshot::underway(history, hierarchy, *view);
-        let draws = snapshot.upload(frame, &passes.geometry)?;
+        let draws = snapshot.upload(frame, &executor.leaves)?;
         let boxes = history.plan().tests.iter().map(|test| {
-            let colour = match (test.tester, history.culler.state(test.tag.node)) {
+            let colour = match (test.tester, history.visibility.culler().state(test.tag.node)) {
                 (Tester::Behind(_), _) => BOX_BEHIND,
                 (_, NodeState::Hidden) => BOX_HIDDEN,
                 (_, NodeState::Unknown) => BOX_UNKNOWN,
@@ -77,14 +76,14 @@ impl DebugRenderer {
             commands.rendering(passes.target_of(view, None), |commands| {
                 if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
                     wires.bind(commands, &passes.opaque_io(), view, &passes.light);
-                    passes.predicates.draw_after_counted(commands, draws.0);
+                    executor.leaves.predicates().draw_after_counted(commands, draws.0);
                 }
                 if let Some(boxes) = &boxes {
                     self.overlay.record(commands, boxes, view);
                 }
             });
         });
-        self.record_corner(frame, passes, hierarchy, (&snapshot, draws))
+        self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
     }
 
     /// Draws what there is to explain of a frozen moment over its picture from elsewhere: its wires, and
@@ -92,8 +91,7 @@ impl DebugRenderer {
     pub(crate) fn record_snapshot(
         &self,
         frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        hierarchy: &Hierarchy,
+        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         view: &View,
         (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
@@ -102,19 +100,18 @@ impl DebugRenderer {
             frame.commands().pass(BOXES_AND_WIRES, |commands| {
                 commands.rendering(passes.target_of(view, None), |commands| {
                     wires.bind(commands, &passes.opaque_io(), view, &passes.light);
-                    passes.predicates.draw_after_counted(commands, draws.0);
+                    executor.leaves.predicates().draw_after_counted(commands, draws.0);
                 });
             });
         }
-        self.record_corner(frame, passes, hierarchy, (snapshot, draws))
+        self.record_corner(frame, (passes, executor, hierarchy), (snapshot, draws))
     }
 
     /// Draws a moment from above, where that is wanted.
     fn record_corner(
         &self,
         frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        hierarchy: &Hierarchy,
+        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
         let Some(area) = self.explanation.birds_eye else { return Ok(()) };
@@ -124,7 +121,7 @@ impl DebugRenderer {
         passes.target.prepare(frame.commands());
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(passes.picture_target(view, BACKGROUND), |commands| {
-                passes.draw_all(commands, view, draws, BACKGROUND);
+                passes.draw_all(executor, commands, view, draws, BACKGROUND);
                 self.overlay.record(commands, &io, view);
             });
         });

@@ -4,14 +4,14 @@
 use cull::Hierarchy;
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, vk};
+use occlusion::{PlanExecutor, ShaderSet};
 use scene::{Deformer, DeformerId, Mesh, MorphTarget, Scene, SurfaceVertex};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::limits::check_storage;
-use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS, ScatterPass};
+use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS};
 use crate::renderer::Renderer;
-use crate::shader_set::ShaderSet;
 
 /// All deformers of a scene and their newest poses.
 pub(crate) struct Deformers {
@@ -270,26 +270,27 @@ fn words_of(scene: &Scene) -> [u64; 2] {
 }
 
 impl FramePasses {
-    /// Brings what changed since the last frame to the GPU, before anything of `frame` reads it.
+    /// Records the upload of what changed since the last frame, before anything of `frame` reads it.
     ///
     /// # Errors
     /// No memory.
-    pub(crate) fn bring(
+    pub(crate) fn upload_changes(
         &mut self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
-        scatter: &ScatterPass,
+        executor: &mut PlanExecutor,
     ) -> Result<(), Error> {
-        self.geometry.relight(hierarchy);
-        self.geometry.bring(frame, hierarchy, &self.predicates, scatter)?;
+        self.geometry.relight(hierarchy, &mut executor.leaves);
+        self.geometry.upload_changes(frame, hierarchy, executor)?;
         if let (Some(deformers), Some(deformed)) = (&mut self.deformers, self.geometry.deformed()) {
             deformers.bring(frame, deformed)?;
         }
         Ok(())
     }
 
-    /// The frame that [`FramePasses::bring`] recorded for is on its way.
-    pub(crate) fn brought(&mut self) {
+    /// Notes that the frame that [`FramePasses::upload_changes`] recorded for is on its way.
+    pub(crate) fn submitted(&mut self) {
+        self.target.submitted();
         self.geometry.submitted();
         if let Some(deformers) = &mut self.deformers {
             deformers.submitted();

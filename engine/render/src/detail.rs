@@ -5,7 +5,7 @@ use gpu::IndirectDraw;
 use scene::{MeshId, Scene};
 
 use crate::renderer::Renderer;
-use crate::views::Area;
+use occlusion::Area;
 
 /// The most objects that [`Renderer::choose_detail`] looks at in one call.
 pub const DETAIL_OBJECTS_A_CALL: usize = 2048;
@@ -114,7 +114,7 @@ impl Renderer {
             let of_view = |view: &View| view.pixels_per_metre(&bounds);
             let pixels_per_metre = views.iter().map(of_view).fold(0.0, f32::max);
             if geometry.take_form(object, pixels_per_metre, policy) {
-                geometry.mark(leaf, object);
+                self.executor.leaves.mark(leaf, geometry.draw_of(object));
                 changed += 1;
             }
         }

@@ -46,6 +46,11 @@ pub enum Error {
         "the scene has changed since it was found out what is visible: find it again with `Renderer::visible_set`"
     )]
     OldVisibleSet,
+    /// A strategy that the renderer was given no method for.
+    #[error(
+        "this renderer has no method for the strategy `{0}`: give it the literature's with `RendererOptions {{ methods: methods::ALL, .. }}`"
+    )]
+    NoMethod(cull::Strategy),
     /// A strategy that cannot tell how much shows, and a threshold.
     #[error(
         "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
@@ -127,7 +132,7 @@ pub enum Error {
     )]
     Area {
         /// As it was asked for.
-        area: crate::views::Area,
+        area: occlusion::Area,
         /// Size of the picture in pixels.
         picture: [u32; 2],
     },
@@ -172,4 +177,16 @@ pub enum Error {
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
     )]
     NoShaderCompiler(String),
+}
+
+impl From<occlusion::Error> for Error {
+    fn from(error: occlusion::Error) -> Self {
+        match error {
+            occlusion::Error::Gpu(error) => Self::Gpu(error),
+            occlusion::Error::CannotCount { strategy, threshold_samples } => {
+                Self::CannotCount { strategy, threshold_samples }
+            }
+            occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
+        }
+    }
 }

@@ -5,7 +5,7 @@ use gpu::{Device, Frame, Target, Texture};
 use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
 use crate::renderer::Renderer;
-use crate::shader_set::ShaderSet;
+use occlusion::ShaderSet;
 
 /// The pass that writes the atlas, and the one that draws.
 pub(crate) const GLYPHS: &str = "HUD glyphs";

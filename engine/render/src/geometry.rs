@@ -1,11 +1,13 @@
 //! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of everything.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, LeafRange, ObjectId};
+use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, ObjectId};
 use glam::Affine3A;
-use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, vk};
+use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
+use occlusion::{LeafElements, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
 use scene::limits::INSTANCE_BYTES;
 use scene::{
     BlendedId, Mesh, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed,
@@ -14,11 +16,8 @@ use scene::{
 
 use crate::deformers::{DeformedVertices, are_deformed, deformed_vertices, mesh_order};
 use crate::detail::{Forms, stretch};
-use crate::draw_changes::DrawChanges;
 use crate::error::Error;
-use crate::leaf_counts::{Count, LeafCounts};
 use crate::limits::{check_memory, check_storage, room};
-use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
 use crate::sprites;
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
@@ -50,14 +49,10 @@ pub(crate) struct Geometry {
     deformed_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
-    /// One box per leaf.
-    pub(crate) leaf_boxes: Buffer,
     /// Of scenes that have them.
     pub(crate) surfaces: Option<SurfaceResources>,
     /// Of meshes, and of their coarser forms behind those.
-    mesh_draws: Vec<IndirectDraw>,
-    /// How many triangles each of these draws shows.
-    draw_triangles: Vec<u32>,
+    mesh_draws: Arc<[MeshDraw]>,
     mesh_bounds: Vec<Aabb>,
     pub(crate) forms: Forms,
     // By object.
@@ -69,12 +64,6 @@ pub(crate) struct Geometry {
     reshaped: HashMap<ObjectId, Aabb>,
     /// By mesh: whether it changes its form, so that its box is that of the one object it has.
     is_deformed: Vec<bool>,
-    // By leaf.
-    leaf_forms: Vec<u32>,
-    leaf_counts: LeafCounts,
-    pub(crate) draw_changes: DrawChanges,
-    stale: Vec<LeafIndex>,
-    is_stale: Vec<bool>,
 }
 
 impl Geometry {
@@ -120,16 +109,10 @@ impl Geometry {
             *instance = instance_of(ObjectId(id), object, surfaces.as_ref());
         }
         let by_leaf = || hierarchy.leaf_objects().iter().map(|object| object.0 as usize);
-        let leaf_forms: Vec<u32> =
-            by_leaf().map(|o| object_meshes.get(o).copied().unwrap_or(NO_MESH)).collect();
         let mut instances: Vec<Instance> =
             by_leaf().map(|o| object_instances.get(o).copied().unwrap_or_default()).collect();
         sprites::add_words(scene, &mut instances);
-        let draw_triangles = triangles_of_draws(scene, &mesh_draws);
-        let counts = leaf_forms.iter().map(|form| count_of(&draw_triangles, *form));
-        let leaves = hierarchy.leaf_objects().iter().zip(counts.clone());
-        let leaf_boxes: Vec<ProxyBox> =
-            leaves.map(|(object, count)| leaf_box(hierarchy, *object, count)).collect();
+        let mesh_draws = counted(scene, &mesh_draws);
         let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let deformed_vertices = deformed_vertices(scene);
@@ -144,33 +127,29 @@ impl Geometry {
             is_deformed: are_deformed(scene),
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
-            leaf_boxes: device.upload("leaf boxes", &leaf_boxes, storage)?,
             mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
-            leaf_counts: LeafCounts::new(counts),
-            draw_changes: DrawChanges::new(leaf_count),
             surfaces,
             mesh_draws,
-            draw_triangles,
             forms,
             object_forms: object_meshes.clone(),
             object_meshes,
             object_instances,
-            leaf_forms,
-            stale: Vec::new(),
-            is_stale: vec![false; leaf_count],
         })
     }
 
-    /// The draw of one leaf; of nothing where the leaf is free.
-    pub(crate) fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
-        let mesh = self.leaf_forms.get(leaf.0 as usize).copied().unwrap_or(NO_MESH);
-        let draw = self.mesh_draws.get(mesh as usize).copied().unwrap_or_default();
-        IndirectDraw { first_instance: leaf.0, ..draw }
+    /// Returns what leaves can be drawn as: meshes, and coarser forms behind those.
+    pub(crate) fn mesh_draws(&self) -> &Arc<[MeshDraw]> {
+        &self.mesh_draws
+    }
+
+    /// Returns what an object is drawn as: its mesh, or a coarser form of it.
+    pub(crate) fn draw_of(&self, object: ObjectId) -> MeshDrawId {
+        self.object_forms.get(object.0 as usize).map_or(MeshDrawId::NONE, |form| MeshDrawId(*form))
     }
 
     /// The draw of a mesh; of nothing where the scene does not have it.
     pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
-        self.mesh_draws.get(mesh.0 as usize).copied().unwrap_or_default()
+        self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
     }
 
     /// What the vertex shader knows of a blended object.
@@ -178,19 +157,6 @@ impl Geometry {
         let slot = |surfaces: &SurfaceResources| surfaces.first_blended_slot() + id.0;
         let surfaces = self.surfaces.as_ref();
         instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
-    }
-
-    /// The draws of all leaves, in their order.
-    pub(crate) fn draws(&self) -> Vec<IndirectDraw> {
-        (0..self.leaf_forms.len() as u32).map(|leaf| self.draw(LeafIndex(leaf))).collect()
-    }
-
-    /// The objects and triangles of a range of leaves.
-    pub(crate) fn count(&self, leaves: LeafRange) -> Count {
-        match (leaves.count, self.leaf_forms.get(leaves.first.0 as usize)) {
-            (1, Some(form)) => count_of(&self.draw_triangles, *form),
-            _ => self.leaf_counts.of(leaves),
-        }
     }
 
     /// The box of an object that is somewhere else, if it is there and can be there.
@@ -243,10 +209,10 @@ impl Geometry {
 
     /// Where the vertices of a mesh begin.
     pub(crate) fn first_vertex(&self, mesh: usize) -> u32 {
-        self.mesh_draws.get(mesh).map_or(0, |draw| draw.vertex_offset as u32)
+        self.mesh_draws.get(mesh).map_or(0, |mesh| mesh.draw.vertex_offset as u32)
     }
 
-    /// Moves an object. Its leaf must be [marked](Geometry::mark).
+    /// Moves an object. Its leaf must be [marked](occlusion::LeafTable::mark).
     pub(crate) fn place(&mut self, object: ObjectId, transform: &Affine3A) {
         if let Some(instance) = self.object_instances.get_mut(object.0 as usize) {
             instance.rows = rows_of(transform);
@@ -307,102 +273,53 @@ impl Geometry {
         is_other
     }
 
-    /// What the GPU has of a leaf is not what is there: the next frame brings it.
-    pub(crate) fn mark(&mut self, leaf: LeafIndex, object: ObjectId) {
-        let place = leaf.0 as usize;
-        let (Some(mesh), Some(is_stale), Some(now)) = (
-            self.leaf_forms.get_mut(place),
-            self.is_stale.get_mut(place),
-            self.object_forms.get(object.0 as usize).copied(),
-        ) else {
-            return;
-        };
-        let before = std::mem::replace(mesh, now);
-        if before != now {
-            let [before, now] = [before, now].map(|form| count_of(&self.draw_triangles, form));
-            self.leaf_counts.replace(place, before, now);
-            self.draw_changes.push(leaf);
-        }
-        if !std::mem::replace(is_stale, true) {
-            self.stale.push(leaf);
-        }
-    }
-
-    /// How many leaves the next frame brings to the GPU.
-    pub(crate) fn stale_count(&self) -> usize {
-        self.stale.len()
-    }
-
-    /// Records what brings the stale leaves to the GPU, before anything of `frame` reads them. They
-    /// stay stale until the frame was [submitted](Geometry::submitted): it may never be.
-    pub(crate) fn bring(
+    /// Records the upload of what changed since the last frame, before anything of `frame` reads it. It
+    /// stays changed until the frame was [submitted](Geometry::submitted): it may never be.
+    pub(crate) fn upload_changes(
         &self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
-        predicates: &Predicates,
-        scatter: &ScatterPass,
+        executor: &PlanExecutor,
     ) -> Result<(), Error> {
+        let (leaves, scatter) = (&executor.leaves, &executor.passes.scatter);
         if let Some(surfaces) = &self.surfaces {
             surfaces.bring(frame, scatter)?;
         }
-        if self.stale.is_empty() {
+        if leaves.stale().is_empty() {
             return Ok(());
         }
-        let stale = || self.stale.iter();
-        let object = |leaf: &LeafIndex| {
-            let object = hierarchy.leaf_objects().get(leaf.0 as usize);
-            object.copied().unwrap_or(ObjectId(u32::MAX))
-        };
         let instance = |leaf: &LeafIndex| {
-            let instance = self.object_instances.get(object(leaf).0 as usize);
+            let object = hierarchy.leaf_objects().get(leaf.0 as usize);
+            let instance = object.and_then(|it| self.object_instances.get(it.0 as usize));
             instance.copied().unwrap_or_default()
         };
-        let bounds = |leaf: &LeafIndex| {
-            let count = self.count(LeafRange { first: *leaf, count: 1 });
-            leaf_box(hierarchy, object(leaf), count)
+        let instances = LeafElements {
+            elements: frame.uploads().push_iter(leaves.stale().iter().map(instance))?,
+            array: self.instances.whole(),
+            element_bytes: size_of::<Instance>(),
         };
-        let uploads = frame.uploads();
-        let leaves = uploads.push_iter(stale().map(|leaf| leaf.0))?;
-        let instances = uploads.push_iter(stale().map(instance))?;
-        let draws = uploads.push_iter(stale().map(|leaf| self.draw(*leaf)))?;
-        let boxes = uploads.push_iter(stale().map(bounds))?;
-        let io = |elements, array| ScatterIo { leaves, elements, array };
-        let arrays = [
-            (io(instances, self.instances.whole()), size_of::<Instance>()),
-            (io(draws, predicates.draws()), size_of::<IndirectDraw>()),
-            (io(boxes, self.leaf_boxes.whole()), size_of::<ProxyBox>()),
-        ];
-        scatter.record(frame.commands(), self.stale.len() as u32, &arrays);
-        Ok(())
+        Ok(leaves.upload(frame, hierarchy, scatter, instances)?)
     }
 
-    /// The frame that [`Geometry::bring`] recorded for is on its way.
+    /// Notes that the frame that [`Geometry::upload_changes`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
         if let Some(surfaces) = &mut self.surfaces {
             surfaces.submitted();
         }
-        for leaf in self.stale.drain(..) {
-            if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
-                *is_stale = false;
-            }
-        }
     }
 }
 
-/// Returns how many triangles the draws of meshes show, and those of their coarser forms behind them.
-fn triangles_of_draws(scene: &Scene, draws: &[IndirectDraw]) -> Vec<u32> {
+/// Returns the draws of meshes, and of their coarser forms behind them, with the triangles that they show.
+fn counted(scene: &Scene, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
     let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
     let forms = scene.meshes.iter().zip(levels);
     let coarser = forms.flat_map(|(mesh, levels)| levels.iter().map(move |_| mesh));
     let meshes = scene.meshes.iter().chain(coarser);
-    let triangles =
-        |(mesh, draw): (&Mesh, &IndirectDraw)| mesh.triangles_of(draw.index_count as usize) as u32;
-    meshes.zip(draws).map(triangles).collect()
-}
-
-fn count_of(draw_triangles: &[u32], form: u32) -> Count {
-    let triangles = draw_triangles.get(form as usize);
-    triangles.map_or(Count::default(), |&it| Count { draws: 1, triangles: it.into() })
+    let counted = |(mesh, draw): (&Mesh, &IndirectDraw)| {
+        let triangles = mesh.triangles_of(draw.index_count as usize) as u32;
+        MeshDraw { draw: *draw, triangles }
+    };
+    meshes.zip(draws).map(counted).collect()
 }
 
 fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources>) -> Instance {
@@ -419,13 +336,6 @@ fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
         let row = transform.matrix3.row(r);
         [row.x, row.y, row.z, transform.translation[r]]
     })
-}
-
-/// Returns the box of an object, not enlarged; turned inside out if it is not there.
-fn leaf_box(hierarchy: &Hierarchy, object: ObjectId, count: Count) -> ProxyBox {
-    let node = hierarchy.node_of(object);
-    let bounds = node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));
-    ProxyBox::from(bounds).counting(count.triangles as u32)
 }
 
 /// Vertices and indices of all meshes, and the draw of each.

@@ -36,30 +36,22 @@
 mod adjustments;
 mod birds_eye;
 mod blended;
-mod calibration;
+mod calibration_scene;
 mod debug_overlay;
 mod deformers;
 mod detail;
-mod dialogue_frame;
-mod draw_changes;
 mod error;
 mod flat_overlay;
 mod frame_passes;
-mod frame_times;
 mod geometry;
-mod leaf_counts;
 mod limits;
 mod object_bounds;
 mod palette;
 mod passes;
 mod pick;
-mod pyramid_frame;
-mod pyramid_history;
-mod questions;
 mod renderer;
 mod sample_counts;
 mod scene_degradations;
-mod shader_set;
 mod shading;
 mod sprites;
 mod surfaces;
@@ -70,31 +62,28 @@ mod visibility_snapshot;
 mod visible_set;
 mod window;
 
-pub use calibration::Costs;
 pub use debug_overlay::{DebugOverlay, OVERLAY_PASSES};
 pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
 pub use flat_overlay::FlatOverlay;
 pub use object_bounds::object_bounds;
+pub use occlusion::{Area, Costs, FrameOutcome, ShaderSet};
 pub use palette::{
     BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, FRUSTUM, SELECTED, Swatch, WIRES, level_colour,
 };
 pub use passes::{
-    ComputeTest, ComputeTestIo, CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, LeafBoxIo,
-    LeafBoxPass, OpaqueIo, OpaquePass, OverlayIo, OverlayPass, OverlayVertex, ProxyBox, ProxyIo,
-    ProxyPass, PyramidLevel, PyramidPass, ScatterIo, ScatterPass, SeenIo, SeenPass, SkyPass,
-    SurfaceIo, SurfaceKind, SurfacePass, pyramid_levels,
+    CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, OpaqueIo, OpaquePass, OverlayIo,
+    OverlayPass, OverlayVertex, SeenIo, SeenPass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass,
 };
 pub use pick::Pick;
 pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use scene_degradations::SceneDegradations;
-pub use shader_set::ShaderSet;
 pub use surfaces::{
     LightLists, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources, reach_m,
 };
 pub use update::UpdateReport;
-pub use view_state::{FrameOutcome, ViewState};
-pub use views::{Area, ViewTarget, ViewsRequest};
+pub use view_state::ViewState;
+pub use views::{ViewTarget, ViewsRequest};
 pub use visibility_snapshot::VisibilitySnapshot;
 pub use visible_set::VisibleSet;

@@ -97,16 +97,17 @@ impl Renderer {
     ) -> Option<(LeafExplanation, Option<(FrameId, Outcome)>)> {
         self.check_view(history).ok()?;
         let plan = history.plan();
-        let explained = history.culler.explain(&self.hierarchy, view, plan, object)?;
-        let answers = history.newest_answers();
-        let outcome = explained.outcome(&self.hierarchy, answers, |answer| history.shows(answer));
+        let explained = history.visibility.culler().explain(&self.hierarchy, view, plan, object)?;
+        let answers = history.visibility.newest_answers();
+        let outcome =
+            explained.outcome(&self.hierarchy, answers, |answer| history.visibility.shows(answer));
         Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
     }
 
     /// Returns how many triangles an object has, in the form in which it is drawn; 0 of a foreign one.
     pub fn triangles_of(&self, object: ObjectId) -> u64 {
         let leaf = self.hierarchy.leaf_of(object);
-        leaf.map_or(0, |first| self.passes.geometry.count(LeafRange { first, count: 1 }).triangles)
+        leaf.map_or(0, |first| self.executor.leaves.count(LeafRange { first, count: 1 }).triangles)
     }
 
     /// Outlines the box of an object in every picture from now on, seen through everything; of several

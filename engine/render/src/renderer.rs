@@ -6,32 +6,29 @@ use cull::{
     Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId,
     Policy, SceneCosts, Strategy, View,
 };
-use gpu::{
-    Device, FrameRing, Optional, PassTime, Predicates, Predication, Readback, Target, Tick,
-    Timeline,
+use gpu::{Device, FrameRing, Optional, PassTime, Predication, Readback, Target, Tick, Timeline};
+use occlusion::{
+    Area, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
+    OcclusionPasses, PlanExecutor, PlannedMethod, ShaderSet, VisibilityState,
 };
 use scene::Scene;
 
 use crate::blended::Blended;
-use crate::calibration::{self, Costs};
+use crate::calibration_scene;
 use crate::debug_overlay::{DebugOverlay, DebugRenderer};
 use crate::deformers::Deformers;
-use crate::dialogue_frame::DialogueFrame;
 use crate::error::Error;
 use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
-use crate::frame_times::FrameTimes;
 use crate::geometry::Geometry;
 use crate::limits::check_memory;
 use crate::object_bounds::{check_hierarchy, object_bounds};
-use crate::passes::{ComputeTest, LeafBoxPass, OpaquePass, OverlayPass, ProxyPass, ScatterPass};
-use crate::pyramid_frame::PyramidFrame;
-use crate::shader_set::ShaderSet;
+use crate::passes::{OpaquePass, OverlayPass};
 use crate::shading::Shading;
 use crate::sprites::has_sprites;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
-use crate::views::{Area, ViewTarget, ViewsRequest};
+use crate::views::{ViewTarget, ViewsRequest};
 use crate::visible_set::{SceneRevision, SeenLeaves, VisibleSet};
 
 /// The most frames that may be in flight: each has memory of its own for everything that a frame
@@ -52,6 +49,8 @@ pub struct RendererOptions {
     pub shaders: Option<ShaderSet>,
     /// How visibility is decided.
     pub policy: Policy,
+    /// The methods beside ours: those of the literature are `methods::ALL`.
+    pub methods: &'static [MethodConstructor],
     /// How the methods of the literature work that wait for answers.
     pub dialogue: DialogueOptions,
     /// The most occlusion queries a frame of ours may use. What cannot be asked is drawn.
@@ -79,6 +78,7 @@ impl Default for RendererOptions {
             predication: None,
             shaders: None,
             policy: Policy::default(),
+            methods: &[],
             dialogue: DialogueOptions::default(),
             query_budget: 8192,
             threshold_samples: 0,
@@ -86,6 +86,13 @@ impl Default for RendererOptions {
             spare_objects: 0,
         }
     }
+}
+
+/// Makes our method, and those that were given.
+fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
+    let ours: Box<dyn Method> = Box::new(PlannedMethod);
+    let given = options.methods.iter().map(|new| new(&options.dialogue));
+    std::iter::once(ours).chain(given).collect()
 }
 
 impl RendererOptions {
@@ -163,6 +170,7 @@ pub struct Renderer {
     pub(crate) frames: FrameRing,
     pub(crate) hierarchy: Hierarchy,
     pub(crate) passes: FramePasses,
+    pub(crate) executor: PlanExecutor,
     pub(crate) shaders: ShaderSet,
     pub(crate) birds_eye: Option<OverlayPass>,
     /// The object whose box is outlined.
@@ -170,12 +178,9 @@ pub struct Renderer {
     pub(crate) flat_overlay: Option<FlatOverlay>,
     pub(crate) explainer: Option<DebugRenderer>,
     pub(crate) seen_leaves: Option<SeenLeaves>,
-    pub(crate) pyramid: Option<PyramidFrame>,
-    pub(crate) dialogue: Option<DialogueFrame>,
-    pub(crate) dialogue_options: DialogueOptions,
+    pub(crate) methods: Vec<Box<dyn Method>>,
     pub(crate) edition: SceneRevision,
     pub(crate) update_scratch: UpdateScratch,
-    pub(crate) scatter: ScatterPass,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
     /// Whether governors are told what frames take.
@@ -225,10 +230,7 @@ impl Renderer {
         // First what fails on bad input, then what takes long.
         let target = Target::new(device, options.size, "target")?;
         let opaque = OpaquePass::new(device, &shaders)?;
-        let proxies = ProxyPass::new(device, &shaders)?;
-        let leaf_boxes = proxies.can_flag().then(|| LeafBoxPass::new(device, &shaders));
-        let leaf_boxes = leaf_boxes.transpose()?;
-        let scatter = ScatterPass::new(device, &shaders)?;
+        let occlusion_passes = OcclusionPasses::new(device, &shaders)?;
         check_hierarchy(scene, &hierarchy)?;
         let geometry = Geometry::upload(device, scene, &hierarchy)?;
         let surfaces = geometry.surfaces.as_ref();
@@ -238,18 +240,22 @@ impl Renderer {
         let first_vertices = |mesh| geometry.first_vertex(mesh);
         let deformers = Deformers::new(device, &shaders, scene, first_vertices)?;
         let slots = options.frames_in_flight.max(1);
-        let draws = geometry.draws();
-        let (wanted, threshold) = (options.predication, options.threshold_samples);
-        let predicates = Predicates::with_threshold(device, wanted, &draws, slots, threshold)?;
+        let leaves = LeafTableInfo {
+            mesh_draws: geometry.mesh_draws().clone(),
+            predication: options.predication,
+            frames_in_flight: slots,
+            threshold_samples: options.threshold_samples,
+        };
+        let draw_of = |object| geometry.draw_of(object);
+        let leaves = LeafTable::new(device, &hierarchy, leaves, draw_of)?;
+        let executor = PlanExecutor { passes: occlusion_passes, leaves };
         let light = scene.light;
         let mut passes = FramePasses {
+            device: device.clone(),
             target,
             geometry,
-            predicates,
             opaque,
-            proxies,
-            compute_test: None,
-            leaf_boxes,
+            depth_first: None,
             counts: None,
             light,
             deformers,
@@ -257,7 +263,9 @@ impl Renderer {
             shading,
         };
         let id = RendererId::new();
-        let costs = calibration::cost_table(options.costs, device, &shaders, &mut passes);
+        let costs = occlusion::cost_table(options.costs, || {
+            calibration_scene::measure(&mut passes, &executor, &shaders)
+        });
         let mut frames = FrameRing::new(device, slots)?;
         let learns = costs.is_some() && device.capabilities().has(Optional::Timestamps);
         if learns {
@@ -269,18 +277,16 @@ impl Renderer {
             frames,
             hierarchy,
             passes,
+            executor,
             shaders,
             birds_eye: None,
             outlined: None,
             flat_overlay: None,
             explainer: None,
             seen_leaves: None,
-            pyramid: None,
-            dialogue: None,
-            dialogue_options: options.dialogue,
+            methods: methods_of(options),
             edition: SceneRevision::first(id),
             update_scratch: UpdateScratch::default(),
-            scatter,
             pass_times: Vec::new(),
             frame_times: FrameTimes::default(),
             learns,
@@ -297,11 +303,14 @@ impl Renderer {
     /// A failed call.
     pub fn new_view(&self) -> Result<ViewState, Error> {
         let mut culler = Culler::with_abilities(self.policy, self.abilities());
-        culler.neglect(self.threshold_samples);
         if let Some(Err(error)) = self.costs.map(|table| culler.govern(table, self.scene_costs())) {
             tracing::warn!("{error}");
         }
-        ViewState::new(self, culler)
+        let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
+        let culler = (culler, self.threshold_samples);
+        let visibility =
+            VisibilityState::new(&self.device, &self.hierarchy, leaves, slots, culler)?;
+        Ok(ViewState::new(self.id, visibility))
     }
 
     /// What things cost on this device, as told or measured.
@@ -312,64 +321,44 @@ impl Renderer {
     fn scene_costs(&self) -> SceneCosts {
         let leaves = self.hierarchy.root().map(|root| self.hierarchy.leaves(root));
         let average = leaves.map(|leaves| {
-            let count = self.passes.geometry.count(leaves);
+            let count = self.executor.leaves.count(leaves);
             count.triangles as f32 / count.draws.max(1) as f32
         });
         SceneCosts { triangles_per_leaf: average.unwrap_or_default() }
     }
 
-    /// What plans may make use of on this device.
+    /// Returns what plans may make use of on this device.
     fn abilities(&self) -> Abilities {
-        Abilities {
-            // A threshold needs numbers, which only queries have.
-            flags: self.is_exact() && self.passes.proxies.can_flag(),
-            compute: self.is_exact() && ComputeTest::check(&self.device, self.size()).is_ok(),
-            parts: self.passes.leaf_boxes.is_some(),
-        }
+        self.executor.abilities(&self.device, self.size(), self.threshold_samples)
     }
 
-    /// Whether the device has what `strategy` needs, for this scene and size.
+    /// Refuses a strategy that the device lacks something for, with this scene and size.
     ///
     /// # Errors
-    /// [`gpu::Error::Unsupported`], with the name of what is missing; [`gpu::Error::TooLarge`], with
-    /// the limit; [`Error::CannotCount`] where there is a threshold.
+    /// [`Error::NoMethod`]; [`gpu::Error::Unsupported`], with the name of what is missing;
+    /// [`gpu::Error::TooLarge`], with the limit; [`Error::CannotCount`] where there is a threshold.
     pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
-        let counts_nothing =
-            matches!(strategy, Strategy::AntumbraFlags | Strategy::AntumbraCompute);
-        if counts_nothing && !self.is_exact() {
-            let threshold_samples = self.threshold_samples;
-            return Err(Error::CannotCount { strategy, threshold_samples });
-        }
-        match strategy {
-            Strategy::Pyramid => PyramidFrame::check(&self.device, &self.hierarchy, self.size())?,
-            Strategy::AntumbraCompute => ComputeTest::check(&self.device, self.size())?,
-            _ => {}
-        }
-        let precise = self.device.capabilities().has(Optional::PreciseQueries);
-        let missing = match strategy {
-            Strategy::AntumbraFlags if !self.abilities().flags => Optional::FragmentStores,
-            Strategy::Ideal if !self.device.capabilities().has(Optional::FragmentStores) => {
-                Optional::FragmentStores
-            }
-            Strategy::Coherent if self.counts_samples() && !precise => Optional::PreciseQueries,
-            _ => return Ok(()),
-        };
-        Err(gpu::Error::Unsupported {
-            device: self.device.adapter().name.clone(),
-            missing: missing.name(),
-            wanted: strategy.name(),
-        }
-        .into())
+        self.method(strategy).map(drop)
     }
 
-    /// Whether whatever shows is drawn, with the strategies named exact.
+    /// Returns the number of the method that carries out `strategy` here.
+    pub(crate) fn method(&self, strategy: Strategy) -> Result<usize, Error> {
+        let place = self.methods.iter().position(|method| method.carries_out(strategy));
+        let place = place.ok_or(Error::NoMethod(strategy))?;
+        let support = MethodSupport {
+            device: &self.device,
+            hierarchy: &self.hierarchy,
+            executor: &self.executor,
+            size: self.size(),
+            threshold_samples: self.threshold_samples,
+        };
+        self.methods[place].supports(strategy, &support)?;
+        Ok(place)
+    }
+
+    /// Returns true if whatever shows is drawn, with the strategies named exact.
     pub(crate) fn is_exact(&self) -> bool {
         self.threshold_samples == 0
-    }
-
-    /// Whether a dialogue goes by numbers of samples.
-    fn counts_samples(&self) -> bool {
-        self.dialogue_options.coherent.visibility_threshold_samples > 0
     }
 
     /// The device it draws on.
@@ -389,7 +378,7 @@ impl Renderer {
 
     /// How hidden draws are skipped.
     pub fn predication(&self) -> Predication {
-        self.passes.predicates.predication()
+        self.executor.leaves.predicates().predication()
     }
 
     /// Explains the pictures from now on; an explanation of nothing costs nothing.
@@ -419,8 +408,8 @@ impl Renderer {
 
     /// The frame that was recorded last is on its way.
     pub(crate) fn submitted(&mut self) {
-        self.passes.target.submitted();
-        self.passes.brought();
+        self.passes.submitted();
+        self.executor.leaves.submitted();
         if let Some(overlay) = &mut self.flat_overlay {
             overlay.submitted();
         }
@@ -462,7 +451,7 @@ impl Renderer {
     pub fn drain(&mut self, history: &mut ViewState) -> Result<(), Error> {
         self.check_view(history)?;
         self.device.drain()?;
-        history.ingest(self.device.completed()?, &self.hierarchy, &self.passes.geometry);
+        history.collect(self.device.completed()?, &self.hierarchy, &self.executor.leaves);
         Ok(())
     }
 }

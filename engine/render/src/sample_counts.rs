@@ -8,11 +8,10 @@
 
 use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
 use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
+use occlusion::{LeafTable, PlanExecutor, ProxyBox, ProxyIo, ProxyPass};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::geometry::Geometry;
-use crate::passes::{ProxyBox, ProxyIo};
 use crate::renderer::Renderer;
 use crate::view_state::ViewState;
 
@@ -61,7 +60,7 @@ impl VisibleSamples {
 
 /// What a query counts. Those about one object follow each other in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Subject {
+enum CountKind {
     Object,
     ProxyVisible,
     ProxyTotal,
@@ -69,14 +68,14 @@ enum Subject {
 
 /// A question on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Counted {
-    subject: Subject,
+struct CountTag {
+    kind: CountKind,
     object: ObjectId,
     frame: FrameId,
     generation: Generation,
 }
 
-impl Counted {
+impl CountTag {
     /// With nothing known of the proxy.
     fn answer(self, samples: u32) -> VisibleSamples {
         let Self { object, frame, generation, .. } = self;
@@ -91,32 +90,32 @@ pub(crate) struct SampleCounts {
     watched: Vec<ObjectId>,
     /// The newest of each object that has any, ascending by object.
     newest: Vec<VisibleSamples>,
-    queries: Option<QueryRing<Counted>>,
+    queries: Option<QueryRing<CountTag>>,
     /// Whether the frame being recorded asks anything.
     is_asking: bool,
-    asked: Asked,
+    asked: CountRequests,
     home: Vec<VisibleSamples>,
 }
 
 /// What a frame asks; kept to allocate nothing in the steady state.
 #[derive(Default)]
-struct Asked {
-    tags: Vec<Counted>,
+struct CountRequests {
+    tags: Vec<CountTag>,
     objects: Vec<(QueryIndex, IndirectDraw)>,
     /// The first of the two queries about each proxy.
     proxies: Vec<(QueryIndex, ProxyBox)>,
 }
 
-impl Asked {
+impl CountRequests {
     /// Lays out the questions about one object.
-    fn push(&mut self, tag: Counted, draw: IndirectDraw, proxy: Option<ProxyBox>) {
-        let query = |tags: &Vec<Counted>| QueryIndex(tags.len() as u32);
+    fn push(&mut self, tag: CountTag, draw: IndirectDraw, proxy: Option<ProxyBox>) {
+        let query = |tags: &Vec<CountTag>| QueryIndex(tags.len() as u32);
         self.objects.push((query(&self.tags), draw));
         self.tags.push(tag);
         if let Some(proxy) = proxy {
             self.proxies.push((query(&self.tags), proxy));
-            self.tags.push(Counted { subject: Subject::ProxyVisible, ..tag });
-            self.tags.push(Counted { subject: Subject::ProxyTotal, ..tag });
+            self.tags.push(CountTag { kind: CountKind::ProxyVisible, ..tag });
+            self.tags.push(CountTag { kind: CountKind::ProxyTotal, ..tag });
         }
     }
 }
@@ -150,12 +149,12 @@ impl SampleCounts {
         home.clear();
         if let Some(queries) = &mut self.queries {
             queries.collect(completed, |tag, samples| {
-                if tag.subject == Subject::Object {
+                if tag.kind == CountKind::Object {
                     home.push(tag.answer(samples));
                 } else if let Some(of_object) = home.last_mut() {
                     let proxy = of_object.proxy.get_or_insert_default();
-                    match tag.subject {
-                        Subject::ProxyVisible => proxy.visible = samples,
+                    match tag.kind {
+                        CountKind::ProxyVisible => proxy.visible = samples,
                         _ => proxy.total = samples,
                     }
                 }
@@ -188,7 +187,7 @@ impl SampleCounts {
     }
 
     /// Lays out what `frame` asks of `view`; what is not in the frustum is known at once.
-    fn lay_out(&mut self, hierarchy: &Hierarchy, geometry: &Geometry, view: &View, frame: FrameId) {
+    fn lay_out(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, view: &View, frame: FrameId) {
         let mut asked = std::mem::take(&mut self.asked);
         asked.tags.clear();
         asked.objects.clear();
@@ -201,14 +200,14 @@ impl SampleCounts {
             if !hierarchy.contains(object) {
                 continue;
             }
-            let tag = Counted { subject: Subject::Object, object, frame, generation };
+            let tag = CountTag { kind: CountKind::Object, object, frame, generation };
             let bounds = hierarchy.bounds(node);
             if view.frustum.classify(&bounds, PlaneMask::ALL).0 == Containment::Outside {
                 self.keep(tag.answer(0));
                 continue;
             }
             let proxy = view.margin.proxy(&bounds).map(ProxyBox::from);
-            asked.push(tag, geometry.draw(leaf), proxy);
+            asked.push(tag, leaves.draw(leaf), proxy);
         }
         self.asked = asked;
     }
@@ -231,23 +230,24 @@ impl FramePasses {
     pub(crate) fn count_samples(
         &mut self,
         frame: &mut Frame<'_>,
+        executor: &PlanExecutor,
         history: &mut ViewState,
         hierarchy: &Hierarchy,
         view: &View,
     ) -> Result<(), Error> {
-        let counts = &mut history.counts;
+        let ViewState { counts, visibility, .. } = history;
         counts.is_asking = false;
         if !counts.is_watching() {
             return Ok(());
         }
-        counts.lay_out(hierarchy, &self.geometry, view, history.plan.frame);
+        counts.lay_out(hierarchy, &executor.leaves, view, visibility.plan().frame);
         if counts.asked.tags.is_empty() {
             return Ok(());
         }
         let queries = match counts.queries.take() {
             Some(queries) => queries,
             None => {
-                let (device, slots) = (&history.device, history.frames_in_flight);
+                let (device, slots) = (visibility.device(), visibility.frames_in_flight());
                 QueryRing::new(device, slots, "sample counts")?.counting(Counting::Samples)
             }
         };
@@ -259,7 +259,13 @@ impl FramePasses {
         self.target.prepare(frame.commands());
         frame.commands().pass("count samples", |commands| {
             commands.rendering(self.target_of(view, None), |commands| {
-                self.draw_counted(commands, &counts.asked, queries, &io, view);
+                self.draw_counted(
+                    commands,
+                    (&counts.asked, queries),
+                    &executor.passes.proxies,
+                    &io,
+                    view,
+                );
             });
             queries.resolve(commands, 0..counts.asked.tags.len() as u32);
             queries.read_back(commands);
@@ -270,8 +276,8 @@ impl FramePasses {
     fn draw_counted(
         &self,
         commands: &Commands,
-        asked: &Asked,
-        queries: &QueryRing<Counted>,
+        (asked, queries): (&CountRequests, &QueryRing<CountTag>),
+        proxies: &ProxyPass,
         io: &ProxyIo,
         view: &View,
     ) {
@@ -283,9 +289,9 @@ impl FramePasses {
         if asked.proxies.is_empty() {
             return;
         }
-        self.proxies.bind(commands, io, view);
+        proxies.bind(commands, io, view);
         for (number, (query, _)) in (0..).zip(&asked.proxies) {
-            queries.scope(commands, *query, |commands| self.proxies.draw(commands, number));
+            queries.scope(commands, *query, |commands| proxies.draw(commands, number));
         }
         pass.bind_proxies(commands, io, view);
         for (number, (QueryIndex(visible), _)) in (0..).zip(&asked.proxies) {
@@ -304,7 +310,7 @@ impl ViewState {
     /// A device that cannot count ([`Renderer::supports_counts`]).
     pub fn watch(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
         if !objects.is_empty() {
-            check_counts(&self.device, COUNTING)?;
+            check_counts(self.visibility.device(), COUNTING)?;
         }
         self.counts.watch(objects);
         Ok(())
@@ -343,8 +349,8 @@ mod tests {
     use super::*;
 
     fn known(object: u32, frame: u64, samples: u32) -> VisibleSamples {
-        Counted {
-            subject: Subject::Object,
+        CountTag {
+            kind: CountKind::Object,
             object: ObjectId(object),
             frame: FrameId(frame),
             generation: Generation(0),

@@ -14,11 +14,10 @@
 
 use cull::View;
 use gpu::{BufferSlice, Commands, Device, RenderTarget};
+use occlusion::{Error, PlanExecutor, ShaderSet};
 
-use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::{OpaquePass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass};
-use crate::shader_set::ShaderSet;
 use crate::surfaces::SurfaceResources;
 
 /// What scenes with surfaces are drawn with.
@@ -61,23 +60,11 @@ impl Shading {
 }
 
 impl FramePasses {
-    /// Where the first draws of a view's frame go.
-    pub(crate) fn first_target(&self, view: &View) -> RenderTarget {
-        let target = self.picture_target(view, self.sky());
-        if self.shading.is_some() { target.depth_only() } else { target }
-    }
-
     /// The sky's colour as it is exposed: as light, so that it is no brighter than white.
     pub(crate) fn sky(&self) -> [f32; 3] {
         let surfaces = self.geometry.surfaces.as_ref();
         let exposure = surfaces.map_or(1.0, SurfaceResources::exposure);
         self.light.sky.map(|part| (part * exposure).min(1.0))
-    }
-
-    /// Where all others go that decide what is visible.
-    pub(crate) fn next_target(&self, view: &View) -> RenderTarget {
-        let target = self.target_of(view, None);
-        if self.shading.is_some() { target.depth_only() } else { target }
     }
 
     /// Where [`FramePasses::draw_all`] goes, before such a backdrop.
@@ -88,7 +75,7 @@ impl FramePasses {
     }
 
     /// Binds what the rounds draw objects with: those of their colours where no other pass gives them any.
-    pub(crate) fn bind_rounds(&self, commands: &Commands, view: &View) {
+    pub(crate) fn bind_visibility(&self, commands: &Commands, view: &View) {
         let pass = match (self.shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
             (Some(DepthPass::Masked(pass)), Some(io)) => {
                 pass.bind(commands, &io, view, &self.light);
@@ -110,11 +97,12 @@ impl FramePasses {
     }
 
     /// Gives what the rounds drew its colour, if it has none yet: `draw` draws all of it again.
-    pub(crate) fn shade(
+    pub(crate) fn shade_surfaces(
         &mut self,
+        executor: &PlanExecutor,
         commands: &Commands,
         view: &View,
-        draw: impl FnOnce(&Self, &Commands),
+        draw: &dyn Fn(&Commands),
     ) {
         if self.shading.is_none() {
             return;
@@ -124,11 +112,11 @@ impl FramePasses {
         commands.pass("shade surfaces", |commands| {
             let target = self.target_of(view, None).cleared_to(DARK);
             commands.rendering(target, |commands| {
-                self.draw_surfaces(commands, view, self.sky(), |commands| draw(self, commands));
-                self.test_blended(commands, view);
+                self.draw_surfaces(commands, view, self.sky(), draw);
+                self.test_blended(executor, commands, view);
             });
         });
-        self.record_blended(commands, view);
+        self.record_blended(executor, commands, view);
     }
 
     fn draw_surfaces(
@@ -151,6 +139,7 @@ impl FramePasses {
     /// the [picture's target](FramePasses::picture_target).
     pub(crate) fn draw_all(
         &self,
+        executor: &PlanExecutor,
         commands: &Commands,
         view: &View,
         (draws, count): (BufferSlice, u32),
@@ -158,10 +147,10 @@ impl FramePasses {
     ) {
         let draw = |commands: &Commands| {
             if count > 0 {
-                self.predicates.draw_after_counted(commands, draws);
+                executor.leaves.predicates().draw_after_counted(commands, draws);
             }
         };
-        self.bind_rounds(commands, view);
+        self.bind_visibility(commands, view);
         draw(commands);
         self.draw_surfaces(commands, view, backdrop, draw);
     }

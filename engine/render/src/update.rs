@@ -208,7 +208,7 @@ impl Renderer {
             added,
             refitted_nodes: work.refitted_nodes - before.refitted_nodes,
             rebuilt_leaves: work.rebuilt_leaves - before.rebuilt_leaves,
-            stale_leaves: self.passes.geometry.stale_count(),
+            stale_leaves: self.executor.leaves.stale().len(),
             is_worn: self.hierarchy.is_worn(),
             cpu: Duration::ZERO,
         })
@@ -284,16 +284,16 @@ impl Renderer {
 
     /// Marks the leaves of everything that changed, where they are now.
     fn mark(&mut self, scratch: &mut UpdateScratch) {
-        let geometry = &mut self.passes.geometry;
+        let (geometry, leaves) = (&mut self.passes.geometry, &mut self.executor.leaves);
         for object in scratch.changed.drain(..) {
             geometry.find_lights(&self.hierarchy, object);
             if let Some(leaf) = self.hierarchy.leaf_of(object) {
-                geometry.mark(leaf, object);
+                leaves.mark(leaf, geometry.draw_of(object));
             }
         }
         for leaf in scratch.reordered.drain(..).flat_map(LeafRange::iter) {
             if let Some(object) = self.hierarchy.leaf_objects().get(leaf.0 as usize) {
-                geometry.mark(leaf, *object);
+                leaves.mark(leaf, geometry.draw_of(*object));
             }
         }
     }

@@ -8,62 +8,16 @@
 use std::time::Instant;
 
 use cull::{Camera, Strategy, View};
-use gpu::{Device, Frame, Readback, Target, Tick, Timeline};
+use gpu::{Device, Frame, PassTime, Readback, Target, Tick, Timeline};
+use occlusion::{Area, FrameTimes, MethodRequest, MethodScene, VisibilityState};
 
-use crate::dialogue_frame::{DialogueFrame, DialogueRequest};
 use crate::error::Error;
 use crate::flat_overlay::FlatOverlay;
-use crate::frame_passes::FrameIo;
-use crate::frame_times;
-use crate::passes::{ComputeTest, CountPass};
+use crate::passes::CountPass;
 use crate::pick::record_outline;
-use crate::pyramid_frame::{Lists, PyramidFrame, PyramidRequest};
 use crate::renderer::{FrameReport, Renderer};
-use crate::shader_set::ShaderSet;
 use crate::view_state::{RendererId, ViewState};
 use crate::visible_set::{VISIBLE_SET, VisibleSet};
-
-/// A part of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
-    /// Its upper left corner (pixels from that of the picture).
-    pub origin: [u32; 2],
-    /// Its width and height (pixels).
-    pub size: [u32; 2],
-}
-
-impl Area {
-    /// All of a picture of `size` pixels.
-    pub fn whole(size: [u32; 2]) -> Self {
-        Self { origin: [0, 0], size }
-    }
-
-    /// Whether it is at least a pixel, and within a picture of `size` pixels.
-    pub fn fits(&self, size: [u32; 2]) -> bool {
-        let fits = |side: usize| {
-            let end = u64::from(self.origin[side]) + u64::from(self.size[side]);
-            self.size[side] > 0 && end <= u64::from(size[side])
-        };
-        fits(0) && fits(1)
-    }
-
-    /// Where a view is drawn.
-    pub fn of(view: &View) -> Self {
-        Self { origin: view.origin, size: view.size }
-    }
-
-    /// Parts of equal width side by side, from the left, that cover a picture of `size` pixels: they
-    /// differ by a pixel where it cannot be divided. Parts that get no pixel have a width of 0.
-    pub fn side_by_side(size: [u32; 2], count: u32) -> impl Iterator<Item = Self> {
-        let [width, height] = size;
-        let edge =
-            move |part: u32| (u64::from(width) * u64::from(part) / u64::from(count.max(1))) as u32;
-        (0..count).map(move |part| Self {
-            origin: [edge(part), 0],
-            size: [edge(part + 1) - edge(part), height],
-        })
-    }
-}
 
 /// One view of a frame.
 pub struct ViewTarget<'a> {
@@ -76,6 +30,18 @@ pub struct ViewTarget<'a> {
     /// Where its image goes: at least a pixel, within the picture. Where areas overlap, later eyes
     /// replace what earlier ones drew.
     pub area: Area,
+}
+
+impl AsRef<VisibilityState> for ViewTarget<'_> {
+    fn as_ref(&self) -> &VisibilityState {
+        &self.history.visibility
+    }
+}
+
+impl AsMut<VisibilityState> for ViewTarget<'_> {
+    fn as_mut(&mut self) -> &mut VisibilityState {
+        &mut self.history.visibility
+    }
 }
 
 /// What is wanted of a frame of several views.
@@ -114,93 +80,53 @@ impl Renderer {
         request: &ViewsRequest<'_>,
         scene_picture: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
-        if eyes.is_empty() {
-            return Err(Error::NoView);
-        }
-        self.supports(request.strategy)?;
-        for eye in eyes.iter_mut() {
-            self.check_view(eye.history)?;
-            self.check_area(eye.area)?;
-            self.check_visible(request.strategy, eye.visible)?;
-            eye.history.follow_ring(self)?;
-        }
-        for picture in request.picture.into_iter().chain(scene_picture) {
-            self.check_picture(picture)?;
-        }
-        if let Some((timeline, _)) = request.after {
-            self.device.check(timeline, "a renderer (`Renderer`)")?;
-        }
+        let method = self.check_frame(eyes, request, scene_picture)?;
         let began = Instant::now();
-        self.prepare(request.strategy)?;
-        self.prepare_counts(eyes)?;
+        self.prepare(method, eyes)?;
+        let is_timed = self.is_timed(request.strategy, eyes);
         let outlined = self.outlined_bounds();
-        let mut frame = self.frames.begin()?;
-        self.pass_times.clear();
-        self.pass_times.extend_from_slice(frame.pass_times());
-        if let Some(time) = frame.last_time() {
-            self.frame_times.take(time);
-        }
+        let Self { device, frames, hierarchy, passes, executor, methods, shaders, .. } = self;
 
-        let (hierarchy, passes) = (&self.hierarchy, &mut self.passes);
-        passes.bring(&mut frame, hierarchy, &self.scatter)?;
-        // What explanations draw beside the plan says nothing about prices.
-        let is_timed = request.strategy.is_governed()
-            && self.learns
-            && self.explainer.is_none()
-            && eyes.iter().all(|eye| eye.history.is_governed())
-            && eyes.iter().any(|eye| frame_times::is_turn(eye.history.culler.frame()));
+        let mut frame = frames.begin()?;
+        note_times(&frame, &mut self.pass_times, &mut self.frame_times);
+        passes.upload_changes(&mut frame, hierarchy, executor)?;
         if is_timed {
             frame.begin_timing();
         }
         let mut report = FrameReport::default();
         for ViewTarget { history, camera, visible, area } in eyes.iter_mut() {
-            let view = &view_in(&self.device, camera, *area);
-            history.ingest(self.device.completed()?, hierarchy, &passes.geometry);
-            report.blended += passes.gather_blended(&mut frame, view, request.strategy)?;
-            if let (Strategy::Pyramid, Some(pyramid)) = (request.strategy, &self.pyramid) {
-                let request = PyramidRequest { hierarchy, view };
-                pyramid.record(&mut frame, history, passes, &request)?;
-                passes.count_samples(&mut frame, history, hierarchy, view)?;
-                continue;
-            }
-            if let (true, Some(dialogue)) = (request.strategy.is_dialogue(), &self.dialogue) {
-                let ViewsRequest { strategy, after, .. } = *request;
-                let request = DialogueRequest { hierarchy, strategy, view, after };
-                let stats = dialogue.record(&mut frame, history, passes, &request)?;
-                passes.count_samples(&mut frame, history, hierarchy, view)?;
-                report.tests += stats.boxes;
-                report.queries += stats.boxes + stats.own_draws;
-                continue;
-            }
-            match (request.strategy, *visible) {
-                (Strategy::Ideal, Some(visible)) => history.decide_known(hierarchy, visible),
-                (strategy, _) => {
-                    let geometry = &passes.geometry;
-                    history.decide(hierarchy, geometry, strategy, view, self.query_budget);
-                }
-            }
-            if passes.compute_test.is_none() && !history.questions.compute_tags.is_empty() {
-                let size = passes.target.size();
-                passes.compute_test = Some(ComputeTest::new(&self.device, &self.shaders, size)?);
-            }
-            let io = FrameIo::write(&mut frame, history, passes)?;
-            passes.record(frame.commands(), history, view, &io);
-            passes.count_samples(&mut frame, history, hierarchy, view)?;
+            let view = &view_in(device, camera, *area);
+            history.collect(device.completed()?, hierarchy, &executor.leaves);
+            report.blended +=
+                passes.gather_blended(&mut frame, executor, view, request.strategy)?;
+            let wanted = MethodRequest {
+                strategy: request.strategy,
+                view,
+                visible: visible.map_or(&[], VisibleSet::leaves),
+                query_budget: self.query_budget,
+                after: request.after,
+            };
+            let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
+            let state = &mut history.visibility;
+            let stats = methods[method].record(&mut frame, state, &mut scene, &wanted)?;
+            report.tests += stats.tests;
+            report.queries += stats.queries;
+            passes.count_samples(&mut frame, executor, history, hierarchy, view)?;
         }
-
         if let Some(picture) = scene_picture {
             let target = &mut passes.target;
             frame.commands().pass("copy picture", |commands| target.copy_to(commands, picture));
         }
         let overlay_began = Instant::now();
-        if let (Some(explainer), Some(eye)) = (&self.explainer, eyes.first()) {
-            let view = view_in(&self.device, &eye.camera, eye.area);
-            explainer.record(&mut frame, passes, hierarchy, (eye.history, &view))?;
-        }
-        if let (Some(bounds), Some(overlay), Some(eye)) = (outlined, &self.birds_eye, eyes.first())
-        {
-            let view = view_in(&self.device, &eye.camera, eye.area);
-            record_outline(&mut frame, passes, overlay, (bounds, &view))?;
+        if let Some(eye) = eyes.first() {
+            let view = view_in(device, &eye.camera, eye.area);
+            let scene = (&mut *passes, &*executor, &*hierarchy);
+            if let Some(explainer) = &self.explainer {
+                explainer.record(&mut frame, scene, (eye.history, &view))?;
+            }
+            if let (Some(bounds), Some(overlay)) = (outlined, &self.birds_eye) {
+                record_outline(&mut frame, passes, overlay, (bounds, &view))?;
+            }
         }
         let (target, overlay) = (&mut passes.target, self.flat_overlay.as_mut());
         finish_picture(&mut frame, target, overlay, request.picture)?;
@@ -208,21 +134,67 @@ impl Renderer {
 
         let waited = frame.waited();
         report.waits = frame.waits();
-        let tick = frame.submit(request.after)?;
-        report.tick = tick;
+        report.tick = frame.submit(request.after)?;
         self.submitted();
-        let views = eyes.len();
+        self.note_submitted(eyes, is_timed, &mut report);
+        report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
+        Ok(report)
+    }
+
+    /// Refuses what cannot be drawn. Returns the number of the method that draws it.
+    fn check_frame(
+        &self,
+        eyes: &mut [ViewTarget<'_>],
+        request: &ViewsRequest<'_>,
+        scene_picture: Option<&Readback>,
+    ) -> Result<usize, Error> {
+        if eyes.is_empty() {
+            return Err(Error::NoView);
+        }
+        let method = self.method(request.strategy)?;
+        for eye in eyes.iter_mut() {
+            self.check_view(eye.history)?;
+            self.check_area(eye.area)?;
+            self.check_visible(request.strategy, eye.visible)?;
+            let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
+            eye.history.set_frames_in_flight(slots, &self.hierarchy, leaves)?;
+        }
+        for picture in request.picture.into_iter().chain(scene_picture) {
+            self.check_picture(picture)?;
+        }
+        if let Some((timeline, _)) = request.after {
+            self.device.check(timeline, "a renderer (`Renderer`)")?;
+        }
+        Ok(method)
+    }
+
+    /// Returns true if cost models learn from what the next frame takes. What explanations draw beside a
+    /// plan says nothing about prices.
+    fn is_timed(&self, strategy: Strategy, eyes: &[ViewTarget<'_>]) -> bool {
+        let has_turn = |eye: &ViewTarget<'_>| {
+            occlusion::is_timed_after(eye.history.visibility.culler().frame())
+        };
+        strategy.is_governed()
+            && self.learns
+            && self.explainer.is_none()
+            && eyes.iter().all(|eye| eye.history.visibility.has_cost_model())
+            && eyes.iter().any(has_turn)
+    }
+
+    /// Notes in the views that their frame is on its way, and in the report what they planned.
+    fn note_submitted(
+        &mut self,
+        eyes: &mut [ViewTarget<'_>],
+        is_timed: bool,
+        report: &mut FrameReport,
+    ) {
+        let timed_views = is_timed.then_some(eyes.len());
         for ViewTarget { history, .. } in eyes.iter_mut() {
-            if is_timed {
-                history.sent.submitted(tick, &history.plan, views);
-            }
-            history.submitted(tick, &self.passes.geometry);
+            history.submitted(report.tick, &self.executor.leaves, timed_views);
             report.add(history);
         }
         // What they learn is for the next frame.
-        self.frame_times.tell(eyes);
-        report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
-        Ok(report)
+        self.frame_times.teach(eyes);
     }
 
     /// Refuses a set of another renderer, and an ideal frame without one of the scene as it is now.
@@ -236,30 +208,15 @@ impl Renderer {
         }
     }
 
-    /// Makes what only some strategies need, for the first frame that does.
-    fn prepare(&mut self, strategy: Strategy) -> Result<(), Error> {
-        if strategy == Strategy::Pyramid && self.pyramid.is_none() {
-            self.pyramid = Some(self.pyramid_frame(&self.shaders)?);
-        }
-        if strategy.is_dialogue() && self.dialogue.is_none() {
-            let options = self.dialogue_options;
-            self.dialogue = Some(DialogueFrame::new(&self.device, &self.shaders, options)?);
-        }
-        Ok(())
-    }
-
-    pub(crate) fn pyramid_frame(&self, shaders: &ShaderSet) -> Result<PyramidFrame, Error> {
-        let lists = self.passes.shading.as_ref().map_or(Lists::One, |_| Lists::Both);
-        PyramidFrame::new(&self.device, shaders, &self.hierarchy, self.size(), lists)
-    }
-
-    /// Makes what counting needs, for the first frame that counts.
-    fn prepare_counts(&mut self, eyes: &[ViewTarget<'_>]) -> Result<(), Error> {
+    /// Makes what only some methods and frames need, for the first frame that does.
+    fn prepare(&mut self, method: usize, eyes: &[ViewTarget<'_>]) -> Result<(), Error> {
+        let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
         let is_watching = |eye: &ViewTarget<'_>| eye.history.counts.is_watching();
-        if self.passes.counts.is_none() && eyes.iter().any(is_watching) {
-            self.passes.counts = Some(CountPass::new(&self.device, &self.shaders)?);
+        if passes.counts.is_none() && eyes.iter().any(is_watching) {
+            passes.counts = Some(CountPass::new(device, shaders)?);
         }
-        Ok(())
+        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
+        Ok(methods[method].prepare(&mut scene)?)
     }
 
     /// The view of `camera` in a part of this renderer's picture.
@@ -309,6 +266,15 @@ pub(crate) fn finish_picture(
     Ok(())
 }
 
+/// Takes the times of frames that are over, as they are known when a slot is used again.
+fn note_times(frame: &Frame<'_>, passes: &mut Vec<PassTime>, frames: &mut FrameTimes) {
+    passes.clear();
+    passes.extend_from_slice(frame.pass_times());
+    if let Some(time) = frame.last_time() {
+        frames.take(time);
+    }
+}
+
 pub(crate) fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
     let bits = device.adapter().limits.sub_pixel_precision_bits;
     View { origin: area.origin, ..View::new(camera, area.size, bits) }
@@ -319,38 +285,15 @@ impl FrameReport {
     fn add(&mut self, history: &ViewState) {
         let plan = history.plan();
         let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0);
-        self.tests += plan.tests.len() as u32;
-        self.queries += plan.query_count() as u32;
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
         // Views that are drawn together learn the same.
         self.corrections = self.corrections.or(history.corrections());
         // No age is less than any, so the larger of two is the older one that there is.
-        self.oldest_answer_frames = self.oldest_answer_frames.max(history.answer_ages().max());
-        let youngest = self.youngest_answer_frames.into_iter().chain(history.answer_ages().min());
+        self.oldest_answer_frames =
+            self.oldest_answer_frames.max(history.visibility.answer_ages().max());
+        let youngest =
+            self.youngest_answer_frames.into_iter().chain(history.visibility.answer_ages().min());
         self.youngest_answer_frames = youngest.min();
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn areas_side_by_side_cover_the_picture() {
-        for width in 0..20 {
-            for count in 1..5 {
-                let areas: Vec<Area> = Area::side_by_side([width, 7], count).collect();
-                let mut next = 0;
-                for area in &areas {
-                    assert_eq!((area.origin, area.size[1]), ([next, 0], 7));
-                    assert!(area.size[0].abs_diff(width / count) <= 1);
-                    next += area.size[0];
-                }
-                assert_eq!((areas.len() as u32, next), (count, width));
-            }
-        }
-        let whole = Area { origin: [0, 0], size: [9, 4] };
-        assert!(Area::side_by_side([9, 4], 1).eq([whole]));
     }
 }

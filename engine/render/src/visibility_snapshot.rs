@@ -2,9 +2,9 @@
 
 use cull::{Aabb, Answer, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState, QueryKind, View};
 use gpu::{BufferSlice, Frame, IndirectDraw};
+use occlusion::LeafTable;
 
 use crate::error::Error;
-use crate::geometry::Geometry;
 use crate::renderer::Renderer;
 use crate::view_state::{RendererId, ViewState};
 
@@ -47,8 +47,9 @@ impl Renderer {
             renderer: self.id,
         };
         let mut showed = Vec::new();
-        let of_frame = |answer: &&Answer| history.shows(answer) && answer.tag.frame == plan.frame;
-        for answer in history.newest_answers().iter().filter(of_frame) {
+        let of_frame =
+            |answer: &&Answer| history.visibility.shows(answer) && answer.tag.frame == plan.frame;
+        for answer in history.visibility.newest_answers().iter().filter(of_frame) {
             let node = answer.tag.node;
             match answer.tag.kind {
                 QueryKind::Proxy | QueryKind::Part => {
@@ -76,7 +77,7 @@ impl VisibilitySnapshot {
         let one = |first| LeafRange { first, count: 1 };
         let taken = plan.draws.iter().copied().map(one);
         let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
-        let is_hidden = |node| history.culler.state(node) == NodeState::Hidden;
+        let is_hidden = |node| history.visibility.culler().state(node) == NodeState::Hidden;
         let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
         let tests = tests.filter(|test| is_hidden(test.tag.node));
         Self {
@@ -92,13 +93,13 @@ impl VisibilitySnapshot {
     pub(crate) fn upload(
         &self,
         frame: &mut Frame<'_>,
-        geometry: &Geometry,
+        table: &LeafTable,
     ) -> Result<(BufferSlice, u32), Error> {
         let leaves = self.drawn.iter().flat_map(|range| {
             let first = range.first.0;
             (first..first.saturating_add(range.count)).map(LeafIndex)
         });
-        let draws: Vec<IndirectDraw> = leaves.map(|leaf| geometry.draw(leaf)).collect();
+        let draws: Vec<IndirectDraw> = leaves.map(|leaf| table.draw(leaf)).collect();
         Ok((frame.uploads().push(&draws)?, draws.len() as u32))
     }
 }

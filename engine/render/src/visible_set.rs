@@ -6,13 +6,13 @@
 use cull::{Camera, LeafIndex, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{Access, Buffer, Device, MemoryBarrier, Place, Tick, vk};
+use occlusion::{Area, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
 
 use crate::error::Error;
 use crate::passes::{SeenIo, SeenPass};
 use crate::renderer::Renderer;
-use crate::shader_set::ShaderSet;
 use crate::view_state::{RendererId, ViewState};
-use crate::views::{Area, ViewTarget, ViewsRequest};
+use crate::views::{ViewTarget, ViewsRequest};
 
 /// The leaves that own at least one pixel of a frame, nearest first. Of masked materials the holes count
 /// as theirs: those may be too many, never too few.
@@ -174,10 +174,9 @@ impl Renderer {
             self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
         }
         let Some(seen) = &self.seen_leaves else { return Ok(Tick::default()) };
-        let passes = &mut self.passes;
+        let (passes, leaf_table) = (&mut self.passes, &self.executor.leaves);
         let mut frame = self.frames.begin()?;
-        let geometry = &passes.geometry;
-        let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| geometry.draw(*leaf)))?;
+        let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| leaf_table.draw(*leaf)))?;
         let commands = frame.commands();
         let words = seen.words.whole();
         commands.pass("find visible", |commands| {
@@ -187,8 +186,8 @@ impl Renderer {
             commands.fill(words, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
             passes.target.prepare(commands);
-            commands.rendering(passes.first_target(view), |commands| {
-                passes.bind_rounds(commands, view);
+            commands.rendering(passes.rendering(view, Rendering::First), |commands| {
+                passes.bind(commands, view, ObjectPass::Visibility);
                 if !leaves.is_empty() {
                     commands.draw_indirect(draws);
                 }

@@ -254,9 +254,11 @@ fn dialogue_options(options: &Options) -> DialogueOptions {
 }
 
 fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
-    let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?;
+    let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from);
+    let shaders = shaders.transpose().map_err(render::Error::from)?;
     let frames_in_flight = options.frames_in_flight.try_into().unwrap_or(1);
     Ok(RendererOptions {
+        methods: methods::ALL,
         size: [options.size.width, options.size.height],
         frames_in_flight,
         predication: match options.predicates {

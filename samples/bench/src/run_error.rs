@@ -79,6 +79,7 @@ impl From<render::Error> for RunError {
             | render::Error::Cost(_)
             | render::Error::CannotCount { .. } => Self::user(error),
             render::Error::Hierarchy(_)
+            | render::Error::NoMethod(_)
             | render::Error::NoMemory { .. }
             | render::Error::NoVisibleSet
             | render::Error::OldVisibleSet

@@ -332,7 +332,10 @@ impl Session {
             && watch.has_changed(now)
         {
             let loaded = ShaderSet::compiled_from(watch.folder());
-            match loaded.and_then(|shaders| self.renderer.reload(shaders)) {
+            match loaded
+                .map_err(render::Error::from)
+                .and_then(|shaders| self.renderer.reload(shaders))
+            {
                 Ok(()) => {
                     self.notice.shaders_work();
                     self.notice.tell(now, "new shaders".to_owned());

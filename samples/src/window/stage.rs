@@ -113,10 +113,12 @@ fn start(routes: &Routes) -> Result<Course, RunError> {
 }
 
 fn renderer_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOptions, RunError> {
+    let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from);
     Ok(RendererOptions {
+        methods: methods::ALL,
         size,
         frames_in_flight: options.frames_in_flight as usize,
-        shaders: options.shaders.as_deref().map(ShaderSet::compiled_from).transpose()?,
+        shaders: shaders.transpose().map_err(render::Error::from)?,
         costs: options.costs.into(),
         ..RendererOptions::default()
     })

@@ -73,7 +73,13 @@ fn camera(frame: u32) -> Camera {
 }
 
 fn options(frames_in_flight: usize) -> RendererOptions {
-    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size: SIZE,
+        frames_in_flight,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 fn draw_into(

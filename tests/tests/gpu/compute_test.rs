@@ -6,7 +6,7 @@ use glam::Vec3;
 use gpu::{
     Access, Buffer, Device, FrameRing, MemoryBarrier, Place, QueryIndex, QueryRing, Target, vk,
 };
-use render::{Area, ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ShaderSet};
+use occlusion::{Area, ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ShaderSet};
 use tests::shapes::{DepthBoxes, box_at, proxy_pass};
 use tests::{Driver, run};
 

@@ -18,7 +18,12 @@ const SIZE: [u32; 2] = [128, 128];
 
 fn options() -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
-    RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size: SIZE,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 fn renderer(device: &Device, boxes: &[Aabb], options: &RendererOptions) -> Renderer {

@@ -156,7 +156,13 @@ fn camera() -> Camera {
 }
 
 fn options(frames_in_flight: usize) -> RendererOptions {
-    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size: SIZE,
+        frames_in_flight,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 /// The scene as it is once both slabs took their poses, on the CPU.

@@ -43,7 +43,12 @@ fn wood() -> Scene {
 }
 
 fn renderer(device: &Device) -> Renderer {
-    let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+    let options = RendererOptions {
+        methods: methods::ALL,
+        size: SIZE,
+        costs: Costs::Ignored,
+        ..Default::default()
+    };
     Renderer::new(device, &wood(), &options).unwrap()
 }
 
@@ -142,7 +147,12 @@ fn a_triangle_and_its_back_are_counted_as_one() {
     run_on_all(|device| {
         let scene = wood_from_both_sides();
         assert_eq!(scene.triangles(), 12 * 200);
-        let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+        let options = RendererOptions {
+            methods: methods::ALL,
+            size: SIZE,
+            costs: Costs::Ignored,
+            ..Default::default()
+        };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         // What is decided by the CPU is counted there, and by the pyramid on the GPU.
         for (error_pixels, of_cube) in [(0.0, 12), (1e6, 6)] {

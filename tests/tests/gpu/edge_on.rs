@@ -18,7 +18,8 @@ fn request(strategy: Strategy, camera: Camera, picture: &Readback) -> FrameReque
 
 /// Compares what strategies draw from nothing, standing still, with frustum culling.
 fn compare(device: &Device, scene: &Scene, camera: Camera) {
-    let options = RendererOptions { size: SIZE, ..RendererOptions::default() };
+    let options =
+        RendererOptions { methods: methods::ALL, size: SIZE, ..RendererOptions::default() };
     let mut renderer = Renderer::new(device, scene, &options).unwrap();
     let pictures = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
     let [expected, found] = &pictures;

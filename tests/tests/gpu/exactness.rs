@@ -10,7 +10,13 @@ use tests::{Driver, run, run_on_all};
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
-    RendererOptions { size, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size,
+        frames_in_flight,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 fn check(found: &Found, frames_in_flight: usize, what: &str) {

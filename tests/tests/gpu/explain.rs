@@ -28,8 +28,13 @@ impl Studio {
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         // What is measured differs from one renderer to the next, and plans with it.
         let costs = Costs::Ignored;
-        let options =
-            RendererOptions { size: SIZE, predication, costs, ..RendererOptions::default() };
+        let options = RendererOptions {
+            methods: methods::ALL,
+            size: SIZE,
+            predication,
+            costs,
+            ..RendererOptions::default()
+        };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
         let history = renderer.new_view().unwrap();
         let picture = Readback::new(device, SIZE).unwrap();

@@ -12,7 +12,7 @@ use gpu::{
     Buffer, Device, DeviceOptions, Error, FrameRing, Place, Predicates, Predication, QueryIndex,
     QueryRing, Target, Tick, Timeline, vk,
 };
-use render::{ProxyBox, ProxyIo};
+use occlusion::{ProxyBox, ProxyIo};
 use tests::shapes::{DepthBoxes, box_at, proxy_pass, square_view};
 use tests::{Driver, instance, messages_of, open, run, run_on_all};
 

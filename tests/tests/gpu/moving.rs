@@ -28,7 +28,13 @@ const TESTERS: [Strategy; 7] = [
 
 fn options(frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
-    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size: SIZE,
+        frames_in_flight,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 /// A scene on its way through a motion.

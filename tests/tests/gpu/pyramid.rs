@@ -3,9 +3,9 @@
 use cull::{Camera, Strategy};
 use glam::Vec3;
 use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, Place, Target, vk};
-use render::{
-    Area, ProxyBox, PyramidLevel, PyramidPass, Renderer, RendererOptions, ShaderSet, pyramid_levels,
-};
+use methods::{PyramidLevel, PyramidPass, pyramid_levels};
+use occlusion::{Area, ProxyBox, ShaderSet};
+use render::{Renderer, RendererOptions};
 use scene::Scene;
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::shapes::{DepthBoxes, box_at, box_scene, square_camera, square_view};
@@ -13,7 +13,7 @@ use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras
 use tests::{Driver, run, run_on_all};
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    RendererOptions { size, frames_in_flight, ..Default::default() }
+    RendererOptions { methods: methods::ALL, size, frames_in_flight, ..Default::default() }
 }
 
 fn check(found: &Found, what: &str) {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use gpu::{Counting, FrameRing, Optional, QueryIndex, QueryPages, Target};
-use render::{ProxyBox, ProxyIo};
+use occlusion::{ProxyBox, ProxyIo};
 use tests::run_on_all;
 use tests::shapes::{DepthBoxes, box_at, proxy_pass, square_view};
 

@@ -6,7 +6,8 @@ use glam::Vec3;
 use gpu::{
     BufferSlice, Device, FrameRing, IndirectDraw, QueryIndex, QueryRing, Target, Uploads, vk,
 };
-use render::{OpaqueIo, OpaquePass, ProxyBox, ProxyIo, ShaderSet};
+use occlusion::{ProxyBox, ProxyIo, ShaderSet};
+use render::{OpaqueIo, OpaquePass};
 use scene::{Mesh, Object, Scene};
 use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
 use tests::{Driver, run};

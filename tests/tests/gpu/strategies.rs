@@ -14,7 +14,13 @@ const DIALOGUES: [Strategy; 4] =
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
-    RendererOptions { size, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size,
+        frames_in_flight,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 fn coherent(coherent: CoherentOptions) -> RendererOptions {

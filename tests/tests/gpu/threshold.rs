@@ -21,6 +21,7 @@ fn options(threshold_samples: u32) -> RendererOptions {
     let dialogue = DialogueOptions { coherent, ..DialogueOptions::default() };
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
+        methods: methods::ALL,
         size: SIZE,
         threshold_samples,
         dialogue,

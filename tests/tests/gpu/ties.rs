@@ -84,7 +84,13 @@ fn cameras(frames: u32) -> Vec<Camera> {
 }
 
 fn options(frames_in_flight: usize) -> RendererOptions {
-    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size: SIZE,
+        frames_in_flight,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 /// Draws with one strategy from nothing.

@@ -134,7 +134,8 @@ fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
 /// All frames in one go, from nothing.
 fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     let scene = scene();
-    let options = RendererOptions { size: SIZE, costs, ..Default::default() };
+    let options =
+        RendererOptions { methods: methods::ALL, size: SIZE, costs, ..Default::default() };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
     let mut view = renderer.new_view().unwrap();
     let mut finding = renderer.new_view().unwrap();

@@ -14,7 +14,13 @@ const SIZE: [u32; 2] = [320, 100];
 
 fn options(frames_in_flight: usize) -> RendererOptions {
     // Prices that are measured differ from run to run; without any, everything is tested.
-    RendererOptions { size: SIZE, frames_in_flight, costs: Costs::Ignored, ..Default::default() }
+    RendererOptions {
+        methods: methods::ALL,
+        size: SIZE,
+        frames_in_flight,
+        costs: Costs::Ignored,
+        ..Default::default()
+    }
 }
 
 /// The eyes of a stereo pair.

@@ -123,7 +123,8 @@ fn a_set_with_one_broken_shader_is_refused() {
 fn picture(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let GeneratedScene { scene, routes } = city(200, 1).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-    let options = RendererOptions { size: [160, 90], shaders, ..Default::default() };
+    let options =
+        RendererOptions { methods: methods::ALL, size: [160, 90], shaders, ..Default::default() };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
     let mut history = renderer.new_view().unwrap();
     let picture = Readback::new(device, renderer.size()).unwrap();

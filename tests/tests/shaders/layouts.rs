@@ -76,7 +76,7 @@ fn instances_are_three_rows_and_a_tint() {
 
 #[test]
 fn proxies_are_two_corners() {
-    assert_eq!(size_of::<render::ProxyBox>(), 32);
+    assert_eq!(size_of::<occlusion::ProxyBox>(), 32);
     assert_eq!(interface("proxy.vert"), (vec![(0, 32, vec![0, 16])], 80));
 }
 

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use shaders::{Shader, sources};
 
 /// What to run after a shader was changed.
-const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antumbra-render \
+const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antumbra-gpu \
     --features shader-compiler --example compile_shaders` and commit what it writes";
 
 /// The shaders that `gpu` embeds for itself.

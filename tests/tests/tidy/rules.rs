@@ -82,28 +82,40 @@ pub fn own_files(files: &[SourceFile]) -> Vec<String> {
 }
 
 /// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know Vulkan's.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
         "engine/antumbra/Cargo.toml",
-        &["animation", "cull", "gpu", "import", "pacing", "render", "scene"],
+        &[
+            "animation",
+            "cull",
+            "gpu",
+            "import",
+            "methods",
+            "occlusion",
+            "pacing",
+            "render",
+            "scene",
+        ],
     ),
     ("engine/cull/Cargo.toml", &[]),
     ("engine/gpu/Cargo.toml", &["shaders"]),
     ("engine/import/Cargo.toml", &["animation", "cull", "scene"]),
+    ("engine/methods/Cargo.toml", &["cull", "gpu", "occlusion"]),
+    ("engine/occlusion/Cargo.toml", &["cull", "gpu", "shaders"]),
     ("engine/pacing/Cargo.toml", &[]),
-    ("engine/render/Cargo.toml", &["cull", "gpu", "scene", "shaders"]),
+    ("engine/render/Cargo.toml", &["cull", "gpu", "occlusion", "scene"]),
     ("engine/scene/Cargo.toml", &["cull"]),
     (
         "samples/Cargo.toml",
         &[
-            "bench", "cull", "gpu", "harness", "import", "pacing", "render", "scene", "scenes",
-            "tests",
+            "bench", "cull", "gpu", "harness", "import", "methods", "pacing", "render", "scene",
+            "scenes", "tests",
         ],
     ),
     (
         "samples/bench/Cargo.toml",
-        &["animation", "cull", "gpu", "harness", "import", "render", "scene", "scenes"],
+        &["animation", "cull", "gpu", "harness", "import", "methods", "render", "scene", "scenes"],
     ),
     ("samples/scenes/Cargo.toml", &["cull", "scene"]),
     ("shaders/Cargo.toml", &[]),
@@ -111,7 +123,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
 
 /// Crates depend on each other as [`ARROWS`] says and no other way.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
-    const OURS: [&str; 14] = [
+    const OURS: [&str; 16] = [
         "animation",
         "antumbra",
         "bench",
@@ -119,6 +131,8 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         "gpu",
         "harness",
         "import",
+        "methods",
+        "occlusion",
         "pacing",
         "render",
         "samples",
@@ -192,6 +206,8 @@ pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
             "engine/antumbra/src/lib.rs",
             "engine/cull/src/lib.rs",
             "engine/import/src/lib.rs",
+            "engine/methods/src/lib.rs",
+            "engine/occlusion/src/lib.rs",
             "engine/pacing/src/lib.rs",
             "engine/render/src/lib.rs",
             "engine/scene/src/lib.rs",

@@ -3,3 +3,4 @@
 pub(crate) mod answers;
 pub(crate) mod record;
 pub(crate) mod records;
+pub(crate) mod results;

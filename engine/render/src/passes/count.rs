@@ -8,10 +8,11 @@ use gpu::{
 };
 use scene::Vertex;
 
-use crate::error::Error;
 use crate::passes::seen::SeenConstants;
-use crate::passes::{OpaqueIo, ProxyIo};
-use crate::shader_set::ShaderSet;
+use occlusion::ProxyIo;
+
+use crate::passes::OpaqueIo;
+use occlusion::{Error, ShaderSet};
 
 /// Draws objects a second time against the depth that they left, and proxies whatever the depth is.
 /// Writes nothing: queries around the draws count. The positions of objects are invariant, so the

@@ -3,8 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
+use occlusion::{Error, ShaderSet};
 
 /// Writes the vertices of meshes, morphed and skinned, into their places among all others.
 pub(crate) struct DeformPass {

@@ -8,8 +8,7 @@ use gpu::{
     IndirectDraw, Polygon, StorageLayout, Texture, VertexLayout, vk,
 };
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
+use occlusion::{Error, ShaderSet};
 
 /// Draws flat triangles out of one atlas, in their order, whatever the depth.
 pub struct FlatPass {

@@ -8,8 +8,7 @@ use gpu::{
 };
 use scene::{Light, Vertex};
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
+use occlusion::{Error, ShaderSet};
 
 /// Draws opaque objects, nearer ones win.
 pub struct OpaquePass {

@@ -7,8 +7,7 @@ use gpu::{
     Polygon, StorageLayout, VertexLayout, vk,
 };
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
+use occlusion::{Error, ShaderSet};
 
 /// Draws translucent triangles and lines over a finished picture, hidden by its depth or not.
 pub struct OverlayPass {

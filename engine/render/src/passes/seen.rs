@@ -8,9 +8,8 @@ use gpu::{
 };
 use scene::Vertex;
 
-use crate::error::Error;
 use crate::passes::OpaqueIo;
-use crate::shader_set::ShaderSet;
+use occlusion::{Error, ShaderSet};
 
 /// Draws objects a second time against the depth that they left. A fragment that passes is one that
 /// is seen; it notes its leaf. The positions are invariant, so equal objects have equal depths.

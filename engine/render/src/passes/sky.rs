@@ -6,8 +6,7 @@ use gpu::{
     StorageLayout, VertexLayout, vk,
 };
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
+use occlusion::{Error, ShaderSet};
 
 /// Draws one triangle over all of the area at the farthest depth: it shows where nothing is nearer.
 pub struct SkyPass {

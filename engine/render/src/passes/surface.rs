@@ -9,9 +9,8 @@ use gpu::{
 use scene::limits::MAX_PAGES;
 use scene::{Light, SurfaceVertex, Vertex};
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
 use crate::surfaces::SurfaceResources;
+use occlusion::{Error, ShaderSet};
 
 /// What a surface pass draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

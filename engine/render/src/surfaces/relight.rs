@@ -1,6 +1,7 @@
 //! Lights that move or change between frames.
 
 use cull::Hierarchy;
+use occlusion::LeafTable;
 use scene::{LightId, LightKind, PunctualLight};
 
 use crate::error::Error;
@@ -34,13 +35,13 @@ impl Renderer {
 
 impl Geometry {
     /// Finds the lights again of who is around a light that changed since the last frame.
-    pub(crate) fn relight(&mut self, hierarchy: &Hierarchy) {
+    pub(crate) fn relight(&mut self, hierarchy: &Hierarchy, leaves: &mut LeafTable) {
         let objects = self.surfaces.as_mut().map(SurfaceResources::relight).unwrap_or_default();
         for object in objects {
             if self.find_lights(hierarchy, object)
                 && let Some(leaf) = hierarchy.leaf_of(object)
             {
-                self.mark(leaf, object);
+                leaves.mark(leaf, self.draw_of(object));
             }
         }
     }

@@ -11,7 +11,6 @@ use scene::{
 use crate::deformers::mesh_order;
 use crate::error::Error;
 use crate::limits;
-use crate::passes::{ScatterIo, ScatterPass};
 use crate::scene_degradations::SceneDegradations;
 use crate::sprites;
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists};
@@ -20,6 +19,7 @@ use crate::surfaces::marked::Marked;
 use crate::surfaces::materials::{Features, MaterialEntry, MaterialTable};
 use crate::surfaces::page_upload::{plan, upload_pages};
 use crate::surfaces::pages::PagePlan;
+use occlusion::{ScatterIo, ScatterPass};
 
 /// How surfaces are brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]

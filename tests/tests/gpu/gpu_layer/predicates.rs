@@ -5,7 +5,7 @@ use gpu::{
     Access, Buffer, Device, DrawRange, FlagRing, FrameRing, IndirectDraw, MemoryBarrier, Place,
     Predicated, Predicates, Predication, QueryIndex, QueryRing, Reveal, Target, WordSource, vk,
 };
-use render::{ProxyBox, ProxyIo};
+use occlusion::{ProxyBox, ProxyIo};
 use tests::run_on_all;
 use tests::shapes::{box_at, proxy_pass, square_view};
 

@@ -1,52 +1,45 @@
-//! What a plan asks the GPU, laid out as it is asked: which query, flag and word stands for which test.
+//! The layout of a plan's tests on the GPU: which query, flag and word stands for which test.
 
 use std::ops::Range;
 
-use cull::{FramePlan, LeafRange, ProxyTest, QueryKind, QueryTag, Tester};
+use cull::{FramePlan, LeafRange, ProxyTest, QueryKind, Tester};
 use gpu::{DrawRange, Predicated, Reveal, WordSource};
 
-use crate::geometry::Geometry;
-use crate::leaf_counts::Count;
+use crate::leaf_table::{LeafCount, LeafTable};
 
-/// The decision that a test makes: its number among those that hang on words of one source.
+/// The predicate that a test decides: its number among those that hang on words of one source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Decision {
+pub(crate) struct PredicateSlot {
     pub(crate) source: WordSource,
     pub(crate) number: u32,
 }
 
-/// A question on its way: what was asked, by what means, and what its answer decides about, counted
-/// when it was asked, since the scene may change before the answer is home.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Asked {
-    pub(crate) tag: QueryTag,
-    pub(crate) tester: Tester,
-    pub(crate) count: Count,
-}
+/// A test on its way, with what its draws show.
+pub(crate) type PendingTest = cull::PendingTest<LeafCount>;
 
-/// The layout of one frame's questions, kept to allocate nothing in the steady state.
+/// The layout of one frame's tests, kept to allocate nothing in the steady state.
 #[derive(Debug, Default)]
-pub(crate) struct Questions {
+pub(crate) struct TestLayout {
     /// What each query is about: first those on visible draws, then the tests by query.
-    pub(crate) query_tags: Vec<Asked>,
+    pub(crate) query_tags: Vec<PendingTest>,
     /// How many of the queries are on visible draws.
     pub(crate) own_draws: u32,
     /// What each flag is about: a place for every test if there are flags at all.
-    pub(crate) flag_tags: Vec<Asked>,
+    pub(crate) flag_tags: Vec<PendingTest>,
     /// The decision of each test.
-    decisions: Vec<Decision>,
-    pub(crate) rounds: Vec<RoundQuestions>,
+    decisions: Vec<PredicateSlot>,
+    pub(crate) rounds: Vec<RoundLayout>,
     /// What hangs on the words of queries, on flags, and on what a compute shader writes.
     query_decides: Vec<Predicated>,
     flag_decides: Vec<Predicated>,
     compute_decides: Vec<Predicated>,
     /// What each word of the compute shader is about: a place for every test if there are any.
-    pub(crate) compute_tags: Vec<Asked>,
+    pub(crate) compute_tags: Vec<PendingTest>,
 }
 
-/// The questions of one round. Tests of one kind follow each other, the plan sees to that.
+/// The tests of one round. Tests of one kind follow each other, the plan sees to that.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct RoundQuestions {
+pub(crate) struct RoundLayout {
     pub(crate) tests: Range<usize>,
     /// The tests by flag.
     pub(crate) flags: Range<u32>,
@@ -62,16 +55,16 @@ pub(crate) struct RoundQuestions {
     pub(crate) has_parts: bool,
 }
 
-impl Questions {
+impl TestLayout {
     /// Lays out `plan` for a scene as it is now.
-    pub(crate) fn lay_out(&mut self, plan: &FramePlan, geometry: &Geometry) {
-        self.lay_out_counted(plan, |leaves| geometry.count(leaves));
+    pub(crate) fn lay_out(&mut self, plan: &FramePlan, leaves: &LeafTable) {
+        self.lay_out_counted(plan, |range| leaves.count(range));
     }
 
-    fn lay_out_counted(&mut self, plan: &FramePlan, count: impl Fn(LeafRange) -> Count) {
+    fn lay_out_counted(&mut self, plan: &FramePlan, count: impl Fn(LeafRange) -> LeafCount) {
         self.query_tags.clear();
         // Drawn whatever the answer says: nothing hangs on it.
-        let own = |tag| Asked { tag, tester: Tester::Query, count: Count::default() };
+        let own = |tag| PendingTest { tag, tester: Tester::Query, contents: LeafCount::default() };
         self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| own(*tag)));
         self.own_draws = self.query_tags.len() as u32;
         self.query_decides.clear();
@@ -103,15 +96,21 @@ impl Questions {
         }
     }
 
+    /// Returns the draws of the tests whose leaves are tested one by one.
+    pub(crate) fn refined(plan: &FramePlan) -> impl Iterator<Item = DrawRange> {
+        let tests = plan.tests.iter();
+        tests.filter(|test| test.tag.kind == QueryKind::Parts).map(draw_range)
+    }
+
     fn lay_out_round(
         &mut self,
         plan: &FramePlan,
         tests: Range<usize>,
-        count: &impl Fn(LeafRange) -> Count,
+        count: &impl Fn(LeafRange) -> LeafCount,
     ) {
         let none = tests.start as u32..tests.start as u32;
         let first_query = self.query_tags.len() as u32;
-        let mut round = RoundQuestions {
+        let mut round = RoundLayout {
             tests: tests.clone(),
             flags: none.clone(),
             flag_decisions: none.clone(),
@@ -127,18 +126,18 @@ impl Questions {
                     self.query_tags.push(asked(test, count));
                     self.query_decides.push(predicated(test, query));
                     extend(&mut round.queried_tests, number);
-                    Decision { source: WordSource::Queries, number: query }
+                    PredicateSlot { source: WordSource::Queries, number: query }
                 }
                 Tester::Compute => {
                     extend(&mut round.computed, number);
-                    Decision { source: WordSource::Compute, number }
+                    PredicateSlot { source: WordSource::Compute, number }
                 }
                 Tester::Flag | Tester::Behind(_) => {
                     extend(&mut round.flag_decisions, number);
                     if test.tester == Tester::Flag {
                         extend(&mut round.flags, number);
                     }
-                    Decision { source: WordSource::Fragments, number }
+                    PredicateSlot { source: WordSource::Fragments, number }
                 }
             };
             self.decisions.push(decision);
@@ -150,11 +149,15 @@ impl Questions {
 
     /// Nothing is asked.
     pub(crate) fn clear(&mut self) {
-        self.lay_out_counted(&FramePlan::default(), |_| Count::default());
+        self.lay_out_counted(&FramePlan::default(), |_| LeafCount::default());
     }
 
     pub(crate) fn is_empty(&self) -> bool {
         self.query_tags.is_empty() && self.decisions.is_empty()
+    }
+
+    pub(crate) fn tests_by_compute(&self) -> bool {
+        !self.compute_tags.is_empty()
     }
 
     /// What hangs on the words of `source`.
@@ -169,18 +172,18 @@ impl Questions {
     /// The decisions of a round's tests whose draws are revealed in this way.
     pub(crate) fn revealing(
         &self,
-        round: Option<&RoundQuestions>,
+        round: Option<&RoundLayout>,
         reveal: Reveal,
-    ) -> impl Iterator<Item = Decision> {
+    ) -> impl Iterator<Item = PredicateSlot> {
         let decisions = round.map_or(&[][..], |round| &self.decisions[round.tests.clone()]);
-        let decided = |it: &Decision| self.decided(it.source).get(it.number as usize);
+        let decided = |it: &PredicateSlot| self.decided(it.source).get(it.number as usize);
         decisions.iter().copied().filter(move |decision| {
             decided(decision).is_some_and(|it| it.range.count > 0 && it.reveal == reveal)
         })
     }
 
     /// Whether nothing of this frame hangs on a round of queries: only later frames want to know.
-    pub(crate) fn is_for_later(&self, round: &RoundQuestions) -> bool {
+    pub(crate) fn is_for_later(&self, round: &RoundLayout) -> bool {
         let decides = |reveal| self.revealing(Some(round), reveal).next().is_some();
         round.queries.len() == round.tests.len()
             && !decides(Reveal::Whole)
@@ -188,7 +191,7 @@ impl Questions {
     }
 
     /// The decisions that are made once the proxies of `round` were drawn.
-    pub(crate) fn made(&self, round: &RoundQuestions) -> Vec<(WordSource, Range<u32>)> {
+    pub(crate) fn made(&self, round: &RoundLayout) -> Vec<(WordSource, Range<u32>)> {
         let lanes = [
             (WordSource::Queries, round.queries.clone()),
             (WordSource::Fragments, round.flag_decisions.clone()),
@@ -203,12 +206,12 @@ fn extend(range: &mut Range<u32>, by: u32) {
     *range = start..by + 1;
 }
 
-fn asked(test: &ProxyTest, count: impl Fn(LeafRange) -> Count) -> Asked {
-    Asked { tag: test.tag, tester: test.tester, count: count(test.leaves) }
+fn asked(test: &ProxyTest, count: impl Fn(LeafRange) -> LeafCount) -> PendingTest {
+    PendingTest { tag: test.tag, tester: test.tester, contents: count(test.leaves) }
 }
 
-/// The draws that a test decides about.
-pub(crate) fn draw_range(test: &ProxyTest) -> DrawRange {
+/// Returns the draws that a test decides about.
+fn draw_range(test: &ProxyTest) -> DrawRange {
     DrawRange { first: test.leaves.first.0, count: test.leaves.count }
 }
 

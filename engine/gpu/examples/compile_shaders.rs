@@ -7,7 +7,7 @@ use shaders::sources;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
     for name in sources::stages(&folder)? {
-        let spirv = gpu::compile(&folder.join(&name))?;
+        let spirv = antumbra_gpu::compile(&folder.join(&name))?;
         std::fs::write(folder.join(format!("{name}.spv")), spirv.to_bytes())?;
         println!("{name}");
     }

@@ -6,11 +6,12 @@ use gpu::{
     Access, Buffer, BufferSlice, Commands, Device, MemoryBarrier, Place, SlotIndex, Tick, vk,
 };
 
-use crate::error::Error;
-use crate::passes::Counters;
+use occlusion::{Error, FrameOutcome, MethodState, Outcomes};
+
+use super::cull::Counters;
 
 /// The GPU state of one view. Believed only if it is that of the frame before.
-pub(crate) struct PyramidHistory {
+pub(crate) struct PyramidState {
     seen: Buffer,
     leaf_count: usize,
     generation: Generation,
@@ -27,16 +28,10 @@ struct Slot {
     in_flight: Option<(Tick, FrameId)>,
 }
 
-/// What the two phases of a frame drew.
-pub(crate) struct PhaseCounts {
-    pub(crate) frame: FrameId,
-    pub(crate) phases: [Counters; 2],
-}
-
 /// Bytes of the counters of both phases.
 pub(crate) const COUNTER_BYTES: u64 = 2 * size_of::<Counters>() as u64;
 
-impl PyramidHistory {
+impl PyramidState {
     /// Room for the leaves of `hierarchy`; nothing counts as visible.
     pub(crate) fn new(
         device: &Device,
@@ -105,9 +100,30 @@ impl PyramidHistory {
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
         }
     }
+}
 
-    /// The frame that was recorded is on its way. True if it is `frame`.
-    pub(crate) fn submitted(&mut self, tick: Tick, frame: FrameId) -> bool {
+impl MethodState for PyramidState {
+    /// Takes the counts of the frames that are over, the oldest first.
+    fn collect(&mut self, completed: Tick, outcomes: &mut Outcomes) -> Option<FrameId> {
+        let mut newest = None;
+        loop {
+            let over = |slot: &&mut Slot| slot.in_flight.is_some_and(|(tick, _)| tick <= completed);
+            let slot = self.slots.iter_mut().filter(over).min_by_key(|slot| slot.in_flight);
+            let Some((slot, (_, frame))) =
+                slot.and_then(|it| it.in_flight.take().map(|of| (it, of)))
+            else {
+                return newest;
+            };
+            let counters = slot.counters.read::<Counters>(0..2);
+            let phase = |number: usize| counters.get(number).copied().unwrap_or_default();
+            if let Some(outcome) = outcomes.of(frame) {
+                count(outcome, [phase(0), phase(1)]);
+            }
+            newest = newest.max(Some(frame));
+        }
+    }
+
+    fn submitted(&mut self, tick: Tick, frame: FrameId) -> bool {
         let Some((_, slot)) = self.recording.take().filter(|(recorded, _)| *recorded == frame)
         else {
             return false;
@@ -119,16 +135,13 @@ impl PyramidHistory {
         }
         true
     }
+}
 
-    /// Takes the counts of a frame that is over, the oldest first. Never waits.
-    pub(crate) fn take_counts(&mut self, completed: Tick) -> Option<PhaseCounts> {
-        let home = |slot: &&mut Slot| slot.in_flight.is_some_and(|(tick, _)| tick <= completed);
-        let slot = self.slots.iter_mut().filter(home).min_by_key(|slot| slot.in_flight)?;
-        let (_, frame) = slot.in_flight.take()?;
-        let counters = slot.counters.read::<Counters>(0..2);
-        let phase = |number: usize| counters.get(number).copied().unwrap_or_default();
-        Some(PhaseCounts { frame, phases: [phase(0), phase(1)] })
-    }
+/// Writes what the two phases of a frame drew into its outcome.
+fn count(outcome: &mut FrameOutcome, [first, second]: [Counters; 2]) {
+    outcome.draws = u64::from(first.draws) + u64::from(second.draws);
+    outcome.triangles = first.triangles() + second.triangles();
+    outcome.revealed = second.draws.into();
 }
 
 /// A word per leaf, not written yet.

@@ -10,9 +10,7 @@ use gpu::{
     StorageLayout, Target, vk,
 };
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
-use crate::views::Area;
+use occlusion::{Area, Error, ShaderSet};
 
 /// Levels that one dispatch builds.
 const LEVELS_A_DISPATCH: usize = 3;

@@ -14,9 +14,9 @@ use gpu::{
     StorageLayout, Target, vk,
 };
 
+use crate::area::Area;
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
-use crate::views::Area;
 
 /// Pixels along each side of a cell, as in the shaders.
 const CELL: u32 = 8;

@@ -7,7 +7,7 @@ use cull::LeafIndex;
 
 /// The latest leaves whose draw changed, numbered from the first there ever was.
 #[derive(Debug)]
-pub(crate) struct DrawChanges {
+pub struct DrawChanges {
     leaves: VecDeque<LeafIndex>,
     /// How many came before `leaves`.
     dropped: u64,
@@ -16,12 +16,13 @@ pub(crate) struct DrawChanges {
 
 impl DrawChanges {
     /// Keeps as many as there are leaves: who missed more copies all of them anew.
-    pub(crate) fn new(leaf_count: usize) -> Self {
+    pub fn new(leaf_count: usize) -> Self {
         const MOST_MIN: usize = 1 << 10;
         Self { leaves: VecDeque::new(), dropped: 0, most: leaf_count.max(MOST_MIN) }
     }
 
-    pub(crate) fn push(&mut self, leaf: LeafIndex) {
+    /// Notes that the draw of a leaf changed.
+    pub fn push(&mut self, leaf: LeafIndex) {
         if self.leaves.len() == self.most {
             self.leaves.pop_front();
             self.dropped += 1;
@@ -30,12 +31,12 @@ impl DrawChanges {
     }
 
     /// How many there have been.
-    pub(crate) fn count(&self) -> u64 {
+    pub fn count(&self) -> u64 {
         self.dropped + self.leaves.len() as u64
     }
 
     /// Those after the first `seen`; `None` if not all of them are kept.
-    pub(crate) fn since(&self, seen: u64) -> Option<impl Iterator<Item = LeafIndex>> {
+    pub fn since(&self, seen: u64) -> Option<impl Iterator<Item = LeafIndex>> {
         let first = usize::try_from(seen.checked_sub(self.dropped)?).ok()?;
         Some(self.leaves.iter().skip(first).copied())
     }

@@ -1,4 +1,5 @@
-//! A frame of the pyramid strategy from top to bottom: all decisions fall on the GPU.
+//! The depth pyramid of today's engines (niagara and Bevy, two phases; the pyramid is that of Greene, Kass
+//! and Miller 1993, "Hierarchical Z-Buffer Visibility"): all decisions fall on the GPU.
 //!
 //! ```text
 //! remembered  what was visible in the last frame and is in the frustum -> list of draws
@@ -11,26 +12,81 @@
 //! read back   counts -> mapped memory of this slot
 //! ```
 //!
-//! The two phases are those of the engines niagara and Bevy. The image is exact for the reason
+//! The image is exact for the reason
 //! in `pyramid.glsl`: what phase 2 leaves out is, at each sample it could own, farther than what
 //! phase 1 drew.
 
-use cull::{Hierarchy, View};
+mod build;
+mod cull;
+mod state;
+
+use ::cull::{DialogueOptions, Hierarchy, Strategy, View};
 use gpu::{
     Access, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryBarrier, Optional,
     Place, vk,
 };
+use occlusion::{
+    Area, Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, ObjectPass,
+    ObjectRenderer, PlanExecutor, Rendering, ShaderSet, VisibilityState,
+};
 
-use crate::error::Error;
-use crate::frame_passes::FramePasses;
-use crate::passes::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass, PyramidPass};
-use crate::pyramid_history::{COUNTER_BYTES, PyramidHistory};
-use crate::shader_set::ShaderSet;
-use crate::view_state::ViewState;
-use crate::views::Area;
+pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
+use cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
+use state::{COUNTER_BYTES, PyramidState};
+
+/// The method; what it needs on the device is made for the first frame.
+#[derive(Default)]
+struct DepthPyramid {
+    frame: Option<PyramidFrame>,
+}
+
+/// Makes the method.
+pub(crate) fn method(_options: &DialogueOptions) -> Box<dyn Method> {
+    Box::new(DepthPyramid::default())
+}
+
+impl Method for DepthPyramid {
+    fn carries_out(&self, strategy: Strategy) -> bool {
+        strategy == Strategy::Pyramid
+    }
+
+    fn supports(&self, _strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+        PyramidFrame::check(support.device, support.hierarchy, support.size)
+    }
+
+    fn prepare(&mut self, scene: &mut MethodScene<'_>) -> Result<(), Error> {
+        if self.frame.is_none() {
+            self.frame = Some(PyramidFrame::of(scene)?);
+        }
+        Ok(())
+    }
+
+    fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error> {
+        if let Some(pyramid) = &self.frame {
+            pyramid.record(frame, state, scene, request.view)?;
+        }
+        Ok(MethodStats::default())
+    }
+
+    fn reloaded(&self, scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+        let frame = self.frame.as_ref().map(|_| PyramidFrame::of(scene));
+        Ok(Box::new(Self { frame: frame.transpose()? }))
+    }
+
+    /// The pyramid and its buffers are of a size; the next frame makes others.
+    fn resized(&mut self) {
+        self.frame = None;
+    }
+}
 
 /// What all views share: the passes and the list of draws.
-pub(crate) struct PyramidFrame {
+struct PyramidFrame {
     pyramid: PyramidPass,
     cull: PyramidCullPass,
     list: Buffer,
@@ -43,17 +99,11 @@ pub(crate) struct PyramidFrame {
 
 /// How many of the lists of the two phases are there once a frame is drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Lists {
+enum Lists {
     /// That of the second: nobody wants the other any more.
     One,
     /// Both, to be drawn again.
     Both,
-}
-
-/// What one frame is made from.
-pub(crate) struct PyramidRequest<'a> {
-    pub(crate) hierarchy: &'a Hierarchy,
-    pub(crate) view: &'a View,
 }
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -65,11 +115,17 @@ const MOST_ALIGNMENT_BYTES: u64 = 256;
 const STORAGE_BUFFERS: u32 = 6;
 
 impl PyramidFrame {
+    fn of(scene: &mut MethodScene<'_>) -> Result<Self, Error> {
+        let lists = if scene.objects.shades_later() { Lists::Both } else { Lists::One };
+        let size = scene.objects.target().size();
+        Self::new(scene.device, scene.shaders, scene.hierarchy, size, lists)
+    }
+
     /// Compiles the passes and makes room for the leaves of `hierarchy`.
     ///
     /// # Errors
     /// A device that lacks something, a picture or scene that is too large, no memory.
-    pub(crate) fn new(
+    fn new(
         device: &Device,
         shaders: &ShaderSet,
         hierarchy: &Hierarchy,
@@ -107,11 +163,7 @@ impl PyramidFrame {
     ///
     /// # Errors
     /// What is missing or too large.
-    pub(crate) fn check(
-        device: &Device,
-        hierarchy: &Hierarchy,
-        size: [u32; 2],
-    ) -> Result<(), Error> {
+    fn check(device: &Device, hierarchy: &Hierarchy, size: [u32; 2]) -> Result<(), Error> {
         let limits = &device.adapter().limits;
         if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
             return Err(gpu::Error::Unsupported {
@@ -135,14 +187,20 @@ impl PyramidFrame {
     ///
     /// # Errors
     /// No memory.
-    pub(crate) fn record(
+    fn record(
         &self,
         frame: &mut Frame<'_>,
-        history: &mut ViewState,
-        passes: &mut FramePasses,
-        request: &PyramidRequest<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        view: &View,
     ) -> Result<(), Error> {
-        let kept = history.begin_pyramid(frame, request.hierarchy)?;
+        let MethodScene { device, hierarchy, executor, objects, .. } = scene;
+        state.begin_unplanned(frame, hierarchy)?;
+        let mut kept = match state.take_method_state::<PyramidState>() {
+            Some(kept) => kept,
+            None => Box::new(PyramidState::new(device, hierarchy, state.frames_in_flight())?),
+        };
+        kept.begin(device, hierarchy, state.plan().frame, frame.slot())?;
         let commands = frame.commands();
         // The frames before, on this view or another, may still read what is written here.
         let earlier = [Access::ComputeWrite, Access::IndirectRead, Access::CopyRead];
@@ -154,20 +212,21 @@ impl PyramidFrame {
             &[Access::CopyWrite, Access::ComputeWrite],
             &[Access::ComputeRead, Access::ComputeWrite],
         ));
-        self.record_phases(commands, kept, passes, request);
+        self.record_phases(commands, &kept, (executor, *objects), view);
+        state.put_method_state(kept);
         Ok(())
     }
 
     fn record_phases(
         &self,
         commands: &Commands,
-        kept: &PyramidHistory,
-        passes: &mut FramePasses,
-        request: &PyramidRequest<'_>,
+        kept: &PyramidState,
+        (executor, objects): (&PlanExecutor, &mut dyn ObjectRenderer),
+        view: &View,
     ) {
         let io = PyramidCullIo {
-            boxes: passes.geometry.leaf_boxes.whole(),
-            leaves: passes.predicates.draws(),
+            boxes: executor.leaves.boxes(),
+            leaves: executor.leaves.predicates().draws(),
             seen: kept.seen(),
             list: self.list(Phase::First),
             counters: self.counters.whole(),
@@ -176,33 +235,33 @@ impl PyramidFrame {
             list_kind: self.list_kind,
         };
         commands.pass("cull remembered", |commands| {
-            self.cull.record(commands, &io, request.view, Phase::First);
+            self.cull.record(commands, &io, view, Phase::First);
         });
-        passes.target.prepare(commands);
+        objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
-            commands.rendering(passes.first_target(request.view), |commands| {
-                passes.bind_rounds(commands, request.view);
+            commands.rendering(objects.rendering(view, Rendering::First), |commands| {
+                objects.bind(commands, view, ObjectPass::Visibility);
                 self.draw(commands, Phase::First);
             });
         });
         commands.pass("depth pyramid", |commands| {
-            self.pyramid.record(commands, &mut passes.target, Area::of(request.view));
+            self.pyramid.record(commands, objects.target(), Area::of(view));
         });
         commands.pass("test boxes", |commands| {
             // The list of phase 1 has been drawn.
             let between = MemoryBarrier::between;
             commands.barrier(between(&[Access::IndirectRead], &[Access::ComputeWrite]));
             let io = PyramidCullIo { list: self.list(Phase::Second), ..io };
-            self.cull.record(commands, &io, request.view, Phase::Second);
+            self.cull.record(commands, &io, view, Phase::Second);
         });
-        passes.target.prepare(commands);
+        objects.target().prepare(commands);
         commands.pass("draw revealed", |commands| {
-            commands.rendering(passes.next_target(request.view), |commands| {
-                passes.bind_rounds(commands, request.view);
+            commands.rendering(objects.rendering(view, Rendering::Next), |commands| {
+                objects.bind(commands, view, ObjectPass::Visibility);
                 self.draw(commands, Phase::Second);
             });
         });
-        passes.shade(commands, request.view, |_, commands| {
+        objects.shade(executor, commands, view, &|commands| {
             self.draw(commands, Phase::First);
             self.draw(commands, Phase::Second);
         });

@@ -4,8 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
 
-use crate::error::Error;
-use crate::shader_set::ShaderSet;
+use occlusion::{Error, ShaderSet};
 
 /// Threads of a workgroup, `local_size_x` of the shaders.
 const GROUP: u32 = 64;

@@ -5,21 +5,23 @@ use cull::LeafRange;
 
 /// Objects and triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Count {
-    pub(crate) draws: u64,
-    pub(crate) triangles: u64,
+pub struct LeafCount {
+    /// Objects: each is one draw.
+    pub draws: u64,
+    /// Triangles of those objects.
+    pub triangles: u64,
 }
 
 /// The counts of all leaves. Changing one and summing a range take the logarithm of their number.
 #[derive(Debug, Default)]
-pub(crate) struct LeafCounts {
+pub struct LeafCounts {
     /// Entry i - 1 is the sum of the leaves before i, as many as the lowest set bit of i says.
-    sums: Vec<Count>,
+    sums: Vec<LeafCount>,
 }
 
 impl LeafCounts {
-    pub(crate) fn new(counts: impl Iterator<Item = Count>) -> Self {
-        let mut sums: Vec<Count> = counts.collect();
+    pub fn new(counts: impl Iterator<Item = LeafCount>) -> Self {
+        let mut sums: Vec<LeafCount> = counts.collect();
         for place in 1..=sums.len() {
             let above = place + lowest_bit(place);
             let sum = sums[place - 1];
@@ -32,7 +34,7 @@ impl LeafCounts {
     }
 
     /// Replaces the count of a leaf.
-    pub(crate) fn replace(&mut self, leaf: usize, before: Count, now: Count) {
+    pub fn replace(&mut self, leaf: usize, before: LeafCount, now: LeafCount) {
         let mut place = leaf + 1;
         while let Some(sum) = self.sums.get_mut(place - 1) {
             sum.draws = sum.draws + now.draws - before.draws;
@@ -42,17 +44,17 @@ impl LeafCounts {
     }
 
     /// The sum of a range of leaves.
-    pub(crate) fn of(&self, leaves: LeafRange) -> Count {
+    pub fn of(&self, leaves: LeafRange) -> LeafCount {
         let range = leaves.indices();
         let (before, end) = (self.before(range.start), self.before(range.end));
-        Count {
+        LeafCount {
             draws: end.draws.saturating_sub(before.draws),
             triangles: end.triangles.saturating_sub(before.triangles),
         }
     }
 
-    fn before(&self, leaf: usize) -> Count {
-        let mut count = Count::default();
+    fn before(&self, leaf: usize) -> LeafCount {
+        let mut count = LeafCount::default();
         let mut place = leaf.min(self.sums.len());
         while place > 0 {
             let sum = self.sums[place - 1];
@@ -77,8 +79,9 @@ mod tests {
     #[test]
     fn sums_are_those_of_the_leaves_after_any_change() {
         for leaves in 0..40_usize {
-            let count = |n: usize| Count { draws: n as u64 % 3, triangles: n as u64 * 17 % 101 };
-            let mut truth: Vec<Count> = (0..leaves).map(count).collect();
+            let count =
+                |n: usize| LeafCount { draws: n as u64 % 3, triangles: n as u64 * 17 % 101 };
+            let mut truth: Vec<LeafCount> = (0..leaves).map(count).collect();
             let mut counts = LeafCounts::new(truth.iter().copied());
             for change in 0..20 {
                 for first in 0..=leaves {
@@ -88,9 +91,11 @@ mod tests {
                             count: (end - first) as u32,
                         };
                         let sum =
-                            truth[first..end].iter().fold(Count::default(), |sum, leaf| Count {
-                                draws: sum.draws + leaf.draws,
-                                triangles: sum.triangles + leaf.triangles,
+                            truth[first..end].iter().fold(LeafCount::default(), |sum, leaf| {
+                                LeafCount {
+                                    draws: sum.draws + leaf.draws,
+                                    triangles: sum.triangles + leaf.triangles,
+                                }
                             });
                         assert_eq!(counts.of(range), sum, "{first}..{end} of {leaves}");
                     }

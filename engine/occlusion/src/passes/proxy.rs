@@ -32,7 +32,7 @@ pub struct ProxyIo {
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct ProxyBox {
     low: [f32; 3],
-    /// Of what is in it, for [`Counters`](super::Counters); others do not look at it.
+    /// Of what is in it, for testers that count; others do not look at it.
     triangles: u32,
     high: [f32; 3],
     unused: u32,
@@ -47,7 +47,7 @@ impl From<Aabb> for ProxyBox {
 
 impl ProxyBox {
     /// Returns the box around so many triangles.
-    pub(crate) fn counting(self, triangles: u32) -> Self {
+    pub fn counting(self, triangles: u32) -> Self {
         Self { triangles, ..self }
     }
 }

@@ -1,23 +1,17 @@
 //! The batches that are timed: many of one thing and little else.
 
-use cull::{Aabb, Camera, Hierarchy, ObjectId, View};
-use glam::{Affine3A, Vec3};
+use cull::{Aabb, Camera, View};
+use glam::Vec3;
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, Device, DrawRange, FlagRing, Frame, IndirectDraw, Load,
-    MemoryBarrier, Place, Predicated, Predicates, Predication, QueryIndex, QueryRing, Reveal,
-    WordSource, vk,
-};
-use scene::{
-    Light, Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm,
+    Access, Buffer, BufferSlice, Commands, DrawRange, FlagRing, Frame, IndirectDraw, Load,
+    MemoryBarrier, Place, Predicated, Predicates, QueryIndex, QueryRing, Reveal, WordSource, vk,
 };
 
+use super::CalibrationScene;
+use crate::area::Area;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
-use crate::geometry::Geometry;
-use crate::object_bounds::object_bounds;
-use crate::passes::{ComputeTest, ComputeTestIo, OpaqueIo, ProxyBox, ProxyIo};
-use crate::shader_set::ShaderSet;
-use crate::views::Area;
+use crate::object_renderer::{ObjectPass, ObjectRenderer};
+use crate::passes::{ComputeTest, ComputeTestIo, OcclusionPasses, ProxyBox, ProxyIo};
 
 /// So many of something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,8 +90,7 @@ pub(super) enum Asks {
 }
 
 /// Triangles of a patch: half of them face away, as those of solid objects do.
-pub(super) const PATCH_TRIANGLES: u32 = 2 * QUADS * QUADS;
-const QUADS: u32 = 16;
+pub const PATCH_TRIANGLES: u32 = 2 * 16 * 16;
 
 /// The most of any thing.
 const MOST: u32 = 512;
@@ -107,8 +100,8 @@ const DISTANCE_M: f32 = 10.0;
 
 /// Everything that batches are recorded with.
 pub(super) struct Bench<'a> {
-    passes: &'a mut FramePasses,
-    geometry: Geometry,
+    passes: &'a OcclusionPasses,
+    objects: &'a mut dyn ObjectRenderer,
     predicates: Predicates,
     compute: Option<ComputeTest>,
     words: Buffer,
@@ -131,18 +124,9 @@ struct Io {
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl<'a> Bench<'a> {
-    pub(super) fn new(
-        device: &Device,
-        shaders: &ShaderSet,
-        passes: &'a mut FramePasses,
-        predication: Predication,
-    ) -> Result<Self, Error> {
-        let scene = scene();
-        let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
-        let geometry = Geometry::upload(device, &scene, &hierarchy)?;
-        let leaf = |object| hierarchy.leaf_of(ObjectId(object)).map(|leaf| geometry.draw(leaf));
-        let draws = [0, 1].map(|object| leaf(object).unwrap_or_default());
-        let size = passes.target.size();
+    pub(super) fn new(scene: CalibrationScene<'a>) -> Result<Self, Error> {
+        let CalibrationScene { device, shaders, passes, predication, objects, draws } = scene;
+        let size = objects.target().size();
         let camera =
             Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -164,9 +148,9 @@ impl<'a> Bench<'a> {
             queries: QueryRing::new(device, 2, "calibration queries")?,
             flags: FlagRing::new(device, 2, WordSource::Fragments, "calibration flags"),
             view: View::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits),
-            geometry,
             draws,
             passes,
+            objects,
             io: None,
         })
     }
@@ -227,10 +211,10 @@ impl<'a> Bench<'a> {
         if batch.thing == Thing::Predicates {
             self.predicates.resolve(commands, &[(WordSource::Fragments, 0..batch.count)]);
         }
-        self.passes.target.prepare(commands);
+        self.objects.target().prepare(commands);
         // As if something at the near plane hid everything; nothing to draw, so nothing to take time.
         let depth = if batch.thing == Thing::FlaggedPixels { 0.0 } else { 1.0 };
-        let mut from = self.passes.target.render_target(None);
+        let mut from = self.objects.target().render_target(None);
         (from.colour_load, from.depth_load) = (Load::Clear([0.0; 4]), Load::Clear(depth));
         commands.rendering(from, |commands| {
             self.bind_opaque(commands);
@@ -252,9 +236,9 @@ impl<'a> Bench<'a> {
         };
         let bytes = io.draws.size_bytes / parts / DRAW_BYTES * DRAW_BYTES;
         for part in 0..parts {
-            self.passes.target.prepare(commands);
+            self.objects.target().prepare(commands);
             let clear = (part == 0).then_some([0.0; 4]);
-            commands.rendering(self.passes.target.render_target(clear), |commands| {
+            commands.rendering(self.objects.target().render_target(clear), |commands| {
                 self.bind_opaque(commands);
                 let draws = io.draws.part(part * bytes, bytes);
                 let draw = |commands: &Commands| commands.draw_indirect(draws);
@@ -309,8 +293,8 @@ impl<'a> Bench<'a> {
                     let flags =
                         MemoryBarrier::between(&[Access::FragmentWrite], &[Access::IndirectRead]);
                     commands.barrier(flags);
-                    self.passes.target.prepare(commands);
-                    commands.rendering(self.passes.target.render_target(None), |commands| {
+                    self.objects.target().prepare(commands);
+                    commands.rendering(self.objects.target().render_target(None), |commands| {
                         self.bind_opaque(commands);
                         commands.draw_indirect(io.draws.part(0, DRAW_BYTES));
                     });
@@ -323,8 +307,8 @@ impl<'a> Bench<'a> {
                     _ => (1, batch.count),
                 };
                 for _ in 0..grids {
-                    let area = Area::whole(self.passes.target.size());
-                    compute.record_grid(commands, &mut self.passes.target, area);
+                    let area = Area::whole(self.objects.target().size());
+                    compute.record_grid(commands, self.objects.target(), area);
                     let words = self.words.whole();
                     let tests = ComputeTestIo { boxes: io.small, words, first: 0, count };
                     let again = [Access::ComputeWrite];
@@ -337,12 +321,7 @@ impl<'a> Bench<'a> {
     }
 
     fn bind_opaque(&self, commands: &Commands) {
-        let io = OpaqueIo {
-            vertices: self.geometry.vertices.whole(),
-            indices: self.geometry.indices.whole(),
-            instances: self.geometry.instances.whole(),
-        };
-        self.passes.opaque.bind(commands, &io, &self.view, &self.passes.light);
+        self.objects.bind(commands, &self.view, ObjectPass::Visibility);
     }
 
     fn draw_boxes(&self, commands: &Commands, batch: Batch, boxes: BufferSlice) {
@@ -355,51 +334,4 @@ impl<'a> Bench<'a> {
     pub(super) fn load(patches: u32) -> Batch {
         Batch { thing: Thing::Patches, count: patches }
     }
-}
-
-/// A triangle, and a patch of many.
-fn scene() -> Scene {
-    let object = |(mesh, (z, scale)): (u32, (f32, f32))| Object {
-        mesh: MeshId(mesh),
-        transform: Affine3A::from_scale_rotation_translation(
-            Vec3::splat(scale),
-            glam::Quat::IDENTITY,
-            Vec3::new(0.0, 0.0, z),
-        ),
-        tint: pack_unorm([1.0; 4]),
-    };
-    // About forty pixels of 720 at that distance for the patch.
-    let places = [(-1.2 * DISTANCE_M, 0.1), (-1.2 * DISTANCE_M, 0.7)];
-    Scene {
-        name: "calibration".to_owned(),
-        meshes: vec![single(), patch()],
-        objects: (0..).zip(places).map(object).collect(),
-        light: Light::afternoon(),
-        surfaces: None,
-    }
-}
-
-fn mesh(name: &str, points: impl Iterator<Item = [f32; 2]>, indices: Vec<u32>) -> Mesh {
-    let (normal, colour) = (pack_normal(Vec3::Z), pack_unorm([1.0; 4]));
-    let vertex = |[x, y]: [f32; 2]| Vertex { position: [x, y, 0.0], normal, colour };
-    let vertices: Vec<Vertex> = points.map(vertex).collect();
-    let bounds = bounds_of_vertices(&vertices);
-    Mesh { name: name.to_owned(), vertices, indices, bounds, has_backs: false }
-}
-
-fn single() -> Mesh {
-    mesh("triangle", [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].into_iter(), vec![0, 1, 2])
-}
-
-/// A square of which half faces the eye.
-fn patch() -> Mesh {
-    let side = QUADS + 1;
-    let at = |place: u32| place as f32 / QUADS as f32 - 0.5;
-    let points = (0..side * side).map(|point| [at(point % side), at(point / side)]);
-    let indices = (0..QUADS * QUADS).flat_map(|quad| {
-        let first = quad / QUADS * side + quad % QUADS;
-        let [a, b, c, d] = [first, first + 1, first + side + 1, first + side];
-        if quad % 2 == 0 { [a, b, c, a, c, d] } else { [a, c, b, a, d, c] }
-    });
-    mesh("patch", points, indices.collect())
 }

@@ -46,7 +46,7 @@ impl ShaderSet {
     /// Returns the set for a scene with sprites: its vertex shaders place them
     /// (`SPRITES` of `sprites.glsl`), which costs every vertex of the scene.
     #[must_use]
-    pub(crate) fn with_sprites(mut self) -> Self {
+    pub fn with_sprites(mut self) -> Self {
         const SPRITES: (u32, u32) = (13, 1);
         for shader in self.loaded.iter_mut().filter(|shader| shader.name.ends_with(".vert")) {
             *shader = shader.specialised(&[SPRITES]);
@@ -54,7 +54,11 @@ impl ShaderSet {
         self
     }
 
-    pub(crate) fn find(&self, name: &str) -> Result<&Spirv, Error> {
+    /// Returns the shader of this file name.
+    ///
+    /// # Errors
+    /// None, unless the build itself is broken.
+    pub fn find(&self, name: &str) -> Result<&Spirv, Error> {
         let found = self.loaded.iter().find(|spirv| spirv.name == name);
         Ok(found.ok_or_else(|| gpu::Error::NotSpirv { name: name.to_owned() })?)
     }

@@ -3,20 +3,23 @@
 //! Each price is a difference: a batch with twice as many of a thing less one with as many, so that
 //! what both have in common is of no account, and of several times the shortest counts. GPU timestamps are used
 //! where the device has them, else the CPU's time from submit to end. Nobody depends on the outcome
-//! but for speed: what makes no sense is replaced by the default. Where there are timestamps, governors
+//! but for speed: what makes no sense is replaced by the default. Where there are timestamps, cost models
 //! correct the outcome by what frames take (`cull::Corrections`).
 
 mod batch;
 mod overlap;
 
+use std::fmt::Display;
 use std::time::{Duration, Instant};
 
 use cull::CostTable;
-use gpu::{Device, FrameRing, Optional, Predication};
+use gpu::{Device, FrameRing, IndirectDraw, Optional, Predication};
 
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
+use crate::object_renderer::ObjectRenderer;
+use crate::passes::OcclusionPasses;
 use crate::shader_set::ShaderSet;
+pub use batch::PATCH_TRIANGLES;
 use batch::{Batch, Bench};
 
 /// No round of measurements begins after this.
@@ -25,7 +28,7 @@ const BUDGET: Duration = Duration::from_millis(60);
 /// The most rounds: more hardly make the shortest time shorter.
 const ROUNDS: usize = 5;
 
-/// How prices come about.
+/// The source of prices.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Costs {
     /// There are none: everything is tested that may be hidden.
@@ -37,12 +40,26 @@ pub enum Costs {
     Measured,
 }
 
-/// The table for a renderer; `None` where costs are ignored.
-pub(crate) fn cost_table(
+/// What prices are measured with.
+pub struct CalibrationScene<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// The shaders.
+    pub shaders: &'a ShaderSet,
+    /// What tests boxes.
+    pub passes: &'a OcclusionPasses,
+    /// How hidden draws are skipped.
+    pub predication: Predication,
+    /// Draws hidden objects that stand for the scene's.
+    pub objects: &'a mut dyn ObjectRenderer,
+    /// An object of a triangle, and one of [`PATCH_TRIANGLES`] of which half face away.
+    pub draws: [IndirectDraw; 2],
+}
+
+/// Returns the table for a scene; `None` where costs are ignored. Calls `measure` only to measure.
+pub fn cost_table<E: Display>(
     costs: Costs,
-    device: &Device,
-    shaders: &ShaderSet,
-    passes: &mut FramePasses,
+    measure: impl FnOnce() -> Result<CostTable, E>,
 ) -> Option<CostTable> {
     match costs {
         Costs::Ignored => None,
@@ -50,7 +67,7 @@ pub(crate) fn cost_table(
             tracing::warn!("{error}");
             CostTable::default()
         })),
-        Costs::Measured => Some(measure(device, shaders, passes).unwrap_or_else(|error| {
+        Costs::Measured => Some(measure().unwrap_or_else(|error| {
             tracing::warn!("the costs of this device could not be measured: {error}");
             CostTable::default()
         })),
@@ -122,15 +139,14 @@ fn median(values: &mut [f64]) -> f64 {
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Measures everything.
-fn measure(
-    device: &Device,
-    shaders: &ShaderSet,
-    passes: &mut FramePasses,
-) -> Result<CostTable, Error> {
+/// Measures every price.
+///
+/// # Errors
+/// No memory, a failed call.
+pub fn measure(scene: CalibrationScene<'_>) -> Result<CostTable, Error> {
     let began = Instant::now();
-    let predication = passes.predicates.predication();
-    let mut bench = Bench::new(device, shaders, passes, predication)?;
+    let (device, predication) = (scene.device, scene.predication);
+    let mut bench = Bench::new(scene)?;
     let batches: Vec<Batch> = Batch::ALL.into_iter().filter(|it| bench.can(*it)).collect();
     let mut pairs: Vec<Pair> = batches.iter().map(|_| Pair::default()).collect();
     let mut clock = Clock::new(device)?;

@@ -1,0 +1,233 @@
+//! The results of tests as testers leave them in memory, read as answers: who answers for a proxy that
+//! shares another's, and what a list of leaves says of the nodes above them.
+
+use crate::hierarchy::Hierarchy;
+use crate::ids::{FrameId, Generation, LeafIndex, LeafRange};
+use crate::plan::frame_plan::{Answer, QueryKind, QueryTag, Tester};
+
+/// A test on its way, with what hangs on it (`C`), noted when it was planned: the scene may change
+/// before its result is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PendingTest<C> {
+    /// The subject of the test.
+    pub tag: QueryTag,
+    /// Who answers.
+    pub tester: Tester,
+    /// What is drawn if it shows.
+    pub contents: C,
+}
+
+/// An answer, and what was drawn if it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TestResult<C> {
+    /// The answer.
+    pub answer: Answer,
+    /// What hung on it.
+    pub contents: C,
+}
+
+/// The leaves of one frame that showed where they were tested one by one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeafList<'a> {
+    /// These, each once, in any order.
+    These(&'a [u32]),
+    /// More than the list holds.
+    TooMany,
+}
+
+/// Reads results as answers. Keeps its memory from one reading to the next.
+#[derive(Debug)]
+pub struct ResultReader<C> {
+    results: Vec<TestResult<C>>,
+    /// Tests that share the proxy of one that showed: their leaves answer for them.
+    shared: Vec<PendingTest<C>>,
+}
+
+impl<C> Default for ResultReader<C> {
+    fn default() -> Self {
+        Self { results: Vec::new(), shared: Vec::new() }
+    }
+}
+
+impl<C: Copy> ResultReader<C> {
+    /// Begins a reading.
+    pub fn clear(&mut self) {
+        self.results.clear();
+        self.shared.clear();
+    }
+
+    /// Reads the result of a query.
+    pub fn read_query(&mut self, test: &PendingTest<C>, samples: u32) {
+        self.results.push(result(test, samples));
+    }
+
+    /// Reads the flags of one frame, a word per test of its plan.
+    pub fn read_flags(&mut self, tests: &[PendingTest<C>], words: &[u32]) {
+        for (number, test) in tests.iter().enumerate() {
+            let word = |number: usize| words.get(number).copied();
+            let samples = match test.tester {
+                Tester::Flag => word(number),
+                // Where the shared proxy shows, the leaves answer for their node: `read_leaves`.
+                Tester::Behind(front) => word(front as usize).filter(|word| {
+                    self.shared.extend((*word != 0).then_some(*test));
+                    *word == 0
+                }),
+                Tester::Query | Tester::Compute => None,
+            };
+            self.results.extend(samples.map(|samples| result(test, samples)));
+        }
+    }
+
+    /// Reads the words of a compute shader of one frame, one per test of its plan.
+    pub fn read_computed(&mut self, tests: &[PendingTest<C>], words: &[u32]) {
+        let computed = tests.iter().zip(words);
+        let computed = computed.filter(|(test, _)| test.tester == Tester::Compute);
+        self.results.extend(computed.map(|(test, word)| result(test, *word)));
+    }
+
+    /// Reads the list of leaves of one frame, after its flags. `contents` counts leaves as they are now.
+    pub fn read_leaves(
+        &mut self,
+        hierarchy: &Hierarchy,
+        (frame, generation): (FrameId, Generation),
+        list: LeafList<'_>,
+        contents: impl Fn(LeafRange) -> C,
+    ) {
+        let shared = self.shared.iter().filter(|test| test.tag.frame == frame);
+        let LeafList::These(leaves) = list else {
+            // Nobody knows which of the leaves showed: the nodes answer for all of them.
+            self.results.extend(shared.map(|test| result(test, 1)));
+            let tags = self.results.iter_mut().map(|result| &mut result.answer.tag);
+            for tag in tags.filter(|tag| tag.frame == frame && tag.kind == QueryKind::Parts) {
+                tag.kind = QueryKind::Proxy;
+            }
+            return;
+        };
+        self.results.extend(shared.map(|test| {
+            let range = hierarchy.leaves(test.tag.node);
+            result(test, u32::from(leaves.iter().any(|leaf| range.contains(LeafIndex(*leaf)))))
+        }));
+        self.results.extend(leaves.iter().filter_map(|leaf| {
+            // Where the leaf has another object since, its node is younger than the answer.
+            let object = hierarchy.leaf_objects().get(*leaf as usize)?;
+            let (node, kind) = (hierarchy.node_of(*object)?, QueryKind::Part);
+            let answer = Answer { tag: QueryTag { node, generation, frame, kind }, samples: 1 };
+            let leaf = LeafRange { first: LeafIndex(*leaf), count: 1 };
+            Some(TestResult { answer, contents: contents(leaf) })
+        }));
+    }
+
+    /// Ends a reading: sorts the results, those of older frames first, and in a frame those of leaves
+    /// after those of nodes. Fragments list leaves in any order; sorted, equal frames have equal results.
+    pub fn finish(&mut self) {
+        self.results.sort_unstable_by_key(|TestResult { answer: Answer { tag, .. }, .. }| {
+            (tag.frame, tag.kind == QueryKind::Part, tag.node)
+        });
+    }
+
+    /// Returns the results of the newest reading.
+    pub fn results(&self) -> &[TestResult<C>] {
+        &self.results
+    }
+}
+
+impl<C> TestResult<C> {
+    /// Returns true if its subject shows by more samples than the threshold.
+    pub fn shows(&self, threshold_samples: u32) -> bool {
+        shows(&self.answer, threshold_samples)
+    }
+}
+
+/// Returns true if the subject of an answer shows by more samples than the threshold. Single leaves are
+/// noted by fragments, which do not count.
+pub fn shows(answer: &Answer, threshold_samples: u32) -> bool {
+    match answer.tag.kind {
+        QueryKind::Part => answer.samples > 0,
+        _ => answer.samples > threshold_samples,
+    }
+}
+
+fn result<C: Copy>(test: &PendingTest<C>, samples: u32) -> TestResult<C> {
+    TestResult { answer: Answer { tag: test.tag, samples }, contents: test.contents }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::{Aabb, NodeId};
+
+    fn hierarchy() -> Hierarchy {
+        let boxes = (0..4).map(|x| Vec3::X * x as f32 * 3.0);
+        let boxes: Vec<Aabb> = boxes.map(|low| Aabb::new(low, low + Vec3::ONE)).collect();
+        Hierarchy::build(&boxes).unwrap()
+    }
+
+    fn test(node: NodeId, tester: Tester, kind: QueryKind) -> PendingTest<u32> {
+        let tag = QueryTag { node, generation: Generation(0), frame: FrameId(7), kind };
+        PendingTest { tag, tester, contents: 10 }
+    }
+
+    /// The root's flag, and a leaf that shares it; then the list of leaves.
+    fn read(word: u32, list: Option<LeafList<'_>>) -> Vec<(NodeId, QueryKind, u32)> {
+        let hierarchy = hierarchy();
+        let root = hierarchy.root().unwrap();
+        let first = hierarchy.node_of(hierarchy.leaf_objects()[0]).unwrap();
+        let tests = [
+            test(root, Tester::Flag, QueryKind::Parts),
+            test(first, Tester::Behind(0), QueryKind::Parts),
+        ];
+        let mut reader = ResultReader::default();
+        reader.read_flags(&tests, &[word, 0]);
+        if let Some(list) = list {
+            reader.read_leaves(&hierarchy, (FrameId(7), Generation(0)), list, |_| 1);
+        }
+        reader.finish();
+        let shown =
+            |it: &TestResult<u32>| (it.answer.tag.node, it.answer.tag.kind, it.answer.samples);
+        reader.results().iter().map(shown).collect()
+    }
+
+    #[test]
+    fn a_shared_proxy_that_is_hidden_answers_for_all_that_share_it() {
+        let results = read(0, None);
+        assert_eq!(results.len(), 2);
+        assert!(
+            results.iter().all(|(_, kind, samples)| (*kind, *samples) == (QueryKind::Parts, 0))
+        );
+    }
+
+    #[test]
+    fn where_a_shared_proxy_shows_the_leaves_answer_for_their_node() {
+        let hierarchy = hierarchy();
+        let node = |leaf: usize| hierarchy.node_of(hierarchy.leaf_objects()[leaf]).unwrap();
+        let root = hierarchy.root().unwrap();
+        assert_eq!(read(5, None), [(root, QueryKind::Parts, 5)], "the list is not read yet");
+        let of = |results: &[(NodeId, QueryKind, u32)], node| {
+            let found = results.iter().find(|it| it.0 == node && it.1 == QueryKind::Parts);
+            found.map(|it| it.2)
+        };
+        let hidden = read(5, Some(LeafList::These(&[2])));
+        assert_eq!(of(&hidden, node(0)), Some(0));
+        assert_eq!(hidden.last(), Some(&(node(2), QueryKind::Part, 1)));
+        let shown = read(5, Some(LeafList::These(&[0, 2])));
+        assert_eq!(of(&shown, node(0)), Some(1));
+    }
+
+    #[test]
+    fn nodes_answer_for_their_leaves_where_the_list_is_full() {
+        let results = read(5, Some(LeafList::TooMany));
+        assert_eq!(results.len(), 2);
+        assert!(results.iter().all(|(_, kind, samples)| *kind == QueryKind::Proxy && *samples > 0));
+    }
+
+    #[test]
+    fn a_threshold_is_for_what_counts() {
+        let hierarchy = hierarchy();
+        let root = hierarchy.root().unwrap();
+        let answer = |kind, samples| Answer { tag: test(root, Tester::Query, kind).tag, samples };
+        assert!(!shows(&answer(QueryKind::Proxy, 4), 4) && shows(&answer(QueryKind::Proxy, 5), 4));
+        assert!(shows(&answer(QueryKind::Part, 1), 4) && !shows(&answer(QueryKind::Part, 0), 0));
+    }
+}

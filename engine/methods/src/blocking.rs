@@ -1,0 +1,316 @@
+//! The frame of a method that needs results before it can go on: batch by batch, each submitted before the
+//! next is decided. What is drawn and tested is decided by a state machine of `cull`.
+//!
+//! ```text
+//! batch       the first clears; draws, some under a query each, then boxes under a query each;
+//!             answers -> mapped memory; submit
+//! ...         as long as the method has something to ask; it says when to wait for an answer
+//! shaded      the picture, where the batches drew the depth only; `surfaces` in scenes that have any
+//! ```
+//!
+//! The answers to a batch are read when its tick is over: nothing asks the driver for a query.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use cull::{
+    Batch, BatchDraw, Dialogue, DialogueOptions, DialogueStats, FirstPass, LeafIndex, PlanStats,
+    Step, Strategy, TestAnswer, TestToken,
+};
+use gpu::{
+    BufferSlice, Commands, Counting, Frame, IndirectDraw, Optional, QueryIndex, QueryPages, Tick,
+};
+use occlusion::{
+    Error, LeafTable, Method, MethodRequest, MethodScene, MethodState, MethodStats, MethodSupport,
+    ObjectPass, ProxyBox, ProxyIo, Rendering, VisibilityState,
+};
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+/// What one view keeps, whichever of the methods it is drawn by.
+struct BlockingState {
+    dialogue: Dialogue,
+    queries: QueryPages,
+}
+
+impl MethodState for BlockingState {}
+
+/// One of the methods.
+pub(crate) struct BlockingMethod {
+    strategy: Strategy,
+    options: DialogueOptions,
+}
+
+/// A part of a frame that was sent off and has answers to give.
+struct Submission {
+    queries: Range<u32>,
+    tick: Tick,
+}
+
+/// A batch in the memory of its frame.
+struct BatchIo {
+    draws: BufferSlice,
+    proxies: ProxyIo,
+    queries: Range<u32>,
+}
+
+impl Method for BlockingMethod {
+    fn carries_out(&self, strategy: Strategy) -> bool {
+        strategy == self.strategy
+    }
+
+    fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+        let is_precise = support.device.capabilities().has(Optional::PreciseQueries);
+        match self.counting() {
+            Counting::Samples if !is_precise => {
+                Err(support.missing(Optional::PreciseQueries, strategy))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn prepare(&mut self, scene: &mut MethodScene<'_>) -> Result<(), Error> {
+        if !self.is_depth_first(scene) {
+            return Ok(());
+        }
+        scene.objects.prepare(ObjectPass::Depth, scene.shaders)?;
+        scene.objects.prepare(ObjectPass::Colour, scene.shaders)
+    }
+
+    fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error> {
+        state.begin_unplanned(frame, scene.hierarchy)?;
+        let mut kept = state.take_method_state::<BlockingState>().unwrap_or_else(|| {
+            let (slots, name) = (state.frames_in_flight(), "dialogue queries");
+            let queries = QueryPages::new(scene.device, slots, name);
+            Box::new(BlockingState { dialogue: Dialogue::new(self.options), queries })
+        });
+        let stats = self.record_batches(frame, state, &mut kept, scene, request);
+        state.put_method_state(kept);
+        let stats = stats?;
+        state.neglected(stats.neglected_samples);
+        Ok(MethodStats { tests: stats.boxes, queries: stats.boxes + stats.own_draws })
+    }
+
+    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+        Ok(Box::new(Self { ..*self }))
+    }
+}
+
+impl BlockingMethod {
+    pub(crate) fn new(strategy: Strategy, options: &DialogueOptions) -> Self {
+        Self { strategy, options: *options }
+    }
+
+    /// Returns what queries tell: the number of samples where a threshold needs it.
+    fn counting(&self) -> Counting {
+        let threshold = self.options.coherent.visibility_threshold_samples;
+        let counts = self.strategy == Strategy::Coherent && threshold > 0;
+        if counts { Counting::Samples } else { Counting::Some }
+    }
+
+    /// Returns true if the batches draw depth alone and the colour comes last: where the option says so,
+    /// in scenes that are not drawn so anyway.
+    fn is_depth_first(&self, scene: &MethodScene<'_>) -> bool {
+        self.strategy == Strategy::Coherent
+            && self.options.coherent.first_pass == FirstPass::DepthOnly
+            && !scene.objects.shades_later()
+    }
+
+    /// Records a frame up to its last batch, which is not submitted yet.
+    fn record_batches(
+        &self,
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        kept: &mut BlockingState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<DialogueStats, Error> {
+        let BlockingState { dialogue, queries } = kept;
+        let started = dialogue.begin(scene.hierarchy, self.strategy, request.view);
+        let Some(mut conversation) = started else { return Ok(DialogueStats::default()) };
+        queries.begin(frame.slot());
+        let plan = state.plan_mut();
+        let (mut batch, mut home, mut under_way) = (Batch::default(), Vec::new(), VecDeque::new());
+        let mut is_first = true;
+        loop {
+            let step = conversation.next(&home, &mut batch);
+            plan.draws.extend(batch.draws.iter().map(|draw| draw.leaf));
+            if is_first || !batch.is_empty() {
+                let io = BatchIo::write(frame, &batch, queries, &scene.executor.leaves)?;
+                let rendering = if is_first { Rendering::First } else { Rendering::Next };
+                let batch = (&batch, &io);
+                self.record_batch(frame.commands(), batch, queries, scene, (request, rendering));
+                is_first = false;
+                if step != Step::Done {
+                    let tick = frame.flush(request.after)?;
+                    under_way.push_back(Submission { queries: io.queries, tick });
+                }
+            }
+            match step {
+                Step::Done => break,
+                Step::Submit => {}
+                Step::Wait(token) => wait(frame, &under_way, token)?,
+            }
+            collect(scene.device.completed()?, &mut under_way, queries, &mut home);
+        }
+        let stats = conversation.stats();
+        plan.stats = PlanStats {
+            nodes_visited: stats.nodes_visited,
+            frontier: stats.boxes,
+            visible: stats.draws,
+            too_near: stats.too_near,
+            ..PlanStats::default()
+        };
+        self.record_end(frame, &plan.draws, scene, request)?;
+        Ok(stats)
+    }
+
+    /// Records one batch.
+    fn record_batch(
+        &self,
+        commands: &Commands,
+        (batch, io): (&Batch, &BatchIo),
+        queries: &QueryPages,
+        scene: &mut MethodScene<'_>,
+        (request, rendering): (&MethodRequest<'_>, Rendering),
+    ) {
+        let (counting, view) = (self.counting(), request.view);
+        let is_depth_first = self.is_depth_first(scene);
+        let pass = if is_depth_first { ObjectPass::Depth } else { ObjectPass::Visibility };
+        let MethodScene { executor, objects, .. } = scene;
+        let proxies = &executor.passes.proxies;
+        objects.target().prepare(commands);
+        commands.pass("draw and query", |commands| {
+            commands.rendering(objects.rendering(view, rendering), |commands| {
+                if !batch.draws.is_empty() {
+                    objects.bind(commands, view, pass);
+                    draw(commands, &batch.draws, io.draws, queries, counting);
+                }
+                if !batch.tests.is_empty() {
+                    proxies.bind(commands, &io.proxies, view);
+                }
+                for (number, test) in (0..).zip(&batch.tests) {
+                    queries.scope(commands, QueryIndex(test.token.0), counting, |commands| {
+                        proxies.draw(commands, number);
+                    });
+                }
+            });
+            queries.read_back(commands, io.queries.clone());
+        });
+    }
+
+    /// Draws the picture if there is only its depth so far.
+    fn record_end(
+        &self,
+        frame: &mut Frame<'_>,
+        drawn: &[LeafIndex],
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<(), Error> {
+        let is_depth_first = self.is_depth_first(scene);
+        let MethodScene { executor, objects, .. } = scene;
+        if !is_depth_first && !objects.shades_later() {
+            return Ok(());
+        }
+        let draws = drawn.iter().map(|leaf| executor.leaves.draw(*leaf));
+        let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
+        let (commands, view) = (frame.commands(), request.view);
+        objects.shade(executor, commands, view, &|commands| commands.draw_indirect(draws));
+        if is_depth_first {
+            objects.target().prepare(commands);
+            commands.pass("shade", |commands| {
+                commands.rendering(objects.colour_rendering(view), |commands| {
+                    objects.bind(commands, view, ObjectPass::Colour);
+                    commands.draw_indirect(draws);
+                });
+            });
+        }
+        Ok(())
+    }
+}
+
+impl BatchIo {
+    /// Writes `batch` into the memory of `frame`, and takes a query for each of its questions: those
+    /// of a batch have consecutive tokens, and a token is the number of its query.
+    fn write(
+        frame: &mut Frame<'_>,
+        batch: &Batch,
+        queries: &mut QueryPages,
+        leaves: &LeafTable,
+    ) -> Result<Self, Error> {
+        let asked = batch.draws.iter().filter(|draw| draw.token.is_some()).count();
+        let count = (asked + batch.tests.len()) as u32;
+        let queries = queries.take(frame.commands(), count)?;
+        let uploads = frame.uploads();
+        let draws = batch.draws.iter().map(|draw| leaves.draw(draw.leaf));
+        let boxes = batch.tests.iter().map(|test| ProxyBox::from(test.bounds));
+        Ok(Self {
+            draws: uploads.push_iter(draws)?,
+            proxies: ProxyIo { boxes: uploads.push_iter(boxes)?, flags: None },
+            queries,
+        })
+    }
+}
+
+/// Draws in one call from one leaf that is asked about to the next.
+fn draw(
+    commands: &Commands,
+    leaves: &[BatchDraw],
+    draws: BufferSlice,
+    queries: &QueryPages,
+    counting: Counting,
+) {
+    let part = |range: Range<usize>| {
+        let bytes = |draws: usize| draws as u64 * DRAW_BYTES;
+        draws.part(bytes(range.start), bytes(range.len()))
+    };
+    let mut drawn = 0;
+    for (place, token) in
+        leaves.iter().enumerate().filter_map(|(place, it)| Some((place, it.token?)))
+    {
+        if drawn < place {
+            commands.draw_indirect(part(drawn..place));
+        }
+        queries.scope(commands, QueryIndex(token.0), counting, |commands| {
+            commands.draw_indirect(part(place..place + 1));
+        });
+        drawn = place + 1;
+    }
+    if drawn < leaves.len() {
+        commands.draw_indirect(part(drawn..leaves.len()));
+    }
+}
+
+/// Waits for the piece that answers a question.
+fn wait(
+    frame: &mut Frame<'_>,
+    under_way: &VecDeque<Submission>,
+    token: TestToken,
+) -> Result<(), Error> {
+    match under_way.iter().find(|piece| piece.queries.contains(&token.0)) {
+        Some(piece) => Ok(frame.wait(piece.tick)?),
+        None => Ok(()),
+    }
+}
+
+/// Takes the answers of the pieces that are over, in their order.
+fn collect(
+    completed: Tick,
+    under_way: &mut VecDeque<Submission>,
+    queries: &QueryPages,
+    home: &mut Vec<TestAnswer>,
+) {
+    home.clear();
+    while let Some(piece) = under_way.pop_front_if(|piece| piece.tick <= completed) {
+        home.extend(piece.queries.map(|query| TestAnswer {
+            token: TestToken(query),
+            samples: queries.samples(QueryIndex(query)),
+        }));
+    }
+}

@@ -1,0 +1,47 @@
+//! The ideal (the optimum of the papers on coherent hierarchical culling): draws exactly the objects that own
+//! a pixel, found beforehand, and tests nothing. The bound that no method beats; not a product.
+
+use cull::{DialogueOptions, Strategy};
+use gpu::{Frame, Optional};
+use occlusion::{
+    Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, VisibilityState, execute,
+};
+
+/// Draws what is known to be visible.
+struct Ideal;
+
+/// Makes the method.
+pub(crate) fn method(_options: &DialogueOptions) -> Box<dyn Method> {
+    Box::new(Ideal)
+}
+
+impl Method for Ideal {
+    fn carries_out(&self, strategy: Strategy) -> bool {
+        strategy == Strategy::Ideal
+    }
+
+    /// Finding out what is visible takes fragment shaders that write to buffers.
+    fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+        if support.device.capabilities().has(Optional::FragmentStores) {
+            return Ok(());
+        }
+        Err(support.missing(Optional::FragmentStores, strategy))
+    }
+
+    fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error> {
+        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
+        state.plan_known(hierarchy, request.visible);
+        execute(frame, executor, state, *objects, (shaders, request.view))?;
+        Ok(MethodStats::default())
+    }
+
+    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+        Ok(Box::new(Self))
+    }
+}

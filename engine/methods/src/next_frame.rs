@@ -1,0 +1,36 @@
+//! Next-frame occlusion queries (GPU Gems, 29.4): a query per object that is read in a later frame and
+//! decides about that one. Never waits, and is wrong until its results are there.
+
+use cull::{DialogueOptions, Strategy};
+use gpu::Frame;
+use occlusion::{
+    Error, Method, MethodRequest, MethodScene, MethodStats, PlannedMethod, VisibilityState,
+};
+
+/// A plan in which nothing hangs on the tests of the frame.
+struct NextFrame;
+
+/// Makes the method.
+pub(crate) fn method(_options: &DialogueOptions) -> Box<dyn Method> {
+    Box::new(NextFrame)
+}
+
+impl Method for NextFrame {
+    fn carries_out(&self, strategy: Strategy) -> bool {
+        strategy == Strategy::NextFrame
+    }
+
+    fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error> {
+        PlannedMethod::record_planned(frame, state, scene, request)
+    }
+
+    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+        Ok(Box::new(Self))
+    }
+}

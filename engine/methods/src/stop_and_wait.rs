@@ -1,0 +1,11 @@
+//! Hierarchical stop-and-wait (GPU Gems 2, 6.3): the hierarchy from the root down, a wait at each node.
+
+use cull::{DialogueOptions, Strategy};
+use occlusion::Method;
+
+use crate::blocking::BlockingMethod;
+
+/// Makes the method. Its decisions are those of [`cull::Dialogue`].
+pub(crate) fn method(options: &DialogueOptions) -> Box<dyn Method> {
+    Box::new(BlockingMethod::new(Strategy::StopAndWait, options))
+}

@@ -1,0 +1,24 @@
+//! What can go wrong while a plan is executed.
+
+/// An error of the execution. Its text is a sentence for the user.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The GPU layer failed.
+    #[error(transparent)]
+    Gpu(#[from] gpu::Error),
+    /// A strategy that does not count samples, and a threshold.
+    #[error(
+        "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
+    )]
+    CannotCount {
+        /// The strategy.
+        strategy: cull::Strategy,
+        /// The threshold in samples.
+        threshold_samples: u32,
+    },
+    /// Shaders were asked for that this build cannot compile.
+    #[error(
+        "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
+    )]
+    NoShaderCompiler(String),
+}

@@ -1,0 +1,36 @@
+//! The execution of plans.
+
+mod io;
+mod recording;
+
+use cull::View;
+use gpu::Frame;
+
+use crate::error::Error;
+use crate::executor::PlanExecutor;
+use crate::object_renderer::ObjectRenderer;
+use crate::passes::ComputeTest;
+use crate::shader_set::ShaderSet;
+use crate::visibility_state::VisibilityState;
+use io::FrameIo;
+use recording::Recording;
+
+/// Executes the newest plan of `state`, which was made for `view`.
+///
+/// # Errors
+/// No memory, a failed call.
+pub fn execute(
+    frame: &mut Frame<'_>,
+    executor: &mut PlanExecutor,
+    state: &mut VisibilityState,
+    objects: &mut dyn ObjectRenderer,
+    (shaders, view): (&ShaderSet, &View),
+) -> Result<(), Error> {
+    if executor.passes.compute_test.is_none() && state.layout.tests_by_compute() {
+        let size = objects.target().size();
+        executor.passes.compute_test = Some(ComputeTest::new(state.device(), shaders, size)?);
+    }
+    let io = FrameIo::write(frame, state, &mut executor.leaves)?;
+    Recording { executor, state, view, io: &io }.record(frame.commands(), objects);
+    Ok(())
+}

@@ -1,0 +1,53 @@
+//! What the execution of a plan reads: the plan as it lies in the memory of its frame.
+
+use cull::LeafIndex;
+use gpu::{BufferSlice, Frame, IndirectDraw, Parts, WordSource};
+
+use crate::error::Error;
+use crate::leaf_table::LeafTable;
+use crate::passes::{ComputeTestIo, ProxyBox, ProxyIo};
+use crate::visibility_state::VisibilityState;
+
+/// What one frame reads from its slot's memory.
+pub(super) struct FrameIo {
+    pub(super) visible: BufferSlice,
+    pub(super) queried: BufferSlice,
+    pub(super) proxies: ProxyIo,
+    pub(super) computed: Option<ComputeTestIo>,
+    pub(super) parts: Option<Parts>,
+}
+
+pub(super) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+impl FrameIo {
+    /// Writes the newest plan of `state` into the memory of `frame`, and begins its tests.
+    pub(super) fn write(
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        leaves: &mut LeafTable,
+    ) -> Result<Self, Error> {
+        state.begin(frame, leaves)?;
+        let rings = state.rings();
+        let words = [
+            (WordSource::Queries, rings.queries.results()),
+            (WordSource::Fragments, rings.flags.words()),
+            (WordSource::Compute, rings.computed.words()),
+        ];
+        for (source, words) in words {
+            let decided = state.layout.decided(source).iter().copied();
+            leaves.predicates.begin(frame, source, words, decided)?;
+        }
+        let draw = |leaf: &LeafIndex| leaves.draw(*leaf);
+        let (plan, uploads) = (state.plan(), frame.uploads());
+        let queried = plan.queried_draws.iter();
+        let boxes = uploads.push_iter(plan.tests.iter().map(|t| ProxyBox::from(t.bounds)))?;
+        let words = rings.computed.words();
+        Ok(Self {
+            visible: uploads.push_iter(plan.draws.iter().map(draw))?,
+            queried: uploads.push_iter(queried.map(|(leaf, _)| draw(leaf)))?,
+            proxies: ProxyIo { boxes, flags: rings.flags.words() },
+            computed: words.map(|words| ComputeTestIo { boxes, words, first: 0, count: 0 }),
+            parts: rings.parts.parts(),
+        })
+    }
+}

@@ -1,0 +1,227 @@
+//! The recording of a plan: what is visible, then round by round what turns out to be.
+//!
+//! ```text
+//! draw visible   clear; all visible leaves front to back in few multi-draws, some under a query each;
+//!                proxies of round 0
+//! per step       resolve tests: words of the round just tested decide
+//!                draw revealed: leaves that the step before switched on; predicated ranges of this
+//!                               round; boxes of the leaves below nodes that showed; proxies of the next
+//! shade          what was drawn once more for its colour, where the owner of the objects does that
+//! copy results   words and lists -> mapped memory of this slot
+//! ```
+
+use cull::View;
+use gpu::{Access, Commands, MemoryBarrier, QueryIndex, Reveal};
+
+use super::io::{DRAW_BYTES, FrameIo};
+use crate::area::Area;
+use crate::executor::PlanExecutor;
+use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering};
+use crate::passes::{ComputeTestIo, LeafBoxIo};
+use crate::test_layout::RoundLayout;
+use crate::visibility_state::VisibilityState;
+
+/// A plan and everything that it is recorded with.
+pub(super) struct Recording<'a> {
+    pub(super) executor: &'a PlanExecutor,
+    pub(super) state: &'a VisibilityState,
+    pub(super) view: &'a View,
+    pub(super) io: &'a FrameIo,
+}
+
+impl Recording<'_> {
+    /// Records one view's frame.
+    ///
+    /// Each rendering draws what the tests before it revealed and the proxies that are tested next,
+    /// so that a round costs one break and not two. Leaves below a node that showed in round `n`
+    /// are tested while round `n + 1` is, and drawn with what that reveals.
+    pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
+        let (state, io, view) = (self.state, self.io, self.view);
+        let rounds = &state.layout.rounds;
+        if io.proxies.flags.is_some() || io.parts.is_some() || io.computed.is_some() {
+            let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+        }
+        objects.target().prepare(commands);
+        commands.pass("draw visible", |commands| {
+            commands.rendering(objects.rendering(view, Rendering::First), |commands| {
+                objects.bind(commands, view, ObjectPass::Visibility);
+                self.draw_visible(commands);
+                self.draw_proxies(commands, rounds.first());
+            });
+        });
+        let refined = rounds.last().is_some_and(|round| round.has_parts);
+        for step in 0..rounds.len() + usize::from(refined) {
+            let before = step.checked_sub(1).and_then(|round| rounds.get(round));
+            let before = before.filter(|round| round.has_parts);
+            let (known, next) = (rounds.get(step), rounds.get(step + 1));
+            if let (Some(last), None, None) = (known, next, before)
+                && state.layout.is_for_later(last)
+            {
+                commands.pass("resolve tests", |commands| {
+                    state.rings().queries.resolve(commands, last.queries.clone());
+                });
+                break;
+            }
+            self.test_by_compute(commands, objects, known);
+            commands.pass("resolve tests", |commands| self.resolve(commands, known, before));
+            objects.target().prepare(commands);
+            commands.pass("draw revealed", |commands| {
+                commands.rendering(objects.rendering(view, Rendering::Next), |commands| {
+                    objects.bind(commands, view, ObjectPass::Visibility);
+                    self.draw_parts(commands, before);
+                    self.draw_whole(commands, known);
+                    self.test_leaves(commands, known);
+                    self.draw_proxies(commands, next);
+                });
+            });
+        }
+        objects.shade(self.executor, commands, view, &|commands| self.draw_again(commands));
+        commands.pass("copy results", |commands| {
+            state.rings().queries.resolve(commands, 0..state.layout.own_draws);
+            state.rings().queries.read_back(commands);
+            state.rings().flags.read_back(commands);
+            state.rings().computed.read_back(commands);
+            state.rings().parts.read_back(commands);
+        });
+    }
+
+    /// Draws what is taken as visible: in one call from one that is asked about to the next.
+    fn draw_visible(&self, commands: &Commands) {
+        let plan = self.state.plan();
+        let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+        let mut drawn = 0;
+        let mut draw_until = |end: u32| {
+            if end > drawn {
+                let draws = self.io.visible.part(bytes(drawn), bytes(end - drawn));
+                self.executor.leaves.predicates.draw_always(commands, draws);
+                drawn = end;
+            }
+        };
+        for (query, after) in (0..).zip(&plan.queried_after) {
+            draw_until(*after);
+            self.state.rings().queries.scope(commands, QueryIndex(query), |commands| {
+                let draws = self.io.queried.part(bytes(query), DRAW_BYTES);
+                self.executor.leaves.predicates.draw_always(commands, draws);
+            });
+        }
+        draw_until(plan.draws.len() as u32);
+    }
+
+    /// Tests the proxies of one round against the depth so far.
+    fn draw_proxies(&self, commands: &Commands, round: Option<&RoundLayout>) {
+        let Some(round) = round else { return };
+        commands.label("proxies", |commands| {
+            if !round.flags.is_empty() {
+                self.executor.passes.proxies.bind_flags(commands, &self.io.proxies, self.view);
+                self.executor.passes.proxies.draw_all(commands, round.flags.clone());
+            }
+            if !round.queries.is_empty() {
+                self.executor.passes.proxies.bind(commands, &self.io.proxies, self.view);
+            }
+            for (query, test) in round.queries.clone().zip(round.queried_tests.clone()) {
+                self.state.rings().queries.scope(commands, QueryIndex(query), |commands| {
+                    self.executor.passes.proxies.draw(commands, test);
+                });
+            }
+        });
+    }
+
+    /// Tests the boxes of a round that a compute shader looks at, against the depth so far.
+    fn test_by_compute(
+        &self,
+        commands: &Commands,
+        objects: &mut dyn ObjectRenderer,
+        round: Option<&RoundLayout>,
+    ) {
+        let computed = round.map(|round| round.computed.clone()).filter(|tests| !tests.is_empty());
+        let pass = self.executor.passes.compute_test.as_ref();
+        let (Some(tests), Some(pass), Some(io)) = (computed, pass, self.io.computed) else {
+            return;
+        };
+        commands.pass("test boxes", |commands| {
+            pass.record_grid(commands, objects.target(), Area::of(self.view));
+            let io = ComputeTestIo { first: tests.start, count: tests.end - tests.start, ..io };
+            pass.record_tests(commands, &io, self.view);
+        });
+    }
+
+    /// Makes the answers to the `known` round decide, and the tests of leaves under the round
+    /// `before` it.
+    fn resolve(
+        &self,
+        commands: &Commands,
+        known: Option<&RoundLayout>,
+        before: Option<&RoundLayout>,
+    ) {
+        if before.is_some() {
+            let switched_on = MemoryBarrier::between(
+                &[Access::FragmentWrite],
+                &[Access::IndirectRead, Access::FragmentWrite],
+            );
+            commands.barrier(switched_on);
+        }
+        if let Some(known) = known {
+            self.state.rings().queries.resolve(commands, known.queries.clone());
+            self.executor.leaves.predicates.resolve(commands, &self.state.layout.made(known));
+        }
+    }
+
+    /// Draws the leaves of a round that were switched on one by one.
+    fn draw_parts(&self, commands: &Commands, round: Option<&RoundLayout>) {
+        let Some(parts) = self.io.parts else { return };
+        for decision in self.state.layout.revealing(round, Reveal::Parts) {
+            self.executor.leaves.predicates.draw_parts(
+                commands,
+                decision.source,
+                decision.number,
+                parts.draws,
+            );
+        }
+    }
+
+    /// Draws the ranges of a round that showed.
+    fn draw_whole(&self, commands: &Commands, round: Option<&RoundLayout>) {
+        for decision in self.state.layout.revealing(round, Reveal::Whole) {
+            self.executor.leaves.predicates.draw(commands, decision.source, decision.number);
+        }
+    }
+
+    /// Draws what all rounds of a frame drew: their words still say what that was.
+    fn draw_again(&self, commands: &Commands) {
+        let plan = self.state.plan();
+        for (draws, count) in
+            [(self.io.visible, plan.draws.len()), (self.io.queried, plan.queried_draws.len())]
+        {
+            if count > 0 {
+                let draws = draws.part(0, count as u64 * DRAW_BYTES);
+                self.executor.leaves.predicates.draw_always(commands, draws);
+            }
+        }
+        for round in &self.state.layout.rounds {
+            self.draw_whole(commands, Some(round));
+            self.draw_parts(commands, Some(round));
+        }
+    }
+
+    /// Tests the leaves of the nodes that showed, one by one.
+    fn test_leaves(&self, commands: &Commands, known: Option<&RoundLayout>) {
+        let known = known.filter(|round| round.has_parts);
+        let (Some(pass), Some(parts), Some(_)) =
+            (&self.executor.passes.leaf_boxes, self.io.parts, known)
+        else {
+            return;
+        };
+        commands.label("leaf boxes", |commands| {
+            let boxes = self.executor.leaves.boxes();
+            pass.bind(commands, &LeafBoxIo { boxes, parts }, self.view);
+            for decision in self.state.layout.revealing(known, Reveal::Parts) {
+                self.executor.leaves.predicates.draw_boxes(
+                    commands,
+                    decision.source,
+                    decision.number,
+                );
+            }
+        });
+    }
+}

@@ -1,0 +1,226 @@
+//! The objects as the executor sees them, in the order of the hierarchy's leaves, so that a subtree is
+//! a range of everything: a box, an indirect draw and counts per leaf, on the CPU and on the GPU.
+
+mod changes;
+mod counts;
+
+use std::sync::Arc;
+
+use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
+use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, Predication, vk};
+
+use crate::error::Error;
+use crate::passes::{ProxyBox, ScatterIo, ScatterPass};
+use changes::DrawChanges;
+pub use counts::LeafCount;
+use counts::LeafCounts;
+
+/// One thing that leaves can be: its indexed draw, and what that shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MeshDraw {
+    /// The draw; its first instance is the leaf and need not be set.
+    pub draw: IndirectDraw,
+    /// How many triangles it shows.
+    pub triangles: u32,
+}
+
+/// The place of a [`MeshDraw`] among those of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MeshDrawId(pub u32);
+
+impl MeshDrawId {
+    /// That of a leaf without an object: nothing is drawn.
+    pub const NONE: Self = Self(u32::MAX);
+}
+
+/// How a table is made.
+#[derive(Clone, Debug)]
+pub struct LeafTableInfo {
+    /// What leaves can be.
+    pub mesh_draws: Arc<[MeshDraw]>,
+    /// How hidden draws are skipped; `None` takes the device's best.
+    pub predication: Option<Predication>,
+    /// Frames that may be on their way to the GPU at once.
+    pub frames_in_flight: usize,
+    /// The most samples of a test that still counts as hidden.
+    pub threshold_samples: u32,
+}
+
+/// The leaves of one scene. What changes is marked; the next frame brings it to the GPU.
+pub struct LeafTable {
+    /// One [`ProxyBox`] per leaf, not enlarged.
+    boxes: Buffer,
+    pub(crate) predicates: Predicates,
+    mesh_draws: Arc<[MeshDraw]>,
+    leaf_draws: Vec<MeshDrawId>,
+    counts: LeafCounts,
+    pub(crate) changes: DrawChanges,
+    stale: Vec<LeafIndex>,
+    is_stale: Vec<bool>,
+}
+
+/// Elements that the owner of the objects keeps per leaf, and uploads with those of the table.
+#[derive(Clone, Copy)]
+pub struct LeafElements {
+    /// The new elements of the [stale leaves](LeafTable::stale), in their order.
+    pub elements: BufferSlice,
+    /// All elements, by leaf.
+    pub array: BufferSlice,
+    /// Size of an element, whole words.
+    pub element_bytes: usize,
+}
+
+impl LeafTable {
+    /// Uploads the leaves of `hierarchy`. `draw_of` says what an object is.
+    ///
+    /// # Errors
+    /// No memory, a failed call; a threshold where queries do not count or under conditional rendering.
+    pub fn new(
+        device: &Device,
+        hierarchy: &Hierarchy,
+        info: LeafTableInfo,
+        draw_of: impl Fn(ObjectId) -> MeshDrawId,
+    ) -> Result<Self, Error> {
+        let LeafTableInfo { mesh_draws, predication, frames_in_flight, threshold_samples } = info;
+        let objects = hierarchy.leaf_objects();
+        let leaf_draws: Vec<MeshDrawId> = objects.iter().map(|object| draw_of(*object)).collect();
+        let counts = || leaf_draws.iter().map(|id| count_of(&mesh_draws, *id));
+        let boxes: Vec<ProxyBox> = objects
+            .iter()
+            .zip(counts())
+            .map(|(it, count)| leaf_box(hierarchy, *it, count))
+            .collect();
+        let draws: Vec<IndirectDraw> =
+            (0..).zip(&leaf_draws).map(|(leaf, id)| draw_of_leaf(&mesh_draws, *id, leaf)).collect();
+        let slots = frames_in_flight;
+        Ok(Self {
+            boxes: device.upload("leaf boxes", &boxes, vk::BufferUsageFlags::STORAGE_BUFFER)?,
+            predicates: Predicates::with_threshold(
+                device,
+                predication,
+                &draws,
+                slots,
+                threshold_samples,
+            )?,
+            counts: LeafCounts::new(counts()),
+            changes: DrawChanges::new(objects.len()),
+            stale: Vec::new(),
+            is_stale: vec![false; objects.len()],
+            mesh_draws,
+            leaf_draws,
+        })
+    }
+
+    /// Returns the draw of a leaf; of nothing where the leaf is free.
+    pub fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
+        let id = self.leaf_draws.get(leaf.0 as usize).copied().unwrap_or(MeshDrawId::NONE);
+        draw_of_leaf(&self.mesh_draws, id, leaf.0)
+    }
+
+    /// Counts the objects and triangles of a range of leaves.
+    pub fn count(&self, leaves: LeafRange) -> LeafCount {
+        match (leaves.count, self.leaf_draws.get(leaves.first.0 as usize)) {
+            (1, Some(id)) => count_of(&self.mesh_draws, *id),
+            _ => self.counts.of(leaves),
+        }
+    }
+
+    /// Returns the boxes on the GPU: one [`ProxyBox`] per leaf, not enlarged.
+    pub fn boxes(&self) -> BufferSlice {
+        self.boxes.whole()
+    }
+
+    /// Returns the predicates over the draws of all leaves.
+    pub fn predicates(&self) -> &Predicates {
+        &self.predicates
+    }
+
+    /// Makes room for another number of frames in flight.
+    pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        self.predicates.set_frames_in_flight(frames_in_flight);
+    }
+
+    /// Notes that the object of a leaf is another, moved, or is now this: the next frame brings it.
+    pub fn mark(&mut self, leaf: LeafIndex, now: MeshDrawId) {
+        let place = leaf.0 as usize;
+        let (Some(id), Some(is_stale)) =
+            (self.leaf_draws.get_mut(place), self.is_stale.get_mut(place))
+        else {
+            return;
+        };
+        let before = std::mem::replace(id, now);
+        if before != now {
+            let [before, now] = [before, now].map(|id| count_of(&self.mesh_draws, id));
+            self.counts.replace(place, before, now);
+            self.changes.push(leaf);
+        }
+        if !std::mem::replace(is_stale, true) {
+            self.stale.push(leaf);
+        }
+    }
+
+    /// Returns the leaves that the next frame brings to the GPU.
+    pub fn stale(&self) -> &[LeafIndex] {
+        &self.stale
+    }
+
+    /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay stale
+    /// until the frame was [submitted](LeafTable::submitted): it may never be.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn upload(
+        &self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+        scatter: &ScatterPass,
+        beside: LeafElements,
+    ) -> Result<(), Error> {
+        if self.stale.is_empty() {
+            return Ok(());
+        }
+        let bounds = |leaf: &LeafIndex| {
+            let object = hierarchy.leaf_objects().get(leaf.0 as usize);
+            let object = object.copied().unwrap_or(ObjectId(u32::MAX));
+            leaf_box(hierarchy, object, self.count(LeafRange { first: *leaf, count: 1 }))
+        };
+        let uploads = frame.uploads();
+        let leaves = uploads.push_iter(self.stale.iter().map(|leaf| leaf.0))?;
+        let draws = uploads.push_iter(self.stale.iter().map(|leaf| self.draw(*leaf)))?;
+        let boxes = uploads.push_iter(self.stale.iter().map(bounds))?;
+        let io = |elements, array| ScatterIo { leaves, elements, array };
+        let arrays = [
+            (io(beside.elements, beside.array), beside.element_bytes),
+            (io(draws, self.predicates.draws()), size_of::<IndirectDraw>()),
+            (io(boxes, self.boxes()), size_of::<ProxyBox>()),
+        ];
+        scatter.record(frame.commands(), self.stale.len() as u32, &arrays);
+        Ok(())
+    }
+
+    /// Notes that the frame that [`LeafTable::upload`] recorded for is on its way.
+    pub fn submitted(&mut self) {
+        for leaf in self.stale.drain(..) {
+            if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
+                *is_stale = false;
+            }
+        }
+    }
+}
+
+fn count_of(mesh_draws: &[MeshDraw], id: MeshDrawId) -> LeafCount {
+    let mesh = mesh_draws.get(id.0 as usize);
+    mesh.map_or(LeafCount::default(), |it| LeafCount { draws: 1, triangles: it.triangles.into() })
+}
+
+fn draw_of_leaf(mesh_draws: &[MeshDraw], id: MeshDrawId, leaf: u32) -> IndirectDraw {
+    let draw = mesh_draws.get(id.0 as usize).map(|it| it.draw).unwrap_or_default();
+    IndirectDraw { first_instance: leaf, ..draw }
+}
+
+/// Returns the box of an object, not enlarged; turned inside out if it is not there.
+fn leaf_box(hierarchy: &Hierarchy, object: ObjectId, count: LeafCount) -> ProxyBox {
+    let node = hierarchy.node_of(object);
+    let bounds = node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));
+    ProxyBox::from(bounds).counting(count.triangles as u32)
+}

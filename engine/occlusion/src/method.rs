@@ -1,0 +1,118 @@
+//! The trait of all methods that decide what is drawn: ours and those of the literature.
+
+use cull::{DialogueOptions, Hierarchy, LeafIndex, Strategy, View};
+use gpu::{Device, Frame, Optional, Tick, Timeline};
+
+use crate::error::Error;
+use crate::executor::PlanExecutor;
+use crate::object_renderer::ObjectRenderer;
+use crate::shader_set::ShaderSet;
+use crate::visibility_state::VisibilityState;
+
+/// A way to decide what a view draws. One method serves all views of a scene; what it keeps per view is a
+/// [`MethodState`](crate::MethodState).
+pub trait Method: Send {
+    /// Returns true if it carries out `strategy`.
+    fn carries_out(&self, strategy: Strategy) -> bool;
+
+    /// Refuses a device, scene or threshold that it cannot work with.
+    ///
+    /// # Errors
+    /// The name of what is missing or too large.
+    fn supports(&self, _strategy: Strategy, _support: &MethodSupport<'_>) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Makes what it needs on the device, before the first frame that it records.
+    ///
+    /// # Errors
+    /// No memory, a shader that does not compile, a failed call.
+    fn prepare(&mut self, _scene: &mut MethodScene<'_>) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Records one view's frame.
+    ///
+    /// # Errors
+    /// No memory, a lost device, a result that takes too long.
+    fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error>;
+
+    /// Returns the same method with the shaders of `scene`.
+    ///
+    /// # Errors
+    /// A shader that does not fit its pass, a failed call.
+    fn reloaded(&self, scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error>;
+
+    /// Drops what depends on the size of the target: that is another now.
+    fn resized(&mut self) {}
+}
+
+/// Makes a method, which takes nothing from the device yet.
+pub type MethodConstructor = fn(&DialogueOptions) -> Box<dyn Method>;
+
+/// What a method must get by with.
+#[derive(Clone, Copy)]
+pub struct MethodSupport<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// The hierarchy over the scene.
+    pub hierarchy: &'a Hierarchy,
+    /// The executor of plans.
+    pub executor: &'a PlanExecutor,
+    /// Size of the target in pixels.
+    pub size: [u32; 2],
+    /// The most samples of a test that still counts as hidden.
+    pub threshold_samples: u32,
+}
+
+impl MethodSupport<'_> {
+    /// Returns the error for a strategy that the device lacks something for.
+    pub fn missing(&self, missing: Optional, strategy: Strategy) -> Error {
+        let device = self.device.adapter().name.clone();
+        gpu::Error::Unsupported { device, missing: missing.name(), wanted: strategy.name() }.into()
+    }
+}
+
+/// The scene that a method works on.
+pub struct MethodScene<'a> {
+    /// The device.
+    pub device: &'a Device,
+    /// The shaders.
+    pub shaders: &'a ShaderSet,
+    /// The hierarchy over the scene.
+    pub hierarchy: &'a Hierarchy,
+    /// The executor of plans, with the table of leaves.
+    pub executor: &'a mut PlanExecutor,
+    /// The owner of the objects.
+    pub objects: &'a mut dyn ObjectRenderer,
+}
+
+/// What is wanted of one view.
+#[derive(Clone, Copy)]
+pub struct MethodRequest<'a> {
+    /// Which of its strategies is to be carried out.
+    pub strategy: Strategy,
+    /// The view.
+    pub view: &'a View,
+    /// The leaves that own a pixel, for [`Strategy::Ideal`], which knows nothing else.
+    pub visible: &'a [LeafIndex],
+    /// The most occlusion queries of a plan. What cannot be tested is drawn.
+    pub query_budget: usize,
+    /// The frame starts on the GPU once this tick of a host's timeline is reached.
+    pub after: Option<(&'a Timeline, Tick)>,
+}
+
+/// What a method did in a frame of one view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MethodStats {
+    /// Proxies tested, by whatever means.
+    pub tests: u32,
+    /// Occlusion queries.
+    pub queries: u32,
+}

@@ -1,0 +1,59 @@
+//! The passes of a plan: each a struct with its pipeline, and an `Io` of what it reads and writes.
+
+mod compute_test;
+mod leaf_box;
+mod proxy;
+mod scatter;
+
+use gpu::{Device, Optional};
+
+use crate::error::Error;
+use crate::shader_set::ShaderSet;
+pub use compute_test::{ComputeTest, ComputeTestIo};
+pub use leaf_box::{LeafBoxIo, LeafBoxPass};
+pub use proxy::{ProxyBox, ProxyIo, ProxyPass};
+pub use scatter::{ScatterIo, ScatterPass};
+
+/// The passes that all views of a scene share.
+pub struct OcclusionPasses {
+    /// Tests boxes by queries and by flags.
+    pub proxies: ProxyPass,
+    /// Tests the leaves below a node that showed, where fragment shaders can write to buffers.
+    pub leaf_boxes: Option<LeafBoxPass>,
+    /// Tests boxes by a compute shader, made for the first frame that does.
+    pub compute_test: Option<ComputeTest>,
+    /// Brings what changed to the GPU.
+    pub scatter: ScatterPass,
+}
+
+impl OcclusionPasses {
+    /// Compiles the passes.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        let can_store = device.capabilities().has(Optional::FragmentStores);
+        let leaf_boxes = can_store.then(|| LeafBoxPass::new(device, shaders));
+        Ok(Self {
+            proxies: ProxyPass::new(device, shaders)?,
+            leaf_boxes: leaf_boxes.transpose()?,
+            compute_test: None,
+            scatter: ScatterPass::new(device, shaders)?,
+        })
+    }
+
+    /// Compiles the same passes again, with other shaders.
+    ///
+    /// # Errors
+    /// A shader that does not fit its pass, a failed call.
+    pub fn reloaded(
+        &self,
+        device: &Device,
+        shaders: &ShaderSet,
+        size: [u32; 2],
+    ) -> Result<Self, Error> {
+        let compute_test = self.compute_test.as_ref();
+        let compute_test = compute_test.map(|_| ComputeTest::new(device, shaders, size));
+        Ok(Self { compute_test: compute_test.transpose()?, ..Self::new(device, shaders)? })
+    }
+}

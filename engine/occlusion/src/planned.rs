@@ -1,0 +1,71 @@
+//! Ours: coherent hierarchical culling (GPU Gems 2, 6.4) whose results come late, made exact by
+//! predicates; and plain frustum culling, which is a plan without tests.
+
+use cull::Strategy;
+use gpu::{Frame, Optional};
+
+use crate::error::Error;
+use crate::execution::execute;
+use crate::method::{Method, MethodRequest, MethodScene, MethodStats, MethodSupport};
+use crate::passes::ComputeTest;
+use crate::visibility_state::VisibilityState;
+
+/// Plans a frame and executes the plan.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PlannedMethod;
+
+impl PlannedMethod {
+    /// Plans and executes a frame of one view by any strategy that is a plan.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub fn record_planned(
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error> {
+        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
+        let MethodRequest { strategy, view, query_budget, .. } = *request;
+        state.plan_frame(hierarchy, &executor.leaves, strategy, (view, query_budget));
+        execute(frame, executor, state, *objects, (shaders, view))?;
+        let plan = state.plan();
+        Ok(MethodStats { tests: plan.tests.len() as u32, queries: plan.query_count() as u32 })
+    }
+}
+
+impl Method for PlannedMethod {
+    fn carries_out(&self, strategy: Strategy) -> bool {
+        strategy == Strategy::Frustum || strategy.is_governed()
+    }
+
+    fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+        let MethodSupport { device, executor, size, threshold_samples, .. } = *support;
+        let counts_nothing =
+            matches!(strategy, Strategy::AntumbraFlags | Strategy::AntumbraCompute);
+        if counts_nothing && threshold_samples > 0 {
+            return Err(Error::CannotCount { strategy, threshold_samples });
+        }
+        if strategy == Strategy::AntumbraCompute {
+            ComputeTest::check(device, size)?;
+        }
+        if strategy == Strategy::AntumbraFlags && !executor.passes.proxies.can_flag() {
+            return Err(support.missing(Optional::FragmentStores, strategy));
+        }
+        Ok(())
+    }
+
+    fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        state: &mut VisibilityState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error> {
+        Self::record_planned(frame, state, scene, request)
+    }
+
+    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+        Ok(Box::new(*self))
+    }
+}

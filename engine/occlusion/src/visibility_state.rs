@@ -1,0 +1,362 @@
+//! One view of a scene with its own visibility history: its culler, its tests on their way, and the plan
+//! of its newest frame.
+
+use cull::{
+    Answer, Corrections, CostModel, Culler, FrameContents, FrameId, FramePlan, Generation,
+    Hierarchy, LeafIndex, LeafList, LeafRange, ResultReader, Strategy, View,
+};
+use gpu::{
+    Counting, Device, DrawRange, FlagRing, Frame, FrameTime, IndirectDraw, PartDraws, QueryRing,
+    SwitchedOn, Tick, WordSource,
+};
+
+use crate::error::Error;
+use crate::leaf_table::{LeafCount, LeafTable};
+use crate::method_state::MethodState;
+use crate::outcomes::{FrameOutcome, Outcomes};
+use crate::sent_frames::SentFrames;
+use crate::test_layout::{PendingTest, TestLayout};
+
+/// One view of a scene: its culler, its tests on their way, and the plan of its newest frame. Several
+/// views may look at one scene; each has its own history.
+pub struct VisibilityState {
+    device: Device,
+    culler: Culler,
+    rings: Rings,
+    frames_in_flight: usize,
+    plan: FramePlan,
+    /// That of the hierarchy that the plan is for.
+    generation: Generation,
+    pub(crate) layout: TestLayout,
+    /// What methods keep per view that go by no plan.
+    method_states: Vec<Box<dyn MethodState>>,
+    /// What the frames were made of whose time is not known.
+    pub(crate) sent: SentFrames,
+    /// Up to which change of a draw the rings know the draws.
+    seen_changes: u64,
+    threshold_samples: u32,
+    /// By the method of the newest frame, where that is no plan.
+    neglected_samples: u64,
+    reader: ResultReader<LeafCount>,
+    newest: Vec<Answer>,
+    outcomes: Outcomes,
+}
+
+/// What is on its way between a view and the GPU, a slot per frame in flight.
+pub(crate) struct Rings {
+    pub(crate) queries: QueryRing<PendingTest>,
+    pub(crate) flags: FlagRing<PendingTest>,
+    pub(crate) computed: FlagRing<PendingTest>,
+    pub(crate) parts: PartDraws<(FrameId, Generation)>,
+}
+
+impl Rings {
+    fn new(
+        device: &Device,
+        hierarchy: &Hierarchy,
+        frames_in_flight: usize,
+        threshold_samples: u32,
+    ) -> Result<Self, Error> {
+        let leaves = hierarchy.leaf_objects().len() as u32;
+        let counting = if threshold_samples == 0 { Counting::Some } else { Counting::Samples };
+        let queries = QueryRing::new(device, frames_in_flight, "occlusion queries")?;
+        let flags = |source, name| FlagRing::new(device, frames_in_flight, source, name);
+        Ok(Self {
+            queries: queries.counting(counting),
+            flags: flags(WordSource::Fragments, "proxy flags"),
+            computed: flags(WordSource::Compute, "box words"),
+            parts: PartDraws::new(device, frames_in_flight, leaves),
+        })
+    }
+
+    fn submitted(&mut self, tick: Tick) {
+        self.queries.submitted(tick);
+        self.flags.submitted(tick);
+        self.computed.submitted(tick);
+        self.parts.submitted(tick);
+    }
+}
+
+impl VisibilityState {
+    /// Makes a view that knows nothing yet, of the scene of `leaves` and `hierarchy`.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(
+        device: &Device,
+        hierarchy: &Hierarchy,
+        leaves: &LeafTable,
+        frames_in_flight: usize,
+        (mut culler, threshold_samples): (Culler, u32),
+    ) -> Result<Self, Error> {
+        culler.neglect(threshold_samples);
+        Ok(Self {
+            device: device.clone(),
+            culler,
+            rings: Rings::new(device, hierarchy, frames_in_flight, threshold_samples)?,
+            frames_in_flight,
+            plan: FramePlan::default(),
+            generation: hierarchy.generation(),
+            layout: TestLayout::default(),
+            method_states: Vec::new(),
+            sent: SentFrames::new(frames_in_flight),
+            seen_changes: leaves.changes.count(),
+            threshold_samples,
+            neglected_samples: 0,
+            reader: ResultReader::default(),
+            newest: Vec::new(),
+            outcomes: Outcomes::default(),
+        })
+    }
+
+    /// Makes the rings again where another number of frames is in flight. What was tested is never
+    /// answered then, and the culler tests again.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn set_frames_in_flight(
+        &mut self,
+        frames_in_flight: usize,
+        hierarchy: &Hierarchy,
+        leaves: &LeafTable,
+    ) -> Result<(), Error> {
+        if self.frames_in_flight == frames_in_flight {
+            return Ok(());
+        }
+        self.rings = Rings::new(&self.device, hierarchy, frames_in_flight, self.threshold_samples)?;
+        self.method_states.clear();
+        self.seen_changes = leaves.changes.count();
+        self.outcomes.forget_pending();
+        self.sent = SentFrames::new(frames_in_flight);
+        self.frames_in_flight = frames_in_flight;
+        Ok(())
+    }
+
+    /// Returns the device of the view.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Returns how many frames may be on their way at once.
+    pub fn frames_in_flight(&self) -> usize {
+        self.frames_in_flight
+    }
+
+    /// Returns the culler of the view.
+    pub fn culler(&self) -> &Culler {
+        &self.culler
+    }
+
+    /// Returns the plan of the newest frame.
+    pub fn plan(&self) -> &FramePlan {
+        &self.plan
+    }
+
+    /// Returns the plan of the newest frame, for a method that goes by none and says what it did.
+    pub fn plan_mut(&mut self) -> &mut FramePlan {
+        &mut self.plan
+    }
+
+    pub(crate) fn rings(&self) -> &Rings {
+        &self.rings
+    }
+
+    /// Forgets everything that was seen; the next frame starts like the first.
+    pub fn forget(&mut self) {
+        self.culler.forget();
+    }
+
+    /// Takes the outcomes of the frames whose results were read since the last call: the latest 1024, if
+    /// there are more.
+    pub fn take_outcomes(&mut self) -> std::collections::vec_deque::Drain<'_, FrameOutcome> {
+        self.outcomes.take()
+    }
+
+    /// Begins the newest plan in the rings of `frame`.
+    pub(crate) fn begin(&mut self, frame: &mut Frame<'_>, leaves: &LeafTable) -> Result<(), Error> {
+        self.follow_draws(leaves);
+        let Self { rings, layout, plan, generation, .. } = self;
+        rings.queries.begin(frame, &layout.query_tags)?;
+        rings.flags.begin(frame, layout.flag_tags.iter().copied())?;
+        rings.computed.begin(frame, layout.compute_tags.iter().copied())?;
+        let tested = TestLayout::refined(plan);
+        let draw = |number| leaves.draw(LeafIndex(number));
+        rings.parts.begin(frame, (plan.frame, *generation), tested, draw)?;
+        Ok(())
+    }
+
+    /// Brings the copies of draws up to date with a scene that changed.
+    fn follow_draws(&mut self, leaves: &LeafTable) {
+        let changes = &leaves.changes;
+        match changes.since(self.seen_changes) {
+            Some(leaves) => leaves.for_each(|leaf| {
+                self.rings.parts.changed(DrawRange { first: leaf.0, count: 1 });
+            }),
+            None => self.rings.parts.all_changed(),
+        }
+        self.seen_changes = changes.count();
+    }
+
+    /// Reads every result that is there and lets the history move on. Never waits.
+    pub fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
+        self.read(completed, hierarchy, leaves);
+        let Self { culler, method_states, reader, newest: kept, outcomes, sent, .. } = self;
+        for result in reader.results().iter().filter(|it| it.answer.samples > 0) {
+            outcomes.add(result, self.threshold_samples);
+        }
+        let answers = reader.results().iter().map(|result| result.answer);
+        let mut newest = answers.clone().map(|answer| answer.tag.frame).max();
+        if let Some(newest) = newest {
+            kept.clear();
+            kept.extend(answers.clone().filter(|answer| answer.tag.frame == newest));
+        }
+        for state in method_states {
+            newest = newest.max(state.collect(completed, outcomes));
+        }
+        while let Some(outcome) = outcomes.settle(newest) {
+            sent.drew(&outcome);
+        }
+        culler.ingest(hierarchy, answers);
+    }
+
+    /// Reads the results of frames that are over out of mapped memory.
+    fn read(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
+        let Self { rings: Rings { queries, flags, computed, parts }, reader, .. } = self;
+        reader.clear();
+        queries.collect(completed, |test, samples| reader.read_query(&test, samples));
+        flags.collect(completed, |tests, words| reader.read_flags(tests, words));
+        computed.collect(completed, |tests, words| reader.read_computed(tests, words));
+        parts.collect(completed, |frame, listed| {
+            let list = match listed {
+                SwitchedOn::These(leaves) => LeafList::These(leaves),
+                SwitchedOn::TooMany(_) => LeafList::TooMany,
+            };
+            reader.read_leaves(hierarchy, frame, list, |range| leaves.count(range));
+        });
+        reader.finish();
+    }
+
+    /// Returns true if the subject of an answer shows by more than the threshold.
+    pub fn shows(&self, answer: &Answer) -> bool {
+        cull::shows(answer, self.threshold_samples)
+    }
+
+    /// Returns all answers about the newest frame that has any.
+    pub fn newest_answers(&self) -> &[Answer] {
+        &self.newest
+    }
+
+    /// Returns the age in frames of each answer used for the newest plan.
+    pub fn answer_ages(&self) -> impl Iterator<Item = u64> {
+        let now = self.plan.frame.0;
+        let frames = self.reader.results().iter().map(|result| result.answer.tag.frame.0);
+        frames.map(move |frame| now.saturating_sub(frame))
+    }
+
+    /// Plans the next frame and lays out its tests.
+    pub fn plan_frame(
+        &mut self,
+        hierarchy: &Hierarchy,
+        leaves: &LeafTable,
+        strategy: Strategy,
+        (view, query_budget): (&View, usize),
+    ) {
+        self.culler.plan(hierarchy, strategy, view, query_budget, &mut self.plan);
+        self.generation = hierarchy.generation();
+        self.layout.lay_out(&self.plan, leaves);
+    }
+
+    /// Plans a frame of `visible` leaves and no test.
+    pub fn plan_known(&mut self, hierarchy: &Hierarchy, visible: &[LeafIndex]) {
+        self.culler.plan_known(hierarchy, visible, &mut self.plan);
+        self.generation = hierarchy.generation();
+        self.layout.clear();
+    }
+
+    /// Begins a frame that is not planned: an empty plan without tests.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub fn begin_unplanned(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+    ) -> Result<(), Error> {
+        self.plan_known(hierarchy, &[]);
+        let Self { rings, plan, generation, .. } = self;
+        rings.queries.begin(frame, &[])?;
+        rings.flags.begin(frame, std::iter::empty())?;
+        rings.computed.begin(frame, std::iter::empty())?;
+        let nothing = std::iter::empty::<DrawRange>();
+        let no_draw = |_| IndirectDraw::default();
+        rings.parts.begin(frame, (plan.frame, *generation), nothing, no_draw)?;
+        Ok(())
+    }
+
+    /// Takes what a method keeps for this view, if it was [put](VisibilityState::put_method_state) there.
+    pub fn take_method_state<S: MethodState>(&mut self) -> Option<Box<S>> {
+        let is_it = |state: &Box<dyn MethodState>| {
+            let state: &dyn std::any::Any = &**state;
+            state.is::<S>()
+        };
+        let place = self.method_states.iter().position(is_it)?;
+        let state: Box<dyn std::any::Any> = self.method_states.swap_remove(place);
+        state.downcast().ok()
+    }
+
+    /// Keeps something of a method for this view, until another number of frames is in flight.
+    pub fn put_method_state(&mut self, state: Box<dyn MethodState>) {
+        self.method_states.push(state);
+    }
+
+    /// Notes how many samples the newest frame neglected that no plan decided about.
+    pub fn neglected(&mut self, samples: u64) {
+        self.neglected_samples = samples;
+    }
+
+    /// Returns what frames taught this view's cost model about the prices; `None` without one.
+    pub fn corrections(&self) -> Option<Corrections> {
+        self.culler.governor().map(CostModel::corrections)
+    }
+
+    /// Returns true if there is a cost model that learns from what frames take.
+    pub fn has_cost_model(&self) -> bool {
+        self.culler.governor().is_some()
+    }
+
+    /// Teaches the cost model what a frame of this view took, with others that were drawn in it.
+    pub(crate) fn took(&mut self, time: &FrameTime, contents: &FrameContents) {
+        if let Some(costs) = self.culler.governor_mut() {
+            costs.observe(time.gpu_ms * 1.0e6, contents);
+        }
+    }
+
+    /// Notes that the newest frame is on its way, timed with others if it showed so many `timed_views`.
+    pub fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
+        if let Some(views) = timed_views {
+            self.sent.submitted(tick, &self.plan, views);
+        }
+        self.rings.submitted(tick);
+        let taken = self.plan.draws.iter().copied();
+        let taken = taken.chain(self.plan.queried_draws.iter().map(|(leaf, _)| *leaf));
+        let mut outcome = FrameOutcome {
+            frame: self.plan.frame,
+            draws: 0,
+            triangles: 0,
+            revealed: 0,
+            neglected_samples: std::mem::take(&mut self.neglected_samples),
+        };
+        for first in taken {
+            let count = leaves.count(LeafRange { first, count: 1 });
+            outcome.draws += count.draws;
+            outcome.triangles += count.triangles;
+        }
+        let mut is_known = self.layout.is_empty();
+        for state in &mut self.method_states {
+            is_known &= !state.submitted(tick, outcome.frame);
+        }
+        if let Some(outcome) = self.outcomes.push(outcome, is_known) {
+            self.sent.drew(&outcome);
+        }
+    }
+}

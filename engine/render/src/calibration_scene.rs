@@ -1,0 +1,144 @@
+//! The objects that prices are measured with: a triangle and a patch of many, drawn as the scene's are.
+
+use cull::{CostTable, Hierarchy, View};
+use glam::{Affine3A, Vec3};
+use gpu::{Commands, IndirectDraw, RenderTarget, Target};
+use occlusion::{
+    CalibrationScene, ObjectPass, ObjectRenderer, PATCH_TRIANGLES, PlanExecutor, Rendering,
+    ShaderSet,
+};
+use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm};
+
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::geometry::Geometry;
+use crate::object_bounds::object_bounds;
+use crate::passes::OpaqueIo;
+
+/// How far away the objects are (metres).
+const DISTANCE_M: f32 = 10.0;
+
+/// Quads along each side of a patch.
+const QUADS: u32 = 16;
+
+const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
+
+/// Measures what things cost on the device of `passes`.
+///
+/// # Errors
+/// No memory, a failed call.
+pub(crate) fn measure(
+    passes: &mut FramePasses,
+    executor: &PlanExecutor,
+    shaders: &ShaderSet,
+) -> Result<CostTable, Error> {
+    let device = passes.device.clone();
+    let scene = scene();
+    let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
+    let geometry = Geometry::upload(&device, &scene, &hierarchy)?;
+    let draws = [0, 1].map(|object| {
+        let leaf = hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
+        IndirectDraw { first_instance: leaf, ..geometry.mesh_draw(MeshId(object)) }
+    });
+    Ok(occlusion::measure(CalibrationScene {
+        device: &device,
+        shaders,
+        passes: &executor.passes,
+        predication: executor.leaves.predicates().predication(),
+        objects: &mut CalibrationObjects { passes, geometry },
+        draws,
+    })?)
+}
+
+/// Draws them, with the passes of a scene.
+struct CalibrationObjects<'a> {
+    passes: &'a mut FramePasses,
+    geometry: Geometry,
+}
+
+impl ObjectRenderer for CalibrationObjects<'_> {
+    fn target(&mut self) -> &mut Target {
+        &mut self.passes.target
+    }
+
+    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
+        self.passes.rendering(view, rendering)
+    }
+
+    fn colour_rendering(&self, view: &View) -> RenderTarget {
+        self.passes.colour_rendering(view)
+    }
+
+    fn prepare(&mut self, _pass: ObjectPass, _shaders: &ShaderSet) -> Result<(), occlusion::Error> {
+        Ok(())
+    }
+
+    fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
+        let io = OpaqueIo {
+            vertices: self.geometry.vertices.whole(),
+            indices: self.geometry.indices.whole(),
+            instances: self.geometry.instances.whole(),
+        };
+        self.passes.opaque.bind(commands, &io, view, &self.passes.light);
+    }
+
+    fn shades_later(&self) -> bool {
+        false
+    }
+
+    fn shade(
+        &mut self,
+        _executor: &PlanExecutor,
+        _commands: &Commands,
+        _view: &View,
+        _draw: &dyn Fn(&Commands),
+    ) {
+    }
+}
+
+/// A triangle, and a patch of many.
+fn scene() -> Scene {
+    let object = |(mesh, (z, scale)): (u32, (f32, f32))| Object {
+        mesh: MeshId(mesh),
+        transform: Affine3A::from_scale_rotation_translation(
+            Vec3::splat(scale),
+            glam::Quat::IDENTITY,
+            Vec3::new(0.0, 0.0, z),
+        ),
+        tint: pack_unorm([1.0; 4]),
+    };
+    // About forty pixels of 720 at that distance for the patch.
+    let places = [(-1.2 * DISTANCE_M, 0.1), (-1.2 * DISTANCE_M, 0.7)];
+    Scene {
+        name: "calibration".to_owned(),
+        meshes: vec![single(), patch()],
+        objects: (0..).zip(places).map(object).collect(),
+        light: scene::Light::afternoon(),
+        surfaces: None,
+    }
+}
+
+fn mesh(name: &str, points: impl Iterator<Item = [f32; 2]>, indices: Vec<u32>) -> Mesh {
+    let (normal, colour) = (pack_normal(Vec3::Z), pack_unorm([1.0; 4]));
+    let vertex = |[x, y]: [f32; 2]| Vertex { position: [x, y, 0.0], normal, colour };
+    let vertices: Vec<Vertex> = points.map(vertex).collect();
+    let bounds = bounds_of_vertices(&vertices);
+    Mesh { name: name.to_owned(), vertices, indices, bounds, has_backs: false }
+}
+
+fn single() -> Mesh {
+    mesh("triangle", [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].into_iter(), vec![0, 1, 2])
+}
+
+/// A square of which half faces the eye.
+fn patch() -> Mesh {
+    let side = QUADS + 1;
+    let at = |place: u32| place as f32 / QUADS as f32 - 0.5;
+    let points = (0..side * side).map(|point| [at(point % side), at(point / side)]);
+    let indices = (0..QUADS * QUADS).flat_map(|quad| {
+        let first = quad / QUADS * side + quad % QUADS;
+        let [a, b, c, d] = [first, first + 1, first + side + 1, first + side];
+        if quad % 2 == 0 { [a, b, c, a, c, d] } else { [a, c, b, a, d, c] }
+    });
+    mesh("patch", points, indices.collect())
+}
