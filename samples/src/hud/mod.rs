@@ -10,7 +10,6 @@ mod layout;
 mod legend;
 mod level;
 mod marks;
-mod notice;
 mod overview;
 mod page;
 mod scale;
@@ -18,6 +17,7 @@ mod signs;
 mod style;
 #[cfg(test)]
 mod tests;
+mod toast;
 
 use epaint::text::{FontDefinitions, Fonts, TextOptions, ViewportKey};
 use epaint::{ClippedShape, Color32, ImageData, Primitive, TessellationOptions, Tessellator};
@@ -80,7 +80,7 @@ impl Hud {
         // The panel goes down to the edge: what is said for a while is beside it and hides nothing of it.
         let has_panel = page.overview.is_some() && page.help.is_none();
         let left = if has_panel { measures.panel_width } else { 0.0 };
-        let bottom = notice::draw(&mut canvas, page, left);
+        let bottom = toast::draw(&mut canvas, page, left);
         let is_helped =
             page.help.as_ref().and_then(|help| help::draw(&mut canvas, help, bottom)).is_some();
         // The keys are read alone: nothing is beside them.

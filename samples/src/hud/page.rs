@@ -21,9 +21,9 @@ pub struct HudPage {
     /// What was asked for: a list or field, or rows about something, above what is at the lower edge.
     pub asked: Option<String>,
     /// Something that went wrong or was just done, at the lower edge.
-    pub notice: Option<String>,
+    pub toast: Option<String>,
     /// What is on its way, and how much of it is done (0 to 1, where that is known): a bar in place of the
-    /// notice.
+    /// toast.
     pub progress: Option<(String, Option<f32>)>,
 }
 

@@ -15,7 +15,7 @@ pub const VALUE: Color32 = Color32::from_rgb(235, 240, 245);
 pub const GOOD: Color32 = Color32::from_rgb(86, 196, 150);
 /// What takes longer than it may, or may be wrong.
 pub const BAD: Color32 = Color32::from_rgb(245, 130, 80);
-/// Keys, notices and marks.
+/// Keys, toasts and marks.
 pub const MARK: Color32 = Color32::from_rgb(250, 210, 90);
 /// Lines of a scale, and what is left of a bar.
 pub const DIM: Color32 = Color32::from_rgb(84, 94, 110);

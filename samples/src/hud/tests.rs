@@ -73,7 +73,7 @@ fn page([width, height]: [u32; 2]) -> HudPage {
             texts(11, "latency to the screen", "16.67 ms"),
         ],
         legends: vec![legend(None), legend(Some(area))],
-        notice: Some("a notice".to_owned()),
+        toast: Some("a toast".to_owned()),
         ..HudPage::default()
     }
 }
@@ -104,7 +104,7 @@ fn overlap(one: Rect, other: Rect) -> bool {
 
 fn check(page: &HudPage, size: [u32; 2]) {
     let (panels, texts, screen) = laid_out(page, size);
-    let said = [&page.notice, &page.asked].into_iter().flatten().count();
+    let said = [&page.toast, &page.asked].into_iter().flatten().count();
     for (place, panel) in panels.iter().enumerate() {
         // What is said alone is shown however small the picture is.
         let is_notice = place < said;
@@ -137,7 +137,7 @@ fn nothing_overlaps_and_nothing_is_cut_off() {
 fn the_overview_takes_a_quarter_of_the_width_at_most() {
     for size in SIZES {
         let with_all = page(size);
-        let alone = HudPage { legends: Vec::new(), notice: None, ..with_all };
+        let alone = HudPage { legends: Vec::new(), toast: None, ..with_all };
         let (panels, _, screen) = laid_out(&alone, size);
         for panel in panels {
             assert!(panel.max.x <= screen.width() * PANEL_SHARE + 0.1, "{size:?}: {panel:?}");
@@ -178,10 +178,10 @@ fn what_is_said_takes_nothing_from_the_details() {
         texts.into_iter().filter(|(area, _)| area.max.x < 0.25 * 1920.0).count()
     };
     for size in [[960, 540], [1920, 1080]] {
-        let quiet = HudPage { notice: None, ..page(size) };
+        let quiet = HudPage { toast: None, ..page(size) };
         let said = HudPage {
             asked: Some(vec!["a row of a list"; 14].join("\n")),
-            notice: Some("one line\nand another".to_owned()),
+            toast: Some("one line\nand another".to_owned()),
             ..page(size)
         };
         check(&said, size);
@@ -202,7 +202,7 @@ fn the_page_of_keys_fits_at_960x540() {
         let page = HudPage { help: Some(Help { groups: groups.clone() }), ..page(size) };
         check(&page, size);
         let (panels, texts, screen) = laid_out(&page, size);
-        // The titles, and the notice.
+        // The titles, and the toast.
         assert_eq!(texts.len(), 2 * count + groups.len() + 1, "{size:?}");
         let keys = panels.last().unwrap();
         assert!(keys.height() < 0.6 * screen.height(), "{size:?}: {keys:?}");

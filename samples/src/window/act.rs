@@ -1,9 +1,9 @@
-//! What deeds do to a session. Those that are about a window do nothing here.
+//! What actions do to a session. Those that are about a window do nothing here.
 
 use super::actions::Action;
 use super::menu;
+use super::scene_view::SceneView;
 use super::session::Session;
-use super::world::World;
 use crate::hud::HudLevel;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
 use bench::recorded_path::RecordedPath;
@@ -46,11 +46,11 @@ impl Session {
             Action::Screenshot => self.wants_screenshot = true,
             Action::Record => self.toggle_recording(),
             Action::Hud => self.hud_level = self.hud_level.next(),
-            Action::Pause => self.answer(World::toggle_pause),
-            Action::Step => self.answer(World::step),
-            Action::NextClip => self.answer(World::next_clip),
-            Action::AllClips => self.answer(World::all_clips),
-            Action::Camera(number) => self.answer(|world| world.look_through(number)),
+            Action::Pause => self.answer(SceneView::toggle_pause),
+            Action::Step => self.answer(SceneView::step),
+            Action::NextClip => self.answer(SceneView::next_clip),
+            Action::AllClips => self.answer(SceneView::all_clips),
+            Action::Camera(number) => self.answer(|scene_view| scene_view.look_through(number)),
             Action::ListStrategies => {
                 let can = |strategy| self.renderer.supports(strategy).is_ok();
                 self.menu = Some(menu::strategies(can, self.strategy));
@@ -80,9 +80,9 @@ impl Session {
         }
     }
 
-    /// Says what became of something that was asked of the world.
-    fn answer(&mut self, ask: impl FnOnce(&mut World) -> Result<String, String>) {
-        match ask(&mut self.world) {
+    /// Says what became of something that was asked of the view of the scene.
+    fn answer(&mut self, ask: impl FnOnce(&mut SceneView) -> Result<String, String>) {
+        match ask(&mut self.scene_view) {
             Ok(told) => self.tell(told),
             Err(reason) => self.refuse(reason),
         }
@@ -90,12 +90,12 @@ impl Session {
 
     /// Says something in the picture.
     pub fn tell(&mut self, text: String) {
-        self.notice.tell(self.clock.now(), text);
+        self.toast.tell(self.clock.now(), text);
     }
 
     /// Says in the picture what cannot be, also where there is no HUD.
     pub fn refuse(&mut self, text: String) {
-        self.notice.refuse(self.clock.now(), text);
+        self.toast.refuse(self.clock.now(), text);
     }
 
     /// How many frames are in flight.
@@ -203,7 +203,7 @@ impl Session {
             self.tell("recording the path; the same key ends it".to_owned());
         } else if let Err(error) = self.stop_recording() {
             let text = format!("{error} It is recorded on; the same key tries again");
-            self.notice.keep_telling(text);
+            self.toast.keep_telling(text);
         }
     }
 

@@ -69,7 +69,7 @@ pub enum Action {
     Quit,
 }
 
-/// The keys: how they are called, what they do, as text and as a deed; in the order of [`GROUPS`].
+/// The keys: how they are called, what they do, as text and as an action; in the order of [`GROUPS`].
 pub const KEYS: [(&str, &str, Action); 20] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
@@ -128,10 +128,10 @@ impl Action {
         KEYS.iter().chain(&FILE_KEYS).find(same).map(|(_, _, action)| *action)
     }
 
-    /// A deed as scripts write it.
+    /// An action as scripts write it.
     ///
     /// # Errors
-    /// A sentence, where there is no such deed or value.
+    /// A sentence, where there is no such action or value.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut words = text.split_ascii_whitespace();
         let (name, value) = (words.next().unwrap_or_default(), words.next());
@@ -183,7 +183,7 @@ impl Action {
                     return Err(format!("{name} takes no '{value}'"));
                 }
                 (name, _) => {
-                    return Err(format!("unknown deed '{name}': there is {}", NAMES.join(", ")));
+                    return Err(format!("unknown action '{name}': there is {}", NAMES.join(", ")));
                 }
             };
         Ok(action)
@@ -244,7 +244,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_deed_has_a_key_and_a_name() {
+    fn every_action_has_a_key_and_a_name() {
         let keys = || KEYS.iter().chain(&FILE_KEYS);
         for (key, _, action) in keys() {
             assert_eq!(Action::of_key(&key.to_lowercase()), Some(*action));
@@ -295,8 +295,8 @@ mod tests {
             ("camera walk", "takes its number"),
             ("identify 160", "takes a pixel"),
             ("identify -1,2", "takes a pixel"),
-            ("jump", "unknown deed 'jump'"),
-            ("", "unknown deed ''"),
+            ("jump", "unknown action 'jump'"),
+            ("", "unknown action ''"),
             ("strategy pyramid now", "'now' is one word too many"),
         ] {
             let refused = Action::parse(text).unwrap_err();

@@ -6,21 +6,21 @@ use render::FrameReport;
 
 use super::fly_camera::FlyCamera;
 use super::identify::Selection;
+use super::loaded_scene::LoadedScene;
 use super::loading::Progress;
 use super::session::Session;
 use super::source::Source;
-use super::stage::Stage;
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
 use bench::terminal::shown;
 
 impl Session {
-    /// Shows `stage` from now on, from its first frame. What it replaces goes when the GPU is through.
+    /// Shows `loaded` from now on, from its first frame. What it replaces goes when the GPU is through.
     ///
     /// # Errors
     /// A device that cannot do it; then it goes on with what it showed.
-    pub fn enter(&mut self, stage: Stage) -> Result<(), RunError> {
-        let Stage { mut renderer, mut world } = stage;
+    pub fn enter(&mut self, loaded: LoadedScene) -> Result<(), RunError> {
+        let LoadedScene { mut renderer, mut scene_view } = loaded;
         if renderer.size() != self.renderer.size() {
             renderer.resize(self.renderer.size())?;
         }
@@ -37,12 +37,12 @@ impl Session {
                 Strategy::Antumbra
             }
         };
-        let notes = std::mem::take(&mut world.notes);
+        let notes = std::mem::take(&mut scene_view.notes);
         self.stop_recording()?;
         self.finish_comparison()?;
         (self.renderer, self.history, self.strategy) = (renderer, history, strategy);
-        self.fly = FlyCamera::new(world.start, world.speed_m);
-        (self.seen_from, self.world) = (world.start, world);
+        self.fly = FlyCamera::new(scene_view.start, scene_view.speed_m);
+        (self.seen_from, self.scene_view) = (scene_view.start, scene_view);
         self.selection = Selection::default();
         // The letters of the text are on the old renderer.
         self.hud = None;
@@ -54,7 +54,7 @@ impl Session {
             trace.forget_submitted();
         }
         for note in &notes {
-            tracing::warn!("{}: {note}", shown(Path::new(&self.world.name)));
+            tracing::warn!("{}: {note}", shown(Path::new(&self.scene_view.name)));
         }
         self.tell_notes(notes);
         self.explain()
@@ -64,7 +64,7 @@ impl Session {
     fn tell_notes(&mut self, notes: Vec<String>) {
         let others = notes.len().saturating_sub(1);
         let more = (others > 0).then(|| format!("... and {others} more, see the log"));
-        let lines = notes.into_iter().take(1).chain(more).chain(self.world.hint.take());
+        let lines = notes.into_iter().take(1).chain(more).chain(self.scene_view.hint.take());
         let text = lines.collect::<Vec<_>>().join("\n");
         if !text.is_empty() {
             self.tell(text);
@@ -78,11 +78,11 @@ impl Session {
 
     /// Says something until something else is said.
     pub fn keep_telling(&mut self, text: String) {
-        self.notice.keep_telling(text);
+        self.toast.keep_telling(text);
     }
 
     /// Says for as long as nothing else is said that a source cannot be shown, and why.
     pub fn refuse_source(&mut self, source: &Source, error: &RunError) {
-        self.notice.keep_telling(format!("{} cannot be shown: {error}", source.name()));
+        self.toast.keep_telling(format!("{} cannot be shown: {error}", source.name()));
     }
 }

@@ -1,6 +1,6 @@
-//! A gamepad: sticks and triggers steer, buttons do deeds.
+//! A gamepad: sticks and triggers steer, buttons do actions.
 //!
-//! [`PadState`] turns numbers of the device into a flight, and [`deed_of`] buttons into deeds: pure. A
+//! [`PadState`] turns numbers of the device into a flight, and [`action_of`] buttons into actions: pure. A
 //! thread reads what Linux has under `/dev/input`: without a gamepad, or without the right to read it,
 //! it looks again from time to time.
 
@@ -87,7 +87,7 @@ fn shaped([x, y]: [f32; 2]) -> [f32; 2] {
 }
 
 /// Returns what a button does.
-pub fn deed_of(button: KeyCode) -> Option<Action> {
+pub fn action_of(button: KeyCode) -> Option<Action> {
     match button {
         KeyCode::BTN_SOUTH => Some(Action::NextStrategy),
         KeyCode::BTN_WEST => Some(Action::Freeze),
@@ -111,7 +111,7 @@ impl Gamepad {
         let state = Arc::new(Mutex::new(PadState::default()));
         let (sender, actions) = mpsc::channel();
         let theirs = Arc::clone(&state);
-        // It ends with the program, or when nobody wants its deeds any more.
+        // It ends with the program, or when nobody wants its actions any more.
         let thread = thread::Builder::new().name("gamepad".to_owned());
         thread.spawn(move || look_and_read(&theirs, &sender)).ok()?;
         Some(Self { state, actions })
@@ -122,8 +122,8 @@ impl Gamepad {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the next deed of a button that was pressed.
-    pub fn next_deed(&self) -> Option<Action> {
+    /// Returns the next action of a button that was pressed.
+    pub fn next_action(&self) -> Option<Action> {
         self.actions.try_recv().ok()
     }
 }
@@ -154,7 +154,7 @@ fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Act
         for event in events {
             match event.destructure() {
                 EventSummary::Key(_, button, 1) => {
-                    if let Some(action) = deed_of(button)
+                    if let Some(action) = action_of(button)
                         && actions.send(action).is_err()
                     {
                         return false;
@@ -231,11 +231,11 @@ mod tests {
     }
 
     #[test]
-    fn buttons_do_deeds() {
-        assert_eq!(deed_of(KeyCode::BTN_SOUTH), Some(Action::NextStrategy));
-        assert_eq!(deed_of(KeyCode::BTN_WEST), Some(Action::Freeze));
-        assert_eq!(deed_of(KeyCode::BTN_NORTH), Some(Action::Compare));
-        assert_eq!(deed_of(KeyCode::KEY_A), None);
+    fn buttons_do_actions() {
+        assert_eq!(action_of(KeyCode::BTN_SOUTH), Some(Action::NextStrategy));
+        assert_eq!(action_of(KeyCode::BTN_WEST), Some(Action::Freeze));
+        assert_eq!(action_of(KeyCode::BTN_NORTH), Some(Action::Compare));
+        assert_eq!(action_of(KeyCode::KEY_A), None);
     }
 
     proptest! {

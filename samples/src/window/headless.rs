@@ -8,10 +8,10 @@ use gpu::{Device, DeviceOptions, Readback};
 
 use super::actions::Action;
 use super::fly_camera::Steering;
+use super::loaded_scene::LoadedScene;
 use super::session::{Files, Session};
 use super::show::ShowOptions;
 use super::source::Source;
-use super::stage::Stage;
 use bench::progress::LoadingBar;
 use bench::run;
 use bench::run_error::RunError;
@@ -52,11 +52,13 @@ fn draw(
     signals: &Signals,
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
-    let stage = match source {
-        Source::Made { made, path } => Stage::made(device, made, path.as_ref(), options, size)?,
+    let loaded = match source {
+        Source::Made { made, path } => {
+            LoadedScene::made(device, made, path.as_ref(), options, size)?
+        }
         Source::File { file, settings } => {
             let bar = LoadingBar::for_terminal();
-            Stage::of_file(device, (file, settings), options, size, &mut |told| {
+            LoadedScene::of_file(device, (file, settings), options, size, &mut |told| {
                 bar.told(told.what, told.fraction);
                 match signals.received() {
                     Some(_) => ControlFlow::Break(()),
@@ -64,15 +66,15 @@ fn draw(
                 }
             })?
         }
-        Source::Nothing { .. } => Stage::empty(device, options, size)?,
+        Source::Nothing { .. } => LoadedScene::empty(device, options, size)?,
     };
-    for note in &stage.world.notes {
-        tracing::warn!("{}: {note}", shown(Path::new(&stage.world.name)));
+    for note in &loaded.scene_view.notes {
+        tracing::warn!("{}: {note}", shown(Path::new(&loaded.scene_view.name)));
     }
-    if let Some(hint) = &stage.world.hint {
+    if let Some(hint) = &loaded.scene_view.hint {
         tracing::info!("{hint}");
     }
-    let mut session = Session::new(device, options, files, stage)?;
+    let mut session = Session::new(device, options, files, loaded)?;
     let drawn = draw_frames(device, &mut session, options, signals);
     super::first_error([drawn, session.finish(options)])
 }

@@ -75,7 +75,7 @@ impl Session {
         let card = ObjectCard {
             explained: &explained,
             outcome,
-            mesh: self.world.mesh_name(explained.object),
+            mesh: self.scene_view.mesh_name(explained.object),
             triangles: self.renderer.triangles_of(explained.object),
             eye: view.eye,
             strategy: self.strategy,

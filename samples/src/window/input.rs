@@ -83,7 +83,7 @@ impl Input {
         if !is_down || !self.has_command_modifier() {
             self.hold(code, is_down);
         }
-        if is_down && !event.repeat { self.deed_of(code) } else { None }
+        if is_down && !event.repeat { self.action_of(code) } else { None }
     }
 
     /// Returns what a key does while a list or field is open.
@@ -120,7 +120,7 @@ impl Input {
             .intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER)
     }
 
-    fn deed_of(&self, code: KeyCode) -> Option<Action> {
+    fn action_of(&self, code: KeyCode) -> Option<Action> {
         let (_, name) = NAMED.iter().find(|(named, _)| *named == code)?;
         if !self.has_command_modifier() {
             return Action::of_key(name);
@@ -186,19 +186,19 @@ mod tests {
             let input = Input { modifiers, ..input };
             let place = NAMED.iter().find(|(_, named)| *named == plain);
             let (code, _) = place.unwrap_or_else(|| panic!("{name} is on no keyboard"));
-            assert_eq!(input.deed_of(*code), Some(*action), "{name}");
+            assert_eq!(input.action_of(*code), Some(*action), "{name}");
         }
-        assert_eq!(input.deed_of(KeyCode::Digit3), Some(Action::Camera(3)));
-        assert_eq!(input.deed_of(KeyCode::F24), None);
+        assert_eq!(input.action_of(KeyCode::Digit3), Some(Action::Camera(3)));
+        assert_eq!(input.action_of(KeyCode::F24), None);
     }
 
     #[test]
     fn commands_of_the_desktop_are_left_to_it() {
         for modifiers in [ModifiersState::ALT, ModifiersState::SUPER, ModifiersState::CONTROL] {
             let input = Input { modifiers, ..Input::default() };
-            assert_eq!(input.deed_of(KeyCode::Tab), None, "{modifiers:?}");
+            assert_eq!(input.action_of(KeyCode::Tab), None, "{modifiers:?}");
         }
         let input = Input { modifiers: ModifiersState::SHIFT, ..Input::default() };
-        assert_eq!(input.deed_of(KeyCode::Tab), Some(Action::NextStrategy));
+        assert_eq!(input.action_of(KeyCode::Tab), Some(Action::NextStrategy));
     }
 }

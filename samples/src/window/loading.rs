@@ -7,9 +7,9 @@ use std::thread::{self, JoinHandle};
 
 use gpu::Device;
 
+use super::loaded_scene::LoadedScene;
 use super::show::ShowOptions;
 use super::source::Source;
-use super::stage::Stage;
 use bench::run_error::RunError;
 use bench::scene_file::{self, Told};
 
@@ -33,7 +33,7 @@ struct Shared {
 pub struct Loading {
     source: Source,
     shared: Arc<Shared>,
-    thread: Option<JoinHandle<Result<Stage, RunError>>>,
+    thread: Option<JoinHandle<Result<LoadedScene, RunError>>>,
 }
 
 impl Loading {
@@ -62,12 +62,12 @@ impl Loading {
             match &own {
                 Source::Made { made, path } => {
                     scene_file::tell(&mut tell, "making the scene", None)?;
-                    Stage::made(&device, made, path.as_ref(), &options, size)
+                    LoadedScene::made(&device, made, path.as_ref(), &options, size)
                 }
                 Source::File { file, settings } => {
-                    Stage::of_file(&device, (file, settings), &options, size, &mut tell)
+                    LoadedScene::of_file(&device, (file, settings), &options, size, &mut tell)
                 }
-                Source::Nothing { .. } => Stage::empty(&device, &options, size),
+                Source::Nothing { .. } => LoadedScene::empty(&device, &options, size),
             }
         };
         let thread = thread::Builder::new().name("loading".to_owned()).spawn(load);
@@ -87,7 +87,7 @@ impl Loading {
     }
 
     /// What became of it, once that is known.
-    pub fn finished(&mut self) -> Option<Result<Stage, RunError>> {
+    pub fn finished(&mut self) -> Option<Result<LoadedScene, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         let crashed = |_| RunError::machine(format!("loading {} failed", self.source.name()));
         Some(thread.join().unwrap_or_else(|panic| Err(crashed(panic))))

@@ -1,10 +1,10 @@
 //! The programs `city` and `viewer`, in a window and without one.
 //!
 //! [`args`] and [`viewer_args`] turn command lines into a [`source`] and [how to show](show) it. It
-//! becomes a [`stage`]: a renderer, and the [`world`] around its scene; files do so while frames go on
-//! ([`loading`]). A [`session`] draws one frame after the other, whoever
-//! asks: [`app`] when its [`screen`]'s pacer says so, [`headless`] at once. Keys and scripts have
-//! [`actions`] done ([`act`]).
+//! becomes a [`loaded_scene`]: a renderer, and the [`scene_view`] with its cameras and what moves; files
+//! do so while frames go on ([`loading`]). A [`session`] draws one frame after the other, whoever asks:
+//! [`app`] when its [`screen`]'s pacer says so, [`headless`] at once. Keys and scripts have [`actions`]
+//! done ([`act`]).
 
 pub mod act;
 pub mod actions;
@@ -31,9 +31,9 @@ pub mod input;
 mod keys_help;
 pub mod leaving;
 pub mod legends;
+pub mod loaded_scene;
 pub mod loading;
 pub mod menu;
-pub mod notice;
 mod object_text;
 mod opened;
 pub mod page;
@@ -42,6 +42,7 @@ mod pending_scenes;
 pub mod pointer;
 pub mod profiler;
 mod scene_files;
+pub mod scene_view;
 pub mod screen;
 pub mod screenshots;
 pub mod script;
@@ -49,11 +50,10 @@ pub mod session;
 pub mod shader_watch;
 pub mod show;
 pub mod source;
-pub mod stage;
 pub mod title;
+pub mod toast;
 pub mod trace;
 pub mod viewer_args;
-pub mod world;
 
 use std::process::ExitCode;
 

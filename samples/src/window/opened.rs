@@ -96,8 +96,8 @@ impl Opened {
             .map(|rate| Duration::from_secs_f64(1e3 / f64::from(rate)));
         let screen = Screen::new(&device, &surface, options, refresh)?;
         let drawn = size.map(|side| side.max(1));
-        let (arrivals, stage) = PendingScenes::open(source, &device, options, drawn)?;
-        let session = Session::new(&device, options, files, stage)?;
+        let (arrivals, loaded) = PendingScenes::open(source, &device, options, drawn)?;
+        let session = Session::new(&device, options, files, loaded)?;
         Ok(Self {
             arrivals,
             session,
@@ -145,7 +145,7 @@ impl Opened {
                 }
             }
         }
-        while let Some(action) = self.gamepad.as_ref().and_then(Gamepad::next_deed) {
+        while let Some(action) = self.gamepad.as_ref().and_then(Gamepad::next_action) {
             if self.act(action)? {
                 return Ok(Next::End);
             }
@@ -220,7 +220,7 @@ impl Opened {
         }
     }
 
-    /// Does a deed; answers whether it was the end.
+    /// Does an action; answers whether it was the end.
     pub(super) fn act(&mut self, action: Action) -> Result<bool, RunError> {
         match action {
             Action::Quit => return Ok(true),

@@ -105,11 +105,11 @@ impl Session {
         let marks = self.comparison.as_ref().map(|comparison| comparison.marks(now).to_vec());
         let marks = marks.unwrap_or_default();
         if self.hud_level == HudLevel::Off {
-            let refused = screen.and_then(|_| self.notice.refused_at(now));
+            let refused = screen.and_then(|_| self.toast.refused_at(now));
             let asked = screen.and_then(|_| self.asked_for());
             return HudPage {
                 asked,
-                notice: refused,
+                toast: refused,
                 progress,
                 signs,
                 help,
@@ -120,7 +120,7 @@ impl Session {
         let device = self.renderer.device();
         let known = Known {
             frame: self.frame,
-            scene: &self.world.name,
+            scene: &self.scene_view.name,
             report: &self.report,
             outcome: self.outcome.as_ref(),
             objects: self.renderer.hierarchy().object_count().into(),
@@ -143,20 +143,20 @@ impl Session {
             _ => ("F1 help, H details", Vec::new()),
         };
         // Beside a list that is open, what was done before is of no interest.
-        let notice = match self.menu {
-            Some(_) => self.notice.refused_at(now),
-            None => self.notice.at(now),
+        let toast = match self.menu {
+            Some(_) => self.toast.refused_at(now),
+            None => self.toast.at(now),
         };
-        let of_world = self.world.facts().filter(|_| self.hud_level == HudLevel::Detailed);
+        let of_scene = self.scene_view.facts().filter(|_| self.hud_level == HudLevel::Detailed);
         HudPage {
             overview: Some(known.overview(hint)),
-            details: of_world.into_iter().chain(details).collect(),
+            details: of_scene.into_iter().chain(details).collect(),
             legends: self.legends(),
             marks,
             signs,
             help,
             asked: self.asked_for(),
-            notice,
+            toast,
             progress,
         }
     }
@@ -198,7 +198,7 @@ impl Session {
         let mut groups = vec![("Camera", STEERING.map(own).to_vec())];
         let mut keys = KEYS.into_iter().map(|(key, action, _)| own((key, action)));
         groups.extend(GROUPS.map(|(title, count)| (title, keys.by_ref().take(count).collect())));
-        if self.world.is_alive() {
+        if self.scene_view.is_alive() {
             let of_file = FILE_KEYS.into_iter().map(|(key, action, _)| (key, action));
             let of_file = of_file.chain([CAMERA_KEYS]).map(own).collect();
             groups.push(("Scene out of a file", of_file));

@@ -2,11 +2,11 @@
 
 use gpu::Device;
 
+use super::loaded_scene::LoadedScene;
 use super::loading::Loading;
 use super::session::Session;
 use super::show::ShowOptions;
 use super::source::Source;
-use super::stage::Stage;
 use bench::run_error::RunError;
 
 const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
@@ -30,10 +30,14 @@ impl PendingScenes {
         device: &Device,
         options: &ShowOptions,
         size: [u32; 2],
-    ) -> Result<(Self, Stage), RunError> {
-        let stage = match source {
-            Source::Made { made, path } => Stage::made(device, made, path.as_ref(), options, size)?,
-            Source::File { .. } | Source::Nothing { .. } => Stage::empty(device, options, size)?,
+    ) -> Result<(Self, LoadedScene), RunError> {
+        let loaded = match source {
+            Source::Made { made, path } => {
+                LoadedScene::made(device, made, path.as_ref(), options, size)?
+            }
+            Source::File { .. } | Source::Nothing { .. } => {
+                LoadedScene::empty(device, options, size)?
+            }
         };
         let loading = match source {
             Source::File { .. } => Some(Loading::start(device, source, options, size)?),
@@ -41,7 +45,7 @@ impl PendingScenes {
         };
         let is_first = loading.is_some();
         let is_invited = !matches!(source, Source::Nothing { .. });
-        Ok((Self { loading, is_first, is_invited }, stage))
+        Ok((Self { loading, is_first, is_invited }, loaded))
     }
 
     /// Whether the window still waits for what it was opened for.
@@ -83,7 +87,7 @@ impl PendingScenes {
         let Some(loading) = &mut self.loading else { return Ok(false) };
         session.await_scene(Some(loading.progress()));
         let Some(arrived) = loading.finished() else { return Ok(false) };
-        let shown = arrived.and_then(|stage| session.enter(stage));
+        let shown = arrived.and_then(|loaded| session.enter(loaded));
         session.await_scene(None);
         let is_first = std::mem::take(&mut self.is_first);
         match (shown, self.loading.take()) {

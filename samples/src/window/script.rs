@@ -13,7 +13,7 @@ use bench::terminal::shown;
 /// A larger file is no script.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// Deeds in the order of their frames.
+/// Actions in the order of their frames.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Script {
     lines: Vec<(u32, Action)>,
@@ -53,7 +53,7 @@ impl Script {
         Ok(Self { lines, next: 0 })
     }
 
-    /// The next deed that is to be done before `frame`.
+    /// The next action that is to be done before `frame`.
     pub fn next_before(&mut self, frame: u32) -> Option<Action> {
         let (due, action) = *self.lines.get(self.next)?;
         if due > frame {
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn deeds_come_in_their_turn() {
+    fn actions_come_in_their_turn() {
         let mut script =
             Script::parse("# first\n2 hud\n2 strategy naive\n\n  5   quit  \n").unwrap();
         assert_eq!(script.next_before(1), None);
@@ -85,7 +85,7 @@ mod tests {
         for (text, line, reason) in [
             ("1 hud\nhud\n", 2, "number of a frame, not 'hud'"),
             ("1 hud\n\n0 hud\n", 3, "frame 0 comes before"),
-            ("7\n", 1, "unknown deed ''"),
+            ("7\n", 1, "unknown action ''"),
             ("-1 hud\n", 1, "not '-1'"),
         ] {
             let (at, why) = Script::parse(text).unwrap_err();

@@ -1,4 +1,4 @@
-//! The program without its window: a world, a camera, and one frame after the other, whoever shows them.
+//! The program without its window: a scene, a camera, and one frame after the other, whoever shows them.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -18,18 +18,18 @@ use super::comparison::Comparison;
 use super::fly_camera::{FlyCamera, Steering};
 use super::frame_times::FrameTimes;
 use super::identify::Selection;
+use super::loaded_scene::LoadedScene;
 use super::loading::Progress;
 use super::menu::Menu;
-use super::notice::Notice;
 use super::profiler::{Profiler, Scope};
+use super::scene_view::SceneView;
 use super::screenshots::Screenshots;
 use super::script::Script;
 use super::shader_watch::ShaderWatch;
 use super::show::ShowOptions;
 use super::source::Source;
-use super::stage::Stage;
+use super::toast::Toast;
 use super::trace::Trace;
-use super::world::World;
 use crate::hud::{Hud, HudLevel};
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
@@ -45,7 +45,7 @@ pub struct Session {
     /// The number of the next frame.
     pub(super) frame: u32,
     pub(super) fly: FlyCamera,
-    pub(super) world: World,
+    pub(super) scene_view: SceneView,
     /// How far another scene has come that is on its way.
     pub(super) awaited: Option<Progress>,
     pub(super) frozen: Option<VisibilitySnapshot>,
@@ -65,7 +65,7 @@ pub struct Session {
     pub(super) is_page_stale: bool,
     /// While there is something to write over the picture.
     pub(super) hud: Option<Hud>,
-    pub(super) notice: Notice,
+    pub(super) toast: Toast,
     pub(super) times: FrameTimes,
     /// How pictures follow each other in the window.
     pub(super) present_mode: Option<PresentMode>,
@@ -91,7 +91,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Shows `stage`.
+    /// Shows `loaded`.
     ///
     /// # Errors
     /// A device that cannot do it.
@@ -99,22 +99,22 @@ impl Session {
         device: &Device,
         options: &ShowOptions,
         files: Files,
-        stage: Stage,
+        loaded: LoadedScene,
     ) -> Result<Self, RunError> {
-        let Stage { mut renderer, world } = stage;
+        let LoadedScene { mut renderer, scene_view } = loaded;
         renderer.supports(options.strategy)?;
         if options.times_passes {
             renderer.time_passes()?;
         }
-        let start = world.start;
+        let start = scene_view.start;
         let clock = Clock;
         Ok(Self {
             clock,
             history: renderer.new_view()?,
             strategy: options.strategy,
             frame: 0,
-            fly: FlyCamera::new(start, world.speed_m),
-            world,
+            fly: FlyCamera::new(start, scene_view.speed_m),
+            scene_view,
             awaited: None,
             frozen: None,
             seen_from: start,
@@ -127,7 +127,7 @@ impl Session {
             has_help: false,
             is_page_stale: false,
             hud: None,
-            notice: Notice::default(),
+            toast: Toast::default(),
             times: FrameTimes::default(),
             present_mode: None,
             scene: 0,
@@ -158,7 +158,7 @@ impl Session {
     /// Returns the names of the scene, of the strategy, and of what is counted as drawn in a second.
     pub fn subject(&self) -> [&str; 3] {
         let unit = self.comparison.as_ref().map_or("frames/s", |_| "pairs/s");
-        [&self.world.name, self.strategy.name(), unit]
+        [&self.scene_view.name, self.strategy.name(), unit]
     }
 
     /// What draws.
@@ -166,7 +166,7 @@ impl Session {
         &self.renderer
     }
 
-    /// The next deed that the script has for the next frame.
+    /// The next action that the script has for the next frame.
     pub fn next_scripted(&mut self) -> Option<super::actions::Action> {
         self.script.next_before(self.frame)
     }
@@ -190,7 +190,7 @@ impl Session {
 
     /// From here on somebody steers.
     fn take_over(&mut self) {
-        if self.world.take_over() {
+        if self.scene_view.take_over() {
             self.fly.go_to(self.seen_from);
         }
     }
@@ -209,7 +209,7 @@ impl Session {
         if *steering != (Steering { hurries: steering.hurries, ..Steering::default() }) {
             self.take_over();
         }
-        if let Some(camera) = self.world.camera(self.frame, self.renderer.size()) {
+        if let Some(camera) = self.scene_view.camera(self.frame, self.renderer.size()) {
             return camera;
         }
         self.fly.fly(steering, seconds);
@@ -233,11 +233,11 @@ impl Session {
         self.follow_selection()?;
         // What was decided stays decided while the culling stands still, so all else does, too.
         if self.frozen.is_none() {
-            self.world.advance(&mut self.renderer, seconds)?;
+            self.scene_view.advance(&mut self.renderer, seconds)?;
         }
         let camera = self.camera(steering, seconds);
         if self.frozen.is_none() {
-            self.world.choose_detail(&mut self.renderer, &camera);
+            self.scene_view.choose_detail(&mut self.renderer, &camera);
         }
         self.seconds += f64::from(seconds);
         if let Some(recording) = &mut self.recording {
@@ -286,7 +286,7 @@ impl Session {
             None => Rc::new(Readback::new(self.renderer.device(), self.renderer.size())?),
         };
         self.photographed = Some(self.clock.now());
-        let name = format!("{}_{:05}.png", self.world.name, self.frame);
+        let name = format!("{}_{:05}.png", self.scene_view.name, self.frame);
         Ok(Some((picture, self.folder.join(name))))
     }
 
@@ -321,12 +321,12 @@ impl Session {
     pub fn after_frame(&mut self) -> Result<(), RunError> {
         let now = self.clock.now();
         if self.capture.as_mut().is_some_and(Capture::end) {
-            self.notice.tell(now, "RenderDoc captured the frame".to_owned());
+            self.toast.tell(now, "RenderDoc captured the frame".to_owned());
         }
         match self.screenshots.write_finished(self.renderer.device()) {
             Ok(None) => {}
-            Ok(Some(path)) => self.notice.tell(now, format!("wrote {}", shown(&path))),
-            Err(error) => self.notice.keep_telling(error.to_string()),
+            Ok(Some(path)) => self.toast.tell(now, format!("wrote {}", shown(&path))),
+            Err(error) => self.toast.keep_telling(error.to_string()),
         }
         if let Some(watch) = &mut self.watch
             && watch.has_changed(now)
@@ -337,10 +337,10 @@ impl Session {
                 .and_then(|shaders| self.renderer.reload(shaders))
             {
                 Ok(()) => {
-                    self.notice.shaders_work();
-                    self.notice.tell(now, "new shaders".to_owned());
+                    self.toast.shaders_work();
+                    self.toast.tell(now, "new shaders".to_owned());
                 }
-                Err(error) => self.notice.shaders_are_broken(error.to_string()),
+                Err(error) => self.toast.shaders_are_broken(error.to_string()),
             }
         }
         Ok(())

@@ -50,7 +50,7 @@ fn what_cannot_be_ends_with_2_and_one_sentence() {
     for (mistake, sentence) in [
         (["--path", "bad.txt"], "bad.txt:2: a frame has 12 numbers, not 3"),
         (["--path", "missing.txt"], "'missing.txt'"),
-        (["--script", "bad.script"], "bad.script:2: unknown deed 'jump'"),
+        (["--script", "bad.script"], "bad.script:2: unknown action 'jump'"),
         (["--scene", "a.glb"], "`viewer a.glb` shows a file"),
         (["--device", "no such"], "there is no device 'no such'"),
         (["--trace", "/proc/trace.json"], "--trace: cannot write into the folder '/proc'"),

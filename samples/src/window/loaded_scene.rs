@@ -1,4 +1,4 @@
-//! What a session shows: a scene on the device, and the world around it.
+//! What a session shows: a scene on the device, and the view of it.
 
 use std::ops::ControlFlow;
 
@@ -8,9 +8,9 @@ use render::{Costs, Renderer, RendererOptions, ShaderSet};
 use scene::{Mesh, Scene};
 use scenes::{GeneratedScene, Routes};
 
+use super::scene_view::SceneView;
 use super::show::ShowOptions;
 use super::source::FileSource;
-use super::world::World;
 use crate::hud::{HudLevel, PANEL_SHARE};
 use bench::camera_path::Course;
 use bench::choices;
@@ -19,14 +19,14 @@ use bench::run_error::RunError;
 use bench::scene_file::{self, Told};
 
 /// A scene that can be drawn, and how it lives.
-pub struct Stage {
+pub struct LoadedScene {
     /// What draws it.
     pub renderer: Renderer,
     /// Its cameras, and what moves in it.
-    pub world: World,
+    pub scene_view: SceneView,
 }
 
-impl Stage {
+impl LoadedScene {
     /// An empty sky, until something comes.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl Stage {
             fov_y: scene::FOV_Y_RAD,
             near: scene::NEAR_M,
         };
-        Ok(Self { renderer, world: World::still("nothing", camera) })
+        Ok(Self { renderer, scene_view: SceneView::still("nothing", camera) })
     }
 
     /// Makes a scene.
@@ -71,7 +71,7 @@ impl Stage {
         let renderer = Renderer::new(device, &scene, &renderer_options(options, size)?)?;
         Ok(Self {
             renderer,
-            world: World::still(&made.scene.to_string(), start)
+            scene_view: SceneView::still(&made.scene.to_string(), start)
                 .with_names(&scene)
                 .with_course(course),
         })
@@ -100,9 +100,9 @@ impl Stage {
             Renderer::with_hierarchy(device, &imported.scene, hierarchy, &renderer_options)
                 .map_err(|error| RunError::from(error).about(file))?;
         let covered = if options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
-        let mut world = World::of_file(file, imported, settings, (size, covered))?;
-        world.notes.extend(renderer.degradations().texts());
-        Ok(Self { renderer, world })
+        let mut scene_view = SceneView::of_file(file, imported, settings, (size, covered))?;
+        scene_view.notes.extend(renderer.degradations().texts());
+        Ok(Self { renderer, scene_view })
     }
 }
 

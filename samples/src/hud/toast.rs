@@ -13,20 +13,20 @@ const BAR: [f32; 2] = [320.0, 10.0];
 
 /// Draws the lower edge from `left` on. Returns where it begins above.
 pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, left: f32) -> f32 {
-    // There is always room for a row, so that a notice moves nothing.
+    // There is always room for a row, so that a toast moves nothing.
     let reserved = canvas.screen.max.y - canvas.row(TEXT) - 4.0 * MARGIN;
     let bottom = canvas.screen.max.y;
     let lowest = match &page.progress {
         Some((what, fraction)) => Some(progress(canvas, what, *fraction, left)),
-        None => page.notice.as_ref().map(|text| notice(canvas, text, TEXT, [left, bottom])),
+        None => page.toast.as_ref().map(|text| toast(canvas, text, TEXT, [left, bottom])),
     };
     let bottom = lowest.map_or(bottom, |area| area.min.y);
-    let asked = page.asked.as_ref().map(|text| notice(canvas, text, ROWS, [left, bottom]));
+    let asked = page.asked.as_ref().map(|text| toast(canvas, text, ROWS, [left, bottom]));
     asked.or(lowest).map_or(reserved, |area| (area.min.y - MARGIN).min(reserved))
 }
 
 /// A text whose lower left is at that place.
-fn notice(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
+fn toast(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
     let widest = canvas.screen.width() - left - 4.0 * MARGIN;
     let galley = canvas.wrapped(text.to_owned(), style, widest);
     let size = galley.size() + vec2(2.0 * MARGIN, 2.0 * MARGIN);

@@ -39,8 +39,8 @@ enum Guide {
     Overview,
 }
 
-/// What is around a scene.
-pub struct World {
+/// The view of a scene: its cameras, its paths, and what moves in it.
+pub struct SceneView {
     /// What files that are written are called after.
     pub name: String,
     /// Where one begins.
@@ -92,7 +92,7 @@ fn detail_policy(error_pixels: f32) -> DetailPolicy {
     DetailPolicy { error_pixels, ..DetailPolicy::default() }
 }
 
-impl World {
+impl SceneView {
     /// Where nothing moves but the camera.
     pub fn still(name: &str, start: Camera) -> Self {
         Self {

@@ -8,7 +8,7 @@ const FOR: Duration = Duration::from_secs(5);
 
 /// What there is to tell: the newest thing, and why shaders do not compile, as long as they do not.
 #[derive(Clone, Debug, Default)]
-pub struct Notice {
+pub struct Toast {
     newest: String,
     /// `None` until something else takes its place.
     until: Option<Time>,
@@ -25,7 +25,7 @@ enum Weight {
     Refused,
 }
 
-impl Notice {
+impl Toast {
     /// Tells for some seconds what was done, and on the log.
     pub fn tell(&mut self, now: Time, text: String) {
         tracing::info!("{text}");
@@ -90,38 +90,38 @@ mod tests {
 
     #[test]
     fn it_is_told_for_a_while() {
-        let mut notice = Notice::default();
-        assert_eq!(notice.at(Time::ZERO), None);
-        notice.tell(Time::ZERO, "a".to_owned());
-        assert_eq!(said(notice.at(Time::ZERO)), "a");
-        assert_eq!(notice.at(Time::ZERO.after(FOR)), None);
-        notice.keep_telling("b".to_owned());
-        assert_eq!(said(notice.at(Time::ZERO.after(FOR * 100))), "b");
+        let mut toast = Toast::default();
+        assert_eq!(toast.at(Time::ZERO), None);
+        toast.tell(Time::ZERO, "a".to_owned());
+        assert_eq!(said(toast.at(Time::ZERO)), "a");
+        assert_eq!(toast.at(Time::ZERO.after(FOR)), None);
+        toast.keep_telling("b".to_owned());
+        assert_eq!(said(toast.at(Time::ZERO.after(FOR * 100))), "b");
     }
 
     #[test]
     fn who_wants_no_text_is_told_what_cannot_be() {
-        let mut notice = Notice::default();
-        notice.tell(Time::ZERO, "done".to_owned());
-        assert_eq!(notice.refused_at(Time::ZERO), None);
-        notice.refuse(Time::ZERO, "cannot be".to_owned());
-        assert_eq!(said(notice.refused_at(Time::ZERO)), "cannot be");
-        assert_eq!(notice.refused_at(Time::ZERO.after(FOR)), None);
-        notice.keep_telling("went wrong".to_owned());
-        assert_eq!(said(notice.refused_at(Time::ZERO.after(FOR))), "went wrong");
+        let mut toast = Toast::default();
+        toast.tell(Time::ZERO, "done".to_owned());
+        assert_eq!(toast.refused_at(Time::ZERO), None);
+        toast.refuse(Time::ZERO, "cannot be".to_owned());
+        assert_eq!(said(toast.refused_at(Time::ZERO)), "cannot be");
+        assert_eq!(toast.refused_at(Time::ZERO.after(FOR)), None);
+        toast.keep_telling("went wrong".to_owned());
+        assert_eq!(said(toast.refused_at(Time::ZERO.after(FOR))), "went wrong");
     }
 
     #[test]
     fn broken_shaders_are_told_until_they_compile() {
-        let mut notice = Notice::default();
-        notice.shaders_are_broken("a.frag:1: no".to_owned());
-        notice.tell(Time::ZERO, "done".to_owned());
-        assert_eq!(said(notice.at(Time::ZERO)), "done\na.frag:1: no");
-        assert_eq!(said(notice.refused_at(Time::ZERO)), "a.frag:1: no");
-        assert_eq!(said(notice.at(Time::ZERO.after(FOR))), "a.frag:1: no");
-        notice.shaders_are_broken("a.frag:2: no".to_owned());
-        assert_eq!(said(notice.at(Time::ZERO.after(FOR))), "a.frag:2: no");
-        notice.shaders_work();
-        assert_eq!(notice.at(Time::ZERO.after(FOR)), None);
+        let mut toast = Toast::default();
+        toast.shaders_are_broken("a.frag:1: no".to_owned());
+        toast.tell(Time::ZERO, "done".to_owned());
+        assert_eq!(said(toast.at(Time::ZERO)), "done\na.frag:1: no");
+        assert_eq!(said(toast.refused_at(Time::ZERO)), "a.frag:1: no");
+        assert_eq!(said(toast.at(Time::ZERO.after(FOR))), "a.frag:1: no");
+        toast.shaders_are_broken("a.frag:2: no".to_owned());
+        assert_eq!(said(toast.at(Time::ZERO.after(FOR))), "a.frag:2: no");
+        toast.shaders_work();
+        assert_eq!(toast.at(Time::ZERO.after(FOR)), None);
     }
 }
