@@ -57,30 +57,3 @@ pub struct Clip {
     /// What moves; each property of a node at most once.
     pub channels: Vec<Channel>,
 }
-
-/// What of a clip concerns a mesh: some of its channels, at no cost for the others.
-#[derive(Clone, Debug, Default)]
-pub struct Excerpt<'a> {
-    /// These, each property of a node at most once.
-    pub channels: Vec<&'a Channel>,
-}
-
-impl<'a> From<&'a Clip> for Excerpt<'a> {
-    fn from(clip: &'a Clip) -> Self {
-        Self { channels: clip.channels.iter().collect() }
-    }
-}
-
-impl Excerpt<'_> {
-    /// When its last key is, in seconds.
-    pub(crate) fn duration_s(&self) -> f32 {
-        let ends = self.channels.iter().filter_map(|channel| channel.track.times_s.last());
-        ends.fold(0.0, |longest, end| longest.max(*end))
-    }
-
-    /// How many keys it has.
-    pub fn keys(&self) -> usize {
-        let keys = self.channels.iter().map(|channel| channel.track.times_s.len());
-        keys.fold(0, usize::saturating_add)
-    }
-}

@@ -1,19 +1,16 @@
 //! How far nodes go from their parents in any clip, and any mix of clips: for the whole rig in one walk over
-//! all keys. What is found from it is coarser than [`Reach`](crate::Reach) finds and costs next to nothing.
+//! all keys. It is coarse, costs next to nothing, and says what can be out of sight whatever plays.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 use cull::Aabb;
 use glam::{Affine3A, DVec3, Vec3};
 
-use crate::attached::joints_of;
 use crate::clip::{Clip, Values};
-use crate::form::DeformedMesh;
 use crate::hull::hull;
-use crate::morph::Range;
-use crate::reach::{ReachError, check};
 use crate::rig::{NodeId, Rest, Rig};
-use crate::together::ALWAYS;
+use crate::skeleton::Skeleton;
 
 /// Mixes lie between what is mixed, so the ranges of all clips and of the rest hold them all.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +72,7 @@ impl Extents {
             let Some(extent) = self.nodes.get_mut(channel.node.0 as usize) else { continue };
             match &channel.track.values {
                 Values::Translation(values) => {
-                    hull(&channel.track, values, (1, 0), ALWAYS, &mut |at: Vec3| {
+                    hull(&channel.track, values, (1, 0), &mut |at: Vec3| {
                         extent.farthest = extent.farthest.max(at.length());
                     });
                 }
@@ -86,7 +83,7 @@ impl Extents {
                         _ => Vec3::ONE,
                     };
                     let range = self.scales.entry(channel.node).or_insert([rest; 2]);
-                    hull(&channel.track, values, (1, 0), ALWAYS, &mut |scale: Vec3| {
+                    hull(&channel.track, values, (1, 0), &mut |scale: Vec3| {
                         extent.lengthens = extent.lengthens.max(scale.abs().max_element());
                         let [least, largest] = range;
                         (*least, *largest) = (least.min(scale), largest.max(scale));
@@ -144,42 +141,26 @@ impl Extents {
         farthest.map(|(distance, whose)| (whose, distance * ROUNDING))
     }
 
-    /// A box that no vertex of a mesh leaves, whatever plays; `weights` has for each target the least and
-    /// the largest weight. Takes as long as the mesh has vertices, with all their joints and targets, and
-    /// its skeleton bones.
-    ///
-    /// # Errors
-    /// What [`Reach::new`](crate::Reach::new) refuses; [`ReachError::Unbounded`].
-    pub fn bounds(
-        &self,
-        mesh: &DeformedMesh<'_>,
-        weights: &[[f32; 2]],
-    ) -> Result<Aabb, ReachError> {
-        check(mesh)?;
-        let range = |[least, largest]: &[f32; 2]| Range { least: *least, largest: *largest };
-        let ranges: Vec<Range> = weights.iter().map(range).collect();
-        let Some(binding) = &mesh.binding else {
-            let [_, outer] = crate::morph::morph_box(mesh, &ranges);
-            let outer = outer.enlarged(outer.largest_coordinate() * (ROUNDING - 1.0));
-            return if outer.is_finite() { Ok(outer) } else { Err(ReachError::Unbounded) };
-        };
-        let skeleton = binding.skeleton;
+    /// Returns a box that nothing leaves that hangs on a skeleton, whatever plays: the sum of the lengths of the chains
+    /// above it. `boxes` has for each joint, by its number in the skin, the box of what follows it in the
+    /// space of the mesh. Around the origin of the [skeleton's space](Skeleton::space); infinite or larger
+    /// than anything can be where it reaches that far. Takes as long as there are boxes and bones.
+    pub fn reach(&self, skeleton: &Skeleton, boxes: impl IntoIterator<Item = (u16, Aabb)>) -> Aabb {
         let mut hanging = vec![f32::NEG_INFINITY; skeleton.bones.len()];
         let mut farthest = 0.0_f32;
-        for (vertex, position) in mesh.positions.iter().enumerate() {
-            for (joint, _) in joints_of(binding, vertex) {
-                let joint = skeleton.joints.get(usize::from(joint)).copied().flatten();
-                let Some(joint) = joint else { continue };
-                let at = joint.inverse_bind.transform_point3a((*position).into());
-                let mut distance = at.length();
-                for (delta, range) in crate::morph::deltas(mesh, &ranges, vertex) {
-                    let weight = range.least.abs().max(range.largest.abs());
-                    distance += joint.inverse_bind.transform_vector3a(delta).length() * weight;
-                }
-                let distance = if distance.is_nan() { f32::INFINITY } else { distance };
-                let entry = joint.bone.and_then(|bone| hanging.get_mut(bone));
-                let entry = entry.unwrap_or(&mut farthest);
-                *entry = entry.max(distance);
+        for (joint, bounds) in boxes {
+            let joint = skeleton.joints.get(usize::from(joint)).copied().flatten();
+            let Some(joint) = joint else { continue };
+            let bind = joint.inverse_bind;
+            let (lengthens, offset) = (lengthens(&bind), bind.translation.length());
+            let entry = joint.bone.and_then(|bone| hanging.get_mut(bone));
+            let entry = entry.unwrap_or(&mut farthest);
+            for corner in bounds.corners() {
+                // Terms may cancel out each other, and their rounding does not.
+                let terms = lengthens * corner.length() + offset;
+                let distance = bind.transform_point3(corner).length() + terms * (ROUNDING - 1.0);
+                // What is no number would be lost in a maximum.
+                *entry = entry.max(if distance.is_nan() { f32::INFINITY } else { distance });
             }
         }
         for (index, bone) in skeleton.bones.iter().enumerate().rev() {
@@ -192,26 +173,46 @@ impl Extents {
             let above = above.unwrap_or(&mut farthest);
             *above = above.max(lifted);
         }
-        let farthest = farthest * ROUNDING;
-        let bounds = Aabb::new(Vec3::splat(-farthest), Vec3::splat(farthest));
-        if bounds.is_finite() { Ok(bounds) } else { Err(ReachError::Unbounded) }
+        let farthest = Vec3::splat(farthest * ROUNDING);
+        Aabb::new(-farthest, farthest)
     }
 }
 
-/// The least and the largest weight of each morph target of a node, in these channels and at rest.
-pub fn weight_ranges(rig: &Rig, node: NodeId, clips: &[&crate::Excerpt<'_>]) -> Vec<[f32; 2]> {
-    let rest = rig.nodes().get(node.0 as usize).map(|node| node.weights.as_slice());
-    let mut ranges: Vec<[f32; 2]> =
-        rest.unwrap_or_default().iter().map(|weight| [*weight; 2]).collect();
-    let count = ranges.len();
-    let channels = clips.iter().flat_map(|clip| clip.channels.iter().copied());
-    for channel in channels.filter(|channel| channel.node == node) {
-        let Values::Weights(values) = &channel.track.values else { continue };
-        for (target, [least, largest]) in ranges.iter_mut().enumerate() {
-            hull(&channel.track, values, (count, target), ALWAYS, &mut |weight: f32| {
-                (*least, *largest) = (least.min(weight), largest.max(weight));
-            });
+/// The least and the largest weight of each morph target of nodes, in any clip, any mix of clips, and at rest.
+#[derive(Clone, Debug, Default)]
+pub struct WeightRanges {
+    /// Of the nodes whose weights clips change.
+    nodes: HashMap<NodeId, Vec<[f32; 2]>>,
+}
+
+impl WeightRanges {
+    /// Finds those of a rig in these clips. Takes as long as there are keys.
+    pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
+        let mut ranges = Self::default();
+        for channel in clips.into_iter().flat_map(|clip| &clip.channels) {
+            let Values::Weights(values) = &channel.track.values else { continue };
+            let node = ranges.nodes.entry(channel.node);
+            let list = node.or_insert_with(|| at_rest(rig, channel.node));
+            let count = list.len();
+            for (target, [least, largest]) in list.iter_mut().enumerate() {
+                hull(&channel.track, values, (count, target), &mut |weight: f32| {
+                    (*least, *largest) = (least.min(weight), largest.max(weight));
+                });
+            }
+        }
+        ranges
+    }
+
+    /// Returns those of a node's targets.
+    pub fn of(&self, rig: &Rig, node: NodeId) -> Cow<'_, [[f32; 2]]> {
+        match self.nodes.get(&node) {
+            Some(ranges) => ranges.into(),
+            None => at_rest(rig, node).into(),
         }
     }
-    ranges
+}
+
+fn at_rest(rig: &Rig, node: NodeId) -> Vec<[f32; 2]> {
+    let weights = rig.nodes().get(node.0 as usize).map(|node| node.weights.as_slice());
+    weights.unwrap_or_default().iter().map(|weight| [*weight; 2]).collect()
 }

@@ -1,9 +1,9 @@
-//! How a scene moves: a rig of nodes, clips that play on it, poses, skins, morph targets, and the boxes
-//! that hold while it does. Pure values: time in, poses out. It reads no clock, knows no file format and no
-//! GPU, never panics, and allocates nothing per frame once its vectors have grown.
+//! How a scene moves: a rig of nodes, clips that play on it, poses, skins and morph targets. Pure values: time
+//! in, poses out. It reads no clock, knows no file format and no GPU, never panics, and allocates nothing per
+//! frame once its vectors have grown.
 //!
-//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check what plays, [`Skeleton::new`] what hangs,
-//! and [`Reach`] finds boxes. In each frame: [`Player::pose_at`] gives the pose, [`Rig::update_world`] the
+//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check what plays, [`Skeleton::new`] what hangs, and
+//! [`Extents`] finds how far anything can get. In each frame: [`Player::pose_at`] gives the pose, [`Rig::update_world`] the
 //! world transforms of what moves, [`Skeleton::joint_matrices`] what skinned vertices follow,
 //! [`Pose::weights`] what morphed ones do.
 //!
@@ -46,20 +46,8 @@
 //! let skeleton = Skeleton::new(&rig, &skin, &[])?;
 //! assert_eq!(skeleton.space(), Some(NodeId(0)));
 //! assert!(skeleton.is_moved_by(&clips[0]) && !skeleton.is_moved_by(&clips[1]));
-//! let mesh = DeformedMesh {
-//!     positions: &[[0.0, 2.0, 0.0]],
-//!     targets: &[],
-//!     node: NodeId(1),
-//!     binding: Some(Binding {
-//!         skeleton: &skeleton,
-//!         joints: &[[1, 0, 0, 0]],
-//!         weights: &[[1.0, 0.0, 0.0, 0.0]],
-//!         sets: 1,
-//!     }),
-//! };
-//! let reach = Reach::new(&rig, mesh)?;
-//! let alone = reach.clip_bounds(&clips[0])?;
-//! let mixed = reach.blend_bounds(&[&clips[0], &clips[1]])?;
+//! let tip = Vec3::new(0.0, 2.0, 0.0);
+//! let reach = Extents::new(&rig, &clips).reach(&skeleton, [(1, cull::Aabb::new(tip, tip))]);
 //!
 //! // Half a second into a fade of two seconds from the one to the other, a quarter of it is the other.
 //! let mut player = Player::new();
@@ -73,45 +61,31 @@
 //! rig.world(&pose, &mut world);
 //! rig.update_world(&rig.moved_by(&clips), &pose, &mut world); // what all later frames do instead
 //! skeleton.joint_matrices(&rig, &pose, &mut matrices);
-//! let tip = matrices[1].transform_point3(Vec3::new(0.0, 2.0, 0.0));
+//! let tip = matrices[1].transform_point3(tip);
 //! assert!((world[0].translation.y - 9.0 * 0.5 * 0.25).abs() < 1e-5);
-//! assert!(mixed.contains_point(tip) && tip.x < -0.9 && tip.y > 1.0);
-//! assert!(alone.max.y < 2.01 && alone.min.x > -1.05);
+//! assert!(tip.x < -0.9 && tip.y > 1.0);
+//! assert!(reach.contains_point(tip) && reach.max.x < 2.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![forbid(unsafe_code)]
 
-mod alone;
-mod attached;
-mod bone_tracks;
 mod check;
 mod clip;
-mod clip_index;
 mod extents;
-mod form;
 mod hull;
-mod morph;
 mod player;
 mod pose;
-mod reach;
-mod refine;
 mod rig;
-mod rotation_set;
 mod sample;
 mod skeleton;
 mod skin;
-mod support;
-mod together;
 mod world;
 
 pub use check::{ClipError, TrackError};
-pub use clip::{Channel, Clip, Excerpt, Interpolation, Track, Values};
-pub use clip_index::ClipIndex;
-pub use extents::{Extents, weight_ranges};
-pub use form::{Binding, DeformedMesh};
+pub use clip::{Channel, Clip, Interpolation, Track, Values};
+pub use extents::{Extents, WeightRanges};
 pub use player::{ClipId, LayerId, Playback, Player, Repeat, Workspace};
 pub use pose::Pose;
-pub use reach::{Reach, ReachError};
 pub use rig::{Node, NodeId, Rest, Rig, RigError, Trs};
 pub use skeleton::{Skeleton, SkinError};
 pub use skin::Skin;

@@ -1,10 +1,10 @@
-//! Where objects with skins hang, and that their boxes are not much too large, with a rig made by hand: two legs
-//! of three bones that walk and run.
+//! Where objects with skins hang and how far they reach, with a rig made by hand: two legs of three bones that
+//! walk and run.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
-    Binding, Channel, Clip, DeformedMesh, Interpolation, Node, NodeId, Pose, Reach, Rest, Rig,
-    Skeleton, Skin, SkinError, Track, Trs, Values,
+    Channel, Clip, Extents, Interpolation, Node, NodeId, Pose, Rest, Rig, Skeleton, Skin,
+    SkinError, Track, Trs, Values, WeightRanges,
 };
 use cull::Aabb;
 use glam::{Affine3A, Quat, Vec3};
@@ -110,73 +110,82 @@ fn what_is_no_skin_is_refused_with_the_reason() {
     assert_eq!(of(vec![1], vec![wild]), SkinError::NotFinite { joint: 0 });
 }
 
-struct Legs {
-    positions: Vec<[f32; 3]>,
-    joints: Vec<[u16; 4]>,
-    weights: Vec<[f32; 4]>,
+#[test]
+fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
+    let rig = rig();
+    let skeleton = Skeleton::new(&rig, &skin(&rig), &[]).unwrap();
+    // A sole around the left foot, which is joint 3 and 1 below the hips, and something around the hips.
+    let around = |at: Vec3| Aabb::new(at - 0.1, at + 0.1);
+    let boxes = [(3, around(Vec3::new(-0.2, 0.0, 0.0))), (0, around(Vec3::Y)), (99, Aabb::EMPTY)];
+    let reach = |clips: &[Clip]| Extents::new(&rig, clips).reach(&skeleton, boxes).max;
+    let still = reach(&[]);
+    let expected = 0.2 + 0.5 + 0.5 + 0.03_f32.sqrt();
+    assert!((still - expected).abs().max_element() < 0.02, "{still} for {expected}");
+    assert_eq!(reach(&[gait(&rig, 1.0, 2.0, 0.3)]), still, "turning and running makes none longer");
+    let grows = |node, values| {
+        let track = Track { interpolation: Interpolation::Linear, times_s: vec![0.0, 1.0], values };
+        Clip::new("it".into(), vec![Channel { node: NodeId(node), track }], &rig).unwrap()
+    };
+    let stretched = grows(3, Values::Scale(vec![Vec3::ONE, Vec3::new(1.0, -3.0, 1.0)]));
+    let longer = reach(std::slice::from_ref(&stretched)).x - still.x;
+    assert!((longer - 2.0 * (0.5 + 0.03_f32.sqrt())).abs() < 0.02, "{longer} more");
+    let torn = grows(4, Values::Translation(vec![Vec3::ZERO, Vec3::X * 7.0]));
+    assert!((reach(&[torn]).x - still.x - 6.5).abs() < 0.02);
 }
 
-/// Boxes around the legs' bones, with weights that go over from each bone to the next.
-fn legs() -> Legs {
-    let (mut positions, mut joints, mut weights) = (Vec::new(), Vec::new(), Vec::new());
-    for (side, first) in [(-0.2, 1_u16), (0.2, 4)] {
-        for step in 0..=20 {
-            let down = step as f32 / 20.0;
-            for (x, z) in [(-0.1, -0.1), (0.1, -0.1), (-0.1, 0.1), (0.1, 0.1)] {
-                positions.push([side + x, 1.0 - down * 1.2, z]);
-                let (along, bone) = ((down * 2.0).fract(), (down * 2.0) as u16);
-                let over = if bone < 2 { along * along } else { 0.0 };
-                joints.push([first + bone, first + (bone + 1).min(2), 0, 0]);
-                weights.push([1.0 - over, over, 0.0, 0.0]);
-            }
-        }
-    }
-    Legs { positions, joints, weights }
+/// A chain of 60,000 bones is bounded in reasonable time, numbers that overflow have no usable box, and
+/// neither panics.
+#[test]
+fn deep_and_wild_rigs_end() {
+    let reach = |count: u32, scale: f32| {
+        let node = |id: u32| Node {
+            name: String::new(),
+            parent: id.checked_sub(1).map(NodeId),
+            rest: Rest::Parts(Trs {
+                translation: Vec3::X,
+                scale: Vec3::splat(scale),
+                ..Trs::IDENTITY
+            }),
+            weights: Vec::new(),
+        };
+        let rig = Rig::new((0..count).map(node).collect()).unwrap();
+        let skin = Skin {
+            joints: (0..count).map(NodeId).collect(),
+            inverse_bind: vec![Affine3A::IDENTITY; count as usize],
+        };
+        let skeleton = Skeleton::new(&rig, &skin, &[]).unwrap();
+        let mut matrices = Vec::new();
+        skeleton.joint_matrices(&rig, &Pose::new(&rig), &mut matrices);
+        assert!(matrices.iter().all(Affine3A::is_finite));
+        let boxes = (0..count as u16).map(|joint| (joint, Aabb::new(Vec3::Y, Vec3::Y)));
+        Extents::new(&rig, []).reach(&skeleton, boxes)
+    };
+    let deep = reach(60_000, 1.0);
+    assert!(deep.is_usable() && deep.max.x >= 59_999.0 && deep.max.x < 61_000.0, "{deep:?}");
+    assert!(!reach(300, 10.0).is_usable());
 }
 
 #[test]
-fn boxes_hold_and_are_not_much_too_large() {
-    let rig = rig();
-    let skin = skin(&rig);
-    let skeleton = Skeleton::new(&rig, &skin, &[]).unwrap();
-    let Legs { positions, joints, weights } = legs();
-    let binding = Binding { skeleton: &skeleton, joints: &joints, weights: &weights, sets: 1 };
-    let mesh = DeformedMesh {
-        positions: &positions,
-        targets: &[],
-        node: NodeId(0),
-        binding: Some(binding),
+fn weights_are_between_the_least_and_the_largest_of_all_clips_and_the_rest() {
+    let node = |weights: &[f32]| Node {
+        name: String::new(),
+        parent: None,
+        rest: Rest::Parts(Trs::IDENTITY),
+        weights: weights.to_vec(),
     };
-    let reach = Reach::new(&rig, mesh).unwrap();
-    let [walk, run] = [gait(&rig, 1.0, 0.4, 0.3), gait(&rig, 0.6, 0.9, 0.8)];
-    let mut matrices = Vec::new();
-    let mut tight = |steps: [i32; 3]| {
-        let mut bounds = Aabb::EMPTY;
-        let (mut pose, mut other) = (Pose::new(&rig), Pose::new(&rig));
-        let share = |step: i32, axis: usize| step as f32 / steps[axis].max(1) as f32;
-        for (a, b) in (0..=steps[0]).flat_map(|a| (0..=steps[1]).map(move |b| (a, b))) {
-            for weight in 0..=steps[2] {
-                pose.reset(&rig);
-                other.reset(&rig);
-                pose.sample(&walk, share(a, 0) * 1.0);
-                other.sample(&run, share(b, 1) * 0.6);
-                pose.blend(&other, share(weight, 2));
-                skeleton.joint_matrices(&rig, &pose, &mut matrices);
-                for ((position, joints), weights) in positions.iter().zip(&joints).zip(&weights) {
-                    let at =
-                        |j: u16| matrices[usize::from(j)].transform_point3(Vec3::from(*position));
-                    let vertex = joints.iter().zip(weights).map(|(j, w)| at(*j) * *w).sum();
-                    bounds = bounds.union(&Aabb::new(vertex, vertex));
-                }
-            }
-        }
-        bounds
+    let rig = Rig::new(vec![node(&[0.5, -0.5]), node(&[0.25])]).unwrap();
+    let clip = |interpolation, values: &[f32]| {
+        let values = Values::Weights(values.to_vec());
+        let track = Track { interpolation, times_s: vec![0.0, 1.0], values };
+        Clip::new("it".into(), vec![Channel { node: NodeId(0), track }], &rig).unwrap()
     };
-    let alone = (reach.clip_bounds(&walk).unwrap(), tight([500, 0, 0]));
-    let mixed = (reach.blend_bounds(&[&walk, &run]).unwrap(), tight([32, 32, 6]));
-    for ((bounds, tight), most) in [(alone, 1.3), (mixed, 2.0)] {
-        assert!(bounds.contains(&tight), "{bounds:?} does not hold {tight:?}");
-        let ratio = (bounds.max - bounds.min) / (tight.max - tight.min);
-        assert!(ratio.max_element() < most, "{bounds:?} is {ratio} of {tight:?}");
-    }
+    let linear = clip(Interpolation::Linear, &[0.0, 0.0, 1.0, -2.0]);
+    // It leaves 0 upwards by 3 a second, and may so be at 1 before it is at 0 again.
+    let cubic =
+        clip(Interpolation::Cubic, &[0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let of = |clips: &[Clip], node| WeightRanges::new(&rig, clips).of(&rig, NodeId(node)).to_vec();
+    assert_eq!(of(&[], 0), [[0.5, 0.5], [-0.5, -0.5]]);
+    assert_eq!(of(std::slice::from_ref(&linear), 0), [[0.0, 1.0], [-2.0, 0.0]]);
+    assert_eq!(of(std::slice::from_ref(&cubic), 0), [[0.0, 1.0], [-0.5, 0.0]]);
+    assert_eq!(of(&[linear, cubic], 1), [[0.25, 0.25]]);
 }

@@ -82,12 +82,7 @@ fn tell(imported: &import::GltfScene) {
         println!("camera {} ({} rad)", camera.name, camera.fov_y_rad);
     }
     for placement in imported.placements.iter().filter(|placement| placement.deformer.is_some()) {
-        println!("deformed: rest {:?}", placement.rest_bounds);
-        for (clip, bounds) in placement.clip_bounds.iter() {
-            let name = imported.clips.get(*clip).map_or("", |clip| clip.name.as_str());
-            println!("  {name}: {bounds:?}");
-        }
-        println!("  all: {:?}", placement.blend_bounds);
+        println!("deformed: rest {:?}, reach {:?}", placement.seen_at_rest, placement.reach);
     }
     for note in &imported.notes {
         println!("note: {note}");

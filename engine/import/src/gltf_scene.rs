@@ -1,7 +1,5 @@
 //! What a file becomes: a scene, the rig it hangs on, and what plays on that.
 
-use std::sync::Arc;
-
 use animation::{Clip, NodeId, Pose, Rig, Skin};
 use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Vec3};
@@ -83,19 +81,11 @@ pub struct Placement {
     pub local: Affine3A,
     /// What changes its form, with the index of its skin in [`GltfScene::skins`].
     pub deformer: Option<(DeformerId, Option<usize>)>,
-    /// The box, in its own space, that it is in while nothing plays; empty where it does not change its
-    /// form. Its mesh's own bounds are those of its vertices before joints and targets move them.
-    pub rest_bounds: Aabb,
     /// A box in the world around what is seen of it at rest; empty where it does not change its form.
     pub seen_at_rest: Aabb,
-    /// For clips that change its form, by their numbers, a box in its own space that it stays in while that
-    /// clip plays alone. Where there are too many to find all, some are not here:
-    /// [`Placement::blend_bounds`] holds for them too. Clips that are not here and do not change its form
-    /// leave it in [`Placement::rest_bounds`].
-    pub clip_bounds: Arc<[(usize, Aabb)]>,
-    /// A box, in its own space, that it stays in whatever clips play, together or one after the other;
+    /// A loose box, in its own space, that it stays in whatever clips play, together or one after the other;
     /// empty where it does not change its form.
-    pub blend_bounds: Aabb,
+    pub reach: Aabb,
 }
 
 /// A scene and its life.
@@ -116,15 +106,6 @@ pub struct GltfScene {
     pub cameras: Vec<Camera>,
     /// The deviations of the file that were tolerated, and what of it is not shown, for people.
     pub notes: Vec<Note>,
-}
-
-impl Placement {
-    /// The box of a clip that changes its form and plays alone.
-    pub fn bounds_of(&self, clip: usize) -> Aabb {
-        let place = self.clip_bounds.binary_search_by_key(&clip, |(clip, _)| *clip);
-        let found = place.ok().and_then(|place| self.clip_bounds.get(place));
-        found.map_or(self.blend_bounds, |(_, bounds)| *bounds)
-    }
 }
 
 impl GltfScene {

@@ -43,8 +43,8 @@ pub struct Limits {
     pub objects: u64,
     /// Joints of skins, each as often as a primitive hangs on its skin. Default: 2^21.
     pub joints: u64,
-    /// Nodes between the joints of a skin and what all of them hang on, and the animation channels that move
-    /// these nodes: for each skin and each choice of its joints that some mesh hangs on. Default: 2^24.
+    /// Nodes between the joints of a skin and what all of them hang on: for each skin and each choice of its
+    /// joints that some mesh hangs on. Default: 2^24.
     pub bones: u64,
     /// Lights on the nodes of the scene. Default, and most whatever this says: 2^16.
     pub lights: u64,

@@ -10,8 +10,8 @@ use crate::{GltfScene, ImportError, convert, source};
 /// without its ending.
 ///
 /// Whatever is in the file, this does not panic and does not read outside of its folder. Reading takes no more
-/// memory than [`Limits`](crate::Limits) say; boxes of what changes its form (at most 40 MB) and bones ([`Limits::bones`](crate::Limits::bones), some
-/// 40 bytes each) come on top of that. Clips that could take something farther than a renderer can draw are left
+/// memory than [`Limits`](crate::Limits) say; bones ([`Limits::bones`](crate::Limits::bones), some 40 bytes
+/// each) come on top of that. Clips that could take something farther than a renderer can draw are left
 /// out. What can be shown is shown, and what is shown otherwise than the file says is
 /// in [`GltfScene::notes`]. The scene passes [`Scene::validate`](scene::Scene::validate), every
 /// object has a usable box, and all numbers are finite.

@@ -1,8 +1,8 @@
 //! A scene out of a file as it lives: time in, changes of the renderer out.
 //!
 //! The work of a moment goes with what moves then, not with the scene: nodes that no playing clip moves are
-//! not looked at, and what is where it was is not changed. Which clips form what is found when it is loaded, and
-//! which boxes hold, when other clips begin to play.
+//! not looked at, what is where it was is not changed, and what nobody can see takes no other form
+//! ([`SceneAnimator::changes_in`]).
 
 mod extent;
 mod parts;
@@ -13,8 +13,9 @@ mod tests;
 use std::collections::HashSet;
 
 use animation::{Clip, NodeId, Pose, Rig};
+use cull::View;
 use glam::Affine3A;
-use parts::Parts;
+use parts::{Movers, Parts, Touched};
 use playing::Playing;
 use scene::{PunctualLight, Scene, SceneUpdate};
 
@@ -42,7 +43,7 @@ pub struct SceneAnimator {
     /// Of each node whether it is one of them.
     is_moving: Vec<bool>,
     /// The places of the parts that change with them.
-    movers: Vec<usize>,
+    movers: Movers,
     /// Whether nothing was shown yet.
     is_new: bool,
     /// As they were shown last.
@@ -61,13 +62,13 @@ impl SceneAnimator {
         let surfaces = scene.surfaces.as_ref();
         let deformers = surfaces.map_or(&[][..], |surfaces| &surfaces.deformers);
         let mut animator = Self {
-            parts: Parts::new(&rig, &clips, &skins, deformers, placements, &world),
+            parts: Parts::new(&rig, &skins, deformers, placements, &world),
             playing: Playing::default(),
             other: pose.clone(),
             mix: pose.clone(),
             moving: Vec::new(),
             is_moving: Vec::new(),
-            movers: Vec::new(),
+            movers: Movers::default(),
             lights: scene.surfaces.iter().flat_map(|surfaces| &surfaces.lights).copied().collect(),
             is_new: true,
             changes: SceneUpdate::default(),
@@ -120,8 +121,8 @@ impl SceneAnimator {
 
     /// How many objects the playing clips move or change.
     pub fn moving_objects(&self) -> usize {
-        let placed = self.movers.iter().filter_map(|mover| self.parts.placed(*mover));
-        placed.filter(|placed| matches!(placed, Placed::Object(_))).count()
+        let placed = self.movers.moved.iter().filter_map(|mover| self.parts.placed(*mover));
+        placed.filter(|(placed, _)| matches!(placed, Placed::Object(_))).count()
     }
 
     /// As many of the clips as can play at once, in their order: no two move the same property of the same
@@ -153,7 +154,6 @@ impl SceneAnimator {
         self.pose.reset(&self.rig);
         let weight = self.playing.weight(seconds);
         if weight < 1.0 {
-            // A mix of mixes is in the boxes of all mixes.
             if self.playing.is_from_mix() {
                 self.pose.blend(&self.mix, 1.0);
             } else {
@@ -170,14 +170,23 @@ impl SceneAnimator {
 
     /// What has to be changed so that all is as it is at a time, after what was changed before.
     pub fn changes(&mut self, seconds: f64) -> &SceneUpdate {
+        self.change(seconds, None)
+    }
+
+    /// Returns the same for a host that draws these views and no others before the next changes: what none of
+    /// them can show, whatever clips play, goes where it is and takes no pose until one can.
+    pub fn changes_in(&mut self, seconds: f64, views: &[View]) -> &SceneUpdate {
+        self.change(seconds, Some(views))
+    }
+
+    fn change(&mut self, seconds: f64, views: Option<&[View]>) -> &SceneUpdate {
         self.pose(seconds);
         self.changes.clear();
-        let is_fading = self.playing.weight(seconds) < 1.0;
         self.parts.begin();
-        for mover in &self.movers {
-            self.parts.change(*mover, (&self.rig, &self.pose), &mut self.changes);
-            let lights = &mut self.lights;
-            self.parts.change_place(*mover, &self.world, is_fading, lights, &mut self.changes);
+        for mover in self.movers.moved.iter().chain(&self.movers.behind) {
+            let (posed, changes) = ((&self.rig, &self.pose), &mut self.changes);
+            self.parts.change_place(*mover, &self.world, &mut self.lights, changes);
+            self.parts.change(*mover, posed, views, changes);
         }
         if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {
             // Those that played before are at rest again, and are not looked at any more.
@@ -206,17 +215,9 @@ impl SceneAnimator {
                 *is_moving = true;
             }
         }
-        let lists = [self.playing.concerned().collect(), self.playing.to().to_vec()];
-        let playing = lists.map(|list: Vec<usize>| {
-            let mut plays = vec![false; self.clips.len()];
-            for clip in list {
-                if let Some(plays) = plays.get_mut(clip) {
-                    *plays = true;
-                }
-            }
-            plays
-        });
-        self.movers = self.parts.movers(&playing, &self.is_moving, self.is_new);
+        let clips = self.playing.concerned().filter_map(|clip| self.clips.get(clip));
+        let touched = Touched::by(clips);
+        self.movers = self.parts.movers(&touched, &self.is_moving, self.is_new);
     }
 }
 

@@ -83,7 +83,7 @@ impl Renderer {
             Backdrop::Sky => (passes.sky(), self.explainer.as_ref()),
         };
         let mut frame = frames.begin()?;
-        passes.upload_changes(&mut frame, hierarchy, executor)?;
+        passes.upload_changes(&mut frame, hierarchy, executor, None)?;
         passes.gather_blended(&mut frame, executor, &view, Strategy::Frustum)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;
         let io = sketch.upload(&mut frame)?;

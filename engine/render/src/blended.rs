@@ -225,6 +225,11 @@ impl Blended {
         Ok(())
     }
 
+    /// Returns where an object is.
+    pub(crate) fn transform(&self, id: BlendedId) -> Option<Affine3A> {
+        self.objects.get(id.0 as usize).map(|blended| blended.object.transform)
+    }
+
     /// The draws of the view, as they are on the GPU once their boxes were tested.
     fn draws(&self, io: &BlendedIo) -> BufferSlice {
         let draws = match io.boxes {
@@ -253,6 +258,38 @@ impl FramePasses {
         blended.sort(view, if tests { Test::Box } else { Test::None });
         blended.write(frame, &self.geometry)?;
         Ok(blended.sorted.len() as u32)
+    }
+
+    /// Gives a blended object the form that has this box, in its own space and in the world.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn reshape_blended(
+        &mut self,
+        id: BlendedId,
+        own_bounds: Aabb,
+        bounds: Aabb,
+    ) -> Result<(), Error> {
+        self.place_blended(id, |object| {
+            (object.own_bounds, object.bounds) = (own_bounds, bounds);
+        })
+    }
+
+    /// Changes where a blended object is, if it is there, and finds its lights anew.
+    fn place_blended(
+        &mut self,
+        id: BlendedId,
+        change: impl FnOnce(&mut BlendedObject),
+    ) -> Result<(), Error> {
+        let objects = self.blended.as_mut().map(|blended| &mut blended.objects);
+        let Some(object) = objects.and_then(|objects| objects.get_mut(id.0 as usize)) else {
+            return Ok(());
+        };
+        change(object);
+        if let Some(surfaces) = &mut self.geometry.surfaces {
+            surfaces.move_blended(id, &object.bounds)?;
+        }
+        Ok(())
     }
 
     /// Before the rendering that tests the boxes: none of what they decide about is drawn.
@@ -323,33 +360,20 @@ impl FramePasses {
 }
 
 impl Renderer {
-    /// Moves a blended object, and gives it another box in its own space, if there is one. The next frame
-    /// shows it.
+    /// Moves a blended object. The next frame shows it.
     ///
     /// # Errors
     /// [`Error::Blended`]: the scene has no such object, or it cannot be there. Nothing has changed then.
-    pub fn move_blended(
-        &mut self,
-        blended: BlendedId,
-        transform: Affine3A,
-        bounds: Option<Aabb>,
-    ) -> Result<(), Error> {
+    pub fn move_blended(&mut self, blended: BlendedId, transform: Affine3A) -> Result<(), Error> {
         let refuse = |reason| Error::Blended { blended, reason };
-        let objects = self.passes.blended.as_mut().map(|blended| &mut blended.objects);
-        let object = objects.and_then(|objects| objects.get_mut(blended.0 as usize));
+        let object = self.passes.blended.as_ref().and_then(|it| it.objects.get(blended.0 as usize));
         let object = object.ok_or(refuse("the scene has no such blended object"))?;
-        let own_bounds = bounds.unwrap_or(object.own_bounds);
-        let is_usable = own_bounds.is_usable();
-        let bounds = bounds_in_world(&own_bounds, &transform).filter(|_| is_usable);
-        let bounds = bounds.ok_or(refuse(
-            "its box or its transform is nowhere: check both for infinities, NaN and a box inside out",
-        ))?;
-        object.object.transform = transform;
-        (object.own_bounds, object.bounds) = (own_bounds, bounds);
-        if let Some(surfaces) = &mut self.passes.geometry.surfaces {
-            surfaces.move_blended(blended, &bounds)?;
-        }
-        Ok(())
+        let bounds = bounds_in_world(&object.own_bounds, &transform);
+        let bounds = bounds
+            .ok_or(refuse("its transform takes it nowhere: check it for infinities and NaN"))?;
+        self.passes.place_blended(blended, |object| {
+            (object.object.transform, object.bounds) = (transform, bounds);
+        })
     }
 }
 

@@ -1,31 +1,43 @@
 //! Meshes that change their form: what they are made of lies on the GPU since loading; what changes is
 //! a pose, which the next frame brings before anything reads the vertices.
 
-use cull::Hierarchy;
+use std::collections::HashMap;
+
+use cull::Aabb;
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, vk};
-use occlusion::{PlanExecutor, ShaderSet};
-use scene::{Deformer, DeformerId, Mesh, MorphTarget, Scene, SurfaceVertex};
+use occlusion::ShaderSet;
+use scene::{
+    BlendedId, Deformer, DeformerId, Mesh, MeshId, MorphTarget, PoseBounds, Scene, SurfaceVertex,
+};
 
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::limits::check_storage;
 use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS};
-use crate::renderer::Renderer;
 
 /// All deformers of a scene and their newest poses.
 pub(crate) struct Deformers {
     pub(crate) pass: DeformPass,
     forms: Buffer,
     all: Vec<State>,
-    /// Whose pose the next frame brings.
+    /// Whose pose is not on the GPU yet.
     stale: Vec<usize>,
+    /// Whose pose the frame being recorded brings.
+    brought: Vec<usize>,
     /// The poses of a frame, kept to allocate nothing.
     words: Vec<u32>,
 }
 
 /// A deformer as the CPU knows it.
-struct State {
+pub(crate) struct State {
+    pub(crate) mesh: MeshId,
+    /// The blended object that has the mesh, if one does.
+    pub(crate) blended: Option<BlendedId>,
+    pose_bounds: PoseBounds,
+    /// The box of the newest pose, in the space of the mesh.
+    pub(crate) bounds: Aabb,
+    /// The box of the vertices that the GPU has.
+    pub(crate) shown_bounds: Aabb,
     /// Without what its pose says.
     form: Deformation,
     joint_count: usize,
@@ -43,6 +55,13 @@ struct TargetPlaces([u32; 3]);
 
 /// Mirrors `deform.comp`.
 const NOTHING: u32 = u32::MAX;
+
+/// What a frame did for meshes that change their form.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Skinned {
+    pub(crate) poses: u32,
+    pub(crate) vertices: u64,
+}
 
 /// The vertices that the pass writes, from the first on.
 #[derive(Clone, Copy)]
@@ -71,6 +90,8 @@ impl Deformers {
         let what = "words of joints, weights and morph targets";
         check_storage(device, what, (forms, 4), FEWER)?;
         check_storage(device, "words of poses", (poses, 4), FEWER)?;
+        let blended = (0..).map(BlendedId).zip(&surfaces.blended);
+        let blended: HashMap<_, _> = blended.map(|(id, object)| (object.mesh, id)).collect();
         let (mut words, mut all) = (Vec::new(), Vec::with_capacity(surfaces.deformers.len()));
         for deformer in &surfaces.deformers {
             let mesh = deformer.mesh.0 as usize;
@@ -79,12 +100,10 @@ impl Deformers {
             else {
                 continue;
             };
-            all.push(State::new(
-                deformer,
-                (at_rest, &surface.vertices),
-                first_vertices(mesh),
-                &mut words,
-            ));
+            let blended = blended.get(&deformer.mesh).copied();
+            let surface = &surface.vertices;
+            let state = State::new(deformer, (at_rest, surface), first_vertices(mesh), &mut words);
+            all.push(State { blended, ..state });
         }
         debug_assert_eq!(words.len() as u64, forms);
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -93,20 +112,28 @@ impl Deformers {
             forms: device.upload("forms", &words, storage)?,
             all,
             stale: Vec::new(),
+            brought: Vec::new(),
             words: Vec::new(),
         }))
     }
 
-    /// Takes a pose. True if it is another than before.
-    fn pose(
-        &mut self,
+    /// Returns a deformer, if the scene has it.
+    pub(crate) fn get(&self, deformer: DeformerId) -> Option<&State> {
+        self.all.get(deformer.0 as usize)
+    }
+
+    /// Returns the box of the mesh in a pose, in its own space; `None` if it has this pose already.
+    ///
+    /// # Errors
+    /// A pose that it cannot take.
+    pub(crate) fn bounds_in(
+        &self,
         deformer: DeformerId,
         joints: &[Affine3A],
         weights: &[f32],
-    ) -> Result<bool, Error> {
+    ) -> Result<Option<Aabb>, Error> {
         let refuse = |reason: String| Err(Error::Deform { deformer, reason });
-        let number = deformer.0 as usize;
-        let Some(state) = self.all.get_mut(number) else {
+        let Some(state) = self.all.get(deformer.0 as usize) else {
             return refuse("the scene has no such deformer".to_owned());
         };
         let (joint_count, target_count) = (state.joint_count, state.targets.len());
@@ -123,18 +150,34 @@ impl Deformers {
             return refuse(format!("the weight of its target {target} is not finite"));
         }
         if state.joints == joints && state.weights == weights {
-            return Ok(false);
+            return Ok(None);
         }
+        match state.pose_bounds.bounds(joints, weights) {
+            Some(bounds) => Ok(Some(bounds)),
+            None => refuse("it takes the mesh beyond all that can be drawn".to_owned()),
+        }
+    }
+
+    /// Takes a pose that can be taken, in which the mesh has this box.
+    pub(crate) fn take(
+        &mut self,
+        deformer: DeformerId,
+        joints: &[Affine3A],
+        weights: &[f32],
+        bounds: Aabb,
+    ) {
+        let number = deformer.0 as usize;
+        let Some(state) = self.all.get_mut(number) else { return };
         joints.clone_into(&mut state.joints);
         weights.clone_into(&mut state.weights);
+        state.bounds = bounds;
         if !std::mem::replace(&mut state.is_stale, true) {
             self.stale.push(number);
         }
-        Ok(true)
     }
 
-    /// Records what brings the newest poses, before anything of `frame` reads vertices. They stay stale
-    /// until the frame was [submitted](Deformers::submitted): it may never be.
+    /// Records what brings the newest poses of what `is_seen`, before anything of `frame` reads vertices. All
+    /// stay stale until the frame was [submitted](Deformers::submitted): it may never be.
     ///
     /// # Errors
     /// No memory.
@@ -142,31 +185,40 @@ impl Deformers {
         &mut self,
         frame: &mut Frame<'_>,
         deformed: DeformedVertices,
-    ) -> Result<(), Error> {
-        if self.stale.is_empty() {
-            return Ok(());
+        is_seen: impl Fn(&State) -> bool,
+    ) -> Result<Skinned, Error> {
+        self.brought.clear();
+        let Self { all, stale, brought, .. } = self;
+        brought.extend(stale.iter().filter(|number| all.get(**number).is_some_and(&is_seen)));
+        if self.brought.is_empty() {
+            return Ok(Skinned::default());
         }
         self.words.clear();
-        for number in &self.stale {
+        let mut skinned = Skinned::default();
+        for number in &self.brought {
             if let Some(state) = self.all.get_mut(*number) {
                 state.write(&mut self.words);
+                skinned.poses += 1;
+                skinned.vertices += u64::from(state.form.vertex_count);
             }
         }
         let poses = frame.uploads().push(&self.words)?;
         let DeformedVertices { vertices, surfaces } = deformed;
         let io = DeformIo { vertices, surfaces, forms: self.forms.whole(), poses };
-        let poses = self.stale.iter().filter_map(|number| Some(self.all.get(*number)?.pose));
+        let poses = self.brought.iter().filter_map(|number| Some(self.all.get(*number)?.pose));
         self.pass.record(frame.commands(), &io, poses);
-        Ok(())
+        Ok(skinned)
     }
 
-    /// The frame that [`Deformers::bring`] recorded for is on its way.
+    /// Notes that the frame that [`Deformers::bring`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
-        for number in self.stale.drain(..) {
+        for number in self.brought.drain(..) {
             if let Some(state) = self.all.get_mut(number) {
-                state.is_stale = false;
+                (state.is_stale, state.shown_bounds) = (false, state.bounds);
             }
         }
+        let all = &self.all;
+        self.stale.retain(|number| all.get(*number).is_some_and(|state| state.is_stale));
     }
 }
 
@@ -216,10 +268,15 @@ impl State {
             }))
         });
         Self {
+            mesh: deformer.mesh,
+            blended: None,
+            pose_bounds: PoseBounds::of(mesh, deformer),
+            bounds: mesh.bounds,
+            shown_bounds: mesh.bounds,
             form,
             targets: targets.collect(),
             joint_count: deformer.skin.as_ref().map_or(0, |skin| skin.joint_count as usize),
-            // At rest, as the vertices are: no pose was told yet.
+            // At rest, as the vertices are: no pose was set yet.
             joints: Vec::new(),
             weights: Vec::new(),
             is_stale: false,
@@ -267,65 +324,6 @@ fn words_of(scene: &Scene) -> [u64; 2] {
             + deformer.targets.len() as u64 * 4;
     }
     sums
-}
-
-impl FramePasses {
-    /// Records the upload of what changed since the last frame, before anything of `frame` reads it.
-    ///
-    /// # Errors
-    /// No memory.
-    pub(crate) fn upload_changes(
-        &mut self,
-        frame: &mut Frame<'_>,
-        hierarchy: &Hierarchy,
-        executor: &mut PlanExecutor,
-    ) -> Result<(), Error> {
-        self.geometry.relight(hierarchy, &mut executor.leaves);
-        self.geometry.upload_changes(frame, hierarchy, executor)?;
-        if let (Some(deformers), Some(deformed)) = (&mut self.deformers, self.geometry.deformed()) {
-            deformers.bring(frame, deformed)?;
-        }
-        Ok(())
-    }
-
-    /// Notes that the frame that [`FramePasses::upload_changes`] recorded for is on its way.
-    pub(crate) fn submitted(&mut self) {
-        self.target.submitted();
-        self.geometry.submitted();
-        if let Some(deformers) = &mut self.deformers {
-            deformers.submitted();
-        }
-    }
-}
-
-impl Renderer {
-    /// Gives a mesh that changes its form a pose: the next frame shows it, frames on their way do not.
-    /// Each joint takes points of the mesh at rest to the object's own space; `weights` says how much of each morph
-    /// target is added, whatever the sum. The same pose again costs nothing, and neither do
-    /// targets of weight 0.
-    ///
-    /// The object's box must hold it: tell it with
-    /// [`ObjectChange::Reshape`](scene::ObjectChange::Reshape) before the next frame, or what is
-    /// outside of the box may be missing in the picture.
-    ///
-    /// # Errors
-    /// [`Error::Deform`]: no such deformer, another number of joints or targets than it has, numbers that
-    /// are not finite. Nothing has changed then.
-    pub fn deform(
-        &mut self,
-        deformer: DeformerId,
-        joints: &[Affine3A],
-        weights: &[f32],
-    ) -> Result<(), Error> {
-        let Some(deformers) = &mut self.passes.deformers else {
-            let reason = "the scene has nothing that changes its form".to_owned();
-            return Err(Error::Deform { deformer, reason });
-        };
-        if deformers.pose(deformer, joints, weights)? {
-            self.edition.advance();
-        }
-        Ok(())
-    }
 }
 
 /// The meshes of a scene in the order of their vertices: those that change their form first, so that

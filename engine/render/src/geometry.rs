@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, ObjectId};
-use glam::Affine3A;
+use glam::{Affine3A, Mat3A, Vec3A};
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
 use occlusion::{LeafElements, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
 use scene::limits::INSTANCE_BYTES;
@@ -60,10 +60,10 @@ pub(crate) struct Geometry {
     /// Which of the draws: that of its mesh, or of a coarser form.
     object_forms: Vec<u32>,
     object_instances: Vec<Instance>,
-    /// The boxes of objects that have another than their mesh, in their own space.
-    reshaped: HashMap<ObjectId, Aabb>,
     /// By mesh: whether it changes its form, so that its box is that of the one object it has.
     is_deformed: Vec<bool>,
+    /// The objects of meshes that change their form.
+    owners: HashMap<u32, ObjectId>,
 }
 
 impl Geometry {
@@ -116,6 +116,11 @@ impl Geometry {
         let index = vk::BufferUsageFlags::INDEX_BUFFER;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let deformed_vertices = deformed_vertices(scene);
+        let is_deformed = are_deformed(scene);
+        let owners =
+            (0..).map(ObjectId).zip(&scene.objects).map(|(id, object)| (object.mesh.0, id));
+        let owners = owners.filter(|(mesh, _)| is_deformed.get(*mesh as usize) == Some(&true));
+        let owners = owners.collect();
         let vertex = match deformed_vertices {
             0 => vk::BufferUsageFlags::VERTEX_BUFFER,
             _ => vk::BufferUsageFlags::VERTEX_BUFFER | storage,
@@ -123,8 +128,8 @@ impl Geometry {
         Ok(Self {
             vertices: device.upload("vertices", &vertices, vertex)?,
             deformed_vertices,
-            reshaped: HashMap::new(),
-            is_deformed: are_deformed(scene),
+            is_deformed,
+            owners,
             indices: device.upload("indices", &indices, index)?,
             instances: device.upload("instances", &instances, storage)?,
             mesh_bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
@@ -161,9 +166,6 @@ impl Geometry {
 
     /// The box of an object that is somewhere else, if it is there and can be there.
     pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
-        if let Some(bounds) = self.reshaped.get(&object) {
-            return bounds_in_world(bounds, transform);
-        }
         let mesh = self.object_meshes.get(object.0 as usize)?;
         self.bounds_of(*mesh, transform)
     }
@@ -173,15 +175,11 @@ impl Geometry {
         bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
     }
 
-    /// Gives an object another box, in its own space. A mesh that changes its form keeps the box for who
-    /// has the mesh next.
-    pub(crate) fn reshape(&mut self, object: ObjectId, bounds: Aabb) {
-        let mesh = self.object_meshes.get(object.0 as usize).map_or(usize::MAX, |it| *it as usize);
-        match (self.is_deformed.get(mesh), self.mesh_bounds.get_mut(mesh)) {
-            (Some(true), Some(of_mesh)) => *of_mesh = bounds,
-            _ => {
-                self.reshaped.insert(object, bounds);
-            }
+    /// Gives a mesh that changes its form another box, in its own space. It keeps it for whoever has the mesh
+    /// next.
+    pub(crate) fn reshape(&mut self, mesh: MeshId, bounds: Aabb) {
+        if let Some(of_mesh) = self.mesh_bounds.get_mut(mesh.0 as usize) {
+            *of_mesh = bounds;
         }
     }
 
@@ -190,10 +188,19 @@ impl Geometry {
         self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
     }
 
-    /// The first object that has a mesh; looks at all objects.
+    /// Returns the object that has a mesh that changes its form.
     pub(crate) fn owner(&self, mesh: MeshId) -> Option<ObjectId> {
-        let place = self.object_meshes.iter().position(|it| *it == mesh.0)?;
-        Some(ObjectId(place as u32))
+        self.owners.get(&mesh.0).copied()
+    }
+
+    /// Returns where an object is.
+    pub(crate) fn transform(&self, object: ObjectId) -> Option<Affine3A> {
+        let [x, y, z] = self.object_instances.get(object.0 as usize)?.rows;
+        let column = |number: usize| Vec3A::new(x[number], y[number], z[number]);
+        Some(Affine3A {
+            matrix3: Mat3A::from_cols(column(0), column(1), column(2)),
+            translation: column(3),
+        })
     }
 
     /// Where vertices are written that change.
@@ -221,17 +228,22 @@ impl Geometry {
 
     /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
     pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
-        self.reshaped.remove(&id);
         let surfaces = self.surfaces.as_ref();
         let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
-        let id = id.0 as usize;
+        let place = id.0 as usize;
         let (Some(mesh), Some(form), Some(instance)) = (
-            self.object_meshes.get_mut(id),
-            self.object_forms.get_mut(id),
-            self.object_instances.get_mut(id),
+            self.object_meshes.get_mut(place),
+            self.object_forms.get_mut(place),
+            self.object_instances.get_mut(place),
         ) else {
             return;
         };
+        self.owners.remove(mesh);
+        if let Some(object) = object
+            && self.is_deformed.get(object.mesh.0 as usize) == Some(&true)
+        {
+            self.owners.insert(object.mesh.0, id);
+        }
         *mesh = object.map_or(NO_MESH, |object| object.mesh.0);
         *form = *mesh;
         *instance = now;

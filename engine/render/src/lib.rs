@@ -49,6 +49,7 @@ mod object_bounds;
 mod palette;
 mod passes;
 mod pick;
+mod poses;
 mod renderer;
 mod sample_counts;
 mod scene_degradations;

@@ -151,6 +151,10 @@ pub struct FrameReport {
     pub waits: u32,
     /// Blended objects in the frustum.
     pub blended: u32,
+    /// Poses that the GPU got: those that changed and that one of the views may show.
+    pub poses: u32,
+    /// Vertices that the GPU computed from these poses.
+    pub skinned_vertices: u64,
     /// Ranges of draws under a predicate.
     pub predicated_draws: u32,
     /// Age in frames of the answers that came home for this frame; `None` if none did.

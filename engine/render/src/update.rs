@@ -1,15 +1,14 @@
 //! Changes of the scene between frames: applied to the hierarchy at once, and to what the GPU reads
 //! at the start of the next frame, in its order. Nobody waits.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, HierarchyError, LeafRange, ObjectId};
+use cull::{Aabb, HierarchyError, HierarchyWork, LeafRange, ObjectId};
 use glam::Affine3A;
-use scene::{BlendedMove, Deformation, LightMove, MeshId, Object, ObjectChange, SceneUpdate};
+use scene::{BlendedMove, LightMove, MeshId, Object, ObjectChange, SceneUpdate};
 
 use crate::error::Error;
-use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
 
 /// What an update did.
@@ -20,6 +19,8 @@ pub struct UpdateReport {
     /// The ids of the objects that were added, in the order of their changes. An id may be that of
     /// an object that is gone.
     pub added: Vec<ObjectId>,
+    /// Meshes that took another pose.
+    pub poses: u32,
     /// Inner nodes of the hierarchy whose box was computed again.
     pub refitted_nodes: u64,
     /// Leaves under nodes that were rebuilt because moving had worn them.
@@ -39,36 +40,32 @@ pub(crate) struct UpdateScratch {
     gone: HashSet<ObjectId>,
     /// The meshes that change their form and get an object.
     taken: HashSet<MeshId>,
-    /// The boxes that the update gives, each in the space of its object.
-    reshaped: HashMap<ObjectId, Aabb>,
-    moves: Vec<(ObjectId, Aabb)>,
-    changed: Vec<ObjectId>,
+    pub(crate) moves: Vec<(ObjectId, Aabb)>,
+    pub(crate) changed: Vec<ObjectId>,
     reordered: Vec<LeafRange>,
 }
 
 impl Renderer {
     /// Applies everything that changes between two frames: objects first, with [`Renderer::update`], then
-    /// forms, blended objects and lights. The next frame shows it.
+    /// poses, blended objects and lights. The next frame shows it.
     ///
     /// # Errors
     /// The first change that cannot be made. Those before it are made.
     pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
-        let report = match update.objects.as_slice() {
-            [] => UpdateReport::default(),
-            objects => self.update(objects)?,
+        let (began, before) = (Instant::now(), self.hierarchy.work());
+        let added = match update.objects.as_slice() {
+            [] => Vec::new(),
+            objects => self.update(objects)?.added,
         };
-        for Deformation { deformer, joints, weights } in &update.deformations {
-            let joints = update.joints.get(joints.clone()).unwrap_or_default();
-            let weights = update.weights.get(weights.clone()).unwrap_or_default();
-            self.deform(*deformer, joints, weights)?;
-        }
-        for BlendedMove { blended, transform, bounds } in &update.blended {
-            self.move_blended(*blended, *transform, *bounds)?;
+        let poses = self.take_poses(update)?;
+        for BlendedMove { blended, transform } in &update.blended {
+            self.move_blended(*blended, *transform)?;
         }
         for LightMove { light, to } in &update.lights {
             self.set_light(*light, *to)?;
         }
-        Ok(report)
+        let report = self.report_since(before);
+        Ok(UpdateReport { added, poses, cpu: began.elapsed(), ..report })
     }
 
     /// Applies `changes` in their order: all of them, or none if one cannot be made. The next frame
@@ -96,23 +93,16 @@ impl Renderer {
         changes: &[ObjectChange],
         scratch: &mut UpdateScratch,
     ) -> Result<(), Error> {
-        let UpdateScratch { bounds, gone, reshaped, taken, .. } = scratch;
+        let UpdateScratch { bounds, gone, taken, .. } = scratch;
         bounds.clear();
         gone.clear();
-        reshaped.clear();
         taken.clear();
         let mut free_leaves = self.hierarchy.free_leaves();
         for (index, change) in changes.iter().enumerate() {
             let found = match change {
                 ObjectChange::Move { object, transform } => self
                     .check_there(*object, gone)
-                    .and_then(|()| self.bounds_of_moved(*object, transform, reshaped)),
-                ObjectChange::Reshape { object, transform, bounds } => self
-                    .check_there(*object, gone)
-                    .and_then(|()| bounds_of_reshaped(bounds, transform))
-                    .inspect(|_| {
-                        reshaped.insert(*object, *bounds);
-                    }),
+                    .and_then(|()| self.bounds_of_moved(*object, transform)),
                 ObjectChange::Remove { object } => self.check_there(*object, gone).map(|()| {
                     gone.insert(*object);
                     free_leaves += 1;
@@ -147,17 +137,9 @@ impl Renderer {
         Err(HierarchyError::UnknownObject { object }.to_string())
     }
 
-    fn bounds_of_moved(
-        &self,
-        object: ObjectId,
-        transform: &Affine3A,
-        reshaped: &HashMap<ObjectId, Aabb>,
-    ) -> Result<Aabb, String> {
+    fn bounds_of_moved(&self, object: ObjectId, transform: &Affine3A) -> Result<Aabb, String> {
         const NOWHERE: &str = "its transform takes it nowhere: check it for infinities and NaN";
-        let bounds = match reshaped.get(&object) {
-            Some(bounds) => bounds_in_world(bounds, transform),
-            None => self.passes.geometry.bounds_at(object, transform),
-        };
+        let bounds = self.passes.geometry.bounds_at(object, transform);
         bounds.ok_or_else(|| NOWHERE.to_owned())
     }
 
@@ -200,18 +182,28 @@ impl Renderer {
             added.extend(self.make(change, *bounds, scratch)?);
         }
         scratch.bounds = bounds;
+        self.settle(scratch)?;
+        Ok(UpdateReport { added, ..self.report_since(before) })
+    }
+
+    /// Brings the hierarchy to what was changed, and marks the leaves that are others than before.
+    pub(crate) fn settle(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
         self.move_all(scratch)?;
         self.hierarchy.restructure(&mut scratch.reordered);
         self.mark(scratch);
+        Ok(())
+    }
+
+    /// Returns what was done to the hierarchy after `before`, and what is left for the next frame.
+    fn report_since(&self, before: HierarchyWork) -> UpdateReport {
         let work = self.hierarchy.work();
-        Ok(UpdateReport {
-            added,
+        UpdateReport {
             refitted_nodes: work.refitted_nodes - before.refitted_nodes,
             rebuilt_leaves: work.rebuilt_leaves - before.rebuilt_leaves,
             stale_leaves: self.executor.leaves.stale().len(),
             is_worn: self.hierarchy.is_worn(),
-            cpu: Duration::ZERO,
-        })
+            ..UpdateReport::default()
+        }
     }
 
     /// Builds the hierarchy anew over the objects as they are now, for large scenes whose
@@ -245,13 +237,6 @@ impl Renderer {
     ) -> Result<Option<ObjectId>, HierarchyError> {
         match change {
             ObjectChange::Move { object, transform } => {
-                self.passes.geometry.place(*object, transform);
-                scratch.moves.push((*object, bounds));
-                scratch.changed.push(*object);
-                Ok(None)
-            }
-            ObjectChange::Reshape { object, transform, bounds: own } => {
-                self.passes.geometry.reshape(*object, *own);
                 self.passes.geometry.place(*object, transform);
                 scratch.moves.push((*object, bounds));
                 scratch.changed.push(*object);
@@ -297,12 +282,4 @@ impl Renderer {
             }
         }
     }
-}
-
-fn bounds_of_reshaped(bounds: &Aabb, transform: &Affine3A) -> Result<Aabb, String> {
-    const NOWHERE: &str =
-        "its box or its transform is nowhere: check both for infinities, NaN and a box inside out";
-    let is_usable = bounds.is_usable();
-    let bounds = bounds_in_world(bounds, transform).filter(|_| is_usable);
-    bounds.ok_or_else(|| NOWHERE.to_owned())
 }

@@ -11,6 +11,7 @@ use cull::{Camera, Strategy, View};
 use gpu::{Device, Frame, PassTime, Readback, Target, Tick, Timeline};
 use occlusion::{Area, FrameTimes, MethodRequest, MethodScene, VisibilityState};
 
+use crate::deformers::Skinned;
 use crate::error::Error;
 use crate::flat_overlay::FlatOverlay;
 use crate::passes::CountPass;
@@ -89,11 +90,17 @@ impl Renderer {
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
-        passes.upload_changes(&mut frame, hierarchy, executor)?;
+        let views = eyes.iter().map(|eye| view_in(device, &eye.camera, eye.area));
+        let views: Vec<View> = views.collect();
+        // An explanation may draw the scene as seen from elsewhere.
+        let views = Some(views.as_slice()).filter(|_| self.explainer.is_none());
+        let Skinned { poses, vertices } =
+            passes.upload_changes(&mut frame, hierarchy, executor, views)?;
         if is_timed {
             frame.begin_timing();
         }
-        let mut report = FrameReport::default();
+        let mut report =
+            FrameReport { poses, skinned_vertices: vertices, ..FrameReport::default() };
         for ViewTarget { history, camera, visible, area } in eyes.iter_mut() {
             let view = &view_in(device, camera, *area);
             history.collect(device.completed()?, hierarchy, &executor.leaves);

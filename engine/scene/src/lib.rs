@@ -18,6 +18,7 @@ mod check;
 pub mod limits;
 mod mesh;
 mod outwardness;
+mod pose_bounds;
 mod single;
 mod sprites;
 mod surface;
@@ -28,12 +29,14 @@ mod update;
 use std::f32::consts::PI;
 
 use cull::{Aabb, ObjectId};
-use glam::{Affine3A, Vec3, Vec3A, vec3};
+use glam::{Affine3A, Vec3, vec3};
 
 pub use mesh::{
-    Mesh, MeshId, Vertex, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal, unpack_unorm,
+    Mesh, MeshId, Object, Vertex, bounds_of_transformed, bounds_of_vertices, pack_normal,
+    pack_unorm, unpack_normal, unpack_unorm,
 };
 pub use outwardness::{ENCLOSING, outwardness};
+pub use pose_bounds::PoseBounds;
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
     Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, Level, LightId,
@@ -79,18 +82,6 @@ pub enum SceneError {
     },
 }
 
-/// A mesh somewhere in the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Object {
-    /// What is drawn.
-    pub mesh: MeshId,
-    /// From the mesh's space to the world's, in metres; y is up.
-    pub transform: Affine3A,
-    /// Linear red, green, blue as unorm8x4, red in the lowest byte; alpha has no meaning. See
-    /// [`Vertex::colour`].
-    pub tint: u32,
-}
-
 /// Something that happens to an object between two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ObjectChange {
@@ -100,16 +91,6 @@ pub enum ObjectChange {
         object: ObjectId,
         /// Where it is now.
         transform: Affine3A,
-    },
-    /// It has another form, for which its mesh's box may be too small, and perhaps another place.
-    Reshape {
-        /// The object.
-        object: ObjectId,
-        /// Where it is now.
-        transform: Affine3A,
-        /// The box around it in its own space, before `transform`. It stays that of the object when
-        /// it moves, until it is told another.
-        bounds: Aabb,
     },
     /// It is gone; its id may be given to another.
     Remove {
@@ -238,20 +219,5 @@ impl Scene {
             Some(surfaces) => check::check_surfaces(self, surfaces),
             None => Ok(()),
         }
-    }
-}
-
-/// The box around a transformed box; [`Scene::bounds_of`] says how exact it is.
-pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
-    let extremes = |column: Vec3A, low: f32, high: f32| {
-        let (a, b) = (column * low, column * high);
-        (a.min(b), a.max(b))
-    };
-    let x = extremes(transform.matrix3.x_axis, bounds.min.x, bounds.max.x);
-    let y = extremes(transform.matrix3.y_axis, bounds.min.y, bounds.max.y);
-    let z = extremes(transform.matrix3.z_axis, bounds.min.z, bounds.max.z);
-    Aabb {
-        min: (x.0 + y.0 + z.0 + transform.translation).into(),
-        max: (x.1 + y.1 + z.1 + transform.translation).into(),
     }
 }

@@ -1,7 +1,7 @@
 //! Meshes as plain data: packed vertices, triangles, bounds.
 
 use cull::Aabb;
-use glam::Vec3;
+use glam::{Affine3A, Vec3, Vec3A};
 
 /// Names a mesh of its scene: an index into [`Scene::meshes`](super::Scene::meshes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -51,6 +51,18 @@ impl Mesh {
     }
 }
 
+/// A mesh somewhere in the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Object {
+    /// What is drawn.
+    pub mesh: MeshId,
+    /// From the mesh's space to the world's, in metres; y is up.
+    pub transform: Affine3A,
+    /// Linear red, green, blue as unorm8x4, red in the lowest byte; alpha has no meaning. See
+    /// [`Vertex::colour`].
+    pub tint: u32,
+}
+
 /// The tight box around the vertices; an empty list gives a box of no size at the origin.
 pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
     let mut points = vertices.iter().map(|vertex| Vec3::from_array(vertex.position));
@@ -60,6 +72,21 @@ pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
     let (min, max) =
         points.fold((first, first), |(min, max), point| (min.min(point), max.max(point)));
     Aabb { min, max }
+}
+
+/// The box around a transformed box; [`Scene::bounds_of`](super::Scene::bounds_of) says how exact it is.
+pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
+    let extremes = |column: Vec3A, low: f32, high: f32| {
+        let (a, b) = (column * low, column * high);
+        (a.min(b), a.max(b))
+    };
+    let x = extremes(transform.matrix3.x_axis, bounds.min.x, bounds.max.x);
+    let y = extremes(transform.matrix3.y_axis, bounds.min.y, bounds.max.y);
+    let z = extremes(transform.matrix3.z_axis, bounds.min.z, bounds.max.z);
+    Aabb {
+        min: (x.0 + y.0 + z.0 + transform.translation).into(),
+        max: (x.1 + y.1 + z.1 + transform.translation).into(),
+    }
 }
 
 /// Packs a unit vector as snorm8x4 with w = 0.

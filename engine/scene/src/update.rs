@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use cull::Aabb;
 use glam::Affine3A;
 
 use super::{BlendedId, DeformerId, LightId, ObjectChange, PunctualLight};
@@ -14,8 +13,6 @@ pub struct BlendedMove {
     pub blended: BlendedId,
     /// From its space to the world's.
     pub transform: Affine3A,
-    /// The box that it stays in, in its own space; `None` where its form does not change.
-    pub bounds: Option<Aabb>,
 }
 
 /// A light in another place, or of another colour.
@@ -27,7 +24,8 @@ pub struct LightMove {
     pub to: PunctualLight,
 }
 
-/// A mesh in another form.
+/// A mesh in another form. The renderer finds the box of its object from it, see
+/// [`PoseBounds`](super::PoseBounds).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformation {
     /// The mesh, by its deformer.
@@ -42,7 +40,7 @@ pub struct Deformation {
 /// Everything that changes in a scene between two frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneUpdate {
-    /// Objects that move, change their form, come or go, in this order.
+    /// Objects that move, come or go, in this order.
     pub objects: Vec<ObjectChange>,
     /// Blended objects that move.
     pub blended: Vec<BlendedMove>,

@@ -207,16 +207,31 @@ impl SceneView {
         !matches!(std::mem::replace(&mut self.guide, Guide::Nobody), Guide::Nobody)
     }
 
-    /// Lets `seconds` pass, and brings everything in `renderer` to where it is then.
-    ///
-    /// # Errors
-    /// When the renderer refuses a change.
-    pub fn advance(&mut self, renderer: &mut Renderer, seconds: f32) -> Result<(), RunError> {
-        let Some(life) = &mut self.life else { return Ok(()) };
+    /// Lets `seconds` pass; cameras go to where they are then.
+    pub fn advance(&mut self, seconds: f32) {
+        let Some(life) = &mut self.life else { return };
         if !life.is_paused && seconds.is_finite() {
             life.seconds += f64::from(seconds.clamp(0.0, LONGEST_STEP_S));
         }
-        renderer.apply(life.animator.changes(life.seconds))?;
+        life.animator.pose(life.seconds);
+    }
+
+    /// Brings everything in `renderer` to where it is now; what `camera`, the only one, cannot see takes no
+    /// pose. Without one everything does.
+    ///
+    /// # Errors
+    /// When the renderer refuses a change.
+    pub fn show(
+        &mut self,
+        renderer: &mut Renderer,
+        camera: Option<&Camera>,
+    ) -> Result<(), RunError> {
+        let Some(life) = &mut self.life else { return Ok(()) };
+        let changes = match camera {
+            Some(camera) => life.animator.changes_in(life.seconds, &[renderer.view_of(camera)]),
+            None => life.animator.changes(life.seconds),
+        };
+        renderer.apply(changes)?;
         Ok(())
     }
 

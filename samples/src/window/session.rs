@@ -233,10 +233,13 @@ impl Session {
         self.follow_selection()?;
         // What was decided stays decided while the culling stands still, so all else does, too.
         if self.frozen.is_none() {
-            self.scene_view.advance(&mut self.renderer, seconds)?;
+            self.scene_view.advance(seconds);
         }
         let camera = self.camera(steering, seconds);
         if self.frozen.is_none() {
+            // An explanation may show the scene from above.
+            let is_only = self.explanation == DebugOverlay::default();
+            self.scene_view.show(&mut self.renderer, is_only.then_some(&camera))?;
             self.scene_view.choose_detail(&mut self.renderer, &camera);
         }
         self.seconds += f64::from(seconds);

@@ -106,13 +106,9 @@ fn check_placements(imported: &GltfScene) {
         if let Some((deformer, skin)) = placement.deformer {
             assert!((deformer.0 as usize) < surfaces.deformers.len());
             assert!(skin.is_none_or(|skin| skin < imported.skins.len()));
-            assert!(placement.clip_bounds.iter().all(|(clip, _)| *clip < imported.clips.len()));
-            assert!(placement.clip_bounds.is_sorted_by_key(|(clip, _)| *clip));
-            let boxes = placement.clip_bounds.iter().map(|(_, bounds)| bounds);
-            let mut boxes = boxes.chain([&placement.rest_bounds, &placement.blend_bounds]);
-            assert!(boxes.all(|bounds| bounds.is_usable()));
+            assert!(placement.reach.is_usable() && placement.seen_at_rest.is_usable());
         } else {
-            assert!(placement.clip_bounds.is_empty() && placement.rest_bounds.is_empty());
+            assert!(placement.reach.is_empty() && placement.seen_at_rest.is_empty());
         }
     }
 }

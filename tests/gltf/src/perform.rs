@@ -1,7 +1,9 @@
 //! What was loaded plays: all clips, faded into each other, at any time and at none.
 
+use cull::Aabb;
+use glam::Affine3A;
 use import::{GltfScene, LevelOptions, SceneAnimator};
-use scene::{ObjectChange, SceneUpdate};
+use scene::{LightMove, ObjectChange, PoseBounds, SceneUpdate};
 
 /// Times to look at, in this order: seeks forwards and back, before the beginning, and what is no time.
 const SECONDS: [f64; 7] = [0.0, 0.37, 1.0e9, -3.5, f64::NAN, f64::INFINITY, 0.5];
@@ -16,6 +18,7 @@ pub fn perform(mut imported: GltfScene) {
     imported.scene.validate().expect("it can be drawn with its levels");
     let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
     let clips = animator.clips().len();
+    let mut shown = Shown::new(&scene);
     let first = (0..clips.min(MOST_CLIPS)).map(|clip| vec![clip]);
     let together = animator.compatible(None);
     let mut now_s = 0.0;
@@ -23,7 +26,7 @@ pub fn perform(mut imported: GltfScene) {
         // Each goes on from amid of the fade before.
         animator.play(&playing, now_s, 1.0);
         for seconds in [0.25, 0.5] {
-            check(animator.changes(now_s + seconds), &scene);
+            shown.check(animator.changes(now_s + seconds));
         }
         now_s += 0.5;
         for camera in &cameras {
@@ -34,43 +37,71 @@ pub fn perform(mut imported: GltfScene) {
     }
     animator.play(&(0..clips).collect::<Vec<_>>(), 0.0, 0.0);
     for seconds in SECONDS {
-        check(animator.changes(seconds), &scene);
+        shown.check(animator.changes(seconds));
     }
 }
 
-fn check(changes: &SceneUpdate, scene: &scene::Scene) {
-    let surfaces = scene.surfaces.as_ref().expect("surfaces");
-    for moved in &changes.objects {
-        let (object, transform, bounds) = match *moved {
-            ObjectChange::Move { object, transform } => (object, transform, None),
-            ObjectChange::Reshape { object, transform, bounds } => {
-                (object, transform, Some(bounds))
-            }
-            other => panic!("files bring and take no objects: {other:?}"),
+/// What a renderer knows of the scene: where its objects are, and in which boxes.
+struct Shown<'a> {
+    scene: &'a scene::Scene,
+    surfaces: &'a scene::Surfaces,
+    /// The objects, and the blended ones behind them.
+    transforms: Vec<Affine3A>,
+    /// By mesh, in its own space.
+    bounds: Vec<Aabb>,
+    forms: Vec<PoseBounds>,
+}
+
+impl<'a> Shown<'a> {
+    fn new(scene: &'a scene::Scene) -> Self {
+        let surfaces = scene.surfaces.as_ref().expect("surfaces");
+        let objects = scene.objects.iter().chain(&surfaces.blended);
+        let form = |deformer: &scene::Deformer| {
+            PoseBounds::of(&scene.meshes[deformer.mesh.0 as usize], deformer)
         };
-        let mesh = scene.mesh_of(&scene.objects[object.0 as usize]).expect("its mesh");
-        let corners = bounds.unwrap_or(mesh.bounds).corners();
-        let corners = corners.map(|corner| transform.transform_point3(corner));
-        assert!(transform.is_finite(), "{moved:?}");
-        assert!(corners.iter().all(|at| at.abs().max_element() <= FARTHEST), "{moved:?}");
+        Self {
+            scene,
+            surfaces,
+            transforms: objects.map(|object| object.transform).collect(),
+            bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
+            forms: surfaces.deformers.iter().map(form).collect(),
+        }
     }
-    for moved in &changes.blended {
-        let mesh = scene.mesh_of(&surfaces.blended[moved.blended.0 as usize]).expect("its mesh");
-        let corners = moved.bounds.unwrap_or(mesh.bounds).corners();
-        let corners = corners.map(|corner| moved.transform.transform_point3(corner));
-        assert!(corners.iter().all(|at| at.abs().max_element() <= FARTHEST), "{moved:?}");
-    }
-    for light in &changes.lights {
-        assert!(light.to.position.is_finite() && light.to.direction.is_normalized(), "{light:?}");
-    }
-    assert!(changes.joints.iter().all(|joint| joint.is_finite()));
-    assert!(changes.weights.iter().all(|weight| weight.is_finite()));
-    for deformed in &changes.deformations {
-        let deformer = &surfaces.deformers[deformed.deformer.0 as usize];
-        let joints = deformer.skin.as_ref().map_or(0, |skin| skin.joint_count as usize);
-        assert_eq!(
-            (deformed.joints.len(), deformed.weights.len()),
-            (joints, deformer.targets.len())
-        );
+
+    /// Takes changes in the order in which a renderer does, and fails where that would refuse one.
+    fn check(&mut self, changes: &SceneUpdate) {
+        for moved in &changes.objects {
+            let ObjectChange::Move { object, transform } = *moved else {
+                panic!("files bring and take no objects: {moved:?}");
+            };
+            assert!(transform.is_finite(), "{moved:?}");
+            self.transforms[object.0 as usize] = transform;
+        }
+        for moved in &changes.blended {
+            let place = self.scene.objects.len() + moved.blended.0 as usize;
+            self.transforms[place] = moved.transform;
+        }
+        for light in &changes.lights {
+            let LightMove { to, .. } = light;
+            assert!(to.position.is_finite() && to.direction.is_normalized(), "{light:?}");
+        }
+        for deformed in &changes.deformations {
+            let number = deformed.deformer.0 as usize;
+            let deformer = &self.surfaces.deformers[number];
+            let joints = &changes.joints[deformed.joints.clone()];
+            let weights = &changes.weights[deformed.weights.clone()];
+            let joint_count = deformer.skin.as_ref().map_or(0, |skin| skin.joint_count as usize);
+            assert_eq!((joints.len(), weights.len()), (joint_count, deformer.targets.len()));
+            assert!(joints.iter().all(|joint| joint.is_finite()));
+            assert!(weights.iter().all(|weight| weight.is_finite()));
+            let bounds = self.forms[number].bounds(joints, weights);
+            self.bounds[deformer.mesh.0 as usize] = bounds.expect("a pose that has a box");
+        }
+        let objects = self.scene.objects.iter().chain(&self.surfaces.blended);
+        for (object, transform) in objects.zip(&self.transforms) {
+            let corners = self.bounds[object.mesh.0 as usize].corners();
+            let mut corners = corners.map(|corner| transform.transform_point3(corner)).into_iter();
+            assert!(corners.all(|at| at.abs().max_element() <= FARTHEST), "{transform:?}");
+        }
     }
 }

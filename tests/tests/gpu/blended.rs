@@ -1,6 +1,6 @@
 //! Blended objects: back to front over the finished picture, the same whatever culling leaves out.
 
-use cull::{Aabb, Camera, Strategy};
+use cull::{Camera, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
 use render::{Costs, Error, FrameReport, FrameRequest, Renderer, RendererOptions};
@@ -107,7 +107,7 @@ fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<R
         for number in (frame % 3..PANES).step_by(5) {
             let fly = Affine3A::from_translation(vec3(0.3 * frame as f32, 0.0, 0.5));
             let transform = fly * pane(number).transform;
-            renderer.move_blended(BlendedId(number), transform, None).unwrap();
+            renderer.move_blended(BlendedId(number), transform).unwrap();
         }
         draw_into(&mut renderer, &mut view, strategy, camera(frame)).0
     };
@@ -167,7 +167,7 @@ fn what_was_hidden_shows_in_the_frame_in_which_it_shows() {
         renderer.update(&[change]).unwrap();
         let open = draw(&mut renderer);
         let away = Affine3A::from_translation(Vec3::Y * 90.0);
-        renderer.move_blended(BlendedId(0), away, None).unwrap();
+        renderer.move_blended(BlendedId(0), away).unwrap();
         let without = draw(&mut renderer);
         device.drain().unwrap();
         let differ = |a: &Readback, b: &Readback| {
@@ -221,13 +221,8 @@ fn bad_moves_are_refused_and_change_nothing() {
         let scene = scene();
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
         let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
-        let inside_out = Aabb { min: Vec3::ONE, max: Vec3::ZERO };
-        for (number, transform, bounds) in [
-            (PANES, Affine3A::IDENTITY, None),
-            (0, nowhere, None),
-            (0, Affine3A::IDENTITY, Some(inside_out)),
-        ] {
-            let error = renderer.move_blended(BlendedId(number), transform, bounds).unwrap_err();
+        for (number, transform) in [(PANES, Affine3A::IDENTITY), (0, nowhere)] {
+            let error = renderer.move_blended(BlendedId(number), transform).unwrap_err();
             assert!(matches!(error, Error::Blended { .. }), "{error}");
         }
     });

@@ -1,23 +1,23 @@
 //! Meshes that change their form on the GPU: the same form as the formulas of glTF 2.0 give on the CPU,
 //! and exact pictures while they hide and are hidden.
 
-use cull::{Aabb, Camera, ObjectId, Strategy};
+use cull::{Camera, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
+use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scene::{
     Deformer, DeformerId, Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId,
-    MorphTarget, Object, ObjectChange, PunctualLight, Sampler, Scene, SkinWeights, Surfaces,
-    Texture, TextureId, TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
+    MorphTarget, Object, PunctualLight, Sampler, Scene, SkinWeights, Surfaces, Texture, TextureId,
+    TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
 };
 use tests::run_on_all;
 use tests::shapes::{box_scene, cube, surface_of};
 use tests::walk::pixels_that_differ;
 
-const SIZE: [u32; 2] = [160, 90];
+pub const SIZE: [u32; 2] = [160, 90];
 
 /// A slab 4 m wide that bends about two joints along its width, and bulges.
-const WIDTH_M: f32 = 4.0;
+pub const WIDTH_M: f32 = 4.0;
 
 fn slab(colour: [f32; 4]) -> Mesh {
     let mut mesh = cube(pack_unorm(colour), 12);
@@ -63,12 +63,12 @@ fn deformer(number: u32, mesh: &Mesh) -> Deformer {
 }
 
 /// What is told each frame.
-struct Pose {
-    joints: [Affine3A; 3],
-    weights: [f32; 2],
+pub struct Pose {
+    pub joints: [Affine3A; 3],
+    pub weights: [f32; 2],
 }
 
-fn pose(turn: f32) -> Pose {
+pub fn pose(turn: f32) -> Pose {
     let about = |point: Vec3, turn: Quat| {
         Affine3A::from_translation(point)
             * Affine3A::from_quat(turn)
@@ -110,7 +110,7 @@ fn deformed(mesh: &Mesh, deformer: &Deformer, pose: &Pose) -> Mesh {
 }
 
 /// Two slabs that move before and behind others: as objects 0 and 1, meshes 0 and 1.
-fn scene() -> Scene {
+pub fn scene() -> Scene {
     let meshes = vec![
         slab([0.9, 0.3, 0.2, 1.0]),
         slab([0.2, 0.5, 0.9, 1.0]),
@@ -150,12 +150,12 @@ fn scene() -> Scene {
     Scene { meshes, objects, surfaces: Some(surfaces), ..box_scene(&[]) }
 }
 
-fn camera() -> Camera {
+pub fn camera() -> Camera {
     let (forward, up) = (vec3(0.1, 0.0, -1.0), Vec3::Y);
     Camera { eye: vec3(0.0, 1.4, 0.0), forward, up, fov_y: 1.2, near: 0.05 }
 }
 
-fn options(frames_in_flight: usize) -> RendererOptions {
+pub fn options(frames_in_flight: usize) -> RendererOptions {
     RendererOptions {
         methods: methods::ALL,
         size: SIZE,
@@ -178,30 +178,20 @@ fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
     bent
 }
 
-/// Has a renderer take the poses, with the boxes that hold them.
-fn take(renderer: &mut Renderer, scene: &Scene, turns: [f32; 2]) {
-    let bent = bent(scene, turns);
+/// Has a renderer take the poses.
+pub fn take(renderer: &mut Renderer, turns: [f32; 2]) {
     for (number, turn) in (0..).zip(turns) {
         let Pose { joints, weights } = pose(turn);
-        renderer.deform(DeformerId(number), &joints, &weights).unwrap();
-        // A little more than the vertices need: sums are rounded in another order on the GPU.
-        let of_mesh = bent.meshes[number as usize].bounds;
-        let slack = Vec3::splat(1e-4);
-        let change = ObjectChange::Reshape {
-            object: ObjectId(number),
-            transform: scene.objects[number as usize].transform,
-            bounds: Aabb { min: of_mesh.min - slack, max: of_mesh.max + slack },
-        };
-        renderer.update(&[change]).unwrap();
+        renderer.set_pose(DeformerId(number), &joints, &weights).unwrap();
     }
 }
 
-fn turns(frame: u32) -> [f32; 2] {
+pub fn turns(frame: u32) -> [f32; 2] {
     let time = frame as f32 * 0.35;
     [1.2 * time.sin().abs(), 1.0 - time.cos()]
 }
 
-fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
+pub fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
     let picture = Readback::new(renderer.device(), SIZE).unwrap();
     let mut view = renderer.new_view().unwrap();
     let request = FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera()) };
@@ -211,7 +201,7 @@ fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
 }
 
 /// Pixels that differ by more than rounding does.
-fn pixels_far_apart(a: &Readback, b: &Readback) -> usize {
+pub fn pixels_far_apart(a: &Readback, b: &Readback) -> usize {
     let far = |(a, b): (&[u8], &[u8])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 8);
     a.rgba8()
         .unwrap()
@@ -229,7 +219,7 @@ fn forms_are_those_of_the_specification() {
         let at_rest = draw(&mut moving, Strategy::Frustum);
         let mut moved = 0;
         for frame in [0, 1, 2, 3, 5, 8] {
-            take(&mut moving, &scene, turns(frame));
+            take(&mut moving, turns(frame));
             let found = draw(&mut moving, Strategy::Frustum);
             let mut still =
                 Renderer::new(device, &bent(&scene, turns(frame)), &options(2)).unwrap();
@@ -295,13 +285,7 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
         }];
         let mut renderer = Renderer::new(device, &skinned, &options(2)).unwrap();
         let unposed = draw(&mut renderer, Strategy::Frustum);
-        renderer.deform(DeformerId(0), &[mirror], &[]).unwrap();
-        let Aabb { min, max } = scene.meshes[0].bounds;
-        let bounds = Aabb { min: vec3(-max.x, min.y, min.z), max: vec3(-min.x, max.y, max.z) };
-        let transform = scene.objects[0].transform;
-        renderer
-            .update(&[ObjectChange::Reshape { object: ObjectId(0), transform, bounds }])
-            .unwrap();
+        renderer.set_pose(DeformerId(0), &[mirror], &[]).unwrap();
         let found = draw(&mut renderer, Strategy::Frustum);
         assert_eq!(pixels_far_apart(&expected, &found), 0);
         assert!(pixels_far_apart(&expected, &unposed) > 500, "it is somewhere else");
@@ -314,7 +298,7 @@ fn film(device: &Device, strategy: Strategy, frames_in_flight: usize) -> Vec<Rea
     let mut renderer = Renderer::new(device, &scene, &options(frames_in_flight)).unwrap();
     let mut view = renderer.new_view().unwrap();
     let frame = |frame| {
-        take(&mut renderer, &scene, turns(frame));
+        take(&mut renderer, turns(frame));
         let picture = Readback::new(device, SIZE).unwrap();
         let request =
             FrameRequest { picture: Some(&picture), ..FrameRequest::new(strategy, camera()) };
@@ -347,77 +331,5 @@ fn what_changes_its_form_hides_and_is_hidden_exactly() {
                 }
             }
         }
-    });
-}
-
-#[test]
-fn a_moved_object_keeps_the_box_it_was_told() {
-    run_on_all(|device| {
-        let scene = scene();
-        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
-        let size = |renderer: &Renderer, object| {
-            let node = renderer.hierarchy().node_of(ObjectId(object)).unwrap();
-            let bounds = renderer.hierarchy().bounds(node);
-            (bounds.max - bounds.min).x
-        };
-        // One whose mesh changes, and one of many that share theirs.
-        for object in [0, 2] {
-            let transform = Affine3A::IDENTITY;
-            let bounds = Aabb { min: Vec3::ZERO, max: vec3(9.0, 1.0, 1.0) };
-            let object_id = ObjectId(object);
-            let there = Affine3A::from_translation(Vec3::X);
-            renderer
-                .update(&[
-                    ObjectChange::Reshape { object: object_id, transform, bounds },
-                    ObjectChange::Move { object: object_id, transform: there },
-                ])
-                .unwrap();
-            assert!((size(&renderer, object) - 9.0).abs() < 1e-3);
-            renderer.update(&[ObjectChange::Move { object: object_id, transform }]).unwrap();
-            assert!((size(&renderer, object) - 9.0).abs() < 1e-3);
-        }
-        assert!(size(&renderer, 4) < 1.0, "others of the same mesh keep theirs");
-        // Whose box would be that of another.
-        let second = ObjectChange::Add { object: scene.objects[0] };
-        let gone = ObjectChange::Remove { object: ObjectId(0) };
-        assert!(renderer.update(&[second]).unwrap_err().to_string().contains("another object"));
-        assert!(renderer.update(&[gone, second, second]).is_err());
-        renderer.update(&[gone, second]).unwrap();
-        assert!((size(&renderer, 0) - 9.0).abs() < 1e-3, "the mesh keeps its box");
-    });
-}
-
-#[test]
-fn bad_poses_and_boxes_are_refused_and_change_nothing() {
-    run_on_all(|device| {
-        let scene = scene();
-        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
-        let before = draw(&mut renderer, Strategy::Frustum);
-        let Pose { joints, weights } = pose(0.4);
-        let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
-        let mut refuse = |deformer, joints: &[Affine3A], weights: &[f32], why: &str| {
-            let error = renderer.deform(DeformerId(deformer), joints, weights).unwrap_err();
-            let text = error.to_string();
-            assert!(matches!(error, Error::Deform { .. }) && text.contains(why), "{text}");
-        };
-        refuse(2, &joints, &weights, "no such deformer");
-        refuse(0, &joints[..2], &weights, "3 joints");
-        refuse(0, &joints, &weights[..1], "2 morph targets");
-        refuse(1, &[joints[0], nowhere, joints[2]], &weights, "joint 1");
-        refuse(1, &joints, &[0.0, f32::INFINITY], "target 1");
-        let transform = Affine3A::IDENTITY;
-        for bounds in [
-            Aabb { min: Vec3::ONE, max: Vec3::ZERO },
-            Aabb { min: Vec3::splat(f32::NAN), max: Vec3::ONE },
-            Aabb { min: Vec3::ZERO, max: Vec3::INFINITY },
-        ] {
-            let change = ObjectChange::Reshape { object: ObjectId(0), transform, bounds };
-            assert!(renderer.update(&[change]).is_err());
-        }
-        let after = draw(&mut renderer, Strategy::Frustum);
-        assert_eq!(pixels_that_differ(&before.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
-        let plain = Scene { surfaces: None, ..scene };
-        let mut renderer = Renderer::new(device, &plain, &options(2)).unwrap();
-        assert!(renderer.deform(DeformerId(0), &joints, &weights).is_err());
     });
 }

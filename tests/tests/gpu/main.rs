@@ -28,6 +28,7 @@ mod misuse;
 mod moving;
 mod object_pairs;
 mod pick;
+mod poses;
 mod pyramid;
 mod query_pages;
 mod relight;

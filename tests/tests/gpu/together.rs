@@ -1,7 +1,7 @@
 //! All that a scene can have at once: lamps that move, holes, panes, a mesh that changes its form, a door that
 //! opens. Whatever decides what is drawn, the pictures are the same.
 
-use cull::{Aabb, Camera, ObjectId, Strategy};
+use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
@@ -115,19 +115,14 @@ fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
         renderer.set_light(LightId(number), lamp(number, frame)).unwrap();
     }
     let weight = (frame as f32 * 0.9).sin();
-    renderer.deform(DeformerId(0), &[], &[weight]).unwrap();
+    renderer.set_pose(DeformerId(0), &[], &[weight]).unwrap();
     let slide = Affine3A::from_translation(vec3(0.0, (frame % 4) as f32 * 1.5, 0.0));
-    let [soft, door] = [0, 1].map(|object| scene.objects[object].transform);
-    let bounds = Aabb::new(vec3(0.0, -1.6, 0.0), vec3(1.0, 2.6, 1.0));
-    let changes = [
-        ObjectChange::Reshape { object: ObjectId(0), transform: soft, bounds },
-        ObjectChange::Move { object: ObjectId(1), transform: slide * door },
-    ];
-    renderer.update(&changes).unwrap();
+    let transform = slide * scene.objects[1].transform;
+    renderer.update(&[ObjectChange::Move { object: ObjectId(1), transform }]).unwrap();
     for number in (frame % 3..12).step_by(4) {
         let fly = Affine3A::from_translation(vec3(0.2 * frame as f32, 0.0, 0.3));
         let transform = fly * pane(number).transform;
-        renderer.move_blended(BlendedId(number), transform, None).unwrap();
+        renderer.move_blended(BlendedId(number), transform).unwrap();
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use animation::{Clip, NodeId};
+use animation::NodeId;
 use cull::{Aabb, ObjectId};
 use glam::Affine3A;
 use scene::{BlendedId, Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces};
@@ -30,7 +30,6 @@ pub(super) const NO_TINT: u32 = u32::MAX;
 pub(super) struct Assembly<'a> {
     pub(super) source: &'a Source,
     pub(super) tree: &'a Tree,
-    pub(super) clips: &'a [Clip],
     pub(super) notes: Notes,
     pub(super) scene: Scene,
     pub(super) surfaces: Surfaces,
@@ -234,14 +233,5 @@ impl<'a> Assembly<'a> {
 
 /// A placement of what does not change its form.
 pub(super) fn rigid(node: NodeId, placed: Placed, local: Affine3A) -> Placement {
-    Placement {
-        node,
-        placed,
-        local,
-        deformer: None,
-        rest_bounds: Aabb::EMPTY,
-        seen_at_rest: Aabb::EMPTY,
-        clip_bounds: [].into(),
-        blend_bounds: Aabb::EMPTY,
-    }
+    Placement { node, placed, local, deformer: None, seen_at_rest: Aabb::EMPTY, reach: Aabb::EMPTY }
 }

@@ -1,4 +1,4 @@
-//! Meshes that change their form: each node that has one gets its own, with the boxes that it stays in.
+//! Meshes that change their form: each node that has one gets its own, with the box that it stays in.
 
 use animation::NodeId;
 use glam::Affine3A;
@@ -57,7 +57,7 @@ impl Assembly<'_> {
                 None => self.form(primitive, &geometry, node, skin)?,
             };
             let form = match known.insert(form) {
-                Some(form) => form.clone(),
+                Some(form) => *form,
                 None => {
                     self.leave_out_huge(node);
                     continue;
@@ -107,7 +107,7 @@ impl Assembly<'_> {
             self.source.error(Cause::TooLarge, self.tree.name(node), over.to_string())
         })?;
         let used = skin.and_then(|used| self.skins.list.get(used.skin));
-        let seen_at_rest = form.seen_at_rest(&geometry, used, self.tree, &transform);
+        let seen_at_rest = form.seen_at_rest(&geometry, (node, used), self.tree, &transform);
         let mesh = self.add_mesh(&geometry, material, name);
         let deformer = DeformerId(self.surfaces.deformers.len() as u32);
         self.surfaces.deformers.push(Deformer {
@@ -121,15 +121,13 @@ impl Assembly<'_> {
             placed,
             local,
             deformer: Some((deformer, skin.map(|skin| skin.skin))),
-            rest_bounds: form.rest_bounds,
             seen_at_rest,
-            clip_bounds: form.clip_bounds,
-            blend_bounds: form.blend_bounds,
+            reach: form.reach,
         });
         Ok(())
     }
 
-    /// Where the mesh is and how far it reaches; `None` if that is beyond all numbers.
+    /// Where the mesh is and how far it reaches; `None` if it has no skeleton.
     fn form(
         &mut self,
         primitive: &Primitive<'_>,
@@ -139,6 +137,6 @@ impl Assembly<'_> {
     ) -> Result<Option<Form>, ImportError> {
         let skin = skin.and_then(|used| Some((used.skin, self.skins.list.get(used.skin)?)));
         let formed = Formed { primitive, geometry, node, skin };
-        self.forms.form(&self.tree.rig, self.clips, &formed)
+        self.forms.form(&self.tree.rig, &formed)
     }
 }

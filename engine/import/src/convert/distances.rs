@@ -6,7 +6,6 @@
 //! that were taken before it.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use animation::{Clip, Extents, Rig, Skeleton, Skin};
 use cull::{Aabb, MAX_COORDINATE};
@@ -18,9 +17,6 @@ use crate::error::quoted;
 use crate::gltf_scene::{Camera, Placed, Placement};
 use crate::notes::Notes;
 
-/// Of clips, by their numbers.
-type Boxes = Arc<[(usize, Aabb)]>;
-
 /// Nodes that are looked at to find which clips go too far; what was not tried then is not played.
 const MOST_STEPS: usize = 1 << 26;
 /// How many clips are tried however many nodes there are.
@@ -31,7 +27,7 @@ const LEAST_TRIES: usize = 8;
 pub(super) fn refuse_far(
     (tree, extents): (&Tree, &Extents),
     clips: &mut Vec<Clip>,
-    placements: &mut [Placement],
+    placements: &[Placement],
     (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
     cameras: &[Camera],
     notes: &mut Notes,
@@ -63,7 +59,6 @@ pub(super) fn refuse_far(
         }
         is_taken.push(is_near);
     }
-    renumber(&is_taken, placements);
     let mut is_taken = is_taken.into_iter();
     clips.retain(|_| is_taken.next() == Some(true));
 }
@@ -88,8 +83,7 @@ fn distances(
     }
     for placement in placements {
         let mut node = Some(placement.node);
-        let mut bounds = placement.blend_bounds.union(&placement.rest_bounds);
-        bounds = placement.clip_bounds.iter().fold(bounds, |all, (_, one)| all.union(one));
+        let mut bounds = placement.reach;
         if let Some((deformer, skin)) = placement.deformer {
             let deformer = surfaces.deformers.get(deformer.0 as usize);
             let weights = deformer.and_then(|it| it.skin.as_ref());
@@ -122,27 +116,4 @@ fn distances(
         reaches(node.0, farthest);
     }
     distances
-}
-
-/// Gives the clips of boxes their new numbers; what had a list in common goes on having one.
-fn renumber(is_taken: &[bool], placements: &mut [Placement]) {
-    let mut next = 0;
-    let numbers: Vec<Option<usize>> = is_taken
-        .iter()
-        .map(|is_taken| {
-            next += usize::from(*is_taken);
-            is_taken.then(|| next - 1)
-        })
-        .collect();
-    let number = |clip: usize| numbers.get(clip).copied().flatten();
-    let mut known: HashMap<*const (usize, Aabb), [Boxes; 2]> = HashMap::new();
-    for placement in placements.iter_mut().filter(|it| !it.clip_bounds.is_empty()) {
-        let list = &placement.clip_bounds;
-        let [_, renumbered] = known.entry(list.as_ptr()).or_insert_with(|| {
-            let kept = list.iter().filter_map(|(clip, bounds)| Some((number(*clip)?, *bounds)));
-            // The old list is held, so that no other comes to lie where it was.
-            [list.clone(), kept.collect()]
-        });
-        placement.clip_bounds = renumbered.clone();
-    }
 }

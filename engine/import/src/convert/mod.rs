@@ -73,7 +73,6 @@ pub(crate) fn convert(
     let mut assembly = Assembly {
         source: &source,
         tree: &tree,
-        clips: &clips,
         notes,
         scene: empty(name),
         surfaces: Surfaces::default(),
@@ -107,20 +106,13 @@ pub(crate) fn convert(
         assembly.place(&mut plan, node)?;
     }
     let Assembly {
-        mut notes,
-        mut scene,
-        mut surfaces,
-        materials,
-        skins,
-        mut placements,
-        forms,
-        ..
+        mut notes, mut scene, mut surfaces, materials, skins, placements, forms, ..
     } = assembly;
     (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
     renderable::check_textures(&source, &surfaces)?;
     let made = (&scene, &surfaces, skins.list.as_slice());
     let moved = (&tree, &forms.into_extents());
-    distances::refuse_far(moved, &mut clips, &mut placements, made, &cameras, &mut notes);
+    distances::refuse_far(moved, &mut clips, &placements, made, &cameras, &mut notes);
     let is_empty = scene.objects.is_empty() && surfaces.blended.is_empty();
     if is_empty {
         notes.say("there is nothing to see in the scene");

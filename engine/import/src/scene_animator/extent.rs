@@ -2,7 +2,7 @@
 
 use cull::Aabb;
 use glam::Vec3;
-use scene::{Object, Scene};
+use scene::{Object, PoseBounds, Scene};
 
 use super::SceneAnimator;
 use crate::gltf_scene::Placed;
@@ -24,7 +24,7 @@ impl SceneAnimator {
     pub fn bounds_playing(&mut self, scene: &Scene) -> Aabb {
         let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
         let objects: Vec<&Object> = scene.objects.iter().chain(blended).collect();
-        let place = |placed: Placed| match placed {
+        let place = |(placed, _): (Placed, _)| match placed {
             Placed::Object(id) => Some(id.0 as usize),
             Placed::Blended(id) => Some(scene.objects.len() + id.0 as usize),
             Placed::Light(_) => None,
@@ -41,12 +41,21 @@ impl SceneAnimator {
         for bounds in still.filter_map(|(object, _)| scene.bounds_of(object)) {
             all = all.union(&bounds);
         }
+        let deformers = scene.surfaces.as_ref().map_or(&[][..], |it| &it.deformers);
+        let form = |part| {
+            let (_, deformer) = self.parts.placed(part)?;
+            let deformer = deformers.get(deformer?.0 as usize)?;
+            Some(PoseBounds::of(scene.meshes.get(deformer.mesh.0 as usize)?, deformer))
+        };
+        let forms: Vec<Option<PoseBounds>> = parts.clone().map(form).collect();
         for seconds in self.looks() {
             self.changes(seconds);
-            for part in parts.clone() {
+            for (part, form) in parts.clone().zip(&forms) {
                 let Some(place) = self.parts.placed(part).and_then(place) else { continue };
                 let mesh = objects.get(place).and_then(|it| scene.meshes.get(it.mesh.0 as usize));
-                if let Some(bounds) = self.parts.seen_in(part, mesh.map(|mesh| mesh.bounds)) {
+                if let Some(bounds) =
+                    self.parts.seen_in(part, mesh.map(|mesh| mesh.bounds), form.as_ref())
+                {
                     all = all.union(&bounds);
                 }
             }

@@ -1,15 +1,15 @@
 //! What hangs on nodes: how it was shown last, and how it is to be shown. What several hang on is looked at
 //! once a moment.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-use animation::{Clip, ClipIndex, NodeId, Pose, Rig, Skeleton, Skin};
-use cull::Aabb;
+use animation::{Clip, NodeId, Pose, Rig, Skeleton, Skin};
+use cull::{Aabb, Containment, PlaneMask, View};
 use glam::{Affine3A, Vec3};
 use scene::{
-    BlendedMove, Deformation, Deformer, LightMove, ObjectChange, PunctualLight, SceneUpdate,
-    bounds_of_transformed,
+    BlendedMove, Deformation, Deformer, DeformerId, LightMove, ObjectChange, PoseBounds,
+    PunctualLight, SceneUpdate, bounds_of_transformed,
 };
 
 use crate::convert::used_joints;
@@ -20,8 +20,6 @@ use crate::gltf_scene::{Placed, Placement};
 pub(super) struct Parts {
     parts: Vec<Part>,
     skeletons: Vec<Hung>,
-    /// For each node whose weights clips change, these clips.
-    weighing: HashMap<NodeId, Vec<usize>>,
     /// Matrices of a skeleton in the making, kept to allocate nothing.
     matrices: Vec<Affine3A>,
 }
@@ -30,8 +28,6 @@ pub(super) struct Parts {
 #[derive(Debug)]
 struct Hung {
     skeleton: Skeleton,
-    /// The clips that change its form, ascending.
-    forming: Vec<usize>,
     /// As they were last.
     matrices: Vec<Affine3A>,
     /// How often they changed.
@@ -50,49 +46,53 @@ struct Part {
     /// The node in whose space it is; `None` in the world's.
     node: Option<NodeId>,
     shown: Affine3A,
-    /// Empty before it was shown.
-    shown_bounds: Aabb,
-    /// The boxes that hold while clips fade and when they have; `None` where it has its form for ever.
-    bounds: Option<[Aabb; 2]>,
     /// The version of its skeleton and the weights that were shown last; `None` before.
     shown_version: Option<u64>,
     shown_weights: Vec<f32>,
+    /// Whether its form is not that of the moment, because nobody could see it.
+    is_behind: bool,
 }
 
-/// Which of the clips of some set form something.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Forming {
-    None,
-    One(usize),
-    Several,
+/// What clips do to nodes themselves, rather than to those above them.
+#[derive(Debug, Default)]
+pub(super) struct Touched {
+    /// Those whose place in their parent changes.
+    moved: HashSet<NodeId>,
+    /// Those whose morph targets' weights change.
+    weighed: HashSet<NodeId>,
 }
 
-impl Forming {
-    fn of(clips: &[usize], plays: &[bool]) -> Self {
-        let playing = clips.iter().filter(|clip| plays.get(**clip) == Some(&true));
-        playing.fold(Self::None, |found, clip| found.and(Self::One(*clip)))
-    }
-
-    fn and(self, other: Self) -> Self {
-        match (self, other) {
-            (Self::None, one) | (one, Self::None) => one,
-            (Self::One(one), Self::One(other)) if one == other => self,
-            _ => Self::Several,
+impl Touched {
+    /// Collects what these clips do.
+    pub(super) fn by<'a>(clips: impl Iterator<Item = &'a Clip>) -> Self {
+        let mut touched = Self::default();
+        for channel in clips.flat_map(|clip| &clip.channels) {
+            let nodes =
+                if channel.is_transform() { &mut touched.moved } else { &mut touched.weighed };
+            nodes.insert(channel.node);
         }
+        touched
     }
+}
+
+/// The places of parts that are to be looked at.
+#[derive(Debug, Default)]
+pub(super) struct Movers {
+    /// Those that playing clips move or change.
+    pub(super) moved: Vec<usize>,
+    /// Others whose form is still that of another moment.
+    pub(super) behind: Vec<usize>,
 }
 
 impl Parts {
-    /// Finds what hangs together. Takes as long as the clips have channels, and the parts vertices.
+    /// Finds what hangs together. Takes as long as the parts have vertices.
     pub(super) fn new(
         rig: &Rig,
-        clips: &[Clip],
         skins: &[Skin],
         deformers: &[Deformer],
         placements: Vec<Placement>,
         world: &[Affine3A],
     ) -> Self {
-        let index = ClipIndex::new(rig, clips);
         let mut known: HashMap<(usize, Vec<bool>), Option<usize>> = HashMap::new();
         let mut parts = Self::default();
         for placement in placements {
@@ -103,14 +103,10 @@ impl Parts {
                     return *known;
                 }
                 let skeleton = Skeleton::new(rig, skins.get(key.0)?, &key.1).ok();
-                let place = skeleton.map(|skeleton| parts.hang(skeleton, &index));
+                let place = skeleton.map(|skeleton| parts.hang(skeleton));
                 known.insert(key, place);
                 place
             });
-            if placement.deformer.is_some() && !rig_weights(rig, placement.node).is_empty() {
-                let weighing = || index.weighing(placement.node);
-                parts.weighing.entry(placement.node).or_insert_with(weighing);
-            }
             let hung = skeleton.and_then(|skeleton| parts.skeletons.get(skeleton));
             let node = hung.map_or(Some(placement.node), |hung| hung.skeleton.space());
             let mut part = Part {
@@ -118,10 +114,9 @@ impl Parts {
                 skeleton,
                 node,
                 shown: Affine3A::IDENTITY,
-                shown_bounds: Aabb::EMPTY,
-                bounds: None,
                 shown_version: None,
                 shown_weights: Vec::new(),
+                is_behind: false,
             };
             part.shown = part.place(world);
             parts.parts.push(part);
@@ -129,13 +124,12 @@ impl Parts {
         parts
     }
 
-    /// Where a part was shown last, in which box, on which joints, and with which weights.
+    /// Where a part was shown last, on which joints, and with which weights.
     #[cfg(test)]
-    pub(super) fn shown(&self, part: usize) -> (Affine3A, Aabb, Vec<Affine3A>, Vec<f32>) {
+    pub(super) fn shown(&self, part: usize) -> (Affine3A, Vec<Affine3A>, Vec<f32>) {
         let part = &self.parts[part];
         let joints = part.skeleton.map(|skeleton| self.skeletons[skeleton].matrices.clone());
-        let weights = part.shown_weights.clone();
-        (part.shown, part.shown_bounds, joints.unwrap_or_default(), weights)
+        (part.shown, joints.unwrap_or_default(), part.shown_weights.clone())
     }
 
     /// How many skeletons there are.
@@ -144,11 +138,9 @@ impl Parts {
         self.skeletons.len()
     }
 
-    fn hang(&mut self, skeleton: Skeleton, index: &ClipIndex) -> usize {
-        let forming = index.moving(skeleton.bones());
+    fn hang(&mut self, skeleton: Skeleton) -> usize {
         self.skeletons.push(Hung {
             skeleton,
-            forming,
             matrices: Vec::new(),
             version: 0,
             now: None,
@@ -162,15 +154,21 @@ impl Parts {
         self.parts.len()
     }
 
-    /// Where a part was shown last, in the world; at rest if it was not. `mesh` are the bounds of its mesh,
-    /// which hold for what does not change its form.
-    pub(super) fn seen_in(&self, part: usize, mesh: Option<Aabb>) -> Option<Aabb> {
+    /// Returns the box in the world of a part as it was shown last. `mesh` are the bounds of its mesh, which hold for
+    /// what does not change its form; `form` are those of its poses, if it does.
+    pub(super) fn seen_in(
+        &self,
+        part: usize,
+        mesh: Option<Aabb>,
+        form: Option<&PoseBounds>,
+    ) -> Option<Aabb> {
         let part = self.parts.get(part)?;
-        let own = match part.bounds {
-            Some(_) if part.shown_bounds == Aabb::EMPTY => {
-                return Some(part.placement.seen_at_rest);
+        let hung = part.skeleton.and_then(|skeleton| self.skeletons.get(skeleton));
+        let own = match form {
+            Some(form) => {
+                let joints = hung.map_or(&[][..], |hung| &hung.matrices);
+                form.bounds(joints, &part.shown_weights)?
             }
-            Some(_) => part.shown_bounds,
             None => mesh?,
         };
         let bounds = bounds_of_transformed(&own, &part.shown);
@@ -181,43 +179,33 @@ impl Parts {
     pub(super) fn begin_anew(&mut self, world: &[Affine3A]) {
         for part in &mut self.parts {
             part.shown = part.place(world);
-            part.shown_bounds = Aabb::EMPTY;
             part.shown_version = None;
             part.shown_weights.clear();
+            part.is_behind = false;
         }
     }
 
-    /// What a part is.
-    pub(super) fn placed(&self, part: usize) -> Option<Placed> {
-        self.parts.get(part).map(|part| part.placement.placed)
+    /// What a part is, and what changes its form.
+    pub(super) fn placed(&self, part: usize) -> Option<(Placed, Option<DeformerId>)> {
+        let placement = &self.parts.get(part)?.placement;
+        Some((placement.placed, placement.deformer.map(|(deformer, _)| deformer)))
     }
 
-    /// The parts that change while clips play: those of the first list while they fade, those of the second
-    /// when they have. Also finds the boxes that hold then. Takes as long as there are parts.
-    pub(super) fn movers(
-        &mut self,
-        playing: &[Vec<bool>; 2],
-        is_moving: &[bool],
-        is_new: bool,
-    ) -> Vec<usize> {
-        let of = |clips: &Vec<usize>| playing.each_ref().map(|plays| Forming::of(clips, plays));
-        let skeletons: Vec<[Forming; 2]> =
-            self.skeletons.iter().map(|hung| of(&hung.forming)).collect();
-        let weighing: HashMap<NodeId, [Forming; 2]> =
-            self.weighing.iter().map(|(node, clips)| (*node, of(clips))).collect();
-        let mut movers = Vec::new();
-        for (place, part) in self.parts.iter_mut().enumerate() {
-            let none = [Forming::None; 2];
-            let skeleton = part.skeleton.and_then(|skeleton| skeletons.get(skeleton).copied());
-            let [by_joints, by_weights] = [skeleton, weighing.get(&part.placement.node).copied()]
-                .map(|it| it.unwrap_or(none));
-            let is_deformed = part.placement.deformer.is_some();
-            let forming = [0, 1].map(|at| by_joints[at].and(by_weights[at]));
-            part.bounds = is_deformed.then(|| part.bounds_while(forming));
+    /// Returns the parts that change while clips play that do this to nodes, and move these. Takes as long as
+    /// there are parts and bones.
+    pub(super) fn movers(&self, touched: &Touched, is_moving: &[bool], is_new: bool) -> Movers {
+        let is_bent = |hung: &Hung| hung.skeleton.bones().any(|bone| touched.moved.contains(&bone));
+        let bent: Vec<bool> = self.skeletons.iter().map(is_bent).collect();
+        let mut movers = Movers::default();
+        for (place, part) in self.parts.iter().enumerate() {
             let node = part.node.and_then(|node| is_moving.get(node.0 as usize));
-            let is_formed = is_deformed && forming[0] != Forming::None;
-            if node == Some(&true) || is_formed || (is_new && is_deformed) {
-                movers.push(place);
+            let is_deformed = part.placement.deformer.is_some();
+            let is_formed = part.skeleton.is_some_and(|skeleton| bent.get(skeleton) == Some(&true))
+                || touched.weighed.contains(&part.placement.node);
+            if node == Some(&true) || is_deformed && (is_formed || is_new) {
+                movers.moved.push(place);
+            } else if part.is_behind {
+                movers.behind.push(place);
             }
         }
         movers
@@ -230,15 +218,22 @@ impl Parts {
         }
     }
 
-    /// Notes the form of a part if it is another.
+    /// Notes the form of a part if it is another, and if one of the `views` may show it or it never had a form.
+    /// Its place must be that of the moment.
     pub(super) fn change(
         &mut self,
         part: usize,
         (rig, pose): (&Rig, &Pose),
+        views: Option<&[View]>,
         changes: &mut SceneUpdate,
     ) {
         let Some(part) = self.parts.get_mut(part) else { return };
         let Some((deformer, _)) = part.placement.deformer else { return };
+        part.is_behind =
+            part.shown_version.is_some() && views.is_some_and(|it| !part.may_be_in(it));
+        if part.is_behind {
+            return;
+        }
         let mut hung = part.skeleton.and_then(|skeleton| self.skeletons.get_mut(skeleton));
         if let Some(hung) = hung.as_mut().filter(|hung| !hung.is_known_now) {
             hung.pose(rig, pose, &mut self.matrices);
@@ -263,18 +258,13 @@ impl Parts {
         &mut self,
         part: usize,
         world: &[Affine3A],
-        is_fading: bool,
         lights: &mut [PunctualLight],
         changes: &mut SceneUpdate,
     ) {
         if let Some(part) = self.parts.get_mut(part) {
-            part.change_place(world, is_fading, lights, changes);
+            part.change_place(world, lights, changes);
         }
     }
-}
-
-fn rig_weights(rig: &Rig, node: NodeId) -> &[f32] {
-    rig.nodes().get(node.0 as usize).map(|node| node.weights.as_slice()).unwrap_or_default()
 }
 
 impl Hung {
@@ -307,44 +297,31 @@ impl Part {
         node.map_or(self.placement.local, |node| *node * self.placement.local)
     }
 
-    /// The boxes that it stays in while clips that form it fade, and when they have. What fades is mixed
-    /// with others or with the rest, so a single clip's box holds only where there is nothing to mix it with.
-    fn bounds_while(&self, forming: [Forming; 2]) -> [Aabb; 2] {
-        let Placement { rest_bounds, blend_bounds, .. } = self.placement;
-        let [fading, settled] = forming;
-        let fading = if fading == Forming::None { rest_bounds } else { blend_bounds };
-        let settled = match settled {
-            Forming::None => rest_bounds,
-            Forming::One(clip) => self.placement.bounds_of(clip),
-            Forming::Several => blend_bounds,
-        };
-        [fading, settled]
+    /// Returns true if one of the views may show any of it, whatever form it has.
+    fn may_be_in(&self, views: &[View]) -> bool {
+        let bounds = bounds_of_transformed(&self.placement.reach, &self.shown);
+        let is_in =
+            |view: &View| view.frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside;
+        !bounds.is_usable() || views.iter().any(is_in)
     }
 
     fn change_place(
         &mut self,
         world: &[Affine3A],
-        is_fading: bool,
         lights: &mut [PunctualLight],
         changes: &mut SceneUpdate,
     ) {
-        let bounds = self.bounds.map(|[fading, settled]| if is_fading { fading } else { settled });
         let transform = self.place(world);
-        let is_same_box = bounds.is_none_or(|bounds| bounds == self.shown_bounds);
-        if transform == self.shown && is_same_box {
+        if transform == self.shown {
             return;
         }
         self.shown = transform;
-        self.shown_bounds = bounds.unwrap_or(self.shown_bounds);
         match self.placement.placed {
             Placed::Object(object) => {
-                changes.objects.push(match bounds {
-                    Some(bounds) => ObjectChange::Reshape { object, transform, bounds },
-                    None => ObjectChange::Move { object, transform },
-                });
+                changes.objects.push(ObjectChange::Move { object, transform });
             }
             Placed::Blended(blended) => {
-                changes.blended.push(BlendedMove { blended, transform, bounds });
+                changes.blended.push(BlendedMove { blended, transform });
             }
             Placed::Light(light) => {
                 let Some(to) = lights.get_mut(light.0 as usize) else { return };

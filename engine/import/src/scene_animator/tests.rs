@@ -1,8 +1,8 @@
 //! Tests of a performance: what changes when, without a device.
 
 use animation::{Channel, Clip, Interpolation, Node, NodeId, Rest, Rig, Skin, Track, Trs, Values};
-use cull::{Aabb, ObjectId};
-use glam::{Affine3A, Quat, Vec3};
+use cull::{Aabb, ObjectId, View};
+use glam::{Affine3A, Quat, Vec3, Vec3A};
 use scene::{
     BlendedId, Deformer, DeformerId, LightId, LightKind, Mesh, MeshId, MorphTarget, Object,
     ObjectChange, PunctualLight, Scene, SkinWeights, SurfaceMesh, Surfaces,
@@ -46,10 +46,8 @@ fn rigid(node: u32, placed: Placed) -> Placement {
         placed,
         local: Affine3A::from_translation(Vec3::Y),
         deformer: None,
-        rest_bounds: Aabb::EMPTY,
         seen_at_rest: Aabb::EMPTY,
-        clip_bounds: [].into(),
-        blend_bounds: Aabb::EMPTY,
+        reach: Aabb::EMPTY,
     }
 }
 
@@ -96,17 +94,12 @@ fn imported() -> GltfScene {
         blended: vec![object(0)],
         ..Surfaces::default()
     });
-    let formed = |node, object, deformer, skin, moving: usize| {
-        let clip_bounds = [(moving, unit_box(2.0)), (4, unit_box(1.0))].into();
-        Placement {
-            local: Affine3A::IDENTITY,
-            deformer: Some((DeformerId(deformer), skin)),
-            rest_bounds: unit_box(1.0),
-            seen_at_rest: unit_box(1.0),
-            clip_bounds,
-            blend_bounds: unit_box(3.0),
-            ..rigid(node, Placed::Object(ObjectId(object)))
-        }
+    let formed = |node, object, deformer, skin| Placement {
+        local: Affine3A::IDENTITY,
+        deformer: Some((DeformerId(deformer), skin)),
+        seen_at_rest: unit_box(1.0),
+        reach: unit_box(3.0),
+        ..rigid(node, Placed::Object(ObjectId(object)))
     };
     let clips = vec![
         clip("swing", vec![along(0, Vec3::X * 4.0)]),
@@ -125,8 +118,8 @@ fn imported() -> GltfScene {
         }],
         placements: vec![
             rigid(1, Placed::Object(ObjectId(0))),
-            formed(6, 1, 0, Some(0), 1),
-            formed(5, 2, 1, None, 2),
+            formed(6, 1, 0, Some(0)),
+            formed(5, 2, 1, None),
             rigid(6, Placed::Object(ObjectId(3))),
             rigid(1, Placed::Light(LightId(0))),
             rigid(0, Placed::Blended(BlendedId(0))),
@@ -149,11 +142,10 @@ fn animator() -> SceneAnimator {
     animator
 }
 
-/// The object of a change, where it is then, and the box that it stays in.
-fn parts(change: &ObjectChange) -> (ObjectId, Affine3A, Option<Aabb>) {
+/// The object of a change, and where it is then.
+fn parts(change: &ObjectChange) -> (ObjectId, Affine3A) {
     match *change {
-        ObjectChange::Move { object, transform } => (object, transform, None),
-        ObjectChange::Reshape { object, transform, bounds } => (object, transform, Some(bounds)),
+        ObjectChange::Move { object, transform } => (object, transform),
         other => panic!("files bring and take no objects: {other:?}"),
     }
 }
@@ -170,8 +162,7 @@ fn at_first_only_what_has_no_form_yet_gets_one() {
     let deformers: Vec<u32> = changes.deformations.iter().map(|it| it.deformer.0).collect();
     assert_eq!(deformers, [0, 1]);
     assert_eq!((changes.joints.len(), changes.weights.as_slice()), (2, &[0.0][..]));
-    let bounds: Vec<Option<Aabb>> = changes.objects.iter().map(|moved| parts(moved).2).collect();
-    assert_eq!(bounds, [Some(unit_box(1.0)); 2]);
+    assert!(changes.objects.is_empty(), "they are where the scene has them");
     assert!(changes.lights.is_empty() && changes.blended.is_empty());
     assert!(animator.changes(0.5).is_empty(), "nothing plays");
     assert_eq!(animator.moving_objects(), 0);
@@ -186,8 +177,8 @@ fn what_hangs_on_a_node_goes_where_it_goes() {
     let changes = animator.changes(0.5).clone();
     let at = Vec3::new(3.0, 1.0, 0.0);
     let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
-    let (object, transform, bounds) = parts(moved);
-    assert_eq!((object, bounds), (ObjectId(0), None));
+    let (object, transform) = parts(moved);
+    assert_eq!(object, ObjectId(0));
     assert_eq!(Vec3::from(transform.translation), at);
     let [light] = changes.lights.as_slice() else { panic!("{changes:?}") };
     assert_eq!((light.to.position, light.to.intensity), (at, 7.0));
@@ -216,21 +207,57 @@ fn any_moment_can_follow_any_other() {
 }
 
 #[test]
-fn boxes_are_those_of_the_clips_that_change_the_form() {
+fn the_way_of_a_topmost_joint_is_in_the_transform_and_its_form_below_it() {
     let mut animator = animator();
     animator.changes(0.0);
-    for (playing, expected) in [(&[1][..], 2.0), (&[0, 2], 1.0), (&[1, 4], 3.0), (&[], 1.0)] {
-        animator.play(playing, 0.0, 0.0);
-        animator.changes(0.3);
-        assert_eq!(animator.parts.shown(1).1, unit_box(expected), "{playing:?}");
-    }
-    // A joint's own way is in the transform, and the form is what happens below it.
     animator.play(&[1], 0.0, 0.0);
     let changes = animator.changes(0.5).clone();
     let [moved] = changes.objects.as_slice() else { panic!("{changes:?}") };
     assert_eq!(parts(moved).1.translation.z, 2.0);
     assert_eq!(changes.joints[0], Affine3A::IDENTITY);
     assert_eq!(changes.joints[1].translation.z, 0.5);
+}
+
+/// What somebody at x = `eye` sees who looks along x.
+fn view_from(eye: f32) -> View {
+    let camera =
+        cull::Camera { eye: Vec3::X * eye, forward: Vec3::X, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
+    View::new(&camera, [4, 3], 8)
+}
+
+#[test]
+fn who_is_in_no_view_goes_on_and_takes_no_pose_until_it_is() {
+    let (away, there) = ([view_from(9.0)], [view_from(9.0), view_from(-9.0)]);
+    let mut animator = animator();
+    animator.play(&[1, 2], 0.0, 0.0);
+    let posed = |changes: &SceneUpdate| {
+        changes.deformations.iter().map(|it| it.deformer.0).collect::<Vec<_>>()
+    };
+    assert_eq!(posed(animator.changes_in(0.0, &away)), [0, 1], "what had no pose gets one");
+    assert!(posed(animator.changes_in(0.25, &[])).is_empty(), "nobody looks");
+    let unseen = animator.changes_in(0.5, &away).clone();
+    assert!(posed(&unseen).is_empty() && unseen.joints.is_empty(), "{unseen:?}");
+    assert_eq!(parts(&unseen.objects[0]).1.translation.z, 2.0, "it goes where it goes");
+    let seen = animator.changes_in(0.5, &there).clone();
+    assert_eq!((posed(&seen), seen.objects.len()), (vec![0, 1], 0));
+    assert_eq!((seen.joints[1].translation.z, seen.weights[0]), (0.5, 0.5));
+    assert!(posed(animator.changes_in(0.5, &there)).is_empty(), "it has that pose");
+}
+
+#[test]
+fn who_comes_to_rest_unseen_is_at_rest_when_it_is_seen() {
+    let (away, there) = ([view_from(9.0)], [view_from(-9.0)]);
+    let mut animator = animator();
+    animator.play(&[1, 2], 0.0, 0.0);
+    animator.changes_in(0.5, &there);
+    animator.play(&[], 0.5, 0.0);
+    assert!(animator.changes_in(0.6, &away).deformations.is_empty());
+    assert_eq!((animator.moving_objects(), animator.moving.len()), (0, 0), "nothing plays");
+    animator.changes_in(0.7, &away);
+    let seen = animator.changes_in(0.8, &there);
+    assert_eq!((seen.deformations.len(), seen.weights[0]), (2, 0.0), "{seen:?}");
+    assert_eq!(seen.joints[1].translation, Vec3A::NEG_Y);
+    assert!(animator.changes(0.9).is_empty());
 }
 
 #[test]
@@ -240,26 +267,11 @@ fn clips_fade_into_each_other_and_the_old_one_comes_to_rest() {
     animator.changes(0.5);
     animator.play(&[4], 0.5, 0.4);
     animator.changes(0.7);
-    assert_eq!(animator.parts.shown(1).1, unit_box(3.0), "both form it");
     let half = animator.parts.shown(1).0.translation.z;
     assert!((half - 0.5 * 4.0 * 0.7).abs() < 1e-4, "{half}");
     assert_eq!(moved(&mut animator, 0.95), [1]);
     assert_eq!(animator.parts.shown(1).0.translation.z, 0.0);
-    assert_eq!(animator.parts.shown(1).1, unit_box(1.0));
     assert_eq!(animator.moving, [NodeId(4)], "who is at rest is not looked at");
-}
-
-#[test]
-fn what_fades_to_its_rest_is_in_neither_box_alone() {
-    let mut animator = animator();
-    animator.play(&[4], 0.0, 0.0);
-    animator.changes(0.0);
-    animator.changes(0.5);
-    let alone = animator.parts.shown(1).1;
-    animator.play(&[], 0.5, 0.4);
-    animator.changes(0.7);
-    let fading = animator.parts.shown(1).1;
-    assert_eq!(fading, unit_box(3.0), "the box of all mixes, not {alone:?}");
 }
 
 #[test]
@@ -270,22 +282,20 @@ fn a_fade_into_a_fade_goes_on_where_that_was() {
     animator.play(&[4], 0.5, 0.4);
     let place = |animator: &mut SceneAnimator, seconds| {
         animator.changes(seconds);
-        let (transform, bounds, joints, _) = animator.parts.shown(1);
-        (transform.translation, joints[1].translation, bounds)
+        let (transform, joints, _) = animator.parts.shown(1);
+        (transform.translation, joints[1].translation)
     };
     let before = place(&mut animator, 0.7);
     assert!(before.0.z > 0.5 && before.1.x > 0.1, "amid of both: {before:?}");
     animator.play(&[0], 0.7, 0.2);
     let after = place(&mut animator, 0.7);
     assert!((before.0 - after.0).length() < 1e-5 && (before.1 - after.1).length() < 1e-5);
-    assert_eq!(after.2, unit_box(3.0), "what is mixed stays in the box of all mixes");
     let half = place(&mut animator, 0.8);
     assert!((half.0 - before.0 * 0.5).length() < 1e-5, "{half:?} of {before:?}");
     // Once more, and to nothing at all.
     animator.play(&[], 0.8, 0.2);
     assert!((place(&mut animator, 0.8).0 - half.0).length() < 1e-5);
-    let (translation, _, bounds) = place(&mut animator, 1.1);
-    assert_eq!((translation.length(), bounds), (0.0, unit_box(1.0)));
+    assert_eq!(place(&mut animator, 1.1).0.length(), 0.0);
     assert!(animator.moving.is_empty());
 }
 

@@ -1,4 +1,4 @@
-//! What lives: clips, skins, morph targets, and the boxes of what changes its form.
+//! What lives: clips, skins, morph targets, and how far they reach.
 
 use std::ops::ControlFlow;
 
@@ -176,7 +176,7 @@ fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
         let row = weights.joints[place].iter().zip(&weights.weights[place]);
         let at = Vec3::from_array(vertex.position);
         let sum: Vec3 = row.map(|(j, w)| matrices[usize::from(*j)].transform_point3(at) * *w).sum();
-        assert!(placement.rest_bounds.contains_point(sum), "{sum} {:?}", placement.rest_bounds);
+        assert!(placement.reach.contains_point(sum), "{sum} {:?}", placement.reach);
         space.transform_point3(sum)
     });
     moved.collect()
@@ -289,9 +289,10 @@ fn morph_targets_that_count_make_a_mesh_of_its_own() {
     assert_eq!((targets[0].normals.len(), targets[1].positions.len()), (0, 0));
     assert_eq!(targets[1].normals, [[0.5, 0.0, 0.0]; 3]);
     assert_eq!(imported.rig.nodes()[0].weights, [0.5, 0.0]);
-    let rest = imported.placements[0].rest_bounds;
-    assert!((rest.max.y - 2.5).abs() < 0.01, "{rest:?}");
-    assert_eq!(imported.bounds(), rest);
+    let placement = &imported.placements[0];
+    assert!((placement.seen_at_rest.max.y - 2.5).abs() < 1e-5, "{placement:?}");
+    assert!(placement.reach.contains(&placement.seen_at_rest), "{placement:?}");
+    assert_eq!(imported.bounds(), placement.seen_at_rest);
 }
 
 #[test]
@@ -343,9 +344,9 @@ fn clips_of_weights_reach_as_far_as_they_say() {
     scene.set("/animations", json!([{ "samplers": [sampler], "channels": [channel] }]));
     let imported = load(&scene);
     let placement = &imported.placements[0];
-    assert!((placement.bounds_of(0).max.y - 7.0).abs() < 0.01, "{:?}", placement.clip_bounds);
-    assert!((placement.rest_bounds.max.y - 1.0).abs() < 0.01);
-    assert!(placement.blend_bounds.contains(&placement.rest_bounds));
+    assert!((placement.reach.max.y - 7.0).abs() < 0.01, "{placement:?}");
+    assert!((placement.seen_at_rest.max.y - 1.0).abs() < 1e-5, "{placement:?}");
+    assert!(placement.reach.contains(&placement.seen_at_rest));
     // The values of a mesh are those of its node, where the node has none.
     scene.set("/meshes/0/weights", json!([0.25, 0.5]));
     assert_eq!(load(&scene).rig.nodes()[0].weights, [0.25, 0.5]);

@@ -102,7 +102,6 @@ fn a_cast_follows_in_any_order_and_gives_every_id_to_one() {
                 ObjectChange::Move { object, transform } => {
                     shown.get_mut(&object).expect("someone is there").transform = transform;
                 }
-                ObjectChange::Reshape { .. } => panic!("nobody changes its form"),
                 ObjectChange::Remove { object } => {
                     assert!(shown.remove(&object).is_some());
                 }

@@ -1,17 +1,17 @@
 //! Small scenes of all kinds: trees of nodes, tracks of all kinds, meshes that hang on them.
 
-use antumbra_animation::{
-    Binding, Channel, Clip, DeformedMesh, Interpolation, Node, NodeId, Pose, Rest, Rig, Skeleton,
-    Skin, Track, Trs, Values,
+use animation::{
+    Channel, Clip, Interpolation, Node, NodeId, Pose, Rest, Rig, Skeleton, Skin, Track, Trs, Values,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
+use scene::{MorphTarget, PoseBounds, SkinWeights};
 
 /// Targets of the mesh, and so weights of each node.
 const TARGETS: usize = 2;
 
 #[derive(Clone, Debug)]
-pub struct Scene {
+pub struct Animated {
     pub rig: Rig,
     pub clips: Vec<Clip>,
     pub skin: Skin,
@@ -21,23 +21,26 @@ pub struct Scene {
     pub weights: Vec<[f32; 4]>,
 }
 
-impl Scene {
+impl Animated {
     pub fn skeleton(&self) -> Skeleton {
         Skeleton::new(&self.rig, &self.skin, &[]).unwrap()
     }
 
-    pub fn targets(&self) -> Vec<&[[f32; 3]]> {
-        self.targets.iter().map(Vec::as_slice).collect()
-    }
-
-    pub fn mesh<'a>(
-        &'a self,
-        skeleton: Option<&'a Skeleton>,
-        targets: &'a [&'a [[f32; 3]]],
-    ) -> DeformedMesh<'a> {
-        let (joints, weights) = (&self.joints, &self.weights);
-        let binding = skeleton.map(|skeleton| Binding { skeleton, joints, weights, sets: 1 });
-        DeformedMesh { positions: &self.positions, targets, node: NodeId(0), binding }
+    /// The boxes of its mesh, with a skin or without.
+    pub fn bounds(&self, is_skinned: bool) -> PoseBounds {
+        let skin = SkinWeights {
+            joint_count: self.skin.joints.len() as u32,
+            joints: self.joints.clone(),
+            weights: self.weights.clone(),
+            sets: 1,
+        };
+        let targets = self.targets.iter().map(|positions| MorphTarget {
+            positions: positions.clone(),
+            ..MorphTarget::default()
+        });
+        let targets: Vec<MorphTarget> = targets.collect();
+        let positions = self.positions.iter().copied().map(Vec3::from);
+        PoseBounds::new(positions, is_skinned.then_some(&skin), &targets)
     }
 
     /// Where all vertices are, in the object's space, as a GPU would find it.
@@ -135,7 +138,7 @@ fn clip(rig: &Rig, channels: Vec<(prop::sample::Index, Track)>) -> Clip {
     Clip::new(String::new(), kept, rig).unwrap()
 }
 
-pub fn scene() -> impl Strategy<Value = Scene> {
+pub fn animated() -> impl Strategy<Value = Animated> {
     let nodes = prop::collection::vec((node(), any::<prop::sample::Index>()), 1..7);
     let clips = prop::collection::vec(
         prop::collection::vec((any::<prop::sample::Index>(), track()), 0..6),
@@ -165,7 +168,7 @@ pub fn scene() -> impl Strategy<Value = Scene> {
                 inverse_bind: joints.iter().map(|(_, parts)| parts.to_affine()).collect(),
             };
             let target = |target: usize| vertices.iter().map(|v| v.1[target].to_array()).collect();
-            Scene {
+            Animated {
                 clips: clips.into_iter().map(|channels| clip(&rig, channels)).collect(),
                 positions: vertices.iter().map(|vertex| vertex.0.to_array()).collect(),
                 targets: (0..if has_targets { TARGETS } else { 0 }).map(target).collect(),

@@ -1,0 +1,151 @@
+//! Poses: when one is set, the box of its object follows; when a view may show it, the GPU gets it.
+
+use cull::{Aabb, Containment, Hierarchy, PlaneMask, View};
+use glam::Affine3A;
+use gpu::Frame;
+use occlusion::PlanExecutor;
+use scene::{Deformation, DeformerId, SceneUpdate};
+
+use crate::deformers::{Skinned, State};
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::geometry::bounds_in_world;
+use crate::renderer::Renderer;
+use crate::update::UpdateScratch;
+
+impl FramePasses {
+    /// Records the upload of what changed since the last frame, before anything of `frame` reads it. Poses that
+    /// none of the `views` can show wait until one does; without views all are brought.
+    ///
+    /// A mesh waits only where the box of its pose **and** that of the vertices that the GPU still has are
+    /// outside of all views: its draw may be part of a range that shows, and then leaves no pixel.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn upload_changes(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+        executor: &mut PlanExecutor,
+        views: Option<&[View]>,
+    ) -> Result<Skinned, Error> {
+        self.geometry.relight(hierarchy, &mut executor.leaves);
+        self.geometry.upload_changes(frame, hierarchy, executor)?;
+        let Self { geometry, deformers, blended, .. } = self;
+        let (Some(deformers), Some(deformed)) = (deformers, geometry.deformed()) else {
+            return Ok(Skinned::default());
+        };
+        let transform = |state: &State| match state.blended {
+            Some(id) => blended.as_ref()?.transform(id),
+            None => geometry.transform(geometry.owner(state.mesh)?),
+        };
+        deformers.bring(frame, deformed, |state| {
+            let Some(transform) = transform(state) else { return false };
+            let Some(views) = views else { return true };
+            let is_in = |bounds: &Aabb| match bounds_in_world(bounds, &transform) {
+                Some(bounds) => views.iter().any(|view| {
+                    view.frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside
+                }),
+                None => true,
+            };
+            is_in(&state.bounds) || is_in(&state.shown_bounds)
+        })
+    }
+
+    /// Notes that the frame that [`FramePasses::upload_changes`] recorded for is on its way.
+    pub(crate) fn submitted(&mut self) {
+        self.target.submitted();
+        self.geometry.submitted();
+        if let Some(deformers) = &mut self.deformers {
+            deformers.submitted();
+        }
+    }
+}
+
+impl Renderer {
+    /// Gives a mesh that changes its form a pose: the next frame shows it, frames on their way do not.
+    /// Each joint takes points of the mesh at rest to the object's own space; `weights` says how much of each morph
+    /// target is added, whatever the sum. The same pose again costs nothing, and neither do
+    /// targets of weight 0.
+    ///
+    /// The box of its object follows from the pose ([`scene::PoseBounds`]), whichever it is. The GPU looks at the
+    /// vertices in the first frame that has a view that the mesh may be in.
+    ///
+    /// # Errors
+    /// [`Error::Deform`]: no such deformer, another number of joints or targets than it has, numbers that
+    /// are not finite or take it farther than anything can be. Nothing has changed then.
+    pub fn set_pose(
+        &mut self,
+        deformer: DeformerId,
+        joints: &[Affine3A],
+        weights: &[f32],
+    ) -> Result<(), Error> {
+        self.take_all([(deformer, joints, weights)]).map(drop)
+    }
+
+    /// Gives meshes the poses of an update, in their order. Answers how many are others than before.
+    ///
+    /// # Errors
+    /// The first that cannot be taken; those before it are.
+    pub(crate) fn take_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
+        self.take_all(update.deformations.iter().map(
+            |Deformation { deformer, joints, weights }| {
+                let joints = update.joints.get(joints.clone()).unwrap_or_default();
+                let weights = update.weights.get(weights.clone()).unwrap_or_default();
+                (*deformer, joints, weights)
+            },
+        ))
+    }
+
+    fn take_all<'a>(
+        &mut self,
+        poses: impl IntoIterator<Item = (DeformerId, &'a [Affine3A], &'a [f32])>,
+    ) -> Result<u32, Error> {
+        let mut scratch = std::mem::take(&mut self.update_scratch);
+        let mut count = 0;
+        let taken = poses.into_iter().try_for_each(|(deformer, joints, weights)| {
+            let is_other = self.take_pose(deformer, joints, weights, &mut scratch)?;
+            count += u32::from(is_other);
+            Ok(())
+        });
+        let settled = if count > 0 { self.settle(&mut scratch) } else { Ok(()) };
+        self.update_scratch = scratch;
+        taken.and(settled.map_err(Error::from)).map(|()| count)
+    }
+
+    /// Takes a pose; answers whether it is another than before.
+    fn take_pose(
+        &mut self,
+        deformer: DeformerId,
+        joints: &[Affine3A],
+        weights: &[f32],
+        scratch: &mut UpdateScratch,
+    ) -> Result<bool, Error> {
+        let refuse = |reason: &str| Error::Deform { deformer, reason: reason.to_owned() };
+        let none = || refuse("the scene has nothing that changes its form");
+        let FramePasses { deformers, geometry, blended, .. } = &mut self.passes;
+        let deformers = deformers.as_mut().ok_or_else(none)?;
+        let Some(bounds) = deformers.bounds_in(deformer, joints, weights)? else {
+            return Ok(false);
+        };
+        let State { mesh, blended: id, .. } = *deformers.get(deformer).ok_or_else(none)?;
+        let object = geometry.owner(mesh);
+        let transform = match id {
+            Some(id) => blended.as_ref().and_then(|blended| blended.transform(id)),
+            None => object.and_then(|object| geometry.transform(object)),
+        };
+        const FAR: &str = "it takes its object farther than anything can be";
+        let transform = transform.unwrap_or(Affine3A::IDENTITY);
+        let in_world = bounds_in_world(&bounds, &transform).ok_or_else(|| refuse(FAR))?;
+        deformers.take(deformer, joints, weights, bounds);
+        geometry.reshape(mesh, bounds);
+        self.edition.advance();
+        if let Some(id) = id {
+            self.passes.reshape_blended(id, bounds, in_world)?;
+        } else if let Some(object) = object {
+            scratch.moves.push((object, in_world));
+            scratch.changed.push(object);
+        }
+        Ok(true)
+    }
+}

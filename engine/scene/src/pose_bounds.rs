@@ -1,0 +1,195 @@
+//! Boxes around meshes that change their form, from nothing but their pose.
+//!
+//! A skinned vertex is a mix of the points to which its joints take it, with weights that are not negative
+//! and 1 together, so it lies in the hull of these points. The union of the boxes that hold these points
+//! holds all vertices, whatever pose it is: of one clip, of mixed ones, of inverse kinematics, of physics.
+//! A joint takes all vertices that follow it by one matrix, so for each joint one box is enough, found when
+//! the mesh is loaded; a pose costs a few operations per joint and per morph target, and none per vertex.
+//!
+//! Morph targets move a vertex by the sum of weights times displacements before joints do. Each term lies in
+//! its weight times the box of all displacements of the target, so the sum lies in the sum of these boxes,
+//! for weights of either sign. Targets that move different vertices would add up although no vertex adds
+//! them up; so the sum is also bounded by the largest weight times the largest sum of displacements that any
+//! vertex has, and the box is what both allow.
+//!
+//! # Rounding
+//! A GPU computes vertices in single precision, in any order and with or without fused multiplication; so
+//! does this. Each operation adds at most `u = 2^-24` of its result. Let `S` be the sum of the magnitudes of
+//! all terms of a coordinate: `sum over axes of |matrix| * P + |translation|`, where `P` is the largest
+//! magnitude of a position at rest and of what targets add to it. No partial sum is larger than `S`, and a
+//! term goes through `t + 1` operations for `t` targets, `n + 1` for `n` influences, and 5 for the product
+//! with the mixed matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than
+//! `(t + 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order and the
+//! rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by at most
+//! `1 + e`, which moves it by at most `e * S`. (Numbers below the least normal one may be flushed to zero:
+//! some 1e-38 m, which the proxies' own margin exceeds.)
+
+use cull::Aabb;
+use glam::{Affine3A, Vec3, Vec3A};
+
+use crate::mesh::{Mesh, bounds_of_transformed};
+use crate::surface::{Deformer, MorphTarget, SkinWeights};
+
+/// A box of no size at the origin.
+const NOTHING: Aabb = Aabb::new(Vec3::ZERO, Vec3::ZERO);
+
+/// Twice the largest relative error of one operation in single precision.
+const ROUNDING: f32 = f32::EPSILON;
+
+/// The box of a mesh in any pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseBounds {
+    parts: Vec<Part>,
+    /// For each morph target the box of what it adds to vertices.
+    displacements: Vec<Aabb>,
+    /// The largest sums of all that targets add to one vertex, along each axis and against it.
+    most_added: [Vec3; 2],
+    /// How many operations round, here and on the GPU.
+    roundings: f32,
+    /// How far the weights of any vertex are from 1 together.
+    weight_error: f32,
+}
+
+/// What one matrix moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Part {
+    /// The joint; `None` for a mesh without a skin, which stays where it is.
+    joint: Option<u16>,
+    /// The box of the vertices that follow it, at rest, in the space of the mesh.
+    bounds: Aabb,
+}
+
+impl PoseBounds {
+    /// Returns the boxes of a mesh and its deformer.
+    pub fn of(mesh: &Mesh, deformer: &Deformer) -> Self {
+        let positions = mesh.vertices.iter().map(|vertex| Vec3::from(vertex.position));
+        Self::new(positions, deformer.skin.as_ref(), &deformer.targets)
+    }
+
+    /// Looks at all vertices of a mesh at rest, and at all that moves them, once.
+    pub fn new(
+        positions: impl Iterator<Item = Vec3>,
+        skin: Option<&SkinWeights>,
+        targets: &[MorphTarget],
+    ) -> Self {
+        let (parts, weight_error) = match skin {
+            Some(skin) => followed(positions, skin),
+            None => (vec![Part { joint: None, bounds: around(positions) }], 0.0),
+        };
+        let displaced =
+            |target: &MorphTarget| around(target.positions.iter().copied().map(Vec3::from));
+        let influences = skin.map_or(0, |skin| 4 * skin.sets as usize);
+        let roundings = (2 * targets.len() + influences + 14) as f32;
+        let displacements = targets.iter().map(displaced).collect();
+        let most_added = most_added(targets);
+        Self { parts, displacements, most_added, roundings, weight_error }
+    }
+
+    /// Returns the box of the mesh in a pose, in the space to which `joints` take it: no vertex leaves it,
+    /// with what rounding does to it on any GPU. `None` where it reaches beyond all that can be drawn, or a
+    /// joint is missing.
+    pub fn bounds(&self, joints: &[Affine3A], weights: &[f32]) -> Option<Aabb> {
+        let (added, added_size) = self.added(weights.iter().map(|weight| [*weight; 2]));
+        let mut all = if self.parts.is_empty() { NOTHING } else { Aabb::EMPTY };
+        let mut size = Vec3A::ZERO;
+        for Part { joint, bounds } in &self.parts {
+            let matrix = match joint {
+                Some(joint) => joints.get(usize::from(*joint))?,
+                None => &Affine3A::IDENTITY,
+            };
+            let moved = bounds_of_transformed(&sum(bounds, &added), matrix);
+            // What is no number would be lost in the union.
+            if !moved.is_finite() {
+                return None;
+            }
+            all = all.union(&moved);
+            let largest = bounds.min.abs().max(bounds.max.abs()) + added_size;
+            let terms = matrix.matrix3.x_axis.abs() * largest.x
+                + matrix.matrix3.y_axis.abs() * largest.y
+                + matrix.matrix3.z_axis.abs() * largest.z
+                + matrix.translation.abs();
+            size = size.max(terms);
+        }
+        let margin = Vec3::from(size * (self.roundings * ROUNDING + self.weight_error));
+        let bounds = Aabb::new(all.min - margin, all.max + margin);
+        bounds.is_usable().then_some(bounds)
+    }
+
+    /// Returns for each joint that a vertex follows the box of these vertices before joints move them, in the
+    /// space of the mesh, whatever weights within these ranges morph targets have; for the mesh as a whole
+    /// where it has no skin.
+    pub fn parts(&self, weights: &[[f32; 2]]) -> impl Iterator<Item = (Option<u16>, Aabb)> {
+        let (added, _) = self.added(weights.iter().copied());
+        self.parts.iter().map(move |part| (part.joint, sum(&part.bounds, &added)))
+    }
+
+    /// Returns the box of what all targets add together, and the sum of the magnitudes of what each adds.
+    fn added(&self, weights: impl Iterator<Item = [f32; 2]>) -> (Aabb, Vec3) {
+        let (mut all, mut size) = (NOTHING, Vec3::ZERO);
+        // The largest weights that are positive, and negative.
+        let (mut plus, mut minus) = (0.0_f32, 0.0_f32);
+        for (displacements, weights) in self.displacements.iter().zip(weights) {
+            let [[a, b], [c, d]] =
+                weights.map(|weight| [displacements.min * weight, displacements.max * weight]);
+            let one = Aabb::new(a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+            all = sum(&all, &one);
+            size += one.min.abs().max(one.max.abs());
+            let [least, largest] = weights;
+            (plus, minus) = (plus.max(largest), minus.max(-least));
+        }
+        let [along, against] = self.most_added;
+        all.max = all.max.min(along * plus + against * minus);
+        all.min = all.min.max(-(against * plus + along * minus));
+        (all, size)
+    }
+}
+
+/// Returns the largest sums of what targets add to one vertex, along each axis and against it.
+fn most_added(targets: &[MorphTarget]) -> [Vec3; 2] {
+    let vertices = targets.iter().map(|target| target.positions.len()).max().unwrap_or_default();
+    let mut most = [Vec3::ZERO; 2];
+    for vertex in 0..vertices {
+        let added = targets.iter().filter_map(|target| target.positions.get(vertex));
+        let (along, against) = added
+            .copied()
+            .map(Vec3::from)
+            .fold((Vec3::ZERO, Vec3::ZERO), |(along, against), it| {
+                (along + it.max(Vec3::ZERO), against - it.min(Vec3::ZERO))
+            });
+        most = [most[0].max(along), most[1].max(against)];
+    }
+    most
+}
+
+/// Returns the box of all sums of a point of the one and a point of the other.
+fn sum(a: &Aabb, b: &Aabb) -> Aabb {
+    Aabb::new(a.min + b.min, a.max + b.max)
+}
+
+/// Returns the box around points; without any, of no size at the origin.
+fn around(points: impl Iterator<Item = Vec3>) -> Aabb {
+    let all = points.fold(Aabb::EMPTY, |all, point| all.union(&Aabb::new(point, point)));
+    if all.is_empty() { NOTHING } else { all }
+}
+
+/// Returns for each joint the box of the vertices that follow it, and how far weights are from 1 together.
+fn followed(positions: impl Iterator<Item = Vec3>, skin: &SkinWeights) -> (Vec<Part>, f32) {
+    let mut boxes = vec![Aabb::EMPTY; skin.joint_count as usize];
+    let mut weight_error = 0.0_f64;
+    let sets = (skin.sets as usize).max(1);
+    let followed = skin.joints.chunks(sets).zip(skin.weights.chunks(sets));
+    for (at, (joints, weights)) in positions.zip(followed) {
+        let mut together = 0.0;
+        for (joint, weight) in joints.as_flattened().iter().zip(weights.as_flattened()) {
+            together += f64::from(*weight);
+            // The GPU does not look at others either.
+            if let Some(bounds) = boxes.get_mut(usize::from(*joint)).filter(|_| *weight != 0.0) {
+                *bounds = bounds.union(&Aabb::new(at, at));
+            }
+        }
+        weight_error = weight_error.max((together - 1.0).abs());
+    }
+    let parts = (0..=u16::MAX).zip(boxes).filter(|(_, bounds)| !bounds.is_empty());
+    let parts = parts.map(|(joint, bounds)| Part { joint: Some(joint), bounds });
+    (parts.collect(), weight_error as f32)
+}

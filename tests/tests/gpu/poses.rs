@@ -1,0 +1,210 @@
+//! Poses of meshes that change their form: the boxes of their objects follow them, and the GPU gets those alone
+//! that a view may show.
+
+use cull::{Aabb, Camera, ObjectId, Strategy};
+use glam::{Affine3A, Quat, Vec3, vec3};
+use gpu::{Device, Readback};
+use render::{DebugOverlay, Error, FrameRequest, Renderer, ViewState};
+use scene::{Deformation, DeformerId, MeshId, Object, ObjectChange, Scene, SceneUpdate};
+use tests::run_on_all;
+use tests::walk::pixels_that_differ;
+
+use crate::deform::{
+    Pose, SIZE, WIDTH_M, camera, draw, options, pixels_far_apart, pose, scene, take, turns,
+};
+
+/// The box of an object in the world.
+fn bounds(renderer: &Renderer, object: u32) -> Aabb {
+    let node = renderer.hierarchy().node_of(ObjectId(object)).unwrap();
+    renderer.hierarchy().bounds(node)
+}
+
+#[test]
+fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
+    run_on_all(|device| {
+        let scene = scene();
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let is_near = |found: Aabb, expected: Aabb| {
+            let apart = (found.min - expected.min).abs().max((found.max - expected.max).abs());
+            assert!(apart.max_element() < 1e-3, "{found:?} for {expected:?}");
+        };
+        let at_rest = bounds(&renderer, 0);
+        let others = bounds(&renderer, 4);
+        let wide = Affine3A::from_scale(vec3(3.0, 1.0, 1.0));
+        renderer.set_pose(DeformerId(0), &[wide; 3], &[0.0; 2]).unwrap();
+        let mut posed = at_rest;
+        posed.max.x = at_rest.min.x + 3.0 * WIDTH_M;
+        is_near(bounds(&renderer, 0), posed);
+        let aside = Affine3A::from_translation(vec3(0.0, 7.0, 0.0));
+        let transform = aside * scene.objects[0].transform;
+        let there = Aabb::new(posed.min + 7.0 * Vec3::Y, posed.max + 7.0 * Vec3::Y);
+        renderer.update(&[ObjectChange::Move { object: ObjectId(0), transform }]).unwrap();
+        is_near(bounds(&renderer, 0), there);
+        // Both at once, the place first.
+        let joints = vec![Affine3A::IDENTITY; 3];
+        let update = SceneUpdate {
+            objects: vec![ObjectChange::Move {
+                object: ObjectId(0),
+                transform: scene.objects[0].transform,
+            }],
+            deformations: vec![Deformation {
+                deformer: DeformerId(0),
+                joints: 0..3,
+                weights: 0..2,
+            }],
+            joints,
+            weights: vec![0.0; 2],
+            ..SceneUpdate::default()
+        };
+        assert_eq!(renderer.apply(&update).unwrap().poses, 1);
+        is_near(bounds(&renderer, 0), at_rest);
+        assert_eq!(renderer.apply(&update).unwrap().poses, 0, "it has that pose");
+        assert_eq!(bounds(&renderer, 4), others);
+        // Whose box would be that of another.
+        renderer.set_pose(DeformerId(0), &[wide; 3], &[0.0; 2]).unwrap();
+        let second = ObjectChange::Add { object: scene.objects[0] };
+        let gone = ObjectChange::Remove { object: ObjectId(0) };
+        assert!(renderer.update(&[second]).unwrap_err().to_string().contains("another object"));
+        assert!(renderer.update(&[gone, second, second]).is_err());
+        renderer.update(&[gone]).unwrap();
+        renderer.set_pose(DeformerId(0), &[Affine3A::IDENTITY; 3], &[0.0; 2]).unwrap();
+        renderer.set_pose(DeformerId(0), &[wide; 3], &[0.0; 2]).unwrap();
+        let added = renderer.update(&[second]).unwrap().added;
+        is_near(bounds(&renderer, added[0].0), posed);
+    });
+}
+
+/// What a frame did for poses, seen along `forward`.
+fn skinned(renderer: &mut Renderer, view: &mut ViewState, forward: Vec3) -> (u32, u64) {
+    let camera = Camera { forward, ..camera() };
+    let report = renderer.render(view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
+    (report.poses, report.skinned_vertices)
+}
+
+#[test]
+fn poses_wait_until_a_view_may_show_them() {
+    run_on_all(|device| {
+        let scene = scene();
+        let vertices = scene.meshes[0].vertices.len() as u64;
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let (there, away) = (camera().forward, -camera().forward);
+        let mut look = |renderer: &mut Renderer, forward| skinned(renderer, &mut view, forward);
+        assert_eq!(look(&mut renderer, there), (0, 0), "there was no pose");
+        take(&mut renderer, [0.5, 0.7]);
+        assert_eq!(look(&mut renderer, away), (0, 0), "nobody sees it");
+        take(&mut renderer, [0.6, 0.9]);
+        assert_eq!(look(&mut renderer, there), (2, 2 * vertices), "the newest of each");
+        assert_eq!(look(&mut renderer, there), (0, 0), "it is there");
+        // One leaves the view: its vertices are still where they were seen, so it is brought.
+        let Pose { joints, weights } = pose(0.2);
+        let far = |by: f32| joints.map(|it| Affine3A::from_translation(Vec3::Z * by) * it);
+        renderer.set_pose(DeformerId(0), &far(50.0), &weights).unwrap();
+        assert_eq!(look(&mut renderer, there), (1, vertices));
+        renderer.set_pose(DeformerId(0), &far(60.0), &weights).unwrap();
+        assert_eq!(look(&mut renderer, there), (0, 0), "neither is seen");
+        // What is seen behind the camera is what was set last.
+        assert_eq!(look(&mut renderer, away), (1, vertices));
+        renderer.update(&[ObjectChange::Remove { object: ObjectId(0) }]).unwrap();
+        renderer.set_pose(DeformerId(0), &far(10.0), &weights).unwrap();
+        assert_eq!(look(&mut renderer, away), (0, 0), "no object has it");
+        renderer.drain(&mut view).unwrap();
+    });
+}
+
+/// All frames of somebody who looks about; if `sees_all`, all poses are brought in each frame.
+fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Readback> {
+    let mut renderer = Renderer::new(device, &scene(), &options(2)).unwrap();
+    if sees_all {
+        let explanation = DebugOverlay { has_boxes: true, ..DebugOverlay::default() };
+        renderer.explain(explanation).unwrap();
+    }
+    let mut view = renderer.new_view().unwrap();
+    let frame = |frame: u32| {
+        take(&mut renderer, turns(frame));
+        let turn = Quat::from_rotation_y(frame as f32 * 0.8);
+        let camera = Camera { forward: turn * camera().forward, ..camera() };
+        let picture = Readback::new(device, SIZE).unwrap();
+        let request =
+            FrameRequest { scene_picture: Some(&picture), ..FrameRequest::new(strategy, camera) };
+        renderer.render(&mut view, &request).unwrap();
+        picture
+    };
+    let pictures = (0..20).map(frame).collect();
+    renderer.drain(&mut view).unwrap();
+    pictures
+}
+
+#[test]
+fn who_looks_about_sees_the_newest_poses() {
+    run_on_all(|device| {
+        let expected = looking_about(device, Strategy::Frustum, true);
+        for strategy in [Strategy::Frustum, Strategy::Pyramid, Strategy::Antumbra] {
+            let found = looking_about(device, strategy, false);
+            for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
+                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
+                assert_eq!(wrong, 0, "{strategy}, frame {frame}");
+            }
+        }
+    });
+}
+
+#[test]
+fn what_is_blended_is_where_its_pose_brings_it() {
+    run_on_all(|device| {
+        let mut scene = scene();
+        scene.objects.drain(1..2);
+        let surfaces = scene.surfaces.as_mut().unwrap();
+        surfaces.deformers.remove(0);
+        // Far behind the camera at rest.
+        let transform = Affine3A::from_translation(vec3(-1.0, 0.0, 40.0));
+        surfaces.blended = vec![Object { mesh: MeshId(1), transform, tint: u32::MAX }];
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let before = draw(&mut renderer, Strategy::Antumbra);
+        let near = Affine3A::from_translation(vec3(0.0, 0.0, -44.0));
+        renderer.set_pose(DeformerId(0), &[near; 3], &[0.0; 2]).unwrap();
+        let after = draw(&mut renderer, Strategy::Antumbra);
+        assert!(pixels_far_apart(&before, &after) > 500, "it is before the camera now");
+        let exact = draw(&mut renderer, Strategy::Frustum);
+        assert_eq!(pixels_that_differ(&exact.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
+    });
+}
+
+#[test]
+fn bad_poses_are_refused_and_change_nothing() {
+    run_on_all(|device| {
+        let scene = scene();
+        let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
+        let before = draw(&mut renderer, Strategy::Frustum);
+        let Pose { joints, weights } = pose(0.4);
+        let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
+        let mut refuse = |deformer, joints: &[Affine3A], weights: &[f32], why: &str| {
+            let error = renderer.set_pose(DeformerId(deformer), joints, weights).unwrap_err();
+            let text = error.to_string();
+            assert!(matches!(error, Error::Deform { .. }) && text.contains(why), "{text}");
+        };
+        refuse(2, &joints, &weights, "no such deformer");
+        refuse(0, &joints[..2], &weights, "3 joints");
+        refuse(0, &joints, &weights[..1], "2 morph targets");
+        refuse(1, &[joints[0], nowhere, joints[2]], &weights, "joint 1");
+        refuse(1, &joints, &[0.0, f32::INFINITY], "target 1");
+        let far = Affine3A::from_translation(Vec3::splat(2e15));
+        refuse(1, &[joints[0], far, joints[2]], &weights, "beyond all that can be drawn");
+        refuse(1, &joints, &[0.0, f32::MAX], "beyond all that can be drawn");
+        let grows = Affine3A::from_scale(Vec3::splat(1e9));
+        let change = ObjectChange::Move { object: ObjectId(1), transform: grows };
+        renderer.update(&[change]).unwrap();
+        let mut refuse = |joints: &[Affine3A], why: &str| {
+            let error = renderer.set_pose(DeformerId(1), joints, &weights).unwrap_err();
+            assert!(error.to_string().contains(why), "{error}");
+        };
+        refuse(&[grows; 3], "farther than anything can be");
+        let transform = scene.objects[1].transform;
+        renderer.update(&[ObjectChange::Move { object: ObjectId(1), transform }]).unwrap();
+        let after = draw(&mut renderer, Strategy::Frustum);
+        assert_eq!(pixels_that_differ(&before.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
+        let plain = Scene { surfaces: None, ..scene };
+        let mut renderer = Renderer::new(device, &plain, &options(2)).unwrap();
+        assert!(renderer.set_pose(DeformerId(0), &joints, &weights).is_err());
+    });
+}
