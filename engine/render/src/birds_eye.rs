@@ -1,126 +1,22 @@
 //! The bird's-eye view of a moment: what is drawn, what is hidden as boxes, and where the eye looks
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
-use cull::{Aabb, Camera, Hierarchy, Strategy, View};
+use cull::{Aabb, Camera, Hierarchy, View};
 use glam::Vec3;
-use gpu::{Frame, Readback, Tick};
+use gpu::Frame;
 use scene::pack_unorm;
 
 use crate::error::Error;
 use crate::palette::{FRUSTUM, Swatch, level_colour};
-use crate::passes::{OverlayIo, OverlayPass, OverlayVertex};
-use crate::pick::record_outline;
-use crate::renderer::Renderer;
-use crate::views::finish_picture;
+use crate::passes::{OverlayIo, OverlayVertex};
 use crate::visibility_snapshot::VisibilitySnapshot;
 
 /// How far the drawn frustum reaches, as a share of what it looks over.
 const FRUSTUM_REACH: f32 = 1.0;
 pub(crate) const BACKGROUND: [f32; 3] = [0.02, 0.025, 0.035];
-/// What is behind all: nothing, as in a drawing, or the scene's sky, as in its other pictures.
-enum Backdrop {
-    Dark,
-    Sky,
-}
 
 /// The pass that draws a moment from elsewhere.
 pub(crate) const VIEW_FROM_ABOVE: &str = "view from above";
-
-impl Renderer {
-    /// Draws `moment` from above into `picture` and waits for it: what was drawn in its own
-    /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
-    ///
-    /// # Errors
-    /// A moment of another renderer, a picture of another device or size, no memory, a shader that does
-    /// not compile, a failed call.
-    pub fn birds_eye(
-        &mut self,
-        snapshot: &VisibilitySnapshot,
-        picture: &Readback,
-    ) -> Result<(), Error> {
-        let camera = self.above(snapshot);
-        self.draw_snapshot(snapshot, camera, Some(picture), Backdrop::Dark)?;
-        Ok(self.device.drain()?)
-    }
-
-    /// Draws `moment` as it looks to another eye, and goes on: the culling stands still, the camera does
-    /// not. Beside what was drawn, the hidden frontier nodes and the frustum, as
-    /// [`Renderer::birds_eye`] has them; of what [`Renderer::explain`] shows, the wires and the view from
-    /// above.
-    ///
-    /// # Errors
-    /// A moment of another renderer, a picture of another device or size, no memory, a failed call.
-    pub fn render_snapshot(
-        &mut self,
-        snapshot: &VisibilitySnapshot,
-        camera: Camera,
-        picture: Option<&Readback>,
-    ) -> Result<Tick, Error> {
-        self.draw_snapshot(snapshot, camera, picture, Backdrop::Sky)
-    }
-
-    fn draw_snapshot(
-        &mut self,
-        snapshot: &VisibilitySnapshot,
-        camera: Camera,
-        picture: Option<&Readback>,
-        backdrop: Backdrop,
-    ) -> Result<Tick, Error> {
-        self.check_renderer(snapshot.renderer, "a moment (`VisibilitySnapshot`)")?;
-        picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
-        if self.birds_eye.is_none() {
-            self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
-        }
-        let view = self.view_of(&camera);
-        let sketch = Sketch::of(snapshot, self.reach(snapshot));
-        let outlined = match backdrop {
-            Backdrop::Dark => None,
-            Backdrop::Sky => self.outlined_bounds(),
-        };
-        let Self { frames, passes, executor, hierarchy, birds_eye, flat_overlay, .. } = self;
-        let (clear, explainer) = match backdrop {
-            Backdrop::Dark => (BACKGROUND, None),
-            Backdrop::Sky => (passes.sky(), self.explainer.as_ref()),
-        };
-        let mut frame = frames.begin()?;
-        passes.upload_changes(&mut frame, hierarchy, executor, None)?;
-        passes.gather_blended(&mut frame, executor, &view, Strategy::Frustum)?;
-        let draws = snapshot.upload(&mut frame, &executor.leaves)?;
-        let io = sketch.upload(&mut frame)?;
-        let commands = frame.commands();
-        passes.target.prepare(commands);
-        commands.pass(VIEW_FROM_ABOVE, |commands| {
-            let from = passes.picture_target(&view, clear);
-            commands.rendering(from, |commands| {
-                passes.draw_all(executor, commands, &view, draws, clear);
-                passes.draw_blended(executor, commands, &view);
-                if let Some(overlay) = birds_eye {
-                    overlay.record(commands, &io, &view);
-                }
-            });
-        });
-        if let Some(explainer) = explainer {
-            let scene = (&mut *passes, &*executor, &*hierarchy);
-            explainer.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
-        }
-        if let (Some(bounds), Some(overlay)) = (outlined, birds_eye.as_ref()) {
-            record_outline(&mut frame, passes, overlay, (bounds, &view))?;
-        }
-        finish_picture(&mut frame, &mut passes.target, flat_overlay.as_mut(), picture)?;
-        let tick = frame.submit(None)?;
-        self.submitted();
-        Ok(tick)
-    }
-
-    /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
-    fn reach(&self, snapshot: &VisibilitySnapshot) -> f32 {
-        reach(&self.hierarchy, snapshot)
-    }
-
-    fn above(&self, snapshot: &VisibilitySnapshot) -> Camera {
-        above(snapshot, self.reach(snapshot))
-    }
-}
 
 /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
 pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32 {

@@ -12,20 +12,18 @@
 
 use std::collections::HashMap;
 
-use cull::{Aabb, Containment, PlaneMask, Strategy, View};
+use cull::{Aabb, Containment, PlaneMask, View};
 use glam::{Affine3A, Vec3};
 use gpu::{
     Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
     MemoryBarrier, Parts, Place, vk,
 };
 use occlusion::{LeafBoxIo, PlanExecutor, ProxyBox, ShaderSet};
-use scene::{BlendedId, ENCLOSING, Mesh, Object, Scene, outwardness};
+use scene::{BlendedId, ENCLOSING, Light, Mesh, Object, Scene, outwardness};
 
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{SurfaceIo, SurfaceKind, SurfacePass};
-use crate::renderer::Renderer;
 use crate::surfaces::SurfaceResources;
 
 /// The blended objects of a scene.
@@ -40,11 +38,11 @@ pub(crate) struct Blended {
     view: Option<BlendedIo>,
 }
 
-struct BlendedObject {
-    object: Object,
+pub(crate) struct BlendedObject {
+    pub(crate) object: Object,
     /// In its own space.
-    own_bounds: Aabb,
-    bounds: Aabb,
+    pub(crate) own_bounds: Aabb,
+    pub(crate) bounds: Aabb,
     /// In its own space.
     faces: Faces,
 }
@@ -238,64 +236,47 @@ impl Blended {
         };
         draws.part(0, u64::from(io.count) * DRAW_BYTES)
     }
-}
 
-impl FramePasses {
-    /// Gathers the blended objects of a view, which [`FramePasses::shade_surfaces`] draws. Answers how many are in
-    /// its frustum.
+    /// Gathers those of a view for the draws of its frame. Returns how many are in its frustum.
     ///
     /// # Errors
     /// No memory.
-    pub(crate) fn gather_blended(
+    pub(crate) fn gather(
         &mut self,
         frame: &mut Frame<'_>,
-        executor: &PlanExecutor,
-        view: &View,
-        strategy: Strategy,
+        geometry: &Geometry,
+        (view, tests): (&View, bool),
     ) -> Result<u32, Error> {
-        let Some(blended) = &mut self.blended else { return Ok(0) };
-        let tests = strategy != Strategy::Frustum && executor.passes.leaf_boxes.is_some();
-        blended.sort(view, if tests { Test::Box } else { Test::None });
-        blended.write(frame, &self.geometry)?;
-        Ok(blended.sorted.len() as u32)
+        self.sort(view, if tests { Test::Box } else { Test::None });
+        self.write(frame, geometry)?;
+        Ok(self.sorted.len() as u32)
     }
 
-    /// Gives a blended object the form that has this box, in its own space and in the world.
-    ///
-    /// # Errors
-    /// No memory.
-    pub(crate) fn reshape_blended(
-        &mut self,
-        id: BlendedId,
-        own_bounds: Aabb,
-        bounds: Aabb,
-    ) -> Result<(), Error> {
-        self.place_blended(id, |object| {
-            (object.own_bounds, object.bounds) = (own_bounds, bounds);
-        })
-    }
-
-    /// Changes where a blended object is, if it is there, and finds its lights anew.
-    fn place_blended(
+    /// Changes an object, if it is there. Returns its box then.
+    pub(crate) fn change(
         &mut self,
         id: BlendedId,
         change: impl FnOnce(&mut BlendedObject),
-    ) -> Result<(), Error> {
-        let objects = self.blended.as_mut().map(|blended| &mut blended.objects);
-        let Some(object) = objects.and_then(|objects| objects.get_mut(id.0 as usize)) else {
-            return Ok(());
-        };
+    ) -> Option<Aabb> {
+        let object = self.objects.get_mut(id.0 as usize)?;
         change(object);
-        if let Some(surfaces) = &mut self.geometry.surfaces {
-            surfaces.move_blended(id, &object.bounds)?;
-        }
-        Ok(())
+        Some(object.bounds)
     }
 
-    /// Before the rendering that tests the boxes: none of what they decide about is drawn.
-    pub(crate) fn prepare_blended(&self, commands: &Commands) {
-        let Some((blended, io)) = self.tested_blended() else { return };
-        let [draws, list] = &blended.parts;
+    /// Returns an object.
+    pub(crate) fn get(&self, id: BlendedId) -> Option<&BlendedObject> {
+        self.objects.get(id.0 as usize)
+    }
+
+    /// Returns true if the view being recorded has any.
+    pub(crate) fn is_any(&self) -> bool {
+        self.view.is_some()
+    }
+
+    /// Records, before the rendering that tests the boxes, that none of what they decide about is drawn.
+    pub(crate) fn prepare(&self, commands: &Commands) {
+        let Some(io) = self.tested() else { return };
+        let [draws, list] = &self.parts;
         let between = MemoryBarrier::between;
         // The view or frame before may still draw and note.
         let before = [Access::IndirectRead, Access::FragmentWrite];
@@ -307,14 +288,10 @@ impl FramePasses {
     }
 
     /// Tests the boxes against the finished depth, which is being rendered to.
-    pub(crate) fn test_blended(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
-        let (Some((blended, io)), Some(pass)) =
-            (self.tested_blended(), &executor.passes.leaf_boxes)
-        else {
-            return;
-        };
+    pub(crate) fn test(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        let (Some(io), Some(pass)) = (self.tested(), &executor.passes.leaf_boxes) else { return };
         let Some(boxes) = io.boxes else { return };
-        let [draws, list] = &blended.parts;
+        let [draws, list] = &self.parts;
         commands.label("blended boxes", |commands| {
             let parts = Parts { draws: draws.whole(), list: list.whole() };
             pass.bind(commands, &LeafBoxIo { boxes, parts }, view);
@@ -322,58 +299,30 @@ impl FramePasses {
         });
     }
 
-    /// Draws the blended objects over the finished picture of a view, in a rendering of their own.
-    pub(crate) fn record_blended(
-        &mut self,
-        executor: &PlanExecutor,
-        commands: &Commands,
-        view: &View,
-    ) {
-        if self.blended.as_ref().is_none_or(|blended| blended.view.is_none()) {
-            return;
-        }
-        if self.tested_blended().is_some() {
+    /// Makes what the boxes decided hold for the draws, outside of rendering.
+    pub(crate) fn decide(&self, commands: &Commands) {
+        if self.tested().is_some() {
             let switched_on = [Access::IndirectRead, Access::FragmentWrite];
             commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &switched_on));
         }
-        self.target.prepare(commands);
-        commands.pass("draw blended", |commands| {
-            let target = self.target_of(view, None);
-            commands.rendering(target, |commands| self.draw_blended(executor, commands, view));
-        });
     }
 
-    /// Draws the blended objects of a view to what is being rendered to.
-    pub(crate) fn draw_blended(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
-        let io = self.blended.as_ref().and_then(|it| Some((it, it.view.as_ref()?)));
-        let (Some((blended, io)), Some(surfaces)) = (io, self.surface_io()) else { return };
+    /// Draws those of the view to what is being rendered to.
+    pub(crate) fn draw(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        surfaces: SurfaceIo<'_>,
+        (view, light): (&View, &Light),
+    ) {
+        let Some(io) = &self.view else { return };
         let surfaces = SurfaceIo { instances: io.instances, ..surfaces };
-        blended.pass.bind(commands, &surfaces, view, &self.light);
-        executor.leaves.predicates().draw_after_counted(commands, blended.draws(io));
+        self.pass.bind(commands, &surfaces, view, light);
+        executor.leaves.predicates().draw_after_counted(commands, self.draws(io));
     }
 
-    fn tested_blended(&self) -> Option<(&Blended, &BlendedIo)> {
-        let blended = self.blended.as_ref()?;
-        let io = blended.view.as_ref().filter(|io| io.boxes.is_some())?;
-        Some((blended, io))
-    }
-}
-
-impl Renderer {
-    /// Moves a blended object. The next frame shows it.
-    ///
-    /// # Errors
-    /// [`Error::Blended`]: the scene has no such object, or it cannot be there. Nothing has changed then.
-    pub fn move_blended(&mut self, blended: BlendedId, transform: Affine3A) -> Result<(), Error> {
-        let refuse = |reason| Error::Blended { blended, reason };
-        let object = self.passes.blended.as_ref().and_then(|it| it.objects.get(blended.0 as usize));
-        let object = object.ok_or(refuse("the scene has no such blended object"))?;
-        let bounds = bounds_in_world(&object.own_bounds, &transform);
-        let bounds = bounds
-            .ok_or(refuse("its transform takes it nowhere: check it for infinities and NaN"))?;
-        self.passes.place_blended(blended, |object| {
-            (object.object.transform, object.bounds) = (transform, bounds);
-        })
+    fn tested(&self) -> Option<&BlendedIo> {
+        self.view.as_ref().filter(|io| io.boxes.is_some())
     }
 }
 

@@ -1,11 +1,8 @@
 //! Levels of detail: which form of its mesh each object has, chosen a few objects a frame.
 
-use cull::{Camera, DetailLevel, DetailPolicy, ObjectId, View};
+use cull::{DetailLevel, DetailPolicy, ObjectId};
 use gpu::IndirectDraw;
 use scene::{MeshId, Scene};
-
-use crate::renderer::Renderer;
-use occlusion::Area;
 
 /// The most objects that [`Renderer::choose_detail`] looks at in one call.
 pub const DETAIL_OBJECTS_A_CALL: usize = 2048;
@@ -85,44 +82,6 @@ impl Forms {
 pub(crate) fn stretch(rows: &[[f32; 4]; 3]) -> f32 {
     let squares = [0, 1, 2].map(|axis| rows.iter().map(|row| row[axis] * row[axis]).sum::<f32>());
     squares.into_iter().fold(0.0, f32::max).sqrt()
-}
-
-impl Renderer {
-    /// Lets objects take the forms ([`Surfaces::levels`](scene::Surfaces::levels)) whose errors
-    /// are too small to be seen by any of the `cameras`; answers how many took another. Once a frame,
-    /// before it: each call looks at no more than [`DETAIL_OBJECTS_A_CALL`] objects, in turn, so that
-    /// larger scenes follow the camera some frames late.
-    ///
-    /// What is visible plays no part in it, so that frames are the same whoever decides what is drawn.
-    /// An error of 0 pixels brings the finest forms back.
-    pub fn choose_detail(&mut self, cameras: &[Camera], policy: &DetailPolicy) -> u32 {
-        let [width, height] = self.size();
-        let area = Area { origin: [0, 0], size: [width, height] };
-        let views: Vec<View> = cameras.iter().map(|it| self.view_in(it, area)).collect();
-        let geometry = &mut self.passes.geometry;
-        if !geometry.forms.are_any() {
-            return 0;
-        }
-        let mut changed = 0;
-        for object in geometry.forms.turn(self.hierarchy.leaf_objects().len()) {
-            let (Some(node), Some(leaf)) =
-                (self.hierarchy.node_of(object), self.hierarchy.leaf_of(object))
-            else {
-                continue;
-            };
-            let bounds = self.hierarchy.bounds(node);
-            let of_view = |view: &View| view.pixels_per_metre(&bounds);
-            let pixels_per_metre = views.iter().map(of_view).fold(0.0, f32::max);
-            if geometry.take_form(object, pixels_per_metre, policy) {
-                self.executor.leaves.mark(leaf, geometry.draw_of(object));
-                changed += 1;
-            }
-        }
-        if changed > 0 {
-            self.edition.advance();
-        }
-        changed
-    }
 }
 
 #[cfg(test)]

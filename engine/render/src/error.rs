@@ -64,11 +64,13 @@ pub enum Error {
     /// More frames in flight than make sense.
     #[error(
         "{wanted} frames in flight are more than a renderer takes ({}): two or three keep a GPU busy, more only make answers older",
-        crate::MAX_FRAMES_IN_FLIGHT
+        most
     )]
     FramesInFlight {
         /// What was asked for.
         wanted: usize,
+        /// The most that there may be.
+        most: usize,
     },
     /// A table of costs with one that cannot be.
     #[error(transparent)]

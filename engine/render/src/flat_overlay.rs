@@ -4,7 +4,6 @@ use gpu::{Device, Frame, Target, Texture};
 
 use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
-use crate::renderer::Renderer;
 use occlusion::ShaderSet;
 
 /// The pass that writes the atlas, and the one that draws.
@@ -29,26 +28,6 @@ pub struct FlatOverlay {
 struct Patch {
     origin: [u32; 2],
     size: [u32; 2],
-}
-
-impl Renderer {
-    /// What is drawn flat over every picture from now on, made when it is first wanted. It costs nothing
-    /// until then, nor after [`Renderer::drop_flat_overlay`].
-    ///
-    /// # Errors
-    /// A shader that does not compile, a failed call.
-    pub fn flat_overlay(&mut self) -> Result<&mut FlatOverlay, Error> {
-        let overlay = match self.flat_overlay.take() {
-            Some(overlay) => overlay,
-            None => FlatOverlay::new(&self.device, &self.shaders)?,
-        };
-        Ok(self.flat_overlay.insert(overlay))
-    }
-
-    /// Draws nothing flat any more, and frees what it took.
-    pub fn drop_flat_overlay(&mut self) {
-        self.flat_overlay = None;
-    }
 }
 
 impl FlatOverlay {

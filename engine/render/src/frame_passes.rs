@@ -1,15 +1,16 @@
 //! The passes that draw a scene's objects, as the executor and the methods see them.
 
-use cull::View;
-use gpu::{Commands, Device, RenderTarget, Target};
+use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
+use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target};
 use occlusion::{Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet};
-use scene::Light;
+use scene::{BlendedId, Light};
 
-use crate::blended::Blended;
-use crate::deformers::Deformers;
-use crate::geometry::Geometry;
-use crate::passes::{CountPass, OpaqueIo, OpaquePass};
-use crate::shading::Shading;
+use crate::blended::{Blended, BlendedObject};
+use crate::deformers::{Deformers, Skinned, State};
+use crate::geometry::{Geometry, bounds_in_world};
+use crate::passes::{CountPass, OpaqueIo, OpaquePass, SurfaceIo};
+use crate::shading::{DARK, DepthPass, Shading};
+use crate::surfaces::SurfaceResources;
 
 /// Everything that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
@@ -104,6 +105,201 @@ impl FramePasses {
             vertices: self.geometry.vertices.whole(),
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),
+        }
+    }
+
+    /// The sky's colour as it is exposed: as light, so that it is no brighter than white.
+    pub(crate) fn sky(&self) -> [f32; 3] {
+        let surfaces = self.geometry.surfaces.as_ref();
+        let exposure = surfaces.map_or(1.0, SurfaceResources::exposure);
+        self.light.sky.map(|part| (part * exposure).min(1.0))
+    }
+
+    /// Where [`FramePasses::draw_all`] goes, before such a backdrop.
+    pub(crate) fn picture_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
+        let [red, green, blue] = backdrop;
+        let plain = [red, green, blue, 1.0];
+        self.target_of(view, Some(self.shading.as_ref().map_or(plain, |_| DARK)))
+    }
+
+    /// Binds what the rounds draw objects with: those of their colours where no other pass gives them any.
+    pub(crate) fn bind_visibility(&self, commands: &Commands, view: &View) {
+        let pass = match (self.shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
+            (Some(DepthPass::Masked(pass)), Some(io)) => {
+                return pass.bind(commands, &io, view, &self.light);
+            }
+            (Some(DepthPass::Whole(pass)), _) => pass,
+            _ => &self.opaque,
+        };
+        pass.bind(commands, &self.opaque_io(), view, &self.light);
+    }
+
+    pub(crate) fn surface_io(&self) -> Option<SurfaceIo<'_>> {
+        Some(SurfaceIo {
+            vertices: self.geometry.vertices.whole(),
+            indices: self.geometry.indices.whole(),
+            instances: self.geometry.instances.whole(),
+            surfaces: self.geometry.surfaces.as_ref()?,
+        })
+    }
+
+    /// Gives what the rounds drew its colour, if it has none yet: `draw` draws all of it again.
+    pub(crate) fn shade_surfaces(
+        &mut self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        draw: &dyn Fn(&Commands),
+    ) {
+        if self.shading.is_none() {
+            return;
+        }
+        if let Some(blended) = &self.blended {
+            blended.prepare(commands);
+        }
+        self.target.prepare(commands);
+        commands.pass("shade surfaces", |commands| {
+            let target = self.target_of(view, None).cleared_to(DARK);
+            commands.rendering(target, |commands| {
+                self.draw_surfaces(commands, view, self.sky(), draw);
+                if let Some(blended) = &self.blended {
+                    blended.test(executor, commands, view);
+                }
+            });
+        });
+        self.record_blended(executor, commands, view);
+    }
+
+    fn draw_surfaces(
+        &self,
+        commands: &Commands,
+        view: &View,
+        backdrop: [f32; 3],
+        draw: impl FnOnce(&Commands),
+    ) {
+        let (Some(Shading { surfaces, sky, .. }), Some(io)) = (&self.shading, self.surface_io())
+        else {
+            return;
+        };
+        surfaces.bind(commands, &io, view, &self.light);
+        draw(commands);
+        sky.draw(commands, backdrop);
+    }
+
+    /// Draws all of the `draws`, of which there are so many, in their own colours, before a backdrop, to
+    /// the [picture's target](FramePasses::picture_target).
+    pub(crate) fn draw_all(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+        (draws, count): (BufferSlice, u32),
+        backdrop: [f32; 3],
+    ) {
+        let draw = |commands: &Commands| {
+            if count > 0 {
+                executor.leaves.predicates().draw_after_counted(commands, draws);
+            }
+        };
+        self.bind_visibility(commands, view);
+        draw(commands);
+        self.draw_surfaces(commands, view, backdrop, draw);
+    }
+
+    /// Gathers the blended objects of a view, which its [shading](ObjectRenderer::shade) draws. Returns how many
+    /// are in its frustum.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn gather_blended(
+        &mut self,
+        frame: &mut Frame<'_>,
+        executor: &PlanExecutor,
+        view: &View,
+        strategy: Strategy,
+    ) -> Result<u32, crate::Error> {
+        let Some(blended) = &mut self.blended else { return Ok(0) };
+        let tests = strategy != Strategy::Frustum && executor.passes.leaf_boxes.is_some();
+        blended.gather(frame, &self.geometry, (view, tests))
+    }
+
+    /// Changes a blended object, if it is there, and finds its lights again.
+    pub(crate) fn change_blended(
+        &mut self,
+        id: BlendedId,
+        change: impl FnOnce(&mut BlendedObject),
+    ) -> Result<(), crate::Error> {
+        let bounds = self.blended.as_mut().and_then(|blended| blended.change(id, change));
+        if let (Some(bounds), Some(surfaces)) = (bounds, &mut self.geometry.surfaces) {
+            surfaces.move_blended(id, &bounds)?;
+        }
+        Ok(())
+    }
+
+    /// Draws the blended objects over the finished picture of a view, in a rendering of their own.
+    fn record_blended(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        let Some(blended) = self.blended.as_ref().filter(|blended| blended.is_any()) else {
+            return;
+        };
+        blended.decide(commands);
+        self.target.prepare(commands);
+        commands.pass("draw blended", |commands| {
+            let target = self.target_of(view, None);
+            commands.rendering(target, |commands| self.draw_blended(executor, commands, view));
+        });
+    }
+
+    /// Draws the blended objects of a view to what is being rendered to.
+    pub(crate) fn draw_blended(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        if let (Some(blended), Some(surfaces)) = (&self.blended, self.surface_io()) {
+            blended.draw(executor, commands, surfaces, (view, &self.light));
+        }
+    }
+
+    /// Records the upload of what changed since the last frame, before anything of `frame` reads it. Poses that
+    /// none of the `views` can show wait until one does; without views all are brought.
+    ///
+    /// A mesh waits only where the box of its pose **and** that of the vertices that the GPU still has are
+    /// outside of all views: its draw may be part of a range that shows, and then leaves no pixel.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn upload_changes(
+        &mut self,
+        frame: &mut Frame<'_>,
+        hierarchy: &Hierarchy,
+        executor: &mut PlanExecutor,
+        views: Option<&[View]>,
+    ) -> Result<Skinned, crate::Error> {
+        self.geometry.relight(hierarchy, &mut executor.leaves);
+        self.geometry.upload_changes(frame, hierarchy, executor)?;
+        let Self { geometry, deformers, blended, .. } = self;
+        let (Some(deformers), Some(deformed)) = (deformers, geometry.deformed()) else {
+            return Ok(Skinned::default());
+        };
+        let transform = |state: &State| match state.blended {
+            Some(id) => blended.as_ref()?.transform(id),
+            None => geometry.transform(geometry.owner(state.mesh)?),
+        };
+        deformers.bring(frame, deformed, |state| {
+            let Some(transform) = transform(state) else { return false };
+            let Some(views) = views else { return true };
+            let is_in = |bounds: &Aabb| match bounds_in_world(bounds, &transform) {
+                Some(bounds) => views.iter().any(|view| {
+                    view.frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside
+                }),
+                None => true,
+            };
+            is_in(&state.bounds) || is_in(&state.shown_bounds)
+        })
+    }
+
+    /// Notes that the frame that [`FramePasses::upload_changes`] recorded for is on its way.
+    pub(crate) fn submitted(&mut self) {
+        self.target.submitted();
+        self.geometry.submitted();
+        if let Some(deformers) = &mut self.deformers {
+            deformers.submitted();
         }
     }
 }

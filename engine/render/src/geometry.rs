@@ -3,11 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, ObjectId};
 use glam::{Affine3A, Mat3A, Vec3A};
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
-use occlusion::{LeafElements, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
+use occlusion::{LeafElements, LeafTable, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
 use scene::limits::INSTANCE_BYTES;
 use scene::{
     BlendedId, Mesh, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed,
@@ -17,20 +16,10 @@ use scene::{
 use crate::deformers::{DeformedVertices, are_deformed, deformed_vertices, mesh_order};
 use crate::detail::{Forms, stretch};
 use crate::error::Error;
+use crate::instance::Instance;
 use crate::limits::{check_memory, check_storage, room};
 use crate::sprites;
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
-
-/// What the vertex shader knows of an object; mirrors `instance.glsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Default, Pod, Zeroable)]
-pub(crate) struct Instance {
-    pub(crate) rows: [[f32; 4]; 3],
-    /// The tint as floats and 0; [`SurfaceResources::instance_tail`] in scenes with surfaces.
-    pub(crate) tail: [u32; 4],
-}
-
-const _: () = assert!(size_of::<Instance>() == 64);
 
 /// Memory that a renderer takes for each object while it is made (bytes): its instance, by object and
 /// by leaf, its box, its draw, and some numbers; and what of that lies on the device, whose memory may
@@ -283,6 +272,18 @@ impl Geometry {
             instance.tail[2] = surfaces.light_lists().count(object.0);
         }
         is_other
+    }
+
+    /// Finds the lights again of who is around a light that changed since the last frame.
+    pub(crate) fn relight(&mut self, hierarchy: &Hierarchy, leaves: &mut LeafTable) {
+        let objects = self.surfaces.as_mut().map(SurfaceResources::relight).unwrap_or_default();
+        for object in objects {
+            if self.find_lights(hierarchy, object)
+                && let Some(leaf) = hierarchy.leaf_of(object)
+            {
+                leaves.mark(leaf, self.draw_of(object));
+            }
+        }
     }
 
     /// Records the upload of what changed since the last frame, before anything of `frame` reads it. It

@@ -33,7 +33,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod adjustments;
+mod api;
 mod birds_eye;
 mod blended;
 mod calibration_scene;
@@ -44,12 +44,13 @@ mod error;
 mod flat_overlay;
 mod frame_passes;
 mod geometry;
+mod instance;
 mod limits;
 mod object_bounds;
+mod outline;
 mod palette;
 mod passes;
 mod pick;
-mod poses;
 mod renderer;
 mod sample_counts;
 mod scene_degradations;
@@ -61,7 +62,6 @@ mod view_state;
 mod views;
 mod visibility_snapshot;
 mod visible_set;
-mod window;
 
 pub use debug_overlay::{DebugOverlay, OVERLAY_PASSES};
 pub use detail::DETAIL_OBJECTS_A_CALL;
@@ -77,7 +77,7 @@ pub use passes::{
     OverlayPass, OverlayVertex, SeenIo, SeenPass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass,
 };
 pub use pick::Pick;
-pub use renderer::{FrameReport, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
+pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use scene_degradations::SceneDegradations;
 pub use surfaces::{
@@ -85,6 +85,6 @@ pub use surfaces::{
 };
 pub use update::UpdateReport;
 pub use view_state::ViewState;
-pub use views::{ViewTarget, ViewsRequest};
+pub use views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest};
 pub use visibility_snapshot::VisibilitySnapshot;
 pub use visible_set::VisibleSet;

@@ -1,12 +1,10 @@
 //! The renderer: one frame from top to bottom, from the answers of the past to the submit.
 
-use std::time::Duration;
-
 use cull::{
-    Aabb, Abilities, Camera, Corrections, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId,
-    Policy, SceneCosts, Strategy, View,
+    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId, Policy,
+    SceneCosts, Strategy, View,
 };
-use gpu::{Device, FrameRing, Optional, PassTime, Predication, Readback, Target, Tick, Timeline};
+use gpu::{Device, FrameRing, Optional, PassTime, Predication, Target};
 use occlusion::{
     Area, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
     OcclusionPasses, PlanExecutor, PlannedMethod, ShaderSet, VisibilityState,
@@ -28,8 +26,7 @@ use crate::shading::Shading;
 use crate::sprites::has_sprites;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
-use crate::views::{ViewTarget, ViewsRequest};
-use crate::visible_set::{SceneRevision, SeenLeaves, VisibleSet};
+use crate::visible_set::{SceneRevision, SeenLeaves};
 
 /// The most frames that may be in flight: each has memory of its own for everything that a frame
 /// writes, and beyond a few they only make answers older.
@@ -99,72 +96,16 @@ impl RendererOptions {
     /// Refuses what can be on no device.
     fn check(&self) -> Result<(), Error> {
         if self.frames_in_flight > MAX_FRAMES_IN_FLIGHT {
-            return Err(Error::FramesInFlight { wanted: self.frames_in_flight });
+            return Err(Error::FramesInFlight {
+                wanted: self.frames_in_flight,
+                most: MAX_FRAMES_IN_FLIGHT,
+            });
         }
         if let Costs::Table(table) = self.costs {
             table.checked()?;
         }
         Ok(())
     }
-}
-
-/// What is wanted of one frame.
-#[derive(Clone, Copy)]
-pub struct FrameRequest<'a> {
-    /// Who decides what to draw.
-    pub strategy: Strategy,
-    /// The eye.
-    pub camera: Camera,
-    /// What owns a pixel, for [`Strategy::Ideal`], which knows nothing else.
-    pub visible: Option<&'a VisibleSet>,
-    /// Where to copy the picture, if it is wanted. Read it when the frame is over.
-    pub picture: Option<&'a Readback>,
-    /// Where to copy what the scene alone shows, before explanations and the flat overlay are drawn over
-    /// it, if that is wanted.
-    pub scene_picture: Option<&'a Readback>,
-    /// The frame starts on the GPU once this tick of a host's timeline is reached.
-    pub after: Option<(&'a Timeline, Tick)>,
-}
-
-impl FrameRequest<'_> {
-    /// A frame and nothing else.
-    pub fn new(strategy: Strategy, camera: Camera) -> Self {
-        Self { strategy, camera, visible: None, picture: None, scene_picture: None, after: None }
-    }
-}
-
-/// What is known of a frame when it is submitted; of all its views together.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FrameReport {
-    /// Its tick.
-    pub tick: Tick,
-    /// Time the CPU spent in the engine, without waits and without [`FrameReport::overlay_cpu`].
-    pub cpu: Duration,
-    /// Time the CPU spent on what explains the picture or lies flat over it.
-    pub overlay_cpu: Duration,
-    /// Proxies tested, by whatever means.
-    pub tests: u32,
-    /// Occlusion queries.
-    pub queries: u32,
-    /// How often the CPU waited for an answer within the frame: never, but with the strategies that
-    /// are a dialogue ([`Strategy::is_dialogue`]).
-    pub waits: u32,
-    /// Blended objects in the frustum.
-    pub blended: u32,
-    /// Poses that the GPU got: those that changed and that one of the views may show.
-    pub poses: u32,
-    /// Vertices that the GPU computed from these poses.
-    pub skinned_vertices: u64,
-    /// Ranges of draws under a predicate.
-    pub predicated_draws: u32,
-    /// Age in frames of the answers that came home for this frame; `None` if none did.
-    pub oldest_answer_frames: Option<u64>,
-    /// The same of the youngest.
-    pub youngest_answer_frames: Option<u64>,
-    /// What the culler counted.
-    pub plan: cull::PlanStats,
-    /// What frames taught the governor about the prices ([`Renderer::costs`]); `None` without one.
-    pub corrections: Option<Corrections>,
 }
 
 /// A scene on a device, and everything to draw it with.
@@ -428,23 +369,6 @@ impl Renderer {
     /// The view of `camera` on this renderer's picture.
     pub fn view_of(&self, camera: &Camera) -> View {
         self.view_in(camera, Area { origin: [0, 0], size: self.size() })
-    }
-
-    /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
-    /// and for nothing else, unless the strategy is a dialogue ([`Strategy::is_dialogue`]).
-    ///
-    /// # Errors
-    /// As [`Renderer::render_views`].
-    pub fn render(
-        &mut self,
-        history: &mut ViewState,
-        request: &FrameRequest<'_>,
-    ) -> Result<FrameReport, Error> {
-        let area = Area::whole(self.size());
-        let FrameRequest { strategy, camera, visible, picture, scene_picture, after } = *request;
-        let eye = ViewTarget { history, camera, visible, area };
-        let request = ViewsRequest { strategy, picture, after };
-        self.render_eyes(&mut [eye], &request, scene_picture)
     }
 
     /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts

@@ -8,12 +8,10 @@
 
 use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
 use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
-use occlusion::{LeafTable, PlanExecutor, ProxyBox, ProxyIo, ProxyPass};
+use occlusion::{LeafTable, PlanExecutor, ProxyBox, ProxyIo, ProxyPass, VisibilityState};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::renderer::Renderer;
-use crate::view_state::ViewState;
 
 /// How many samples of an object a frame showed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +21,7 @@ pub struct VisibleSamples {
     /// The frame that was looked at.
     pub frame: FrameId,
     /// How many frames before the newest of the view that was. 0 only for what needs no looking at,
-    /// outside of the frustum, and after [`Renderer::drain`].
+    /// outside of the frustum, and after [`Renderer::drain`](crate::Renderer::drain).
     pub age_frames: u64,
     /// Samples of it that nothing is nearer than in the finished picture: its pixels, where no two of its
     /// faces have the same depth. 0 outside of the frustum.
@@ -222,118 +220,83 @@ impl SampleCounts {
     }
 }
 
-impl FramePasses {
-    /// Counts what the view watches, once everything of its frame is drawn.
-    ///
-    /// # Errors
-    /// No memory, or a failed call.
-    pub(crate) fn count_samples(
-        &mut self,
-        frame: &mut Frame<'_>,
-        executor: &PlanExecutor,
-        history: &mut ViewState,
-        hierarchy: &Hierarchy,
-        view: &View,
-    ) -> Result<(), Error> {
-        let ViewState { counts, visibility, .. } = history;
-        counts.is_asking = false;
-        if !counts.is_watching() {
-            return Ok(());
+/// Counts what the view watches, once everything of its frame is drawn.
+///
+/// # Errors
+/// No memory, or a failed call.
+pub(crate) fn count_samples(
+    passes: &mut FramePasses,
+    frame: &mut Frame<'_>,
+    (executor, hierarchy): (&PlanExecutor, &Hierarchy),
+    (counts, visibility): (&mut SampleCounts, &VisibilityState),
+    view: &View,
+) -> Result<(), Error> {
+    counts.is_asking = false;
+    if !counts.is_watching() {
+        return Ok(());
+    }
+    counts.lay_out(hierarchy, &executor.leaves, view, visibility.plan().frame);
+    if counts.asked.tags.is_empty() {
+        return Ok(());
+    }
+    let queries = match counts.queries.take() {
+        Some(queries) => queries,
+        None => {
+            let (device, slots) = (visibility.device(), visibility.frames_in_flight());
+            QueryRing::new(device, slots, "sample counts")?.counting(Counting::Samples)
         }
-        counts.lay_out(hierarchy, &executor.leaves, view, visibility.plan().frame);
-        if counts.asked.tags.is_empty() {
-            return Ok(());
-        }
-        let queries = match counts.queries.take() {
-            Some(queries) => queries,
-            None => {
-                let (device, slots) = (visibility.device(), visibility.frames_in_flight());
-                QueryRing::new(device, slots, "sample counts")?.counting(Counting::Samples)
-            }
-        };
-        let queries = counts.queries.insert(queries);
-        queries.begin(frame, &counts.asked.tags)?;
-        let boxes = counts.asked.proxies.iter().map(|(_, proxy)| *proxy);
-        let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };
-        counts.is_asking = true;
-        self.target.prepare(frame.commands());
-        frame.commands().pass("count samples", |commands| {
-            commands.rendering(self.target_of(view, None), |commands| {
-                self.draw_counted(
-                    commands,
-                    (&counts.asked, queries),
-                    &executor.passes.proxies,
-                    &io,
-                    view,
-                );
-            });
-            queries.resolve(commands, 0..counts.asked.tags.len() as u32);
-            queries.read_back(commands);
+    };
+    let queries = counts.queries.insert(queries);
+    queries.begin(frame, &counts.asked.tags)?;
+    let boxes = counts.asked.proxies.iter().map(|(_, proxy)| *proxy);
+    let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };
+    counts.is_asking = true;
+    passes.target.prepare(frame.commands());
+    frame.commands().pass("count samples", |commands| {
+        commands.rendering(passes.target_of(view, None), |commands| {
+            draw_counted(
+                passes,
+                commands,
+                (&counts.asked, queries),
+                &executor.passes.proxies,
+                &io,
+                view,
+            );
         });
-        Ok(())
-    }
+        queries.resolve(commands, 0..counts.asked.tags.len() as u32);
+        queries.read_back(commands);
+    });
+    Ok(())
+}
 
-    fn draw_counted(
-        &self,
-        commands: &Commands,
-        (asked, queries): (&CountRequests, &QueryRing<CountTag>),
-        proxies: &ProxyPass,
-        io: &ProxyIo,
-        view: &View,
-    ) {
-        let Some(pass) = &self.counts else { return };
-        pass.bind_objects(commands, &self.opaque_io(), view);
-        for (query, draw) in &asked.objects {
-            queries.scope(commands, *query, |commands| pass.draw(commands, draw));
-        }
-        if asked.proxies.is_empty() {
-            return;
-        }
-        proxies.bind(commands, io, view);
-        for (number, (query, _)) in (0..).zip(&asked.proxies) {
-            queries.scope(commands, *query, |commands| proxies.draw(commands, number));
-        }
-        pass.bind_proxies(commands, io, view);
-        for (number, (QueryIndex(visible), _)) in (0..).zip(&asked.proxies) {
-            let total = QueryIndex(visible + 1);
-            queries.scope(commands, total, |commands| pass.draw_proxy(commands, number));
-        }
+fn draw_counted(
+    passes: &FramePasses,
+    commands: &Commands,
+    (asked, queries): (&CountRequests, &QueryRing<CountTag>),
+    proxies: &ProxyPass,
+    io: &ProxyIo,
+    view: &View,
+) {
+    let Some(pass) = &passes.counts else { return };
+    pass.bind_objects(commands, &passes.opaque_io(), view);
+    for (query, draw) in &asked.objects {
+        queries.scope(commands, *query, |commands| pass.draw(commands, draw));
+    }
+    if asked.proxies.is_empty() {
+        return;
+    }
+    proxies.bind(commands, io, view);
+    for (number, (query, _)) in (0..).zip(&asked.proxies) {
+        queries.scope(commands, *query, |commands| proxies.draw(commands, number));
+    }
+    pass.bind_proxies(commands, io, view);
+    for (number, (QueryIndex(visible), _)) in (0..).zip(&asked.proxies) {
+        let total = QueryIndex(visible + 1);
+        queries.scope(commands, total, |commands| pass.draw_proxy(commands, number));
     }
 }
 
-impl ViewState {
-    /// Counts the visible samples of these objects in every frame from now on, and of no others. Of an
-    /// id that no object has nothing is found out until one has it. Costs two or three small
-    /// draws an object and frame, and nothing where the list is empty.
-    ///
-    /// # Errors
-    /// A device that cannot count ([`Renderer::supports_counts`]).
-    pub fn watch(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
-        if !objects.is_empty() {
-            check_counts(self.visibility.device(), COUNTING)?;
-        }
-        self.counts.watch(objects);
-        Ok(())
-    }
-
-    /// The newest count of each watched object that has one yet, ascending by object. What was found
-    /// out about an object that is gone is dropped, also where another has its id now.
-    pub fn visible_samples(&self) -> &[VisibleSamples] {
-        self.counts.newest()
-    }
-}
-
-impl Renderer {
-    /// Whether the device counts samples, for [`ViewState::watch`].
-    ///
-    /// # Errors
-    /// [`gpu::Error::Unsupported`], with the name of what is missing.
-    pub fn supports_counts(&self) -> Result<(), Error> {
-        check_counts(&self.device, COUNTING)
-    }
-}
-
-const COUNTING: &str = "counting visible samples";
+pub(crate) const COUNTING: &str = "counting visible samples";
 
 /// Whether a device counts samples, which `wanted` needs.
 pub(crate) fn check_counts(device: &Device, wanted: &'static str) -> Result<(), Error> {

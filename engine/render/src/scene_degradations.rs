@@ -2,8 +2,6 @@
 
 use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
 
-use crate::renderer::Renderer;
-
 /// What of a scene is more than a renderer shows: it is shown all the same, and not quite as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SceneDegradations {
@@ -50,15 +48,6 @@ impl SceneDegradations {
         .into_iter()
         .flatten()
         .collect()
-    }
-}
-
-impl Renderer {
-    /// What of the scene is shown otherwise than the scene says; of what stands still it is known from the
-    /// beginning.
-    pub fn degradations(&self) -> SceneDegradations {
-        let surfaces = self.passes.geometry.surfaces.as_ref();
-        surfaces.map(|surfaces| surfaces.degradations()).unwrap_or_default()
     }
 }
 

@@ -8,7 +8,7 @@ use scene::limits::INSTANCE_BYTES;
 use scene::{Scene, Sprites, SurfaceVertex, Vertex};
 
 use crate::error::Error;
-use crate::geometry::Instance;
+use crate::instance::Instance;
 use crate::limits::check_storage;
 
 /// Words of four numbers in the place of an instance.

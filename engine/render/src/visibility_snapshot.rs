@@ -1,11 +1,10 @@
 //! One moment of a view, frozen: what was drawn, and which parts of the frontier stayed hidden.
 
-use cull::{Aabb, Answer, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState, QueryKind, View};
+use cull::{Aabb, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState, View};
 use gpu::{BufferSlice, Frame, IndirectDraw};
 use occlusion::LeafTable;
 
 use crate::error::Error;
-use crate::renderer::Renderer;
 use crate::view_state::{RendererId, ViewState};
 
 /// What a view decided and found out in one frame.
@@ -22,51 +21,6 @@ pub struct VisibilitySnapshot {
     pub hidden: Vec<(Aabb, u32)>,
     /// The one whose leaves these are.
     pub(crate) renderer: RendererId,
-}
-
-impl Renderer {
-    /// Freezes the newest frame of `history`, which was seen from `view`. Waits for it.
-    ///
-    /// # Errors
-    /// A view of another renderer, a lost device, or a frame that takes too long.
-    pub fn snapshot(
-        &mut self,
-        history: &mut ViewState,
-        view: View,
-    ) -> Result<VisibilitySnapshot, Error> {
-        self.drain(history)?;
-        let plan = history.plan();
-        let one = |first| LeafRange { first, count: 1 };
-        let taken = plan.draws.iter().copied().map(one);
-        let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
-        let mut snapshot = VisibilitySnapshot {
-            frame: plan.frame,
-            view,
-            drawn: taken.chain(queried).collect(),
-            hidden: Vec::new(),
-            renderer: self.id,
-        };
-        let mut showed = Vec::new();
-        let of_frame =
-            |answer: &&Answer| history.visibility.shows(answer) && answer.tag.frame == plan.frame;
-        for answer in history.visibility.newest_answers().iter().filter(of_frame) {
-            let node = answer.tag.node;
-            match answer.tag.kind {
-                QueryKind::Proxy | QueryKind::Part => {
-                    snapshot.drawn.push(self.hierarchy.leaves(node));
-                    showed.push(node);
-                }
-                QueryKind::Parts => showed.push(node),
-                QueryKind::Probe | QueryKind::OwnBox | QueryKind::OwnDraw => {}
-            }
-        }
-        showed.sort_unstable();
-        let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
-        for test in tests.filter(|test| showed.binary_search(&test.tag.node).is_err()) {
-            snapshot.hidden.push((self.hierarchy.bounds(test.tag.node), test.level));
-        }
-        Ok(snapshot)
-    }
 }
 
 impl VisibilitySnapshot {

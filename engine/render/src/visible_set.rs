@@ -3,26 +3,23 @@
 //! Found beforehand and not in time: the frame is drawn by the exact strategy, what it drew is drawn
 //! once more against the finished depth, and the CPU waits for the answer.
 
-use cull::{Camera, LeafIndex, ObjectId, Strategy};
-use glam::Vec3;
-use gpu::{Access, Buffer, Device, MemoryBarrier, Place, Tick, vk};
-use occlusion::{Area, ObjectPass, ObjectRenderer, Rendering, ShaderSet};
+use cull::{LeafIndex, ObjectId};
+use gpu::{Buffer, Device, Place, Tick, vk};
+use occlusion::ShaderSet;
 
 use crate::error::Error;
-use crate::passes::{SeenIo, SeenPass};
-use crate::renderer::Renderer;
-use crate::view_state::{RendererId, ViewState};
-use crate::views::{ViewTarget, ViewsRequest};
+use crate::passes::SeenPass;
+use crate::view_state::RendererId;
 
 /// The leaves that own at least one pixel of a frame, nearest first. Of masked materials the holes count
 /// as theirs: those may be too many, never too few.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleSet {
-    leaves: Vec<LeafIndex>,
+    pub(crate) leaves: Vec<LeafIndex>,
     /// The same, whatever place they get in the hierarchy.
-    objects: Vec<ObjectId>,
+    pub(crate) objects: Vec<ObjectId>,
     /// The scene as it was then.
-    edition: SceneRevision,
+    pub(crate) edition: SceneRevision,
 }
 
 /// The set's name in errors.
@@ -64,11 +61,11 @@ impl VisibleSet {
 
 /// What finding the set needs on the GPU.
 pub(crate) struct SeenLeaves {
-    pass: SeenPass,
-    words: Buffer,
-    readback: Buffer,
+    pub(crate) pass: SeenPass,
+    pub(crate) words: Buffer,
+    pub(crate) readback: Buffer,
     /// Of the frame whose words come last.
-    newest: Tick,
+    pub(crate) newest: Tick,
 }
 
 impl SeenLeaves {
@@ -95,116 +92,5 @@ impl SeenLeaves {
     pub(crate) fn is_seen(&self, leaf: LeafIndex) -> bool {
         let place = leaf.0 as usize;
         self.readback.read::<u32>(place..place + 1).first().is_some_and(|word| *word != 0)
-    }
-}
-
-impl Renderer {
-    /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice: a yardstick
-    /// for measurements, not for a frame loop. `history` is a view kept for this, so that it learns
-    /// along the path.
-    ///
-    /// # Errors
-    /// A view of another renderer; a device whose fragment shaders cannot write to buffers; no memory;
-    /// a failed call.
-    pub fn visible_set(
-        &mut self,
-        history: &mut ViewState,
-        camera: &Camera,
-        area: Area,
-    ) -> Result<VisibleSet, Error> {
-        self.check_view(history)?;
-        let eye = ViewTarget { history: &mut *history, camera: *camera, visible: None, area };
-        // With a threshold ours leaves out what this is to find.
-        let strategy = if self.is_exact() { Strategy::Antumbra } else { Strategy::Frustum };
-        let request = ViewsRequest { strategy, picture: None, after: None };
-        self.render_views(&mut [eye], &request)?;
-        let view = self.view_in(camera, area);
-        let snapshot = self.snapshot(history, view)?;
-        let drawn = snapshot.drawn.iter();
-        let drawn: Vec<LeafIndex> = drawn
-            .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex))
-            .collect();
-        self.submit_seen(&snapshot.view, &drawn)?;
-        self.device.drain()?;
-        let edition = self.edition;
-        let Some(seen) = &self.seen_leaves else {
-            return Ok(VisibleSet { leaves: Vec::new(), objects: Vec::new(), edition });
-        };
-        let mut leaves: Vec<LeafIndex> =
-            drawn.into_iter().filter(|leaf| seen.is_seen(*leaf)).collect();
-        let eye = camera.eye;
-        leaves.sort_by(|a, b| {
-            let (near, far) = (self.distance_squared(*a, eye), self.distance_squared(*b, eye));
-            near.total_cmp(&far).then(a.cmp(b))
-        });
-        let all = self.hierarchy.leaf_objects();
-        let objects = leaves.iter().filter_map(|leaf| all.get(leaf.0 as usize)).copied();
-        Ok(VisibleSet { objects: objects.collect(), leaves, edition })
-    }
-
-    /// Makes a set hold again that was found when the scene was as it is now, although it has changed since
-    /// then: whoever calls this answers for it that every object is where it was, and has the form that it
-    /// had. For measurements in which the same moments come again.
-    ///
-    /// # Errors
-    /// A set that another renderer found.
-    pub fn visible_again(&self, set: &mut VisibleSet) -> Result<(), Error> {
-        self.check_renderer(set.renderer(), VISIBLE_SET)?;
-        set.leaves.clear();
-        set.leaves.extend(set.objects.iter().filter_map(|object| self.hierarchy.leaf_of(*object)));
-        set.edition = self.edition;
-        Ok(())
-    }
-
-    /// From `eye` to the box of a leaf.
-    fn distance_squared(&self, leaf: LeafIndex, eye: Vec3) -> f32 {
-        let object = self.hierarchy.leaf_objects().get(leaf.0 as usize);
-        let node = object.and_then(|object| self.hierarchy.node_of(*object));
-        node.map_or(0.0, |node| self.hierarchy.bounds(node).distance_squared(eye))
-    }
-
-    /// Submits a frame that notes which of `leaves` own a pixel of `view`.
-    pub(crate) fn submit_seen(
-        &mut self,
-        view: &cull::View,
-        leaves: &[LeafIndex],
-    ) -> Result<Tick, Error> {
-        if self.seen_leaves.is_none() {
-            let leaves = self.hierarchy.leaf_objects().len();
-            self.seen_leaves = Some(SeenLeaves::new(&self.device, &self.shaders, leaves)?);
-        }
-        let Some(seen) = &self.seen_leaves else { return Ok(Tick::default()) };
-        let (passes, leaf_table) = (&mut self.passes, &self.executor.leaves);
-        let mut frame = self.frames.begin()?;
-        let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| leaf_table.draw(*leaf)))?;
-        let commands = frame.commands();
-        let words = seen.words.whole();
-        commands.pass("find visible", |commands| {
-            let between = MemoryBarrier::between;
-            // The frame before may still copy, where nobody waited for it.
-            commands.barrier(between(&[Access::CopyRead, Access::CopyWrite], &[Access::CopyWrite]));
-            commands.fill(words, 0);
-            commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));
-            passes.target.prepare(commands);
-            commands.rendering(passes.rendering(view, Rendering::First), |commands| {
-                passes.bind(commands, view, ObjectPass::Visibility);
-                if !leaves.is_empty() {
-                    commands.draw_indirect(draws);
-                }
-                let io = SeenIo { opaque: passes.opaque_io(), seen: words };
-                seen.pass.bind(commands, &io, view);
-                if !leaves.is_empty() {
-                    commands.draw_indirect(draws);
-                }
-            });
-            commands.barrier(between(&[Access::FragmentWrite], &[Access::CopyRead]));
-            commands.copy_buffer(words, seen.readback.whole());
-            commands.barrier(between(&[Access::CopyWrite], &[Access::HostRead]));
-        });
-        let tick = frame.submit(None)?;
-        if let Some(seen) = &mut self.seen_leaves {
-            seen.newest = tick;
-        }
-        Ok(tick)
     }
 }

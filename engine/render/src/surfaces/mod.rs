@@ -8,7 +8,6 @@ mod materials;
 mod page_groups;
 mod page_upload;
 mod pages;
-mod relight;
 mod resources;
 
 pub use light_lists::LightLists;

@@ -52,7 +52,10 @@ impl Renderer {
     /// More than [`MAX_FRAMES_IN_FLIGHT`]; a failed call. Nothing has changed then.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) -> Result<(), Error> {
         if frames_in_flight > MAX_FRAMES_IN_FLIGHT {
-            return Err(Error::FramesInFlight { wanted: frames_in_flight });
+            return Err(Error::FramesInFlight {
+                wanted: frames_in_flight,
+                most: MAX_FRAMES_IN_FLIGHT,
+            });
         }
         let slots = frames_in_flight.max(1);
         if slots == self.frames_in_flight() {

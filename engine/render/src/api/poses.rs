@@ -1,66 +1,14 @@
-//! Poses: when one is set, the box of its object follows; when a view may show it, the GPU gets it.
+//! Poses: when one is set, the box of its object follows.
 
-use cull::{Aabb, Containment, Hierarchy, PlaneMask, View};
 use glam::Affine3A;
-use gpu::Frame;
-use occlusion::PlanExecutor;
 use scene::{Deformation, DeformerId, SceneUpdate};
 
-use crate::deformers::{Skinned, State};
+use crate::deformers::State;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
 use crate::update::UpdateScratch;
-
-impl FramePasses {
-    /// Records the upload of what changed since the last frame, before anything of `frame` reads it. Poses that
-    /// none of the `views` can show wait until one does; without views all are brought.
-    ///
-    /// A mesh waits only where the box of its pose **and** that of the vertices that the GPU still has are
-    /// outside of all views: its draw may be part of a range that shows, and then leaves no pixel.
-    ///
-    /// # Errors
-    /// No memory.
-    pub(crate) fn upload_changes(
-        &mut self,
-        frame: &mut Frame<'_>,
-        hierarchy: &Hierarchy,
-        executor: &mut PlanExecutor,
-        views: Option<&[View]>,
-    ) -> Result<Skinned, Error> {
-        self.geometry.relight(hierarchy, &mut executor.leaves);
-        self.geometry.upload_changes(frame, hierarchy, executor)?;
-        let Self { geometry, deformers, blended, .. } = self;
-        let (Some(deformers), Some(deformed)) = (deformers, geometry.deformed()) else {
-            return Ok(Skinned::default());
-        };
-        let transform = |state: &State| match state.blended {
-            Some(id) => blended.as_ref()?.transform(id),
-            None => geometry.transform(geometry.owner(state.mesh)?),
-        };
-        deformers.bring(frame, deformed, |state| {
-            let Some(transform) = transform(state) else { return false };
-            let Some(views) = views else { return true };
-            let is_in = |bounds: &Aabb| match bounds_in_world(bounds, &transform) {
-                Some(bounds) => views.iter().any(|view| {
-                    view.frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside
-                }),
-                None => true,
-            };
-            is_in(&state.bounds) || is_in(&state.shown_bounds)
-        })
-    }
-
-    /// Notes that the frame that [`FramePasses::upload_changes`] recorded for is on its way.
-    pub(crate) fn submitted(&mut self) {
-        self.target.submitted();
-        self.geometry.submitted();
-        if let Some(deformers) = &mut self.deformers {
-            deformers.submitted();
-        }
-    }
-}
 
 impl Renderer {
     /// Gives a mesh that changes its form a pose: the next frame shows it, frames on their way do not.
@@ -141,7 +89,9 @@ impl Renderer {
         geometry.reshape(mesh, bounds);
         self.edition.advance();
         if let Some(id) = id {
-            self.passes.reshape_blended(id, bounds, in_world)?;
+            self.passes.change_blended(id, |object| {
+                (object.own_bounds, object.bounds) = (bounds, in_world);
+            })?;
         } else if let Some(object) = object {
             scratch.moves.push((object, in_world));
             scratch.changed.push(object);

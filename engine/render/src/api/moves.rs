@@ -1,13 +1,11 @@
-//! Lights that move or change between frames.
+//! Lights and blended objects that move or change between frames.
 
-use cull::Hierarchy;
-use occlusion::LeafTable;
-use scene::{LightId, LightKind, PunctualLight};
+use glam::Affine3A;
+use scene::{BlendedId, LightId, LightKind, PunctualLight};
 
 use crate::error::Error;
-use crate::geometry::Geometry;
+use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
-use crate::surfaces::SurfaceResources;
 
 impl Renderer {
     /// Replaces a light of a scene with surfaces: it moved, or shines otherwise. The next frame shows it.
@@ -33,17 +31,21 @@ impl Renderer {
     }
 }
 
-impl Geometry {
-    /// Finds the lights again of who is around a light that changed since the last frame.
-    pub(crate) fn relight(&mut self, hierarchy: &Hierarchy, leaves: &mut LeafTable) {
-        let objects = self.surfaces.as_mut().map(SurfaceResources::relight).unwrap_or_default();
-        for object in objects {
-            if self.find_lights(hierarchy, object)
-                && let Some(leaf) = hierarchy.leaf_of(object)
-            {
-                leaves.mark(leaf, self.draw_of(object));
-            }
-        }
+impl Renderer {
+    /// Moves a blended object. The next frame shows it.
+    ///
+    /// # Errors
+    /// [`Error::Blended`]: the scene has no such object, or it cannot be there. Nothing has changed then.
+    pub fn move_blended(&mut self, blended: BlendedId, transform: Affine3A) -> Result<(), Error> {
+        let refuse = |reason| Error::Blended { blended, reason };
+        let object = self.passes.blended.as_ref().and_then(|it| it.get(blended));
+        let object = object.ok_or(refuse("the scene has no such blended object"))?;
+        let bounds = bounds_in_world(&object.own_bounds, &transform);
+        let bounds = bounds
+            .ok_or(refuse("its transform takes it nowhere: check it for infinities and NaN"))?;
+        self.passes.change_blended(blended, |object| {
+            (object.object.transform, object.bounds) = (transform, bounds);
+        })
     }
 }
 

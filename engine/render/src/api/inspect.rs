@@ -1,0 +1,25 @@
+//! What can be asked of a renderer besides pictures.
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::sample_counts::{COUNTING, check_counts};
+use crate::scene_degradations::SceneDegradations;
+
+impl Renderer {
+    /// What of the scene is shown otherwise than the scene says; of what stands still it is known from the
+    /// beginning.
+    pub fn degradations(&self) -> SceneDegradations {
+        let surfaces = self.passes.geometry.surfaces.as_ref();
+        surfaces.map(|surfaces| surfaces.degradations()).unwrap_or_default()
+    }
+}
+
+impl Renderer {
+    /// Whether the device counts samples, for [`ViewState::watch`].
+    ///
+    /// # Errors
+    /// [`gpu::Error::Unsupported`], with the name of what is missing.
+    pub fn supports_counts(&self) -> Result<(), Error> {
+        check_counts(&self.device, COUNTING)
+    }
+}

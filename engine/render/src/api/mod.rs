@@ -1,0 +1,14 @@
+//! The renderer's calls, a file per concern; nothing below imports them.
+
+mod adjust;
+mod detail;
+mod inspect;
+mod moves;
+mod overlay;
+mod pick;
+mod poses;
+mod present;
+mod render;
+mod snapshot;
+mod update;
+mod visible_set;

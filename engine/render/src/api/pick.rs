@@ -1,0 +1,118 @@
+//! Finds out which object owns a pixel, without a wait: a frame of that one pixel is drawn, and read when it is
+//! over.
+
+use cull::{Camera, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View};
+use gpu::{Optional, Tick};
+
+use crate::error::Error;
+use crate::passes::OverlayPass;
+use crate::pick::Pick;
+use crate::renderer::Renderer;
+use crate::view_state::ViewState;
+
+impl Renderer {
+    /// Begins to find out which object of the scene, as it was drawn last, owns the pixel at `pixel` (from
+    /// the upper left) of a picture seen from `camera`. All objects count, whether culling left them
+    /// out or not; blended ones do not. Submits a frame of one pixel, which draws all objects whose boxes lie
+    /// along its ray: only their triangles tell how far it goes. Present the picture before or after the next.
+    ///
+    /// On a device whose fragment shaders cannot write to buffers, the nearest box answers.
+    ///
+    /// # Errors
+    /// No memory; a failed call.
+    pub fn pick(&mut self, camera: &Camera, pixel: [u32; 2]) -> Result<Pick, Error> {
+        let view = self.view_of(camera);
+        let ray = ray_through(&view, pixel);
+        let objects = self.hierarchy.leaf_objects();
+        let met = self.hierarchy.leaves_along(view.eye, ray).into_iter();
+        let met = met.filter_map(|(_, leaf)| Some((leaf, *objects.get(leaf.0 as usize)?)));
+        let candidates: Vec<(LeafIndex, ObjectId)> = met.collect();
+        let can_ask = self.device.capabilities().has(Optional::FragmentStores);
+        let tick = match can_ask && !candidates.is_empty() {
+            true => Some(self.submit_pick(camera, &view, ray, &candidates)?),
+            false => None,
+        };
+        Ok(Pick { tick, candidates, renderer: self.id })
+    }
+
+    fn submit_pick(
+        &mut self,
+        camera: &Camera,
+        view: &View,
+        ray: glam::Vec3,
+        candidates: &[(LeafIndex, ObjectId)],
+    ) -> Result<Tick, Error> {
+        let pixel_height = 2.0 * view.tan_half[1] / self.size()[1] as f32;
+        let fov_y = 2.0 * (0.5 * pixel_height / ray.length_squared()).atan();
+        let along = Camera { forward: ray.normalize_or(view.forward), fov_y, ..*camera };
+        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
+        let one_pixel = View::new(&along, [1, 1], bits);
+        let leaves: Vec<LeafIndex> = candidates.iter().map(|(leaf, _)| *leaf).collect();
+        self.submit_seen(&one_pixel, &leaves)
+    }
+
+    /// Returns the object that was found; `Some(None)` if there is none, `None` while that is not known:
+    /// for ever if a newer pick, or [`Renderer::visible_set`], took its place before.
+    ///
+    /// # Errors
+    /// A pick of another renderer; a lost device.
+    pub fn picked(&self, pick: &Pick) -> Result<Option<Option<ObjectId>>, Error> {
+        self.check_renderer(pick.renderer, "a pick (`Pick`)")?;
+        let first = pick.candidates.first().map(|(_, object)| *object);
+        let (Some(tick), Some(seen)) = (pick.tick, &self.seen_leaves) else {
+            return Ok(Some(first));
+        };
+        if !seen.is_newest(tick) || self.device.completed()? < tick {
+            return Ok(None);
+        }
+        let mut candidates = pick.candidates.iter();
+        let owner = candidates.find(|(leaf, _)| seen.is_seen(*leaf));
+        Ok(Some(owner.map(|(_, object)| *object)))
+    }
+
+    /// Explains why an object was drawn in the newest frame of `history`, seen from `view`, or was not,
+    /// and what the newest answers say of it, with the frame that asked. `None` if there is no such
+    /// object, or the view is of another renderer.
+    pub fn explain_object(
+        &self,
+        history: &ViewState,
+        view: &View,
+        object: ObjectId,
+    ) -> Option<(LeafExplanation, Option<(FrameId, Outcome)>)> {
+        self.check_view(history).ok()?;
+        let plan = history.plan();
+        let explained = history.visibility.culler().explain(&self.hierarchy, view, plan, object)?;
+        let answers = history.visibility.newest_answers();
+        let outcome =
+            explained.outcome(&self.hierarchy, answers, |answer| history.visibility.shows(answer));
+        Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
+    }
+
+    /// Returns how many triangles an object has, in the form in which it is drawn; 0 of a foreign one.
+    pub fn triangles_of(&self, object: ObjectId) -> u64 {
+        let leaf = self.hierarchy.leaf_of(object);
+        leaf.map_or(0, |first| self.executor.leaves.count(LeafRange { first, count: 1 }).triangles)
+    }
+
+    /// Outlines the box of an object in every picture from now on, seen through everything; of several
+    /// views, in the first.
+    ///
+    /// # Errors
+    /// A shader that does not compile, a failed call.
+    pub fn outline(&mut self, object: Option<ObjectId>) -> Result<(), Error> {
+        if self.birds_eye.is_none() {
+            self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
+        }
+        self.outlined = object;
+        Ok(())
+    }
+}
+
+/// Returns the direction from the eye through the middle of a pixel, as long as it goes one unit forward.
+fn ray_through(view: &View, pixel: [u32; 2]) -> glam::Vec3 {
+    let side = |axis: usize| {
+        let middle = (pixel[axis] as f32 + 0.5) / view.size[axis].max(1) as f32;
+        (2.0 * middle - 1.0) * view.tan_half[axis]
+    };
+    view.forward + view.right * side(0) - view.up * side(1)
+}

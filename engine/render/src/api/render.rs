@@ -1,0 +1,266 @@
+//! Frames: one or several views of a scene, drawn and submitted together.
+
+use std::time::{Duration, Instant};
+
+use cull::{Aabb, Camera, Hierarchy, Strategy, View};
+use gpu::{Frame, PassTime, Readback};
+use occlusion::{Area, FrameTimes, MethodRequest, MethodScene, PlanExecutor};
+
+use crate::debug_overlay::DebugRenderer;
+use crate::error::Error;
+use crate::flat_overlay::FlatOverlay;
+use crate::frame_passes::FramePasses;
+use crate::outline::record_outline;
+use crate::passes::{CountPass, OverlayPass};
+use crate::renderer::Renderer;
+use crate::sample_counts::count_samples;
+use crate::view_state::{RendererId, ViewState};
+use crate::views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest, finish_picture, view_in};
+use crate::visible_set::{VISIBLE_SET, VisibleSet};
+
+impl Renderer {
+    /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
+    /// and for nothing else, unless the strategy is a dialogue ([`Strategy::is_dialogue`]).
+    ///
+    /// # Errors
+    /// As [`Renderer::render_views`].
+    pub fn render(
+        &mut self,
+        history: &mut ViewState,
+        request: &FrameRequest<'_>,
+    ) -> Result<FrameReport, Error> {
+        let area = Area::whole(self.size());
+        let FrameRequest { strategy, camera, visible, picture, scene_picture, after } = *request;
+        let eye = ViewTarget { history, camera, visible, area };
+        let request = ViewsRequest { strategy, picture, after };
+        self.render_eyes(&mut [eye], &request, scene_picture)
+    }
+
+    /// Renders one frame of several views, one after the other, and submits them together. Waits for
+    /// the frame that used this slot N frames ago, and for nothing else.
+    ///
+    /// # Errors
+    /// [`Error::NoView`] where there is no eye: such a frame would leave its picture as it is. A
+    /// strategy that the device has not what it takes for; an area that is not in the picture; a
+    /// picture of another size; a view or visible set of another renderer, a picture or timeline of
+    /// another device; [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a
+    /// frame that takes too long.
+    pub fn render_views(
+        &mut self,
+        eyes: &mut [ViewTarget<'_>],
+        request: &ViewsRequest<'_>,
+    ) -> Result<FrameReport, Error> {
+        self.render_eyes(eyes, request, None)
+    }
+
+    /// Renders the same, and copies what the scene alone shows to `scene_picture`.
+    pub(crate) fn render_eyes(
+        &mut self,
+        eyes: &mut [ViewTarget<'_>],
+        request: &ViewsRequest<'_>,
+        scene_picture: Option<&Readback>,
+    ) -> Result<FrameReport, Error> {
+        let method = self.check_frame(eyes, request, scene_picture)?;
+        let began = Instant::now();
+        self.prepare(method, eyes)?;
+        let is_timed = self.is_timed(request.strategy, eyes);
+        let outlined = self.outlined_bounds();
+        let Self { device, frames, hierarchy, passes, executor, methods, shaders, .. } = self;
+
+        let mut frame = frames.begin()?;
+        note_times(&frame, &mut self.pass_times, &mut self.frame_times);
+        let views: Vec<View> = eyes.iter().map(|eye| eye.view(device)).collect();
+        // An explanation may draw the scene as seen from elsewhere.
+        let seen = Some(views.as_slice()).filter(|_| self.explainer.is_none());
+        let skinned = passes.upload_changes(&mut frame, hierarchy, executor, seen)?;
+        if is_timed {
+            frame.begin_timing();
+        }
+        let mut report = FrameReport::of(skinned);
+        for (ViewTarget { history, visible, .. }, view) in eyes.iter_mut().zip(&views) {
+            history.collect(device.completed()?, hierarchy, &executor.leaves);
+            report.blended +=
+                passes.gather_blended(&mut frame, executor, view, request.strategy)?;
+            let wanted = MethodRequest {
+                strategy: request.strategy,
+                view,
+                visible: visible.map_or(&[], VisibleSet::leaves),
+                query_budget: self.query_budget,
+                after: request.after,
+            };
+            let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
+            let ViewState { counts, visibility, .. } = &mut **history;
+            let stats = methods[method].record(&mut frame, visibility, &mut scene, &wanted)?;
+            report.tests += stats.tests;
+            report.queries += stats.queries;
+            let scene = (&*executor, &*hierarchy);
+            count_samples(passes, &mut frame, scene, (counts, visibility), view)?;
+        }
+        finish_picture(&mut frame, &mut passes.target, None, scene_picture)?;
+        let overlays = Overlays {
+            explainer: self.explainer.as_ref(),
+            outline: outlined.zip(self.birds_eye.as_ref()),
+            flat: self.flat_overlay.as_mut(),
+        };
+        let scene = (&mut *passes, &*executor, &*hierarchy);
+        report.overlay_cpu = overlays.record(&mut frame, scene, eyes.first(), request.picture)?;
+
+        let waited = frame.waited();
+        report.waits = frame.waits();
+        report.tick = frame.submit(request.after)?;
+        self.submitted();
+        self.note_submitted(eyes, is_timed, &mut report);
+        report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
+        Ok(report)
+    }
+
+    /// Refuses what cannot be drawn. Returns the number of the method that draws it.
+    fn check_frame(
+        &self,
+        eyes: &mut [ViewTarget<'_>],
+        request: &ViewsRequest<'_>,
+        scene_picture: Option<&Readback>,
+    ) -> Result<usize, Error> {
+        if eyes.is_empty() {
+            return Err(Error::NoView);
+        }
+        let method = self.method(request.strategy)?;
+        for eye in eyes.iter_mut() {
+            self.check_view(eye.history)?;
+            self.check_area(eye.area)?;
+            self.check_visible(request.strategy, eye.visible)?;
+            let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
+            eye.history.set_frames_in_flight(slots, &self.hierarchy, leaves)?;
+        }
+        for picture in request.picture.into_iter().chain(scene_picture) {
+            self.check_picture(picture)?;
+        }
+        if let Some((timeline, _)) = request.after {
+            self.device.check(timeline, "a renderer (`Renderer`)")?;
+        }
+        Ok(method)
+    }
+
+    /// Returns true if cost models learn from what the next frame takes. What explanations draw beside a
+    /// plan says nothing about prices.
+    fn is_timed(&self, strategy: Strategy, eyes: &[ViewTarget<'_>]) -> bool {
+        let has_turn = |eye: &ViewTarget<'_>| {
+            occlusion::is_timed_after(eye.history.visibility.culler().frame())
+        };
+        strategy.is_governed()
+            && self.learns
+            && self.explainer.is_none()
+            && eyes.iter().all(|eye| eye.history.visibility.has_cost_model())
+            && eyes.iter().any(has_turn)
+    }
+
+    /// Notes in the views that their frame is on its way, and in the report what they planned.
+    fn note_submitted(
+        &mut self,
+        eyes: &mut [ViewTarget<'_>],
+        is_timed: bool,
+        report: &mut FrameReport,
+    ) {
+        let timed_views = is_timed.then_some(eyes.len());
+        for ViewTarget { history, .. } in eyes.iter_mut() {
+            history.submitted(report.tick, &self.executor.leaves, timed_views);
+            report.add(history);
+        }
+        // What they learn is for the next frame.
+        self.frame_times.teach(eyes);
+    }
+
+    /// Refuses a set of another renderer, and an ideal frame without one of the scene as it is now.
+    fn check_visible(&self, strategy: Strategy, visible: Option<&VisibleSet>) -> Result<(), Error> {
+        visible.map_or(Ok(()), |visible| self.check_renderer(visible.renderer(), VISIBLE_SET))?;
+        match visible {
+            _ if strategy != Strategy::Ideal => Ok(()),
+            None => Err(Error::NoVisibleSet),
+            Some(visible) if !visible.is_of(self.edition) => Err(Error::OldVisibleSet),
+            Some(_) => Ok(()),
+        }
+    }
+
+    /// Makes what only some methods and frames need, for the first frame that does.
+    fn prepare(&mut self, method: usize, eyes: &[ViewTarget<'_>]) -> Result<(), Error> {
+        let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
+        let is_watching = |eye: &ViewTarget<'_>| eye.history.counts.is_watching();
+        if passes.counts.is_none() && eyes.iter().any(is_watching) {
+            passes.counts = Some(CountPass::new(device, shaders)?);
+        }
+        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
+        Ok(methods[method].prepare(&mut scene)?)
+    }
+
+    /// The view of `camera` in a part of this renderer's picture.
+    pub fn view_in(&self, camera: &Camera, area: Area) -> View {
+        view_in(&self.device, camera, area)
+    }
+
+    /// Refuses a view of another renderer.
+    pub(crate) fn check_view(&self, history: &ViewState) -> Result<(), Error> {
+        self.check_renderer(history.renderer, "a view (`ViewState`)")
+    }
+
+    /// Refuses what another renderer made.
+    pub(crate) fn check_renderer(
+        &self,
+        maker: RendererId,
+        thing: &'static str,
+    ) -> Result<(), Error> {
+        if maker == self.id { Ok(()) } else { Err(Error::ForeignRenderer { thing }) }
+    }
+
+    /// Refuses a picture of another device or size.
+    pub(crate) fn check_picture(&self, picture: &Readback) -> Result<(), Error> {
+        self.device.check(picture, "a renderer (`Renderer`)")?;
+        let (wanted, drawn) = (picture.size(), self.size());
+        if wanted == drawn { Ok(()) } else { Err(Error::PictureSize { wanted, drawn }) }
+    }
+
+    pub(crate) fn check_area(&self, area: Area) -> Result<(), Error> {
+        let picture = self.size();
+        if area.fits(picture) { Ok(()) } else { Err(Error::Area { area, picture }) }
+    }
+}
+
+/// What lies over the scene.
+struct Overlays<'a> {
+    explainer: Option<&'a DebugRenderer>,
+    outline: Option<(Aabb, &'a OverlayPass)>,
+    flat: Option<&'a mut FlatOverlay>,
+}
+
+impl Overlays<'_> {
+    /// Draws it over the first view, and copies the picture for who wants it. Returns the CPU's time.
+    fn record(
+        self,
+        frame: &mut Frame<'_>,
+        (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
+        eye: Option<&ViewTarget<'_>>,
+        picture: Option<&Readback>,
+    ) -> Result<Duration, Error> {
+        let began = Instant::now();
+        if let Some(eye) = eye {
+            let view = eye.view(&passes.device);
+            if let Some(explainer) = self.explainer {
+                let scene = (&mut *passes, executor, hierarchy);
+                explainer.record(frame, scene, (eye.history, &view))?;
+            }
+            if let Some((bounds, overlay)) = self.outline {
+                record_outline(frame, passes, overlay, (bounds, &view))?;
+            }
+        }
+        finish_picture(frame, &mut passes.target, self.flat, picture)?;
+        Ok(began.elapsed())
+    }
+}
+
+/// Takes the times of frames that are over, as they are known when a slot is used again.
+fn note_times(frame: &Frame<'_>, passes: &mut Vec<PassTime>, frames: &mut FrameTimes) {
+    passes.clear();
+    passes.extend_from_slice(frame.pass_times());
+    if let Some(time) = frame.last_time() {
+        frames.take(time);
+    }
+}

@@ -1,0 +1,160 @@
+//! Frozen frames: taken, and drawn from elsewhere.
+
+use cull::{Answer, Camera, LeafRange, QueryKind, Strategy, View};
+use gpu::{Readback, Tick};
+
+use crate::birds_eye::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
+use crate::error::Error;
+use crate::outline::record_outline;
+use crate::passes::OverlayPass;
+use crate::renderer::Renderer;
+use crate::view_state::ViewState;
+use crate::views::finish_picture;
+use crate::visibility_snapshot::VisibilitySnapshot;
+
+/// What is behind all: nothing, as in a drawing, or the scene's sky, as in its other pictures.
+enum Backdrop {
+    Dark,
+    Sky,
+}
+
+impl Renderer {
+    /// Freezes the newest frame of `history`, which was seen from `view`. Waits for it.
+    ///
+    /// # Errors
+    /// A view of another renderer, a lost device, or a frame that takes too long.
+    pub fn snapshot(
+        &mut self,
+        history: &mut ViewState,
+        view: View,
+    ) -> Result<VisibilitySnapshot, Error> {
+        self.drain(history)?;
+        let plan = history.plan();
+        let one = |first| LeafRange { first, count: 1 };
+        let taken = plan.draws.iter().copied().map(one);
+        let queried = plan.queried_draws.iter().map(|(leaf, _)| one(*leaf));
+        let mut snapshot = VisibilitySnapshot {
+            frame: plan.frame,
+            view,
+            drawn: taken.chain(queried).collect(),
+            hidden: Vec::new(),
+            renderer: self.id,
+        };
+        let mut showed = Vec::new();
+        let of_frame =
+            |answer: &&Answer| history.visibility.shows(answer) && answer.tag.frame == plan.frame;
+        for answer in history.visibility.newest_answers().iter().filter(of_frame) {
+            let node = answer.tag.node;
+            match answer.tag.kind {
+                QueryKind::Proxy | QueryKind::Part => {
+                    snapshot.drawn.push(self.hierarchy.leaves(node));
+                    showed.push(node);
+                }
+                QueryKind::Parts => showed.push(node),
+                QueryKind::Probe | QueryKind::OwnBox | QueryKind::OwnDraw => {}
+            }
+        }
+        showed.sort_unstable();
+        let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
+        for test in tests.filter(|test| showed.binary_search(&test.tag.node).is_err()) {
+            snapshot.hidden.push((self.hierarchy.bounds(test.tag.node), test.level));
+        }
+        Ok(snapshot)
+    }
+}
+
+impl Renderer {
+    /// Draws `moment` from above into `picture` and waits for it: what was drawn in its own
+    /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
+    ///
+    /// # Errors
+    /// A moment of another renderer, a picture of another device or size, no memory, a shader that does
+    /// not compile, a failed call.
+    pub fn birds_eye(
+        &mut self,
+        snapshot: &VisibilitySnapshot,
+        picture: &Readback,
+    ) -> Result<(), Error> {
+        let camera = self.above(snapshot);
+        self.draw_snapshot(snapshot, camera, Some(picture), Backdrop::Dark)?;
+        Ok(self.device.drain()?)
+    }
+
+    /// Draws `moment` as it looks to another eye, and goes on: the culling stands still, the camera does
+    /// not. Beside what was drawn, the hidden frontier nodes and the frustum, as
+    /// [`Renderer::birds_eye`] has them; of what [`Renderer::explain`] shows, the wires and the view from
+    /// above.
+    ///
+    /// # Errors
+    /// A moment of another renderer, a picture of another device or size, no memory, a failed call.
+    pub fn render_snapshot(
+        &mut self,
+        snapshot: &VisibilitySnapshot,
+        camera: Camera,
+        picture: Option<&Readback>,
+    ) -> Result<Tick, Error> {
+        self.draw_snapshot(snapshot, camera, picture, Backdrop::Sky)
+    }
+
+    fn draw_snapshot(
+        &mut self,
+        snapshot: &VisibilitySnapshot,
+        camera: Camera,
+        picture: Option<&Readback>,
+        backdrop: Backdrop,
+    ) -> Result<Tick, Error> {
+        self.check_renderer(snapshot.renderer, "a moment (`VisibilitySnapshot`)")?;
+        picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
+        if self.birds_eye.is_none() {
+            self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
+        }
+        let view = self.view_of(&camera);
+        let sketch = Sketch::of(snapshot, self.reach(snapshot));
+        let outlined = match backdrop {
+            Backdrop::Dark => None,
+            Backdrop::Sky => self.outlined_bounds(),
+        };
+        let Self { frames, passes, executor, hierarchy, birds_eye, flat_overlay, .. } = self;
+        let (clear, explainer) = match backdrop {
+            Backdrop::Dark => (BACKGROUND, None),
+            Backdrop::Sky => (passes.sky(), self.explainer.as_ref()),
+        };
+        let mut frame = frames.begin()?;
+        passes.upload_changes(&mut frame, hierarchy, executor, None)?;
+        passes.gather_blended(&mut frame, executor, &view, Strategy::Frustum)?;
+        let draws = snapshot.upload(&mut frame, &executor.leaves)?;
+        let io = sketch.upload(&mut frame)?;
+        let commands = frame.commands();
+        passes.target.prepare(commands);
+        commands.pass(VIEW_FROM_ABOVE, |commands| {
+            let from = passes.picture_target(&view, clear);
+            commands.rendering(from, |commands| {
+                passes.draw_all(executor, commands, &view, draws, clear);
+                passes.draw_blended(executor, commands, &view);
+                if let Some(overlay) = birds_eye {
+                    overlay.record(commands, &io, &view);
+                }
+            });
+        });
+        if let Some(explainer) = explainer {
+            let scene = (&mut *passes, &*executor, &*hierarchy);
+            explainer.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
+        }
+        if let (Some(bounds), Some(overlay)) = (outlined, birds_eye.as_ref()) {
+            record_outline(&mut frame, passes, overlay, (bounds, &view))?;
+        }
+        finish_picture(&mut frame, &mut passes.target, flat_overlay.as_mut(), picture)?;
+        let tick = frame.submit(None)?;
+        self.submitted();
+        Ok(tick)
+    }
+
+    /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
+    fn reach(&self, snapshot: &VisibilitySnapshot) -> f32 {
+        reach(&self.hierarchy, snapshot)
+    }
+
+    fn above(&self, snapshot: &VisibilitySnapshot) -> Camera {
+        above(snapshot, self.reach(snapshot))
+    }
+}

@@ -1,0 +1,252 @@
+//! Changes of the scene between frames: applied to the hierarchy at once, and to what the GPU reads at the start
+//! of the next frame, in its order. Nobody waits.
+
+use std::collections::HashSet;
+use std::time::Instant;
+
+use cull::{Aabb, HierarchyError, HierarchyWork, LeafRange, ObjectId};
+use glam::Affine3A;
+use scene::{BlendedMove, LightMove, MeshId, Object, ObjectChange, SceneUpdate};
+
+use crate::error::Error;
+use crate::renderer::Renderer;
+use crate::update::{UpdateReport, UpdateScratch};
+
+impl Renderer {
+    /// Applies everything that changes between two frames: objects first, with [`Renderer::update`], then
+    /// poses, blended objects and lights. The next frame shows it.
+    ///
+    /// # Errors
+    /// The first change that cannot be made. Those before it are made.
+    pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
+        let (began, before) = (Instant::now(), self.hierarchy.work());
+        let added = match update.objects.as_slice() {
+            [] => Vec::new(),
+            objects => self.update(objects)?.added,
+        };
+        let poses = self.take_poses(update)?;
+        for BlendedMove { blended, transform } in &update.blended {
+            self.move_blended(*blended, *transform)?;
+        }
+        for LightMove { light, to } in &update.lights {
+            self.set_light(*light, *to)?;
+        }
+        let report = self.report_since(before);
+        Ok(UpdateReport { added, poses, cpu: began.elapsed(), ..report })
+    }
+
+    /// Applies `changes` in their order: all of them, or none if one cannot be made. The next frame
+    /// shows them; frames on their way do not. The cost is that of the changes, not of the scene:
+    /// ancestors of what moved are refitted, leaves that changed are written by the GPU itself.
+    ///
+    /// Changes are about objects that were there before. An id that a change frees may be given to
+    /// a later one's object at once; to move or remove that one is for the next update, when its
+    /// id is known.
+    ///
+    /// # Errors
+    /// [`Error::Change`] for the first change that cannot be made; then nothing has changed.
+    pub fn update(&mut self, changes: &[ObjectChange]) -> Result<UpdateReport, Error> {
+        let began = Instant::now();
+        let mut scratch = std::mem::take(&mut self.update_scratch);
+        let outcome = self.check_changes(changes, &mut scratch);
+        let outcome = outcome.and_then(|()| self.make_changes(changes, &mut scratch));
+        self.update_scratch = scratch;
+        Ok(UpdateReport { cpu: began.elapsed(), ..outcome? })
+    }
+
+    /// Finds the first change that cannot be made after those before it, and the boxes of them all.
+    fn check_changes(
+        &self,
+        changes: &[ObjectChange],
+        scratch: &mut UpdateScratch,
+    ) -> Result<(), Error> {
+        let UpdateScratch { bounds, gone, taken, .. } = scratch;
+        bounds.clear();
+        gone.clear();
+        taken.clear();
+        let mut free_leaves = self.hierarchy.free_leaves();
+        for (index, change) in changes.iter().enumerate() {
+            let found = match change {
+                ObjectChange::Move { object, transform } => self
+                    .check_there(*object, gone)
+                    .and_then(|()| self.bounds_of_moved(*object, transform)),
+                ObjectChange::Remove { object } => self.check_there(*object, gone).map(|()| {
+                    gone.insert(*object);
+                    free_leaves += 1;
+                    Aabb::EMPTY
+                }),
+                ObjectChange::Add { object } => {
+                    let found = self
+                        .check_alone(object, gone, taken)
+                        .and_then(|()| self.bounds_of_added(object));
+                    found.and_then(|found| match free_leaves.checked_sub(1) {
+                        Some(left) => {
+                            free_leaves = left;
+                            Ok(found)
+                        }
+                        None => Err(format!(
+                            "{}, which in a renderer is `RendererOptions::spare_objects`",
+                            HierarchyError::NoFreeLeaf
+                        )),
+                    })
+                }
+            };
+            bounds.push(found.map_err(|reason| Error::Change { index, reason })?);
+        }
+        Ok(())
+    }
+
+    /// Refuses an object that was not there before the update, or is gone in it.
+    fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), String> {
+        if self.hierarchy.contains(object) && !gone.contains(&object) {
+            return Ok(());
+        }
+        Err(HierarchyError::UnknownObject { object }.to_string())
+    }
+
+    fn bounds_of_moved(&self, object: ObjectId, transform: &Affine3A) -> Result<Aabb, String> {
+        const NOWHERE: &str = "its transform takes it nowhere: check it for infinities and NaN";
+        let bounds = self.passes.geometry.bounds_at(object, transform);
+        bounds.ok_or_else(|| NOWHERE.to_owned())
+    }
+
+    /// Refuses a second object of a mesh that changes its form: the box of one would not hold the other.
+    fn check_alone(
+        &self,
+        object: &Object,
+        gone: &HashSet<ObjectId>,
+        taken: &mut HashSet<MeshId>,
+    ) -> Result<(), String> {
+        const TAKEN: &str =
+            "its mesh changes its form and another object has it: remove that first";
+        let geometry = &self.passes.geometry;
+        if !geometry.is_deformed(object.mesh) {
+            return Ok(());
+        }
+        let is_there = geometry.owner(object.mesh).is_some_and(|owner| !gone.contains(&owner));
+        if is_there || !taken.insert(object.mesh) { Err(TAKEN.to_owned()) } else { Ok(()) }
+    }
+
+    fn bounds_of_added(&self, object: &Object) -> Result<Aabb, String> {
+        const NONE: &str = "the scene has no such mesh, or its transform is no number";
+        let bounds = self.passes.geometry.bounds_of(object.mesh.0, &object.transform);
+        bounds.ok_or_else(|| NONE.to_owned())
+    }
+
+    /// Makes changes that were checked.
+    fn make_changes(
+        &mut self,
+        changes: &[ObjectChange],
+        scratch: &mut UpdateScratch,
+    ) -> Result<UpdateReport, Error> {
+        if !changes.is_empty() {
+            self.edition.advance();
+        }
+        let before = self.hierarchy.work();
+        let mut added = Vec::new();
+        let bounds = std::mem::take(&mut scratch.bounds);
+        for (change, bounds) in changes.iter().zip(&bounds) {
+            added.extend(self.make(change, *bounds, scratch)?);
+        }
+        scratch.bounds = bounds;
+        self.settle(scratch)?;
+        Ok(UpdateReport { added, ..self.report_since(before) })
+    }
+
+    /// Brings the hierarchy to what was changed, and marks the leaves that are others than before.
+    pub(crate) fn settle(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
+        self.move_all(scratch)?;
+        self.hierarchy.restructure(&mut scratch.reordered);
+        self.mark(scratch);
+        Ok(())
+    }
+
+    /// Returns what was done to the hierarchy after `before`, and what is left for the next frame.
+    fn report_since(&self, before: HierarchyWork) -> UpdateReport {
+        let work = self.hierarchy.work();
+        UpdateReport {
+            refitted_nodes: work.refitted_nodes - before.refitted_nodes,
+            rebuilt_leaves: work.rebuilt_leaves - before.rebuilt_leaves,
+            stale_leaves: self.executor.leaves.stale().len(),
+            is_worn: self.hierarchy.is_worn(),
+            ..UpdateReport::default()
+        }
+    }
+
+    /// Builds the hierarchy anew over the objects as they are now, for large scenes whose
+    /// [update](Renderer::update) says that it is worn. The CPU's work is that of loading the scene;
+    /// the GPU is not waited for. Views keep what they know of objects.
+    ///
+    /// # Errors
+    /// None for objects that were accepted before.
+    pub fn rebuild_hierarchy(&mut self) -> Result<(), Error> {
+        let boxes: Vec<Aabb> = (0..self.hierarchy.leaf_objects().len() as u32)
+            .map(|object| {
+                let node = self.hierarchy.node_of(ObjectId(object));
+                node.map_or(Aabb::EMPTY, |node| self.hierarchy.bounds(node))
+            })
+            .collect();
+        self.hierarchy.rebuild(&boxes)?;
+        self.edition.advance();
+        let mut scratch = std::mem::take(&mut self.update_scratch);
+        scratch.reordered.extend(self.hierarchy.root().map(|root| self.hierarchy.leaves(root)));
+        self.mark(&mut scratch);
+        self.update_scratch = scratch;
+        Ok(())
+    }
+
+    /// Makes one change; answers the id of what was added.
+    fn make(
+        &mut self,
+        change: &ObjectChange,
+        bounds: Aabb,
+        scratch: &mut UpdateScratch,
+    ) -> Result<Option<ObjectId>, HierarchyError> {
+        match change {
+            ObjectChange::Move { object, transform } => {
+                self.passes.geometry.place(*object, transform);
+                scratch.moves.push((*object, bounds));
+                scratch.changed.push(*object);
+                Ok(None)
+            }
+            ObjectChange::Remove { object } => {
+                self.move_all(scratch)?;
+                self.hierarchy.remove(*object)?;
+                self.passes.geometry.replace(*object, None);
+                scratch.changed.push(*object);
+                Ok(None)
+            }
+            ObjectChange::Add { object } => {
+                self.move_all(scratch)?;
+                let id = self.hierarchy.insert(bounds)?;
+                self.passes.geometry.replace(id, Some(object));
+                scratch.changed.push(id);
+                Ok(Some(id))
+            }
+        }
+    }
+
+    /// Refits the hierarchy to the moves that were collected.
+    fn move_all(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
+        if scratch.moves.is_empty() {
+            return Ok(());
+        }
+        self.hierarchy.refit(scratch.moves.drain(..))
+    }
+
+    /// Marks the leaves of everything that changed, where they are now.
+    fn mark(&mut self, scratch: &mut UpdateScratch) {
+        let (geometry, leaves) = (&mut self.passes.geometry, &mut self.executor.leaves);
+        for object in scratch.changed.drain(..) {
+            geometry.find_lights(&self.hierarchy, object);
+            if let Some(leaf) = self.hierarchy.leaf_of(object) {
+                leaves.mark(leaf, geometry.draw_of(object));
+            }
+        }
+        for leaf in scratch.reordered.drain(..).flat_map(LeafRange::iter) {
+            if let Some(object) = self.hierarchy.leaf_objects().get(leaf.0 as usize) {
+                leaves.mark(leaf, geometry.draw_of(*object));
+            }
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! The outline of an object's box.
+
+use cull::{Aabb, View};
+use gpu::Frame;
+
+use crate::birds_eye::Sketch;
+use crate::error::Error;
+use crate::frame_passes::FramePasses;
+use crate::palette::SELECTED;
+use crate::passes::OverlayPass;
+
+/// The pass that outlines an object.
+pub(crate) const OUTLINE: &str = "outline";
+
+/// Draws the outline of a box over the picture of `view`.
+pub(crate) fn record_outline(
+    frame: &mut Frame<'_>,
+    passes: &mut FramePasses,
+    overlay: &OverlayPass,
+    (bounds, view): (Aabb, &View),
+) -> Result<(), Error> {
+    let io = Sketch::through(std::iter::once((bounds, SELECTED))).upload(frame)?;
+    passes.target.prepare(frame.commands());
+    frame.commands().pass(OUTLINE, |commands| {
+        commands.rendering(passes.target_of(view, None), |commands| {
+            overlay.record(commands, &io, view);
+        });
+    });
+    Ok(())
+}
