@@ -84,6 +84,7 @@ impl Method for BlockingMethod {
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
+        state.check(&scene.executor.leaves)?;
         state.begin_unplanned(frame, scene.hierarchy)?;
         let mut kept = state.take_method_state::<BlockingState>().unwrap_or_else(|| {
             let (slots, name) = (state.frames_in_flight(), "dialogue queries");

@@ -195,6 +195,7 @@ impl PyramidFrame {
         view: &View,
     ) -> Result<(), Error> {
         let MethodScene { device, hierarchy, executor, objects, .. } = scene;
+        state.check(&executor.leaves)?;
         state.begin_unplanned(frame, hierarchy)?;
         let mut kept = match state.take_method_state::<PyramidState>() {
             Some(kept) => kept,

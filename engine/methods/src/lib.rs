@@ -3,6 +3,15 @@
 //!
 //! A renderer carries out those that it is given ([`ALL`]). A new method is a file with a type that implements
 //! [`occlusion::Method`], and a line in [`ALL`].
+//!
+//! ```
+//! # use antumbra_methods as methods;
+//! use cull::{DialogueOptions, Strategy};
+//!
+//! let options = DialogueOptions::default();
+//! let mut all = methods::ALL.iter().map(|new| new(&options));
+//! assert!(all.any(|method| method.carries_out(Strategy::Coherent)));
+//! ```
 #![forbid(unsafe_code)]
 
 mod batched;
@@ -28,3 +37,22 @@ pub const ALL: &[MethodConstructor] = &[
     depth_pyramid::method,
     ideal::method,
 ];
+
+#[cfg(test)]
+mod tests {
+    use cull::{DialogueOptions, Strategy};
+    use occlusion::{Method, PlannedMethod};
+
+    use super::*;
+
+    #[test]
+    fn each_strategy_is_carried_out_by_one_method() {
+        let made = ALL.iter().map(|new| new(&DialogueOptions::default()));
+        let mut methods: Vec<Box<dyn Method>> = made.collect();
+        methods.push(Box::new(PlannedMethod));
+        for strategy in Strategy::ALL {
+            let count = methods.iter().filter(|method| method.carries_out(strategy)).count();
+            assert_eq!(count, 1, "{strategy}");
+        }
+    }
+}

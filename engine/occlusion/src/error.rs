@@ -16,6 +16,11 @@ pub enum Error {
         /// The threshold in samples.
         threshold_samples: u32,
     },
+    /// A view and the leaves of another scene.
+    #[error(
+        "this view was made for another scene's leaves: each view goes with the `LeafTable` that it was made for"
+    )]
+    ForeignView,
     /// Shaders were asked for that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"

@@ -18,7 +18,7 @@ use recording::Recording;
 /// Executes the newest plan of `state`, which was made for `view`.
 ///
 /// # Errors
-/// No memory, a failed call.
+/// A view of another scene, no memory, a failed call.
 pub fn execute(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,
@@ -26,6 +26,7 @@ pub fn execute(
     objects: &mut dyn ObjectRenderer,
     (shaders, view): (&ShaderSet, &View),
 ) -> Result<(), Error> {
+    state.check(&executor.leaves)?;
     if executor.passes.compute_test.is_none() && state.layout.tests_by_compute() {
         let size = objects.target().size();
         executor.passes.compute_test = Some(ComputeTest::new(state.device(), shaders, size)?);

@@ -5,6 +5,7 @@ mod changes;
 mod counts;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, Predicates, Predication, vk};
@@ -46,8 +47,21 @@ pub struct LeafTableInfo {
     pub threshold_samples: u32,
 }
 
+/// The table that something was made for: what belongs to one fits no other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct LeafTableId(u64);
+
+impl LeafTableId {
+    /// Returns one that no other table of the process has.
+    fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
 /// The leaves of one scene. What changes is marked; the next frame brings it to the GPU.
 pub struct LeafTable {
+    pub(crate) id: LeafTableId,
     /// One [`ProxyBox`] per leaf, not enlarged.
     boxes: Buffer,
     pub(crate) predicates: Predicates,
@@ -94,6 +108,7 @@ impl LeafTable {
             (0..).zip(&leaf_draws).map(|(leaf, id)| draw_of_leaf(&mesh_draws, *id, leaf)).collect();
         let slots = frames_in_flight;
         Ok(Self {
+            id: LeafTableId::new(),
             boxes: device.upload("leaf boxes", &boxes, vk::BufferUsageFlags::STORAGE_BUFFER)?,
             predicates: Predicates::with_threshold(
                 device,

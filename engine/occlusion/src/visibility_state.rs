@@ -11,7 +11,7 @@ use gpu::{
 };
 
 use crate::error::Error;
-use crate::leaf_table::{LeafCount, LeafTable};
+use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
 use crate::method_state::MethodState;
 use crate::outcomes::{FrameOutcome, Outcomes};
 use crate::sent_frames::SentFrames;
@@ -20,6 +20,8 @@ use crate::test_layout::{PendingTest, TestLayout};
 /// One view of a scene: its culler, its tests on their way, and the plan of its newest frame. Several
 /// views may look at one scene; each has its own history.
 pub struct VisibilityState {
+    /// The table of its scene.
+    table: LeafTableId,
     device: Device,
     culler: Culler,
     rings: Rings,
@@ -91,6 +93,7 @@ impl VisibilityState {
     ) -> Result<Self, Error> {
         culler.neglect(threshold_samples);
         Ok(Self {
+            table: leaves.id,
             device: device.clone(),
             culler,
             rings: Rings::new(device, hierarchy, frames_in_flight, threshold_samples)?,
@@ -113,13 +116,14 @@ impl VisibilityState {
     /// answered then, and the culler tests again.
     ///
     /// # Errors
-    /// A failed call.
+    /// The leaves of another scene, a failed call.
     pub fn set_frames_in_flight(
         &mut self,
         frames_in_flight: usize,
         hierarchy: &Hierarchy,
         leaves: &LeafTable,
     ) -> Result<(), Error> {
+        self.check(leaves)?;
         if self.frames_in_flight == frames_in_flight {
             return Ok(());
         }
@@ -130,6 +134,14 @@ impl VisibilityState {
         self.sent = SentFrames::new(frames_in_flight);
         self.frames_in_flight = frames_in_flight;
         Ok(())
+    }
+
+    /// Refuses the leaves of another scene: the rings have room for those of the view's.
+    ///
+    /// # Errors
+    /// [`Error::ForeignView`].
+    pub fn check(&self, leaves: &LeafTable) -> Result<(), Error> {
+        if self.table == leaves.id { Ok(()) } else { Err(Error::ForeignView) }
     }
 
     /// Returns the device of the view.

@@ -188,6 +188,9 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::CannotCount { strategy, threshold_samples } => {
                 Self::CannotCount { strategy, threshold_samples }
             }
+            occlusion::Error::ForeignView => {
+                Self::ForeignRenderer { thing: "a view (`VisibilityState`)" }
+            }
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }
     }
