@@ -1,6 +1,8 @@
 //! One view of a scene with its own visibility history: its culler, its tests on their way, and the plan
 //! of its newest frame.
 
+use std::any::Any;
+
 use cull::{
     Answer, Corrections, CostModel, Culler, FrameContents, FrameId, FramePlan, Generation,
     Hierarchy, LeafIndex, LeafList, LeafRange, ResultReader, Strategy, View,
@@ -307,12 +309,11 @@ impl VisibilityState {
 
     /// Takes what a method keeps for this view, if it was [put](VisibilityState::put_method_state) there.
     pub fn take_method_state<S: MethodState>(&mut self) -> Option<Box<S>> {
-        let is_it = |state: &Box<dyn MethodState>| {
-            let state: &dyn std::any::Any = &**state;
+        let place = self.method_states.iter().position(|state| {
+            let state: &dyn Any = &**state;
             state.is::<S>()
-        };
-        let place = self.method_states.iter().position(is_it)?;
-        let state: Box<dyn std::any::Any> = self.method_states.swap_remove(place);
+        })?;
+        let state: Box<dyn Any> = self.method_states.swap_remove(place);
         state.downcast().ok()
     }
 
