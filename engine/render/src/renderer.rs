@@ -126,6 +126,8 @@ pub struct Renderer {
     pub(crate) methods: Vec<Box<dyn Method>>,
     pub(crate) edition: SceneRevision,
     pub(crate) update_scratch: UpdateScratch,
+    /// Those of the newest frame, kept to allocate nothing.
+    pub(crate) views: Vec<View>,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
     /// Whether governors are told what frames take.
@@ -232,6 +234,7 @@ impl Renderer {
             methods: methods_of(options),
             edition: SceneRevision::first(id),
             update_scratch: UpdateScratch::default(),
+            views: Vec::new(),
             pass_times: Vec::new(),
             frame_times: FrameTimes::default(),
             learns,

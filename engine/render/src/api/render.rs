@@ -65,11 +65,11 @@ impl Renderer {
         self.prepare(method, eyes)?;
         let is_timed = self.is_timed(request.strategy, eyes);
         let outlined = self.outlined_bounds();
+        let views = self.take_views(eyes);
         let Self { device, frames, hierarchy, passes, executor, methods, shaders, .. } = self;
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
-        let views: Vec<View> = eyes.iter().map(|eye| eye.view(device)).collect();
         // An explanation may draw the scene as seen from elsewhere.
         let seen = Some(views.as_slice()).filter(|_| self.explainer.is_none());
         let skinned = passes.upload_changes(&mut frame, hierarchy, executor, seen)?;
@@ -104,14 +104,22 @@ impl Renderer {
         };
         let scene = (&mut *passes, &*executor, &*hierarchy);
         report.overlay_cpu = overlays.record(&mut frame, scene, eyes.first(), request.picture)?;
-
         let waited = frame.waited();
         report.waits = frame.waits();
         report.tick = frame.submit(request.after)?;
+        self.views = views;
         self.submitted();
         self.note_submitted(eyes, is_timed, &mut report);
         report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
         Ok(report)
+    }
+
+    /// Returns the views of a frame, in memory that is kept from frame to frame.
+    fn take_views(&mut self, eyes: &[ViewTarget<'_>]) -> Vec<View> {
+        let mut views = std::mem::take(&mut self.views);
+        views.clear();
+        views.extend(eyes.iter().map(|eye| eye.view(&self.device)));
+        views
     }
 
     /// Refuses what cannot be drawn. Returns the number of the method that draws it.
