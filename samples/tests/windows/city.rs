@@ -10,7 +10,7 @@ use bench::progress::Silent;
 use bench::run::walk_on;
 use bench::signals::Signals;
 use clap::Parser;
-use harness::{Scratch, pixels, program, stderr};
+use harness::{Scratch, pixels, program, signalled_program, stderr};
 use tests::Driver;
 
 const SMALL: [&str; 5] = ["--headless", "--objects", "500", "--size", "160x90"];
@@ -257,7 +257,7 @@ fn a_signal_ends_it_and_all_is_written() {
         fs::write(scratch.0.join("script"), "0 record\n2 screenshot\n").unwrap();
         let rest = ["--frames", "1000000", "--script", "script", "--trace", "trace.json"];
         let arguments = [&SMALL[..], &rest].concat();
-        let mut command = program(crate::CITY, &scratch.0, &arguments);
+        let mut command = signalled_program(crate::CITY, &scratch.0, &arguments);
         let log = fs::File::create(scratch.0.join("log")).unwrap();
         let mut running = command.stderr(log).spawn().unwrap();
         let began = Instant::now();

@@ -9,4 +9,4 @@ pub mod scene;
 pub mod terminal;
 
 pub use picture::pixels;
-pub use program::{Scratch, cache, edited_shaders, program, stderr};
+pub use program::{Scratch, cache, edited_shaders, program, signalled_program, stderr};

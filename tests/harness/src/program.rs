@@ -40,6 +40,12 @@ pub fn program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
+/// The same for a program that is to be sent signals. One that ignored them from its start would go on ignoring
+/// them, as the programs of a background job do where the shell has no job control.
+pub fn signalled_program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
+    program("env", folder, &[&["--default-signal=INT,TERM,HUP", name], arguments].concat())
+}
+
 /// The folder of pipeline caches: no test may write into the user's own.
 pub fn cache() -> PathBuf {
     tests_folder().join("cache")

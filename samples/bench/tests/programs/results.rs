@@ -5,10 +5,10 @@ use std::io::Read;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use harness::{Scratch, stderr};
+use harness::{Scratch, signalled_program, stderr};
 use serde_json::Value;
 
-use crate::walkthrough;
+use crate::{WALKTHROUGH, walkthrough};
 
 const SMALL: [&str; 6] = [
     "--objects=200",
@@ -115,7 +115,8 @@ fn what_was_measured_before_a_signal_is_kept() {
     ] {
         let scratch = Scratch::new("results-signal");
         let more = ["--frames=600", "--verify=every", "--report=report.json", "--out=out"];
-        let mut command = walkthrough(&scratch.0, &[&SMALL[..], &more].concat());
+        let arguments = [&SMALL[..], &more].concat();
+        let mut command = signalled_program(WALKTHROUGH, &scratch.0, &arguments);
         let mut child =
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
         let mut said = String::new();
@@ -148,7 +149,8 @@ fn what_was_measured_before_a_signal_is_kept() {
 fn before_anything_is_measured_a_signal_is_just_the_end() {
     let scratch = Scratch::new("results-early");
     let more = ["--objects=100000", "--out=out", "--report=report.json"];
-    let mut command = walkthrough(&scratch.0, &[&SMALL[..], &more].concat());
+    let arguments = [&SMALL[..], &more].concat();
+    let mut command = signalled_program(WALKTHROUGH, &scratch.0, &arguments);
     let mut child = command.stderr(Stdio::piped()).spawn().expect("it starts");
     let mut said = [0; 8];
     child.stderr.as_mut().expect("piped").read_exact(&mut said).expect("it says what it does");
