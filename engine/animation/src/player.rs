@@ -82,9 +82,6 @@ impl Voice {
 /// Which clips play. A **layer** is one clip, or several that fade from one to the next; what one of these does
 /// not move fades from or to rest. Layers play at once, and where two move the same property, the later wins.
 ///
-/// All that a player can do lies in [`Reach::blend_bounds`](crate::Reach::blend_bounds) of its clips;
-/// [`Player::playing`] says whether one of them plays alone.
-///
 /// It is a value: the pose depends on it and on the time alone, in whatever order times are asked for, from
 /// the last change on.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,7 +4,7 @@ use cull::{DetailLevel, DetailPolicy, ObjectId};
 use gpu::IndirectDraw;
 use scene::{MeshId, Scene};
 
-/// The most objects that [`Renderer::choose_detail`] looks at in one call.
+/// The most objects that [`Renderer::choose_detail`](crate::Renderer::choose_detail) looks at in one call.
 pub const DETAIL_OBJECTS_A_CALL: usize = 2048;
 
 /// The coarser forms of all meshes: draws behind those of the meshes themselves.

@@ -115,7 +115,7 @@ pub struct FrameReport {
     pub youngest_answer_frames: Option<u64>,
     /// What the culler counted.
     pub plan: cull::PlanStats,
-    /// What frames taught the governor about the prices ([`Renderer::costs`]); `None` without one.
+    /// What frames taught the governor about the prices ([`Renderer::costs`](crate::Renderer::costs)); `None` without one.
     pub corrections: Option<Corrections>,
 }
 

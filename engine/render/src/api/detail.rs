@@ -8,7 +8,7 @@ use crate::renderer::Renderer;
 impl Renderer {
     /// Lets objects take the forms ([`Surfaces::levels`](scene::Surfaces::levels)) whose errors
     /// are too small to be seen by any of the `cameras`; answers how many took another. Once a frame,
-    /// before it: each call looks at no more than [`DETAIL_OBJECTS_A_CALL`] objects, in turn, so that
+    /// before it: each call looks at no more than [`DETAIL_OBJECTS_A_CALL`](crate::DETAIL_OBJECTS_A_CALL) objects, in turn, so that
     /// larger scenes follow the camera some frames late.
     ///
     /// What is visible plays no part in it, so that frames are the same whoever decides what is drawn.

@@ -15,7 +15,7 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Whether the device counts samples, for [`ViewState::watch`].
+    /// Whether the device counts samples, for [`ViewState::watch`](crate::ViewState::watch).
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing.
