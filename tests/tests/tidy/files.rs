@@ -36,11 +36,12 @@ impl SourceFile {
         self.path.starts_with("ci/") || self.path.starts_with(".ci/") || self.extension() == "sh"
     }
 
-    /// Whether all of it is compiled for tests alone.
+    /// Whether all of it is compiled for tests and benchmarks alone.
     pub fn is_test(&self) -> bool {
         let path = self.path.as_str();
         path.starts_with("tests/")
             || path.contains("/tests/")
+            || path.contains("/benches/")
             || path.ends_with("/tests.rs")
             || path.ends_with("_tests.rs")
     }

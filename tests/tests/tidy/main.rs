@@ -8,6 +8,7 @@
 mod code;
 mod files;
 mod knots;
+mod manifests;
 mod modules;
 mod rules;
 mod tokens;
@@ -138,6 +139,22 @@ fn crates_include_no_files_of_others() {
     );
     let own = "macro_rules! a { ($a:literal) => { include_bytes!(concat!(\"../\", $a)) } }";
     assert_permits(rules::own_files, &[("shaders/src/lib.rs", own)]);
+}
+
+#[test]
+fn published_crates_describe_themselves() {
+    assert_obeyed(manifests::published);
+    let whole = "[package]\ndescription = \"A\"\nlicense.workspace = true\nreadme = \"README.md\"\n\
+                 keywords = []\ncategories = []\n";
+    let without = |key: &str| {
+        let lines = whole.lines().filter(|line| !line.starts_with(key));
+        lines.map(|line| format!("{line}\n")).collect::<String>()
+    };
+    for key in ["description", "license", "readme", "keywords", "categories"] {
+        assert_catches(manifests::published, &[("a/Cargo.toml", &without(key))]);
+    }
+    let private = "[package]\npublish = false\n[dependencies]\n";
+    assert_permits(manifests::published, &[("a/Cargo.toml", whole), ("b/Cargo.toml", private)]);
 }
 
 #[test]
