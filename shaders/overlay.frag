@@ -1,4 +1,4 @@
-// The overlay of the bird's-eye view: plain colour with alpha.
+// The overlay of the view from above: plain colour with alpha.
 #version 460
 
 layout(location = 0) in vec4 passed_colour;

@@ -1,4 +1,4 @@
-// The overlay of the bird's-eye view: coloured triangles and lines in the world.
+// The overlay of the view from above: coloured triangles and lines in the world.
 #version 460
 
 layout(location = 0) in vec3 position;

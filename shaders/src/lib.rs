@@ -1,6 +1,7 @@
 //! The engine's shaders: SPIR-V that is committed beside its GLSL, embedded.
 //!
-//! A file is named after its pass and stage. The feature `sources` compares GLSL and SPIR-V on disk.
+//! A file is named after its pass and stage. The feature `sources` compares GLSL and SPIR-V on
+//! disk.
 //!
 //! ```
 //! # use antumbra_shaders as shaders;
@@ -43,7 +44,7 @@ pub const PASSES: [Shader; 26] = [
     shader!("leaf_box.frag"),
     shader!("overlay.vert"),
     shader!("overlay.frag"),
-    shader!("wires.frag"),
+    shader!("wireframe.frag"),
     shader!("flat.vert"),
     shader!("flat.frag"),
     shader!("seen.vert"),

@@ -5,14 +5,15 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-/// The names of all stages in `folder`, sorted.
+/// Returns the names of all stages in `folder`, sorted.
 pub fn stages(folder: &Path) -> Result<Vec<String>> {
     let stage = |name: &String| [".vert", ".frag", ".comp"].iter().any(|end| name.ends_with(end));
     Ok(names(folder)?.into_iter().filter(stage).collect())
 }
 
-/// One line for every source, include and SPIR-V file in `folder`: its hash and its name. A source
-/// that was changed without compiling it, or a SPIR-V file that nobody compiled, changes a line.
+/// Returns one line for every source, include and SPIR-V file in `folder`: its hash and its name. A
+/// source that was changed without compiling it, or a SPIR-V file that nobody compiled, changes a
+/// line.
 pub fn hashes(folder: &Path) -> Result<String> {
     let mut lines = String::new();
     for name in names(folder)? {

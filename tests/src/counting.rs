@@ -25,7 +25,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// How often this thread allocated so far.
+/// Returns how often this thread allocated so far.
 pub fn allocations() -> u64 {
     ALLOCATIONS.with(Cell::get)
 }

@@ -36,7 +36,7 @@ impl Driver {
     /// Both.
     pub const ALL: [Driver; 2] = [Driver::Lavapipe, Driver::SwiftShader];
 
-    /// A part of its device's name.
+    /// Returns a part of its device's name.
     pub fn device_name(self) -> &'static str {
         match self {
             Driver::Lavapipe => "llvmpipe",
@@ -45,7 +45,7 @@ impl Driver {
     }
 }
 
-/// An instance with synchronization validation and a device of `driver`.
+/// Returns an instance with synchronization validation and a device of `driver`.
 pub fn open(driver: Driver) -> (Instance, Device) {
     let instance = instance();
     let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap_or_else(|error| {
@@ -71,17 +71,17 @@ pub fn take_turn() {
     MINE.with(|_| ());
 }
 
-/// An instance with synchronization validation.
+/// Returns an instance with synchronization validation.
 pub fn instance() -> Instance {
     instance_with(gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// The same through an entry of the test's own.
+/// Returns the same through an entry of the test's own.
 pub fn instance_with(entry: gpu::Entry) -> Instance {
     instance_for(entry, None)
 }
 
-/// The same for windows.
+/// Returns the same for windows.
 pub fn instance_for(entry: gpu::Entry, windows: Option<gpu::WindowSystem>) -> Instance {
     take_turn();
     let options = InstanceOptions {

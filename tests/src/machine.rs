@@ -76,7 +76,7 @@ impl Machine {
         });
     }
 
-    /// The same, and a way into its loader.
+    /// Returns the same, and a way into its loader.
     pub fn entry(self) -> Entry {
         self.install();
         let get_instance_proc_addr = instance_proc_addr;
@@ -86,7 +86,7 @@ impl Machine {
     }
 }
 
-/// How often this thread called `call` since the machine was installed.
+/// Returns how often this thread called `call` since the machine was installed.
 pub fn calls(call: &'static CStr) -> usize {
     STATE.with_borrow(|state| state.calls.get(call).copied().unwrap_or(0))
 }
@@ -106,13 +106,13 @@ fn machine<R>(ask: impl FnOnce(&Machine) -> R) -> R {
     STATE.with_borrow(|state| ask(&state.machine))
 }
 
-/// The real loader, which stays loaded: functions of it are held everywhere.
+/// Returns the real loader, which stays loaded: functions of it are held everywhere.
 fn loader() -> &'static Entry {
     static LOADER: OnceLock<Entry> = OnceLock::new();
     LOADER.get_or_init(|| gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// The function that `call` would have been.
+/// Returns the function that `call` would have been.
 ///
 /// # Safety
 /// `F` is the type of the Vulkan function of that name.

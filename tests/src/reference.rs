@@ -1,5 +1,5 @@
-//! The formulas of glTF 2.0 (appendix B), KHR_lights_punctual and Khronos PBR Neutral, written down as they
-//! stand there, in double precision: what the shaders are compared with.
+//! The formulas of glTF 2.0 (appendix B), KHR_lights_punctual and Khronos PBR Neutral, written down
+//! as they stand there, in double precision: what the shaders are compared with.
 
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
@@ -70,7 +70,8 @@ fn step(positive: f64) -> f64 {
     if positive > 0.0 { 1.0 } else { 0.0 }
 }
 
-/// Appendix B.2 and B.3: material = mix of a metal's and a dielectric's BRDF, with the terms of B.3.
+/// Appendix B.2 and B.3: material = mix of a metal's and a dielectric's BRDF, with the terms of
+/// B.3.
 fn brdf(point: &Point, v: DVec3, l: DVec3) -> DVec3 {
     let n = point.normal;
     let h = (l + v).normalize();
@@ -118,7 +119,7 @@ fn arriving(light: &Light, place: DVec3) -> (DVec3, DVec3) {
     }
 }
 
-/// The light that goes to the eye.
+/// Returns the light that goes to the eye.
 pub fn radiance(point: &Point, eye: DVec3, lights: &[Light], ambient: &Ambient) -> DVec3 {
     let v = (eye - point.position).normalize();
     let mut sum = point.emission;
@@ -156,7 +157,7 @@ pub fn tone_mapped(light: DVec3) -> DVec3 {
     colour * (n / p) * g + DVec3::splat(n) * (1.0 - g)
 }
 
-/// What a pixel of the picture holds, not rounded.
+/// Returns what a pixel of the picture holds, not rounded.
 pub fn encoded(linear: DVec3) -> [f64; 3] {
     linear.to_array().map(|value| {
         let value = value.clamp(0.0, 1.0);
@@ -169,13 +170,13 @@ pub fn encoded(linear: DVec3) -> [f64; 3] {
     })
 }
 
-/// The light that a byte of a colour stands for.
+/// Returns the light that a byte of a colour stands for.
 pub fn decoded(byte: u8) -> f64 {
     let value = f64::from(byte) / 255.0;
     if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Three numbers of `f32`s as they are.
+/// Returns three numbers of `f32`s as they are.
 pub fn wide(v: [f32; 3]) -> DVec3 {
     dvec3(v[0].into(), v[1].into(), v[2].into())
 }

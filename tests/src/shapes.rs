@@ -59,12 +59,12 @@ impl DepthBoxes {
     }
 }
 
-/// The engine's own proxy pass.
+/// Returns the engine's own proxy pass.
 pub fn proxy_pass(device: &Device) -> ProxyPass {
     ProxyPass::new(device, &ShaderSet::embedded().expect("shaders")).expect("a pipeline")
 }
 
-/// A camera at the origin that looks along -z and sees a right angle.
+/// Returns a camera at the origin that looks along -z and sees a right angle.
 pub fn square_camera() -> Camera {
     Camera {
         eye: Vec3::ZERO,
@@ -75,17 +75,17 @@ pub fn square_camera() -> Camera {
     }
 }
 
-/// The view of [`square_camera`] on a square picture.
+/// Returns the view of [`square_camera`] on a square picture.
 pub fn square_view(device: &Device, side: u32) -> View {
     View::new(&square_camera(), [side, side], device.adapter().limits.sub_pixel_precision_bits)
 }
 
-/// A box around `centre`.
+/// Returns a box around `centre`.
 pub fn box_at(centre: Vec3, half: Vec3) -> Aabb {
     Aabb { min: centre - half, max: centre + half }
 }
 
-/// A scene of solid boxes that fill their bounds exactly: the hardest case for proxies.
+/// Returns a scene of solid boxes that fill their bounds exactly: the hardest case for proxies.
 pub fn box_scene(boxes: &[Aabb]) -> Scene {
     let mesh = cube(pack_unorm([1.0; 4]), QUADS);
     let objects = boxes.iter().enumerate().map(|(number, bounds)| Object {
@@ -106,8 +106,8 @@ pub fn box_scene(boxes: &[Aabb]) -> Scene {
     }
 }
 
-/// Unit cubes in so many colours, one mesh each, as `objects` place them, with surfaces that are these
-/// colours whatever the light.
+/// Unit cubes in so many colours, one mesh each, as `objects` place them, with surfaces that are
+/// these colours whatever the light.
 pub fn coloured_cubes(colours: u32, objects: Vec<Object>) -> Scene {
     let channel =
         |number: u32, by: u32| 0.1 + 0.9 * (number * by % colours) as f32 / colours as f32;
@@ -124,7 +124,7 @@ pub fn coloured_cubes(colours: u32, objects: Vec<Object>) -> Scene {
     Scene { meshes, objects, surfaces: Some(surfaces), ..box_scene(&[]) }
 }
 
-/// The plainest surface for a mesh.
+/// Returns the plainest surface for a mesh.
 pub fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {
     let part = |value: f32| (value * 32767.0).round() as i16;
     let vertex = |vertex: &Vertex| {
@@ -143,8 +143,9 @@ pub fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {
 /// Quads along a side of a face: an odd number, so that no vertex of a face meets its middle.
 const QUADS: u32 = 7;
 
-/// The unit cube, counter-clockwise from outside. Its faces are cut into quads: every vertex along an
-/// edge is snapped to the sub-pixel grid by itself, which a proxy's long edge is not.
+/// Returns the unit cube, counter-clockwise from outside. Its faces are cut into quads: every
+/// vertex along an edge is snapped to the sub-pixel grid by itself, which a proxy's long edge is
+/// not.
 pub fn cube(colour: u32, quads: u32) -> Mesh {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();

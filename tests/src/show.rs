@@ -1,11 +1,12 @@
 //! A window of a test that is shown a picture after every change.
 
-use gpu::{NotShown, PresentMode, Shown, Swapchain, SwapchainOptions};
+use gpu::{PresentMode, PresentSkipped, Shown, Swapchain, SwapchainOptions};
 
 use crate::stage::{Painter, Stage, await_picture, show_surely};
 use crate::x11_window::X11Window;
 
-/// So many swapchains at most wait for their end: eight that need a proof of it, one that is replaced.
+/// So many swapchains at most wait for their end: eight that need a proof of it, one that is
+/// replaced.
 const MOST_RETIRING: usize = 9;
 
 /// A window that is shown a picture after every change.
@@ -46,7 +47,7 @@ impl<'a> Show<'a> {
         self.painter.paint(seed, None);
         match self.swapchain.show(&self.painter.target, believed).unwrap() {
             Shown::Presented(_) => self.presented += 1,
-            Shown::Not(NotShown::OutOfDate) => self.out_of_date += 1,
+            Shown::Not(PresentSkipped::OutOfDate) => self.out_of_date += 1,
             Shown::Not(other) => panic!("{other:?}"),
         }
         assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());

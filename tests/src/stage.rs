@@ -96,7 +96,7 @@ impl Painter {
         self.target.submitted();
     }
 
-    /// What a seed's picture is.
+    /// Returns what a seed's picture is.
     pub fn expected(&mut self, seed: u32) -> Vec<[u8; 3]> {
         let copy = Readback::new(&self.device, self.target.size()).unwrap();
         self.paint(seed, Some(&copy));

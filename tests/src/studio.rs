@@ -21,8 +21,8 @@ struct Instance {
     tail: [u32; 4],
 }
 
-/// A picture of `scene`, four bytes a pixel: depth first, then the colour of what is seen, the sky, and what is
-/// blended, in its order.
+/// Returns a picture of `scene`, four bytes a pixel: depth first, then the colour of what is seen,
+/// the sky, and what is blended, in its order.
 pub fn picture(
     device: &Device,
     scene: &Scene,
@@ -34,15 +34,15 @@ pub fn picture(
     let hierarchy = Hierarchy::build(&object_bounds(scene).expect("a scene")).expect("a hierarchy");
     let surfaces = SurfaceResources::upload(device, scene, &hierarchy, options);
     let surfaces = surfaces.expect("surfaces").expect("a scene with surfaces");
-    let blended = &scene.surfaces.as_ref().expect("surfaces").blended;
-    let first_blended = surfaces.first_blended_slot();
-    let slots = (0..scene.objects.len() as u32).chain(first_blended..);
+    let transparent = &scene.surfaces.as_ref().expect("surfaces").transparent;
+    let first_transparent = surfaces.first_transparent_slot();
+    let slots = (0..scene.objects.len() as u32).chain(first_transparent..);
     let instance = |(slot, object): (u32, &Object)| Instance {
         rows: rows_of(&object.transform),
         tail: surfaces.instance_tail(object.mesh, slot),
     };
     let instances: Vec<Instance> =
-        slots.zip(scene.objects.iter().chain(blended)).map(instance).collect();
+        slots.zip(scene.objects.iter().chain(transparent)).map(instance).collect();
     let (mut vertices, mut indices, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
     for mesh in &scene.meshes {
         meshes.push((indices.len() as u32, mesh.indices.len() as u32, vertices.len() as i32));
@@ -59,7 +59,7 @@ pub fn picture(
             first_instance,
         }
     };
-    let draws: Vec<_> = (0..).zip(scene.objects.iter().chain(blended)).map(draw).collect();
+    let draws: Vec<_> = (0..).zip(scene.objects.iter().chain(transparent)).map(draw).collect();
     let (draws, over) = draws.split_at(scene.objects.len());
     let upload = |name, bytes: &[u8], usage| device.upload(name, bytes, usage).expect("memory");
     let usage = vk::BufferUsageFlags::VERTEX_BUFFER;
@@ -75,7 +75,7 @@ pub fn picture(
     let plain = OpaquePass::depth_only(device, &shaders).expect("a pass");
     let pass = |kind| SurfacePass::new(device, &shaders, kind, &surfaces).expect("a pass");
     let [masked, colour, blending] =
-        [SurfaceKind::Depth, SurfaceKind::Colour, SurfaceKind::Blended].map(pass);
+        [SurfaceKind::Depth, SurfaceKind::Colour, SurfaceKind::Transparent].map(pass);
     let sky = SkyPass::new(device, &shaders).expect("a pass");
     let view = View::new(camera, size, device.adapter().limits.sub_pixel_precision_bits);
     let io = SurfaceIo {
@@ -100,7 +100,7 @@ pub fn picture(
             colour.bind(commands, &io, &view, &scene.light);
             commands.draw_indirect(draws.whole());
             sky.draw(commands, scene.light.sky);
-            if !blended.is_empty() {
+            if !transparent.is_empty() {
                 blending.bind(commands, &io, &view, &scene.light);
                 commands.draw_indirect(over.whole());
             }
@@ -111,7 +111,8 @@ pub fn picture(
     readback.rgba8().expect("a picture").to_vec()
 }
 
-/// A scene of these meshes, one object of each at its place, that nothing but its lights light.
+/// Returns a scene of these meshes, one object of each at its place, that nothing but its lights
+/// light.
 pub fn scene(
     meshes: Vec<(Mesh, SurfaceMesh)>,
     transforms: &[Affine3A],
@@ -138,7 +139,7 @@ pub fn scene(
     }
 }
 
-/// A mesh from its corners, whose surface vertices lie beside them.
+/// Returns a mesh from its corners, whose surface vertices lie beside them.
 pub fn mesh(
     positions: &[Vec3],
     vertices: Vec<SurfaceVertex>,
@@ -155,9 +156,10 @@ pub fn mesh(
     )
 }
 
-/// A square of the picture that [`square_camera`](crate::shapes::square_camera) takes, `side` pixels large: from
-/// one corner of pixels to another, `distance_m` away, facing the camera. Coordinates of textures go from
-/// the upper left (`uv[0]`) to the lower right (`uv[1]`), in both sets; `change` may have it otherwise.
+/// Returns a square of the picture that [`square_camera`](crate::shapes::square_camera) takes,
+/// `side` pixels large: from one corner of pixels to another, `distance_m` away, facing the camera.
+/// Coordinates of textures go from the upper left (`uv[0]`) to the lower right (`uv[1]`), in both
+/// sets; `change` may have it otherwise.
 pub fn quad(
     side: u32,
     [from, to]: [[u32; 2]; 2],
@@ -187,7 +189,7 @@ pub fn quad(
     mesh(&corners.map(place), corners.map(vertex).to_vec(), indices, material)
 }
 
-/// A unit vector as snorm16, with a fourth number of -1, 0 or 1.
+/// Returns a unit vector as snorm16, with a fourth number of -1, 0 or 1.
 pub fn snorm16(v: Vec3, w: i16) -> [i16; 4] {
     let part = |value: f32| (value.clamp(-1.0, 1.0) * 32767.0).round() as i16;
     [part(v.x), part(v.y), part(v.z), w * 32767]

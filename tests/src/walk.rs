@@ -74,7 +74,7 @@ pub fn walk(
     walk_with(device, scene, path, frames, options, Strategy::Antumbra)
 }
 
-/// The same with any strategy.
+/// Returns the same with any strategy.
 pub fn walk_with(
     device: &Device,
     GeneratedScene { scene, routes }: &GeneratedScene,
@@ -98,7 +98,7 @@ pub fn walk_cameras(
     walk_cameras_with(device, scene, cameras, options, Strategy::Antumbra)
 }
 
-/// Any strategy over any cameras.
+/// Returns any strategy over any cameras.
 pub fn walk_cameras_with(
     device: &Device,
     scene: &Scene,

@@ -30,12 +30,12 @@ pub struct WaylandWindow {
 }
 
 impl WaylandWindow {
-    /// A window that the compositor shows.
+    /// Returns a window that the compositor shows.
     pub fn open(compositor: &Weston) -> Arc<Self> {
         Self::with_role(compositor, true)
     }
 
-    /// A window that is never shown: the compositor never asks it for another picture.
+    /// Returns a window that is never shown: the compositor never asks it for another picture.
     pub fn open_hidden(compositor: &Weston) -> Arc<Self> {
         Self::with_role(compositor, false)
     }
@@ -69,8 +69,8 @@ impl WaylandWindow {
         let mut queue = self.queue.lock().unwrap();
         let (queue, events) = &mut *queue;
         queue.flush().unwrap();
-        // Where the driver waits for the compositor in another thread, reading waits for that thread
-        // unless there is something to read.
+        // Where the driver waits for the compositor in another thread, reading waits for that
+        // thread unless there is something to read.
         if let Some(guard) = queue.prepare_read() {
             let mut sockets = [PollFd::from_borrowed_fd(guard.connection_fd(), PollFlags::IN)];
             let at_once = rustix::event::Timespec { tv_sec: 0, tv_nsec: 0 };

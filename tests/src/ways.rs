@@ -13,9 +13,9 @@ pub const WAYS: [(Driver, Library); 4] = [
     (Driver::SwiftShader, Library::Xlib),
 ];
 
-/// Those for thousands of swapchains. Before its process ends, SwiftShader never lets go of the shared
-/// memory of a swapchain that was replaced, and crashes where there is no more: a machine has 4,096
-/// pieces. So tests that make a thousand swapchains with it are in programs of their own.
+/// Those for thousands of swapchains. Before its process ends, SwiftShader never lets go of the
+/// shared memory of a swapchain that was replaced, and crashes where there is no more: a machine
+/// has 4,096 pieces. So tests that make a thousand swapchains with it are in programs of their own.
 pub const LASTING_WAYS: &[(Driver, Library)] = WAYS.split_at(3).0;
 
 /// Returns the present modes that a driver has under Xvfb.

@@ -45,7 +45,7 @@ impl Weston {
         weston
     }
 
-    /// A connection of its own to the compositor.
+    /// Returns a connection of its own to the compositor.
     pub fn connect(&self) -> UnixStream {
         let began = Instant::now();
         loop {

@@ -47,7 +47,7 @@ unsafe extern "C" fn ignore_error(_display: *mut Display, _error: *mut XErrorEve
 }
 
 impl X11Window {
-    /// A window of `size` pixels, on the screen.
+    /// Returns a window of `size` pixels, on the screen.
     pub fn open(server: &Xvfb, library: Library, size: [u32; 2]) -> Arc<Self> {
         let name = CString::new(server.display()).unwrap();
         let xlib = (library == Library::Xlib).then(|| {
@@ -121,7 +121,7 @@ impl X11Window {
         self.settle();
     }
 
-    /// What is in the window now: red, green, blue; rows from the top.
+    /// Returns what is in the window now: red, green, blue; rows from the top.
     pub fn pixels(&self, size: [u32; 2]) -> Vec<[u8; 3]> {
         let [width, height] = size.map(|side| side as u16);
         let format = ImageFormat::Z_PIXMAP;
@@ -146,8 +146,8 @@ impl HasWindowHandle for X11Window {
             Some(_) => RawWindowHandle::Xlib(XlibWindowHandle::new(self.id.into())),
             None => RawWindowHandle::Xcb(XcbWindowHandle::new(NonZeroU32::new(self.id).unwrap())),
         };
-        // SAFETY: the id is the window's as long as this lives; a window that is destroyed before is
-        // an error of the server's, and what tests are about.
+        // SAFETY: the id is the window's as long as this lives; a window that is destroyed before
+        // is an error of the server's, and what tests are about.
         Ok(unsafe { WindowHandle::borrow_raw(raw) })
     }
 }

@@ -1,5 +1,5 @@
-//! Where memory ends, a renderer is refused with a sentence, and the process goes on: one test in a process, whose
-//! allocator has a limit. What a driver takes is not counted.
+//! Where memory ends, a renderer is refused with a sentence, and the process goes on: one test in a
+//! process, whose allocator has a limit. What a driver takes is not counted.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::unwrap_used,

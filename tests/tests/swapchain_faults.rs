@@ -1,6 +1,7 @@
-//! Whatever a driver answers about a window has a name, and the loop goes on where there is a window.
-// A program of its own: SwiftShader keeps shared memory of every swapchain until its program ends, and
-// the system has 4096 pieces.
+//! Whatever a driver answers about a window has a name, and the loop goes on where there is a
+//! window.
+// A program of its own: SwiftShader keeps shared memory of every swapchain until its program ends,
+// and the system has 4096 pieces.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -12,7 +13,9 @@ use std::ffi::CStr;
 
 use gpu::raw_window_handle::{DisplayHandle, HandleError, HasDisplayHandle};
 use gpu::vk::Result as Code;
-use gpu::{Error, NotShown, Optional, Shown, Surface, Swapchain, SwapchainOptions, WindowSystem};
+use gpu::{
+    Error, Optional, PresentSkipped, Shown, Surface, Swapchain, SwapchainOptions, WindowSystem,
+};
 use tests::xvfb::Xvfb;
 use tests::{Driver, instance, instance_for};
 
@@ -85,13 +88,13 @@ fn what_happens_to_a_window_has_a_name_and_is_got_over() {
         for (call, times, code, expected) in [
             // Made anew and asked again at once.
             (ACQUIRE, 1, outdated, None),
-            (ACQUIRE, 2, outdated, Some(NotShown::OutOfDate)),
-            (ACQUIRE, 1, Code::TIMEOUT, Some(NotShown::Hidden)),
-            (ACQUIRE, 1, Code::NOT_READY, Some(NotShown::Hidden)),
-            (ACQUIRE, 1, lost, Some(NotShown::SurfaceLost)),
+            (ACQUIRE, 2, outdated, Some(PresentSkipped::OutOfDate)),
+            (ACQUIRE, 1, Code::TIMEOUT, Some(PresentSkipped::Hidden)),
+            (ACQUIRE, 1, Code::NOT_READY, Some(PresentSkipped::Hidden)),
+            (ACQUIRE, 1, lost, Some(PresentSkipped::SurfaceLost)),
             (ACQUIRE, 1, Code::SUBOPTIMAL_KHR, None),
-            (PRESENT, 1, outdated, Some(NotShown::OutOfDate)),
-            (PRESENT, 1, lost, Some(NotShown::SurfaceLost)),
+            (PRESENT, 1, outdated, Some(PresentSkipped::OutOfDate)),
+            (PRESENT, 1, lost, Some(PresentSkipped::SurfaceLost)),
             (PRESENT, 1, Code::SUBOPTIMAL_KHR, None),
         ] {
             let mut liar = Liar::new(&server, driver, Machine::default());
@@ -131,7 +134,7 @@ fn a_window_that_is_minimised_waits_until_it_is_not() {
         Machine { is_minimised: true, ..failing(ACQUIRE, 0..1, Code::ERROR_OUT_OF_DATE_KHR) }
             .install();
         for _ in 0..5 {
-            assert_eq!(liar.show(), Shown::Not(NotShown::NoArea));
+            assert_eq!(liar.show(), Shown::Not(PresentSkipped::NoArea));
         }
         assert_eq!(liar.swapchain.replaced(), 0);
         liar.end();
@@ -144,8 +147,11 @@ fn a_surface_that_is_lost_again_at_once_is_a_window_that_is_gone() {
     let mut liar = Liar::new(&server, Driver::Lavapipe, Machine::default());
     failing(ACQUIRE, 0..usize::MAX, Code::ERROR_SURFACE_LOST_KHR).install();
     let outcomes: Vec<_> = (0..4).map(|_| liar.show()).collect();
-    assert_eq!(outcomes[0], Shown::Not(NotShown::SurfaceLost));
-    assert!(outcomes[1..].iter().all(|o| *o == Shown::Not(NotShown::WindowGone)), "{outcomes:?}");
+    assert_eq!(outcomes[0], Shown::Not(PresentSkipped::SurfaceLost));
+    assert!(
+        outcomes[1..].iter().all(|o| *o == Shown::Not(PresentSkipped::WindowGone)),
+        "{outcomes:?}"
+    );
     liar.close();
 }
 
@@ -159,14 +165,14 @@ fn a_lost_device_has_a_name_wherever_it_is_found_out() {
             machine.install();
             // So that the window's state is asked for.
             liar.swapchain.set_mode(gpu::PresentMode::Mailbox);
-            assert_eq!(liar.show(), Shown::Not(NotShown::DeviceLost), "{driver:?}, {call:?}");
+            assert_eq!(liar.show(), Shown::Not(PresentSkipped::DeviceLost), "{driver:?}, {call:?}");
             liar.close();
         }
         let mut liar = Liar::new(&server, driver, Machine::default());
         liar.painter.paint(1, None);
         failing(c"vkQueueSubmit2", 0..usize::MAX, Code::ERROR_DEVICE_LOST).install();
         let shown = liar.swapchain.show(&liar.painter.target, SIZE).unwrap();
-        assert_eq!(shown, Shown::Not(NotShown::DeviceLost));
+        assert_eq!(shown, Shown::Not(PresentSkipped::DeviceLost));
         Machine::default().install();
         liar.end();
     }
@@ -194,7 +200,7 @@ fn a_call_that_fails_is_named_and_the_next_frames_are_shown() {
                     }
                     match liar.swapchain.show(&liar.painter.target, size) {
                         Ok(Shown::Presented(_)) => shown += 1,
-                        Ok(Shown::Not(NotShown::OutOfDate)) => {}
+                        Ok(Shown::Not(PresentSkipped::OutOfDate)) => {}
                         Ok(other) => panic!("{driver:?}, {call:?}: {other:?}"),
                         Err(error) => errors.push(error.to_string()),
                     }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::Quat;
 
 use crate::clip::{Channel, Clip, Interpolation, Track, Values};
-use crate::rig::{NodeId, Rest, Rig};
+use crate::rig::{Rest, Rig, RigNodeId};
 
 /// Numbers beyond this size are refused: products of a few of them must stay finite.
 const LARGEST: f32 = 1e9;
@@ -115,8 +115,9 @@ pub enum ClipError {
 }
 
 impl Track {
-    /// A checked track. Rotations are brought to unit length (quantised ones are a little off), but for
-    /// tangents. `targets` is how many morph targets the node has; it counts for weights only.
+    /// Creates a checked track. Rotations are brought to unit length (quantised ones are a little
+    /// off), but for tangents. `targets` is how many morph targets the node has; it counts for
+    /// weights only.
     ///
     /// # Errors
     /// No keys; times that are no numbers, or not ascending; too few or too many values;
@@ -197,15 +198,15 @@ fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
 }
 
 impl Clip {
-    /// A checked clip of a rig: all its tracks go through [`Track::new`].
+    /// Creates a checked clip of a rig: all its tracks go through [`Track::new`].
     ///
     /// # Errors
-    /// Nodes that are not there or are placed by a matrix; two channels for one property; weights where
-    /// there are no morph targets; what [`Track::new`] refuses.
+    /// Nodes that are not there or are placed by a matrix; two channels for one property; weights
+    /// where there are no morph targets; what [`Track::new`] refuses.
     pub fn new(name: String, channels: Vec<Channel>, rig: &Rig) -> Result<Self, ClipError> {
         let mut moved = HashSet::new();
         let checked = channels.into_iter().enumerate().map(|(channel, Channel { node, track })| {
-            let NodeId(id) = node;
+            let RigNodeId(id) = node;
             let place = rig.nodes().get(id as usize);
             let place = place.ok_or(ClipError::NoNode { channel, node: id })?;
             if !moved.insert((id, std::mem::discriminant(&track.values))) {

@@ -2,7 +2,7 @@
 
 use glam::{Quat, Vec3};
 
-use crate::rig::NodeId;
+use crate::rig::RigNodeId;
 
 /// How a track goes from one key to the next (glTF 2.0, appendix C).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +33,8 @@ pub enum Values {
 pub struct Track {
     /// How to go from key to key.
     pub interpolation: Interpolation,
-    /// When each key is, in seconds, strictly ascending. Clips play from 0 on: keys before that count only for
-    /// what follows them.
+    /// When each key is, in seconds, strictly ascending. Clips play from 0 on: keys before that
+    /// count only for what follows them.
     pub times_s: Vec<f32>,
     /// What they are.
     pub values: Values,
@@ -44,7 +44,7 @@ pub struct Track {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// Whose.
-    pub node: NodeId,
+    pub node: RigNodeId,
     /// What.
     pub track: Track,
 }

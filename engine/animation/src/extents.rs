@@ -1,5 +1,6 @@
-//! How far nodes go from their parents in any clip, and any mix of clips: for the whole rig in one walk over
-//! all keys. It is coarse, costs next to nothing, and says what can be out of sight whatever plays.
+//! How far nodes go from their parents in any clip, and any mix of clips: for the whole rig in one
+//! walk over all keys. It is coarse, costs next to nothing, and says what can be out of sight
+//! whatever plays.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -9,7 +10,7 @@ use glam::{Affine3A, DVec3, Vec3};
 
 use crate::clip::{Clip, Values};
 use crate::hull::hull;
-use crate::rig::{NodeId, Rest, Rig};
+use crate::rig::{Rest, Rig, RigNodeId};
 use crate::skeleton::Skeleton;
 
 /// Mixes lie between what is mixed, so the ranges of all clips and of the rest hold them all.
@@ -26,14 +27,14 @@ struct Extent {
 pub struct Extents {
     nodes: Vec<Extent>,
     /// The ranges of the scales of those that clips scale, which are few.
-    scales: HashMap<NodeId, [Vec3; 2]>,
+    scales: HashMap<RigNodeId, [Vec3; 2]>,
 }
 
 /// What single precision may add on the way.
 const ROUNDING: f32 = 1.001;
 
-/// The most that a matrix lengthens a vector, exactly so for turned and scaled axes: the square root of the
-/// largest sum of a row of its product with its transpose.
+/// Returns the most that a matrix lengthens a vector, exactly so for turned and scaled axes: the
+/// square root of the largest sum of a row of its product with its transpose.
 fn lengthens(matrix: &Affine3A) -> f32 {
     let axes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
     // Its entries may be as large as numbers get.
@@ -47,7 +48,8 @@ fn turns_inside_out([least, largest]: &[Vec3; 2]) -> bool {
 }
 
 impl Extents {
-    /// Those of a rig in these clips and at rest. Takes as long as there are nodes and keys.
+    /// Returns those of a rig in these clips and at rest. Takes as long as there are nodes and
+    /// keys.
     pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
         let at_rest = |rest: &Rest| match rest {
             Rest::Matrix(matrix) => {
@@ -94,36 +96,38 @@ impl Extents {
         }
     }
 
-    /// Whether a node may mirror at one time what it does not at another.
-    pub fn may_turn_inside_out(&self, node: NodeId) -> bool {
+    /// Returns true if a node may mirror at one time what it does not at another.
+    pub fn may_turn_inside_out(&self, node: RigNodeId) -> bool {
         self.scales.get(&node).is_some_and(turns_inside_out)
     }
 
-    /// Whether any node may.
+    /// Returns true if any node may.
     pub fn may_any_turn_inside_out(&self) -> bool {
         self.scales.values().any(turns_inside_out)
     }
 
-    /// How far a point that is at most `distance` from a node's origin is from its parent's.
-    fn lifted(&self, node: NodeId, distance: f32) -> f32 {
+    /// Returns how far a point that is at most `distance` from a node's origin is from its
+    /// parent's.
+    fn lifted(&self, node: RigNodeId, distance: f32) -> f32 {
         let extent = self.nodes.get(node.0 as usize);
         let lifted = extent.map_or(distance, |it| it.farthest + it.lengthens * distance);
         // What is no number would be lost in a maximum.
         if lifted.is_nan() { f32::INFINITY } else { lifted }
     }
 
-    /// How far from the origin of the world anything gets, for each node the farthest of what is within
-    /// `distances` of its origin, which may be infinite; negative where there is nothing. Answers the node on which the farthest
-    /// hangs, and how far that is. Takes as long as the rig is large.
-    pub fn farthest(&self, rig: &Rig, distances: &[f32]) -> Option<(NodeId, f32)> {
+    /// Returns how far from the origin of the world anything gets, for each node the farthest of
+    /// what is within `distances` of its origin, which may be infinite; negative where there is
+    /// nothing. Answers the node on which the farthest hangs, and how far that is. Takes as long as
+    /// the rig is large.
+    pub fn farthest(&self, rig: &Rig, distances: &[f32]) -> Option<(RigNodeId, f32)> {
         // Of what hangs on a node, in its own space: the farthest, and whose it is.
-        let mut hanging: Vec<Option<(f32, NodeId)>> = (0..rig.nodes().len() as u32)
+        let mut hanging: Vec<Option<(f32, RigNodeId)>> = (0..rig.nodes().len() as u32)
             .map(|id| {
                 let distance = distances.get(id as usize).filter(|distance| **distance >= 0.0)?;
-                Some((*distance, NodeId(id)))
+                Some((*distance, RigNodeId(id)))
             })
             .collect();
-        let mut farthest: Option<(f32, NodeId)> = None;
+        let mut farthest: Option<(f32, RigNodeId)> = None;
         for node in rig.order().iter().rev() {
             let Some((distance, whose)) = hanging.get(node.0 as usize).copied().flatten() else {
                 continue;
@@ -141,10 +145,11 @@ impl Extents {
         farthest.map(|(distance, whose)| (whose, distance * ROUNDING))
     }
 
-    /// Returns a box that nothing leaves that hangs on a skeleton, whatever plays: the sum of the lengths of the chains
-    /// above it. `boxes` has for each joint, by its number in the skin, the box of what follows it in the
-    /// space of the mesh. Around the origin of the [skeleton's space](Skeleton::space); infinite or larger
-    /// than anything can be where it reaches that far. Takes as long as there are boxes and bones.
+    /// Returns a box that nothing leaves that hangs on a skeleton, whatever plays: the sum of the
+    /// lengths of the chains above it. `boxes` has for each joint, by its number in the skin, the
+    /// box of what follows it in the space of the mesh. Around the origin of the [skeleton's
+    /// space](Skeleton::space); infinite or larger than anything can be where it reaches that far.
+    /// Takes as long as there are boxes and bones.
     pub fn reach(&self, skeleton: &Skeleton, boxes: impl IntoIterator<Item = (u16, Aabb)>) -> Aabb {
         let mut hanging = vec![f32::NEG_INFINITY; skeleton.bones.len()];
         let mut farthest = 0.0_f32;
@@ -178,11 +183,12 @@ impl Extents {
     }
 }
 
-/// The least and the largest weight of each morph target of nodes, in any clip, any mix of clips, and at rest.
+/// The least and the largest weight of each morph target of nodes, in any clip, any mix of clips,
+/// and at rest.
 #[derive(Clone, Debug, Default)]
 pub struct WeightRanges {
     /// Of the nodes whose weights clips change.
-    nodes: HashMap<NodeId, Vec<[f32; 2]>>,
+    nodes: HashMap<RigNodeId, Vec<[f32; 2]>>,
 }
 
 impl WeightRanges {
@@ -204,7 +210,7 @@ impl WeightRanges {
     }
 
     /// Returns those of a node's targets.
-    pub fn of(&self, rig: &Rig, node: NodeId) -> Cow<'_, [[f32; 2]]> {
+    pub fn of(&self, rig: &Rig, node: RigNodeId) -> Cow<'_, [[f32; 2]]> {
         match self.nodes.get(&node) {
             Some(ranges) => ranges.into(),
             None => at_rest(rig, node).into(),
@@ -212,7 +218,7 @@ impl WeightRanges {
     }
 }
 
-fn at_rest(rig: &Rig, node: NodeId) -> Vec<[f32; 2]> {
+fn at_rest(rig: &Rig, node: RigNodeId) -> Vec<[f32; 2]> {
     let weights = rig.nodes().get(node.0 as usize).map(|node| node.weights.as_slice());
     weights.unwrap_or_default().iter().map(|weight| [*weight; 2]).collect()
 }

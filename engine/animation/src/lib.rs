@@ -1,11 +1,12 @@
-//! How a scene moves: a rig of nodes, clips that play on it, poses, skins and morph targets. Pure values: time
-//! in, poses out. It reads no clock, knows no file format and no GPU, never panics, and allocates nothing per
-//! frame once its vectors have grown.
+//! How a scene moves: a rig of nodes, clips that play on it, poses, skins and morph targets. Pure
+//! values: time in, poses out. It reads no clock, knows no file format and no GPU, never panics,
+//! and allocates nothing per frame once its vectors have grown.
 //!
-//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check what plays, [`Skeleton::new`] what hangs, and
-//! [`Extents`] finds how far anything can get. In each frame: [`Player::pose_at`] gives the pose, [`Rig::update_world`] the
-//! world transforms of what moves, [`Skeleton::joint_matrices`] what skinned vertices follow,
-//! [`Pose::weights`] what morphed ones do.
+//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check what plays, [`Skeleton::new`]
+//! what hangs, and [`Extents`] finds how far anything can get. In each frame: [`Player::pose_at`]
+//! gives the pose, [`Rig::update_world`] the world transforms of what moves,
+//! [`Skeleton::joint_matrices`] what skinned vertices follow, [`Pose::weights`] what morphed ones
+//! do.
 //!
 //! ```
 //! use antumbra_animation::*;
@@ -14,9 +15,9 @@
 //! // An arm of two bones: the upper one on the ground, the lower one a metre above.
 //! let rest = |y| Rest::Parts(Trs { translation: Vec3::Y * y, ..Trs::IDENTITY });
 //! let node = |name: &str, parent, y| {
-//!     Node { name: name.into(), parent, rest: rest(y), weights: Vec::new() }
+//!     RigNode { name: name.into(), parent, rest: rest(y), weights: Vec::new() }
 //! };
-//! let rig = Rig::new(vec![node("upper", None, 0.0), node("lower", Some(NodeId(0)), 1.0)])?;
+//! let rig = Rig::new(vec![node("upper", None, 0.0), node("lower", Some(RigNodeId(0)), 1.0)])?;
 //!
 //! // In one clip it bends to the left within a second, in another it jumps up.
 //! let bent = Quat::from_rotation_z(1.5);
@@ -33,18 +34,18 @@
 //!     0,
 //! )?;
 //! let clips = [
-//!     Clip::new("bend".into(), vec![Channel { node: NodeId(1), track: bend }], &rig)?,
-//!     Clip::new("jump".into(), vec![Channel { node: NodeId(0), track: jump }], &rig)?,
+//!     Clip::new("bend".into(), vec![Channel { node: RigNodeId(1), track: bend }], &rig)?,
+//!     Clip::new("jump".into(), vec![Channel { node: RigNodeId(0), track: jump }], &rig)?,
 //! ];
 //!
 //! // A skin of one vertex at its tip. The object it belongs to hangs on the upper bone, so a jump is in the
 //! // object's transform and not in its box.
 //! let skin = Skin {
-//!     joints: vec![NodeId(0), NodeId(1)],
+//!     joints: vec![RigNodeId(0), RigNodeId(1)],
 //!     inverse_bind: vec![Affine3A::IDENTITY, Affine3A::from_translation(Vec3::NEG_Y)],
 //! };
 //! let skeleton = Skeleton::new(&rig, &skin, &[])?;
-//! assert_eq!(skeleton.space(), Some(NodeId(0)));
+//! assert_eq!(skeleton.space(), Some(RigNodeId(0)));
 //! assert!(skeleton.is_moved_by(&clips[0]) && !skeleton.is_moved_by(&clips[1]));
 //! let tip = Vec3::new(0.0, 2.0, 0.0);
 //! let reach = Extents::new(&rig, &clips).reach(&skeleton, [(1, cull::Aabb::new(tip, tip))]);
@@ -86,6 +87,6 @@ pub use clip::{Channel, Clip, Interpolation, Track, Values};
 pub use extents::{Extents, WeightRanges};
 pub use player::{ClipId, LayerId, Playback, Player, Repeat, Workspace};
 pub use pose::Pose;
-pub use rig::{Node, NodeId, Rest, Rig, RigError, Trs};
+pub use rig::{Rest, Rig, RigError, RigNode, RigNodeId, Trs};
 pub use skeleton::{Skeleton, SkinError};
 pub use skin::Skin;

@@ -35,12 +35,12 @@ pub struct Playback {
 }
 
 impl Playback {
-    /// A clip that plays again and again from now on, as fast as it is.
+    /// Returns a clip that plays again and again from now on, as fast as it is.
     pub fn looped(clip: ClipId, now_s: f64) -> Self {
         Self { clip, start_s: now_s, speed: 1.0, repeat: Repeat::Loop }
     }
 
-    /// Which moment of a clip of this duration it shows.
+    /// Returns which moment of a clip of this duration it shows.
     pub fn time_s(&self, duration_s: f32, now_s: f64) -> f32 {
         let duration = f64::from(duration_s);
         let played_s = (now_s - self.start_s).max(0.0) * f64::from(self.speed);
@@ -79,11 +79,12 @@ impl Voice {
     }
 }
 
-/// Which clips play. A **layer** is one clip, or several that fade from one to the next; what one of these does
-/// not move fades from or to rest. Layers play at once, and where two move the same property, the later wins.
+/// Which clips play. A **layer** is one clip, or several that fade from one to the next; what one
+/// of these does not move fades from or to rest. Layers play at once, and where two move the same
+/// property, the later wins.
 ///
-/// It is a value: the pose depends on it and on the time alone, in whatever order times are asked for, from
-/// the last change on.
+/// It is a value: the pose depends on it and on the time alone, in whatever order times are asked
+/// for, from the last change on.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Player {
     layers: Vec<Vec<Voice>>,
@@ -117,14 +118,15 @@ impl Player {
         LayerId(self.layers.len().saturating_sub(1) as u32)
     }
 
-    /// From what plays in a layer to another clip, from `now_s` on, in `fade_s` seconds. Until then the
-    /// layer is as it was; what is faded over by others for good is forgotten. An unknown layer stays unknown.
+    /// From what plays in a layer to another clip, from `now_s` on, in `fade_s` seconds. Until then
+    /// the layer is as it was; what is faded over by others for good is forgotten. An unknown layer
+    /// stays unknown.
     pub fn cross_fade(&mut self, layer: LayerId, to: Playback, now_s: f64, fade_s: f32) {
         self.add(layer, now_s, Voice { playback: to, fade_start_s: now_s, fade_s, weight: 1.0 });
     }
 
-    /// Mixes another clip into a layer, with a weight from 0 to 1 that stays: 0 is all that was there, 1 all
-    /// of the clip.
+    /// Mixes another clip into a layer, with a weight from 0 to 1 that stays: 0 is all that was
+    /// there, 1 all of the clip.
     pub fn mix(&mut self, layer: LayerId, with: Playback, now_s: f64, weight: f32) {
         let weight = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         self.add(layer, now_s, Voice { playback: with, fade_start_s: now_s, fade_s: 0.0, weight });
@@ -145,7 +147,7 @@ impl Player {
         }
     }
 
-    /// The clips that have a part in the pose at a time, some perhaps twice.
+    /// Returns the clips that have a part in the pose at a time, some perhaps twice.
     pub fn playing(&self, now_s: f64) -> impl Iterator<Item = ClipId> {
         let heard = move |voices: &Vec<Voice>| first_heard(voices, now_s);
         let voices = self.layers.iter().flat_map(move |voices| voices.iter().skip(heard(voices)));
@@ -153,8 +155,9 @@ impl Player {
         parts.map(|voice| voice.playback.clip)
     }
 
-    /// The pose at a time: `pose` goes back to rest, then each layer sets what its clips move. Clips that are
-    /// not there move nothing. The work goes with what moves and has moved last, not with the rig.
+    /// The pose at a time: `pose` goes back to rest, then each layer sets what its clips move.
+    /// Clips that are not there move nothing. The work goes with what moves and has moved last, not
+    /// with the rig.
     pub fn pose_at(
         &self,
         rig: &Rig,
@@ -187,7 +190,7 @@ impl Player {
     }
 }
 
-/// The last of a layer's voices that leaves nothing of those before it, or the first.
+/// Returns the last of a layer's voices that leaves nothing of those before it, or the first.
 fn first_heard(voices: &[Voice], now_s: f64) -> usize {
     voices.iter().rposition(|voice| voice.covers(now_s)).unwrap_or(0)
 }

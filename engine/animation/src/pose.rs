@@ -3,23 +3,23 @@
 use glam::{Affine3A, Vec4};
 
 use crate::clip::{Channel, Clip, Values};
-use crate::rig::{NodeId, Rest, Rig, Trs};
+use crate::rig::{Rest, Rig, RigNodeId, Trs};
 use crate::sample::unit;
 
-/// The parts of all nodes and their morph targets' weights. It knows which nodes have been moved, so that
-/// work goes with them and not with the rig.
+/// The parts of all nodes and their morph targets' weights. It knows which nodes have been moved,
+/// so that work goes with them and not with the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     parts: Vec<Trs>,
     weights: Vec<f32>,
     /// Where each node's weights begin, and where the last one's end.
     first_weight: Vec<usize>,
-    moved: Vec<NodeId>,
+    moved: Vec<RigNodeId>,
     is_moved: Vec<bool>,
 }
 
 impl Pose {
-    /// The rig at rest.
+    /// Creates the rig at rest.
     pub fn new(rig: &Rig) -> Self {
         let nodes = rig.nodes();
         let mut weights = Vec::new();
@@ -60,32 +60,32 @@ impl Pose {
         self.moved = moved;
     }
 
-    /// The nodes that have been moved since it was at rest, in no order.
-    pub fn moved(&self) -> &[NodeId] {
+    /// Returns the nodes that have been moved since it was at rest, in no order.
+    pub fn moved(&self) -> &[RigNodeId] {
         &self.moved
     }
 
-    /// Where a node is in its parent; `None` for what is not there. A node that is placed by a matrix
-    /// has no parts of its own.
-    pub fn parts(&self, node: NodeId) -> Option<&Trs> {
+    /// Returns where a node is in its parent; `None` for what is not there. A node that is placed
+    /// by a matrix has no parts of its own.
+    pub fn parts(&self, node: RigNodeId) -> Option<&Trs> {
         self.parts.get(node.0 as usize)
     }
 
-    /// A node's morph targets' weights; empty if it has none.
-    pub fn weights(&self, node: NodeId) -> &[f32] {
+    /// Returns a node's morph targets' weights; empty if it has none.
+    pub fn weights(&self, node: RigNodeId) -> &[f32] {
         self.weight_range(node).and_then(|range| self.weights.get(range)).unwrap_or_default()
     }
 
     /// From a node's space to its parent's.
-    pub fn local(&self, rig: &Rig, node: NodeId) -> Affine3A {
+    pub fn local(&self, rig: &Rig, node: RigNodeId) -> Affine3A {
         match rig.nodes().get(node.0 as usize).map(|node| node.rest) {
             Some(Rest::Matrix(matrix)) => matrix,
             _ => self.parts(node).copied().unwrap_or(Trs::IDENTITY).to_affine(),
         }
     }
 
-    /// What a clip moves goes to where it is at `time_s`, which is clamped to the clip's ends. What it does
-    /// not move stays.
+    /// What a clip moves goes to where it is at `time_s`, which is clamped to the clip's ends. What
+    /// it does not move stays.
     pub fn sample(&mut self, clip: &Clip, time_s: f32) {
         for Channel { node, track } in &clip.channels {
             self.mark(*node);
@@ -110,9 +110,9 @@ impl Pose {
         }
     }
 
-    /// Goes from this pose to another of the same rig: 0 is this one, 1 the other. Rotations take the
-    /// shorter arc, along its chord ("nlerp"): unlike slerp this keeps every mix of any number of poses
-    /// in the cone that their rotations span, which is what bounds of blends are made of.
+    /// Goes from this pose to another of the same rig: 0 is this one, 1 the other. Rotations take
+    /// the shorter arc, along its chord ("nlerp"): unlike slerp this keeps every mix of any number
+    /// of poses in the cone that their rotations span, which is what bounds of blends are made of.
     pub fn blend(&mut self, other: &Self, weight: f32) {
         let weight = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         for node in &other.moved {
@@ -151,19 +151,19 @@ impl Pose {
         }
     }
 
-    fn mark(&mut self, node: NodeId) {
+    fn mark(&mut self, node: RigNodeId) {
         if let Some(is_moved @ false) = self.is_moved.get_mut(node.0 as usize) {
             *is_moved = true;
             self.moved.push(node);
         }
     }
 
-    fn weight_range(&self, node: NodeId) -> Option<std::ops::Range<usize>> {
+    fn weight_range(&self, node: RigNodeId) -> Option<std::ops::Range<usize>> {
         let index = node.0 as usize;
         Some(*self.first_weight.get(index)?..*self.first_weight.get(index.checked_add(1)?)?)
     }
 
-    fn weights_mut(&mut self, node: NodeId) -> &mut [f32] {
+    fn weights_mut(&mut self, node: RigNodeId) -> &mut [f32] {
         let range = self.weight_range(node);
         range.and_then(|range| self.weights.get_mut(range)).unwrap_or_default()
     }

@@ -4,7 +4,7 @@ use glam::{Affine3A, Quat, Vec3};
 
 /// Names a node of a rig: an index into its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct NodeId(pub u32);
+pub struct RigNodeId(pub u32);
 
 /// A transform in parts: scaled first, then turned, then moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,11 +28,11 @@ pub enum Rest {
 
 /// Something that has a place.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Node {
+pub struct RigNode {
     /// What it is, for people.
     pub name: String,
     /// In whose space it is; `None` in the world's.
-    pub parent: Option<NodeId>,
+    pub parent: Option<RigNodeId>,
     /// Where it is there at rest.
     pub rest: Rest,
     /// Its morph targets' weights at rest; empty if it has none.
@@ -61,39 +61,44 @@ pub enum RigError {
 /// Nodes, and an order in which parents come before their children.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig {
-    nodes: Vec<Node>,
-    order: Vec<NodeId>,
+    nodes: Vec<RigNode>,
+    order: Vec<RigNodeId>,
     /// Where each node is in the order.
     places: Vec<u32>,
 }
 
 impl Rig {
-    /// A rig of these nodes, in time proportional to their number, however deep they are.
+    /// Creates a rig of these nodes, in time proportional to their number, however deep they are.
     ///
     /// # Errors
     /// A parent that is not there; nodes that are their own ancestors.
-    pub fn new(nodes: Vec<Node>) -> Result<Self, RigError> {
-        let is_after_parent = |(place, node): (usize, &Node)| {
+    pub fn new(nodes: Vec<RigNode>) -> Result<Self, RigError> {
+        let is_after_parent = |(place, node): (usize, &RigNode)| {
             node.parent.is_none_or(|parent| (parent.0 as usize) < place)
         };
         if nodes.iter().enumerate().all(is_after_parent) {
             let places: Vec<u32> = (0..nodes.len() as u32).collect();
-            return Ok(Self { nodes, order: places.iter().copied().map(NodeId).collect(), places });
+            return Ok(Self {
+                nodes,
+                order: places.iter().copied().map(RigNodeId).collect(),
+                places,
+            });
         }
-        // The first child of each node, and the next child of its parent: lists without a vector each.
-        let mut first: Vec<Option<NodeId>> = vec![None; nodes.len()];
-        let mut next: Vec<Option<NodeId>> = vec![None; nodes.len()];
+        // The first child of each node, and the next child of its parent: lists without a vector
+        // each.
+        let mut first: Vec<Option<RigNodeId>> = vec![None; nodes.len()];
+        let mut next: Vec<Option<RigNodeId>> = vec![None; nodes.len()];
         let mut order = Vec::with_capacity(nodes.len());
         for (place, node) in nodes.iter().enumerate().rev() {
-            let id = NodeId(place as u32);
+            let id = RigNodeId(place as u32);
             let Some(parent) = node.parent else { continue };
             let Some(first) = first.get_mut(parent.0 as usize) else {
                 return Err(RigError::NoParent { node: id.0, parent: parent.0 });
             };
             next[place] = first.replace(id);
         }
-        let is_root = |(_, node): &(NodeId, &Node)| node.parent.is_none();
-        order.extend((0..).map(NodeId).zip(&nodes).filter(is_root).map(|(id, _)| id));
+        let is_root = |(_, node): &(RigNodeId, &RigNode)| node.parent.is_none();
+        order.extend((0..).map(RigNodeId).zip(&nodes).filter(is_root).map(|(id, _)| id));
         let mut done = 0;
         while let Some(node) = order.get(done) {
             let mut child = first[node.0 as usize].take();
@@ -118,17 +123,17 @@ impl Rig {
     }
 
     /// Its nodes, by their ids.
-    pub fn nodes(&self) -> &[Node] {
+    pub fn nodes(&self) -> &[RigNode] {
         &self.nodes
     }
 
-    /// All nodes, parents before their children.
-    pub fn order(&self) -> &[NodeId] {
+    /// Returns all nodes, parents before their children.
+    pub fn order(&self) -> &[RigNodeId] {
         &self.order
     }
 
-    /// Where a node is in the order; after all others if it is not there.
-    pub(crate) fn place_of(&self, node: NodeId) -> u32 {
+    /// Returns where a node is in the order; after all others if it is not there.
+    pub(crate) fn place_of(&self, node: RigNodeId) -> u32 {
         self.places.get(node.0 as usize).copied().unwrap_or(u32::MAX)
     }
 }
@@ -138,9 +143,9 @@ mod tests {
     use super::*;
 
     fn rig(parents: &[Option<u32>]) -> Result<Rig, RigError> {
-        let node = |parent: &Option<u32>| Node {
+        let node = |parent: &Option<u32>| RigNode {
             name: String::new(),
-            parent: parent.map(NodeId),
+            parent: parent.map(RigNodeId),
             rest: Rest::Matrix(Affine3A::IDENTITY),
             weights: Vec::new(),
         };
@@ -161,7 +166,7 @@ mod tests {
             assert_eq!(rig.order().len(), parents.len());
             for (place, node) in (0..).zip(rig.order()) {
                 assert_eq!(rig.place_of(*node), place);
-                let parent = parents[node.0 as usize].map(NodeId);
+                let parent = parents[node.0 as usize].map(RigNodeId);
                 assert!(parent.is_none_or(|parent| rig.place_of(parent) < place), "{parents:?}");
             }
         }

@@ -30,7 +30,7 @@ impl Mix for f32 {}
 impl Mix for Vec3 {}
 impl Mix for Vec4 {}
 
-/// A cubic Hermite spline with its tangents scaled by the length of its interval.
+/// Returns a cubic Hermite spline with its tangents scaled by the length of its interval.
 pub(crate) fn hermite<T: Mix>(from: T, leaving: T, arriving: T, to: T, t: f32) -> T {
     let (t2, t3) = (t * t, t * t * t);
     from * (2.0 * t3 - 3.0 * t2 + 1.0)
@@ -41,7 +41,8 @@ pub(crate) fn hermite<T: Mix>(from: T, leaving: T, arriving: T, to: T, t: f32) -
 
 /// From one rotation to another by the shorter arc, at constant speed.
 pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
-    /// From here on the sine of the angle is too small to divide by, and arc and chord are the same.
+    /// From here on the sine of the angle is too small to divide by, and arc and chord are the
+    /// same.
     const NEARLY_SAME: f32 = 0.9995;
     let cosine = from.dot(to);
     let to = if cosine < 0.0 { -to } else { to };
@@ -54,14 +55,14 @@ pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
     unit(mixed, from)
 }
 
-/// The rotation along these four numbers, or another where they have no direction.
+/// Returns the rotation along these four numbers, or another where they have no direction.
 pub(crate) fn unit(value: Vec4, otherwise: Quat) -> Quat {
     let length = value.length();
     if length > 1e-6 && length.is_finite() { Quat::from_vec4(value / length) } else { otherwise }
 }
 
 impl Track {
-    /// Where a time is among its keys; `None` without keys.
+    /// Returns where a time is among its keys; `None` without keys.
     pub(crate) fn place(&self, time_s: f32) -> Option<Place> {
         let next = self.times_s.partition_point(|key_s| *key_s <= time_s);
         let (Some(key), Some(to_s)) = (next.checked_sub(1), self.times_s.get(next)) else {
@@ -73,13 +74,14 @@ impl Track {
         Some(Place::Between { key, fraction, interval_s })
     }
 
-    /// A key's value among all values; the first of as many as there are targets for weights.
+    /// Returns a key's value among all values; the first of as many as there are targets for
+    /// weights.
     pub(crate) fn value<T: Copy>(&self, values: &[T], key: usize, stride: usize) -> Option<T> {
         self.part(values, key, 1, stride, 0)
     }
 
-    /// One of a key's three values (tangent in, value, tangent out), of one of `stride` targets. What is
-    /// not cubic has values alone.
+    /// Returns one of a key's three values (tangent in, value, tangent out), of one of `stride`
+    /// targets. What is not cubic has values alone.
     pub(crate) fn part<T: Copy>(
         &self,
         values: &[T],
@@ -110,12 +112,12 @@ impl Track {
         })
     }
 
-    /// A place or a scale at a time.
+    /// Returns a place or a scale at a time.
     pub(crate) fn vector_at(&self, values: &[Vec3], time_s: f32) -> Option<Vec3> {
         self.mixed(values, self.place(time_s)?, 1, 0)
     }
 
-    /// A rotation at a time; unit length.
+    /// Returns a rotation at a time; unit length.
     pub(crate) fn rotation_at(&self, values: &[Quat], time_s: f32) -> Option<Quat> {
         let place = self.place(time_s)?;
         let (key, t, interval_s) = match place {
@@ -150,14 +152,15 @@ impl Track {
 }
 
 impl Channel {
-    /// True if it moves its node rather than its morph targets' weights.
+    /// Returns true if it moves its node rather than its morph targets' weights.
     pub fn is_transform(&self) -> bool {
         !matches!(self.track.values, Values::Weights(_))
     }
 }
 
 impl Clip {
-    /// When its last key is, in seconds: how long it lasts. Who wants it to loop starts again after it.
+    /// Returns when its last key is, in seconds: how long it lasts. Who wants it to loop starts
+    /// again after it.
     pub fn duration_s(&self) -> f32 {
         let ends = self.channels.iter().filter_map(|channel| channel.track.times_s.last());
         ends.fold(0.0, |longest, end| longest.max(*end))

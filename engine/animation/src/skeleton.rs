@@ -6,7 +6,7 @@ use glam::Affine3A;
 
 use crate::clip::Clip;
 use crate::pose::Pose;
-use crate::rig::{NodeId, Rig};
+use crate::rig::{Rig, RigNodeId};
 use crate::skin::Skin;
 use crate::world::finite;
 
@@ -44,7 +44,7 @@ pub enum SkinError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bone {
     /// Which node.
-    pub node: NodeId,
+    pub node: RigNodeId,
     /// The bone it hangs on; `None` if it hangs on the space.
     pub parent: Option<usize>,
 }
@@ -60,29 +60,32 @@ pub(crate) struct Joint {
 
 /// A skin on its rig.
 ///
-/// The object that hangs on a skin belongs to no node of the file: glTF ignores the transform of the node
-/// that has the mesh. Here it belongs to the **deepest node that moves all joints** ([`Skeleton::space`],
-/// mostly the topmost joint): what that node and those above it do (running away, turning round) is in the
-/// object's transform, and joint matrices and boxes say only what happens relative to it. So boxes stay as
-/// small as the animation "in place". The matrices are products of local transforms from there down to each
-/// joint, so that no transform is ever inverted, and singular ones are as good as others.
+/// The object that hangs on a skin belongs to no node of the file: glTF ignores the transform of
+/// the node that has the mesh. Here it belongs to the **deepest node that moves all joints**
+/// ([`Skeleton::space`], mostly the topmost joint): what that node and those above it do (running
+/// away, turning round) is in the object's transform, and joint matrices and boxes say only what
+/// happens relative to it. So boxes stay as small as the animation "in place". The matrices are
+/// products of local transforms from there down to each joint, so that no transform is ever
+/// inverted, and singular ones are as good as others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
-    space: Option<NodeId>,
+    space: Option<RigNodeId>,
     /// Parents before children.
     pub(crate) bones: Vec<Bone>,
     /// The bone of each node that has one, by node.
-    bone_of: Vec<(NodeId, usize)>,
+    bone_of: Vec<(RigNodeId, usize)>,
     /// One for each joint of the skin; `None` if no vertex follows it.
     pub(crate) joints: Vec<Option<Joint>>,
 }
 
 impl Skeleton {
-    /// The skeleton of a skin, in time that goes with its bones and not with the rig. `is_used` says of each joint whether a vertex follows it: joints that move
-    /// nothing then neither pull [`Skeleton::space`] upwards nor cost time. Empty: all are used.
+    /// Creates the skeleton of a skin, in time that goes with its bones and not with the rig.
+    /// `is_used` says of each joint whether a vertex follows it: joints that move nothing then
+    /// neither pull [`Skeleton::space`] upwards nor cost time. Empty: all are used.
     ///
     /// # Errors
-    /// A skin without joints; joints that are no nodes; not one finite inverse bind matrix for each joint.
+    /// A skin without joints; joints that are no nodes; not one finite inverse bind matrix for each
+    /// joint.
     pub fn new(rig: &Rig, skin: &Skin, is_used: &[bool]) -> Result<Self, SkinError> {
         check(rig, skin)?;
         let uses = |joint: usize| is_used.get(joint).copied().unwrap_or(is_used.is_empty());
@@ -90,8 +93,8 @@ impl Skeleton {
         let (space, nodes) = between(rig, used.map(|(_, node)| *node));
         let mut bone_of: Vec<_> = (0..).zip(&nodes).map(|(bone, node)| (*node, bone)).collect();
         bone_of.sort_unstable();
-        let find = |node: NodeId| find(&bone_of, node);
-        let bone = |node: &NodeId| {
+        let find = |node: RigNodeId| find(&bone_of, node);
+        let bone = |node: &RigNodeId| {
             let parent = rig.nodes().get(node.0 as usize).and_then(|node| node.parent);
             Bone { node: *node, parent: parent.and_then(find) }
         };
@@ -104,36 +107,37 @@ impl Skeleton {
         Ok(Self { space, bones, bone_of, joints })
     }
 
-    /// The node whose world transform is the object's; `None` if the joints have no ancestor in common: then
-    /// the object's space is the world.
-    pub fn space(&self) -> Option<NodeId> {
+    /// Returns the node whose world transform is the object's; `None` if the joints have no
+    /// ancestor in common: then the object's space is the world.
+    pub fn space(&self) -> Option<RigNodeId> {
         self.space
     }
 
-    /// The bone that a node is.
-    pub(crate) fn bone_of(&self, node: NodeId) -> Option<usize> {
+    /// Returns the bone that a node is.
+    pub(crate) fn bone_of(&self, node: RigNodeId) -> Option<usize> {
         find(&self.bone_of, node)
     }
 
-    /// The nodes between its space and its joints, these among them, parents before children: what changes
-    /// the form of what hangs on it.
-    pub fn bones(&self) -> impl Iterator<Item = NodeId> {
+    /// Returns the nodes between its space and its joints, these among them, parents before
+    /// children: what changes the form of what hangs on it.
+    pub fn bones(&self) -> impl Iterator<Item = RigNodeId> {
         self.bones.iter().map(|bone| bone.node)
     }
 
-    /// How many matrices [`Skeleton::joint_matrices`] gives.
+    /// Returns how many matrices [`Skeleton::joint_matrices`] gives.
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
 
-    /// Whether a clip changes the form of what hangs on it, rather than only its place.
+    /// Returns true if a clip changes the form of what hangs on it, rather than only its place.
     pub fn is_moved_by(&self, clip: &Clip) -> bool {
         let mut moving = clip.channels.iter().filter(|channel| channel.is_transform());
         moving.any(|channel| self.bone_of(channel.node).is_some())
     }
 
-    /// For each joint the matrix from the mesh's space at rest to the object's: what vertices are multiplied
-    /// with. All are finite: what overflows becomes a point. Joints that are not used stay where they are.
+    /// For each joint the matrix from the mesh's space at rest to the object's: what vertices are
+    /// multiplied with. All are finite: what overflows becomes a point. Joints that are not used
+    /// stay where they are.
     pub fn joint_matrices(&self, rig: &Rig, pose: &Pose, matrices: &mut Vec<Affine3A>) {
         matrices.clear();
         self.bone_transforms(rig, pose, matrices);
@@ -158,18 +162,22 @@ impl Skeleton {
     }
 }
 
-/// The bone of a node in a sorted list.
-fn find(bone_of: &[(NodeId, usize)], node: NodeId) -> Option<usize> {
+/// Returns the bone of a node in a sorted list.
+fn find(bone_of: &[(RigNodeId, usize)], node: RigNodeId) -> Option<usize> {
     let place = bone_of.binary_search_by_key(&node, |(node, _)| *node).ok()?;
     bone_of.get(place).map(|(_, bone)| *bone)
 }
 
-/// The deepest node that moves all joints, and the nodes from there down to them, parents before children.
+/// Returns the deepest node that moves all joints, and the nodes from there down to them, parents
+/// before children.
 ///
-/// Whichever is last in the order of the rig has all below it behind it: the first one, from the last joint
-/// upwards, below which all of them are is the deepest.
-fn between(rig: &Rig, joints: impl Iterator<Item = NodeId>) -> (Option<NodeId>, Vec<NodeId>) {
-    let entry = |node: NodeId, joints: usize| (rig.place_of(node), node, joints);
+/// Whichever is last in the order of the rig has all below it behind it: the first one, from the
+/// last joint upwards, below which all of them are is the deepest.
+fn between(
+    rig: &Rig,
+    joints: impl Iterator<Item = RigNodeId>,
+) -> (Option<RigNodeId>, Vec<RigNodeId>) {
+    let entry = |node: RigNodeId, joints: usize| (rig.place_of(node), node, joints);
     let mut open: BinaryHeap<_> = joints.map(|node| entry(node, 1)).collect();
     let total = open.len();
     let mut bones = Vec::new();

@@ -4,7 +4,7 @@ use glam::{Affine3A, Quat, Vec3};
 
 use crate::clip::{Channel, Clip};
 use crate::pose::Pose;
-use crate::rig::{NodeId, Rig, Trs};
+use crate::rig::{Rig, RigNodeId, Trs};
 
 impl Trs {
     /// No change at all.
@@ -17,22 +17,24 @@ impl Trs {
     }
 }
 
-/// A product that overflowed becomes a point at the origin: nothing that is no number leaves this crate.
+/// Returns a product that overflowed becomes a point at the origin: nothing that is no number
+/// leaves this crate.
 pub(crate) fn finite(matrix: Affine3A) -> Affine3A {
     if matrix.is_finite() { matrix } else { Affine3A::ZERO }
 }
 
 impl Rig {
-    /// Where all nodes are in the world: from each node's space to the world's. All are finite; a node whose
-    /// transform overflows becomes a point at the origin.
+    /// Where all nodes are in the world: from each node's space to the world's. All are finite; a
+    /// node whose transform overflows becomes a point at the origin.
     pub fn world(&self, pose: &Pose, world: &mut Vec<Affine3A>) {
         world.clear();
         world.resize(self.nodes().len(), Affine3A::IDENTITY);
         self.update_world(self.order(), pose, world);
     }
 
-    /// The same for `moved` alone, which [`Rig::moved_by`] lists; the rest of `world` stays as it was.
-    pub fn update_world(&self, moved: &[NodeId], pose: &Pose, world: &mut [Affine3A]) {
+    /// The same for `moved` alone, which [`Rig::moved_by`] lists; the rest of `world` stays as it
+    /// was.
+    pub fn update_world(&self, moved: &[RigNodeId], pose: &Pose, world: &mut [Affine3A]) {
         for id in moved {
             let index = id.0 as usize;
             let parent = self.nodes().get(index).and_then(|node| node.parent);
@@ -45,10 +47,11 @@ impl Rig {
         }
     }
 
-    /// The nodes that change their place in the world when these clips play: those that they move and all
-    /// below, parents before children. Takes as long as the rig is large: ask once for a set of clips,
-    /// not each frame. When a clip has ended, its nodes must be updated once more, back to rest.
-    pub fn moved_by<'a>(&self, clips: impl IntoIterator<Item = &'a Clip>) -> Vec<NodeId> {
+    /// Returns the nodes that change their place in the world when these clips play: those that
+    /// they move and all below, parents before children. Takes as long as the rig is large: ask
+    /// once for a set of clips, not each frame. When a clip has ended, its nodes must be updated
+    /// once more, back to rest.
+    pub fn moved_by<'a>(&self, clips: impl IntoIterator<Item = &'a Clip>) -> Vec<RigNodeId> {
         let mut moves = vec![false; self.nodes().len()];
         let channels = clips.into_iter().flat_map(|clip| &clip.channels);
         for Channel { node, .. } in channels.filter(|channel| channel.is_transform()) {

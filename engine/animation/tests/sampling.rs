@@ -2,16 +2,16 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
-    Channel, Clip, ClipError, ClipId, Interpolation, Node, NodeId, Playback, Player, Pose, Repeat,
-    Rest, Rig, Track, TrackError, Trs, Values, Workspace,
+    Channel, Clip, ClipError, ClipId, Interpolation, Playback, Player, Pose, Repeat, Rest, Rig,
+    RigNode, RigNodeId, Track, TrackError, Trs, Values, Workspace,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 
-fn node(parent: Option<u32>, weights: usize) -> Node {
-    Node {
+fn node(parent: Option<u32>, weights: usize) -> RigNode {
+    RigNode {
         name: String::new(),
-        parent: parent.map(NodeId),
+        parent: parent.map(RigNodeId),
         rest: Rest::Parts(Trs::IDENTITY),
         weights: vec![0.0; weights],
     }
@@ -19,7 +19,7 @@ fn node(parent: Option<u32>, weights: usize) -> Node {
 
 fn rig() -> Rig {
     let fixed =
-        Node { rest: Rest::Matrix(Affine3A::from_scale(Vec3::splat(2.0))), ..node(None, 0) };
+        RigNode { rest: Rest::Matrix(Affine3A::from_scale(Vec3::splat(2.0))), ..node(None, 0) };
     Rig::new(vec![node(None, 0), node(Some(0), 2), fixed, node(Some(2), 0)]).unwrap()
 }
 
@@ -28,13 +28,13 @@ fn track(interpolation: Interpolation, times_s: &[f32], values: Values) -> Track
 }
 
 fn clip(node: u32, track: Track) -> Clip {
-    Clip::new("clip".into(), vec![Channel { node: NodeId(node), track }], &rig()).unwrap()
+    Clip::new("clip".into(), vec![Channel { node: RigNodeId(node), track }], &rig()).unwrap()
 }
 
 fn sampled(clip: &Clip, node: u32, time_s: f32) -> Trs {
     let mut pose = Pose::new(&rig());
     pose.sample(clip, time_s);
-    *pose.parts(NodeId(node)).unwrap()
+    *pose.parts(RigNodeId(node)).unwrap()
 }
 
 #[test]
@@ -73,9 +73,9 @@ fn weights_go_by_key_and_target() {
     let clip = clip(1, track(Interpolation::Linear, &[0.0, 1.0], weights));
     let mut pose = Pose::new(&rig());
     pose.sample(&clip, 0.25);
-    assert_eq!(pose.weights(NodeId(1)), [0.25, 0.75]);
+    assert_eq!(pose.weights(RigNodeId(1)), [0.25, 0.75]);
     pose.reset(&rig());
-    assert_eq!((pose.weights(NodeId(1)), pose.moved()), ([0.0, 0.0].as_slice(), [].as_slice()));
+    assert_eq!((pose.weights(RigNodeId(1)), pose.moved()), ([0.0, 0.0].as_slice(), [].as_slice()));
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn what_is_no_clip_is_refused_with_the_reason() {
 
     let of = |nodes: &[u32]| {
         let channel = |node: &u32| Channel {
-            node: NodeId(*node),
+            node: RigNodeId(*node),
             track: track(Interpolation::Linear, &[0.0], places(1)),
         };
         Clip::new("clip".into(), nodes.iter().map(channel).collect(), &rig()).map(|_| ())
@@ -113,7 +113,7 @@ fn what_is_no_clip_is_refused_with_the_reason() {
     assert_eq!(of(&[0, 0]), Err(ClipError::Twice { channel: 1, node: 0 }));
     assert_eq!(of(&[2]), Err(ClipError::Matrix { channel: 0, node: 2 }));
     let weights = track(Interpolation::Linear, &[0.0], Values::Weights(vec![0.0; 2]));
-    let channel = Channel { node: NodeId(0), track: weights };
+    let channel = Channel { node: RigNodeId(0), track: weights };
     let error = Clip::new("clip".into(), vec![channel], &rig()).unwrap_err();
     assert_eq!(error, ClipError::NoTargets { channel: 0, node: 0 });
 }
@@ -147,7 +147,7 @@ fn players_fade_and_later_layers_win() {
     player.cross_fade(layer, Playback::looped(ClipId(1), 6.0), 6.0, 2.0);
     let mut places = |player: &Player, now_s| {
         player.pose_at(&rig, &clips, now_s, &mut workspace, &mut pose);
-        [0, 1].map(|node| pose.parts(NodeId(node)).unwrap().translation)
+        [0, 1].map(|node| pose.parts(RigNodeId(node)).unwrap().translation)
     };
     // Times may be asked for in any order.
     assert_eq!(places(&player, 8.0), [Vec3::ZERO, Vec3::Y]);
@@ -204,7 +204,7 @@ proptest! {
         let blended = |a, b, weight| {
             let mut from: Pose = pose(a);
             from.blend(&pose(b), weight);
-            from.parts(NodeId(0)).unwrap().rotation
+            from.parts(RigNodeId(0)).unwrap().rotation
         };
         prop_assert!(blended(a, b, 0.0).dot(a).abs() > 0.9999);
         prop_assert!(blended(a, b, 1.0).dot(b).abs() > 0.9999);

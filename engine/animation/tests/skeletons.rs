@@ -1,19 +1,19 @@
-//! Where objects with skins hang and how far they reach, with a rig made by hand: two legs of three bones that
-//! walk and run.
+//! Where objects with skins hang and how far they reach, with a rig made by hand: two legs of three
+//! bones that walk and run.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
-    Channel, Clip, Extents, Interpolation, Node, NodeId, Pose, Rest, Rig, Skeleton, Skin,
+    Channel, Clip, Extents, Interpolation, Pose, Rest, Rig, RigNode, RigNodeId, Skeleton, Skin,
     SkinError, Track, Trs, Values, WeightRanges,
 };
 use cull::Aabb;
 use glam::{Affine3A, Quat, Vec3};
 
-/// A root that walks away, below it hips, below them two legs: thighs, shins and feet.
+/// Returns a root that walks away, below it hips, below them two legs: thighs, shins and feet.
 fn rig() -> Rig {
-    let node = |parent: Option<u32>, translation| Node {
+    let node = |parent: Option<u32>, translation| RigNode {
         name: String::new(),
-        parent: parent.map(NodeId),
+        parent: parent.map(RigNodeId),
         rest: Rest::Parts(Trs { translation, ..Trs::IDENTITY }),
         weights: Vec::new(),
     };
@@ -33,7 +33,7 @@ fn skin(rig: &Rig) -> Skin {
     let mut world = Vec::new();
     rig.world(&Pose::new(rig), &mut world);
     let bind = |node: u32| world[node as usize].inverse();
-    Skin { joints: JOINTS.map(NodeId).to_vec(), inverse_bind: JOINTS.map(bind).to_vec() }
+    Skin { joints: JOINTS.map(RigNodeId).to_vec(), inverse_bind: JOINTS.map(bind).to_vec() }
 }
 
 /// Legs that swing by an angle, knees that bend by another, while the root goes far away.
@@ -52,7 +52,7 @@ fn gait(rig: &Rig, duration_s: f32, swing: f32, bend: f32) -> Clip {
         moves.push((thigh + 2, turn(phase + 2.0, bend * 0.5, 0.0)));
     }
     let channels = moves.into_iter().map(|(node, values)| Channel {
-        node: NodeId(node),
+        node: RigNodeId(node),
         track: Track { interpolation: Interpolation::Linear, times_s: times_s.clone(), values },
     });
     Clip::new("gait".into(), channels.collect(), rig).unwrap()
@@ -79,15 +79,17 @@ fn objects_hang_on_the_deepest_node_that_moves_all_joints() {
 
 #[test]
 fn roots_without_an_ancestor_in_common_hang_on_the_world() {
-    let node = |x| Node {
+    let node = |x| RigNode {
         name: String::new(),
         parent: None,
         rest: Rest::Parts(Trs { translation: Vec3::X * x, ..Trs::IDENTITY }),
         weights: Vec::new(),
     };
     let rig = Rig::new(vec![node(1.0), node(2.0)]).unwrap();
-    let skin =
-        Skin { joints: vec![NodeId(0), NodeId(1)], inverse_bind: vec![Affine3A::IDENTITY; 2] };
+    let skin = Skin {
+        joints: vec![RigNodeId(0), RigNodeId(1)],
+        inverse_bind: vec![Affine3A::IDENTITY; 2],
+    };
     let skeleton = Skeleton::new(&rig, &skin, &[]).unwrap();
     assert_eq!(skeleton.space(), None);
     let mut matrices = Vec::new();
@@ -99,7 +101,7 @@ fn roots_without_an_ancestor_in_common_hang_on_the_world() {
 fn what_is_no_skin_is_refused_with_the_reason() {
     let rig = rig();
     let of = |joints: Vec<u32>, inverse_bind| {
-        let joints = joints.into_iter().map(NodeId).collect();
+        let joints = joints.into_iter().map(RigNodeId).collect();
         Skeleton::new(&rig, &Skin { joints, inverse_bind }, &[]).map(|_| ()).unwrap_err()
     };
     let still = Affine3A::IDENTITY;
@@ -114,7 +116,8 @@ fn what_is_no_skin_is_refused_with_the_reason() {
 fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
     let rig = rig();
     let skeleton = Skeleton::new(&rig, &skin(&rig), &[]).unwrap();
-    // A sole around the left foot, which is joint 3 and 1 below the hips, and something around the hips.
+    // A sole around the left foot, which is joint 3 and 1 below the hips, and something around the
+    // hips.
     let around = |at: Vec3| Aabb::new(at - 0.1, at + 0.1);
     let boxes = [(3, around(Vec3::new(-0.2, 0.0, 0.0))), (0, around(Vec3::Y)), (99, Aabb::EMPTY)];
     let reach = |clips: &[Clip]| Extents::new(&rig, clips).reach(&skeleton, boxes).max;
@@ -124,7 +127,7 @@ fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
     assert_eq!(reach(&[gait(&rig, 1.0, 2.0, 0.3)]), still, "turning and running makes none longer");
     let grows = |node, values| {
         let track = Track { interpolation: Interpolation::Linear, times_s: vec![0.0, 1.0], values };
-        Clip::new("it".into(), vec![Channel { node: NodeId(node), track }], &rig).unwrap()
+        Clip::new("it".into(), vec![Channel { node: RigNodeId(node), track }], &rig).unwrap()
     };
     let stretched = grows(3, Values::Scale(vec![Vec3::ONE, Vec3::new(1.0, -3.0, 1.0)]));
     let longer = reach(std::slice::from_ref(&stretched)).x - still.x;
@@ -133,14 +136,14 @@ fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
     assert!((reach(&[torn]).x - still.x - 6.5).abs() < 0.02);
 }
 
-/// A chain of 60,000 bones is bounded in reasonable time, numbers that overflow have no usable box, and
-/// neither panics.
+/// A chain of 60,000 bones is bounded in reasonable time, numbers that overflow have no usable box,
+/// and neither panics.
 #[test]
 fn deep_and_wild_rigs_end() {
     let reach = |count: u32, scale: f32| {
-        let node = |id: u32| Node {
+        let node = |id: u32| RigNode {
             name: String::new(),
-            parent: id.checked_sub(1).map(NodeId),
+            parent: id.checked_sub(1).map(RigNodeId),
             rest: Rest::Parts(Trs {
                 translation: Vec3::X,
                 scale: Vec3::splat(scale),
@@ -150,7 +153,7 @@ fn deep_and_wild_rigs_end() {
         };
         let rig = Rig::new((0..count).map(node).collect()).unwrap();
         let skin = Skin {
-            joints: (0..count).map(NodeId).collect(),
+            joints: (0..count).map(RigNodeId).collect(),
             inverse_bind: vec![Affine3A::IDENTITY; count as usize],
         };
         let skeleton = Skeleton::new(&rig, &skin, &[]).unwrap();
@@ -167,7 +170,7 @@ fn deep_and_wild_rigs_end() {
 
 #[test]
 fn weights_are_between_the_least_and_the_largest_of_all_clips_and_the_rest() {
-    let node = |weights: &[f32]| Node {
+    let node = |weights: &[f32]| RigNode {
         name: String::new(),
         parent: None,
         rest: Rest::Parts(Trs::IDENTITY),
@@ -177,13 +180,14 @@ fn weights_are_between_the_least_and_the_largest_of_all_clips_and_the_rest() {
     let clip = |interpolation, values: &[f32]| {
         let values = Values::Weights(values.to_vec());
         let track = Track { interpolation, times_s: vec![0.0, 1.0], values };
-        Clip::new("it".into(), vec![Channel { node: NodeId(0), track }], &rig).unwrap()
+        Clip::new("it".into(), vec![Channel { node: RigNodeId(0), track }], &rig).unwrap()
     };
     let linear = clip(Interpolation::Linear, &[0.0, 0.0, 1.0, -2.0]);
     // It leaves 0 upwards by 3 a second, and may so be at 1 before it is at 0 again.
     let cubic =
         clip(Interpolation::Cubic, &[0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    let of = |clips: &[Clip], node| WeightRanges::new(&rig, clips).of(&rig, NodeId(node)).to_vec();
+    let of =
+        |clips: &[Clip], node| WeightRanges::new(&rig, clips).of(&rig, RigNodeId(node)).to_vec();
     assert_eq!(of(&[], 0), [[0.5, 0.5], [-0.5, -0.5]]);
     assert_eq!(of(std::slice::from_ref(&linear), 0), [[0.0, 1.0], [-2.0, 0.0]]);
     assert_eq!(of(std::slice::from_ref(&cubic), 0), [[0.0, 1.0], [-0.5, 0.0]]);

@@ -1,8 +1,9 @@
-//! A frame allocates nothing, and its work goes with what moves: two doors in a scene of 34,000 nodes.
+//! A frame allocates nothing, and its work goes with what moves: two doors in a scene of 34,000
+//! nodes.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
-    Channel, Clip, ClipId, Interpolation, Node, NodeId, Playback, Player, Pose, Rest, Rig,
+    Channel, Clip, ClipId, Interpolation, Playback, Player, Pose, Rest, Rig, RigNode, RigNodeId,
     Skeleton, Skin, Track, Trs, Values, Workspace,
 };
 use glam::{Affine3A, Quat, Vec3};
@@ -15,11 +16,11 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 const NODES: u32 = 34_000;
 
-/// Each tenth node hangs on none, the others on the one before.
+/// Returns each tenth node hangs on none, the others on the one before.
 fn rig() -> Rig {
-    let node = |id: u32| Node {
+    let node = |id: u32| RigNode {
         name: String::new(),
-        parent: id.checked_sub(1).filter(|_| !id.is_multiple_of(10)).map(NodeId),
+        parent: id.checked_sub(1).filter(|_| !id.is_multiple_of(10)).map(RigNodeId),
         rest: Rest::Parts(Trs { translation: Vec3::X, ..Trs::IDENTITY }),
         weights: vec![0.0; 2],
     };
@@ -32,7 +33,7 @@ fn turns(node: u32, rig: &Rig) -> Clip {
     let times_s = vec![0.0, 1.0, 2.0];
     let turn = Track { interpolation, times_s: times_s.clone(), values: Values::Rotation(turns) };
     let weights = Track { interpolation, times_s, values: Values::Weights(vec![0.5; 6]) };
-    let channel = |track| Channel { node: NodeId(node), track };
+    let channel = |track| Channel { node: RigNodeId(node), track };
     Clip::new("turns".into(), vec![channel(turn), channel(weights)], rig).unwrap()
 }
 
@@ -41,14 +42,14 @@ fn frames_allocate_nothing_and_touch_what_moves() {
     let rig = rig();
     let clips = [turns(5005, &rig), turns(20_008, &rig)];
     let skin = Skin {
-        joints: vec![NodeId(5005), NodeId(5009)],
+        joints: vec![RigNodeId(5005), RigNodeId(5009)],
         inverse_bind: vec![Affine3A::IDENTITY; 2],
     };
     let skeleton = Skeleton::new(&rig, &skin, &[]).unwrap();
     let moved = rig.moved_by(&clips);
     let mut sorted = moved.clone();
     sorted.sort();
-    assert_eq!(sorted, [5005, 5006, 5007, 5008, 5009, 20_008, 20_009].map(NodeId));
+    assert_eq!(sorted, [5005, 5006, 5007, 5008, 5009, 20_008, 20_009].map(RigNodeId));
 
     let mut player = Player::new();
     player.play(Playback::looped(ClipId(0), 0.0));

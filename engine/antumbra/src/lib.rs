@@ -1,8 +1,8 @@
-//! A Vulkan engine that draws only what can be seen, never waits for the GPU to find out, and never shows a
-//! wrong pixel.
+//! A Vulkan engine that draws only what can be seen, never waits for the GPU to find out, and never
+//! shows a wrong pixel.
 //!
-//! This crate is what programs depend on: the crates of the engine under their short names, and at its
-//! root what every program needs.
+//! This crate is what programs depend on: the crates of the engine under their short names, and at
+//! its root what every program needs.
 //!
 //! ```no_run
 //! use antumbra::scene::{Mesh, Scene};

@@ -8,7 +8,7 @@
 use std::cell::RefCell;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, ObjectId, Policy, Strategy, View,
+    Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, ObjectId, CullConfig, Strategy, View,
 };
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -80,7 +80,7 @@ impl Walk {
         let middle = (side(count) / 2) as f32 * PITCH_M;
         let mut walk = Self {
             hierarchy: Hierarchy::build(&houses(count)).unwrap(),
-            culler: Culler::new(Policy::default()),
+            culler: Culler::new(CullConfig::default()),
             plan: FramePlan::default(),
             camera: Camera {
                 eye: Vec3::new(middle - 0.5, 1.7, -20.0),

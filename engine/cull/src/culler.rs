@@ -7,18 +7,18 @@ use crate::cost::table::{BadCost, CostTable, SceneCosts};
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
 use crate::history::answers;
-use crate::history::record::{NodeState, Stamp};
+use crate::history::record::{FrameStamp, NodeState};
 use crate::history::records::History;
 use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
 use crate::plan::asking::Asking;
 use crate::plan::candidates::Scratch;
+use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::explain::{self, LeafExplanation, NodeHistory};
-use crate::plan::frame_plan::{Abilities, Answer, FramePlan, PlanStats, QueryKind, Tester};
+use crate::plan::frame_plan::{Answer, FramePlan, PlanStats, QueryKind, Tester, TesterSupport};
 use crate::plan::next_frame::NextFrame;
-use crate::plan::policy::Policy;
 use crate::plan::rounds::{self, Grouping};
-use crate::plan::shared_proxies::{self, Front};
+use crate::plan::shared_proxies::{self, SharedProxy};
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::{Knowledge, Walk};
 use crate::plan::{budget, occluders};
@@ -30,18 +30,18 @@ use crate::rng::SplitMix64;
 /// hierarchy by itself. What it believes never changes what is seen, only what that costs.
 #[derive(Debug)]
 pub struct Culler {
-    policy: Policy,
-    abilities: Abilities,
+    config: CullConfig,
+    testers: TesterSupport,
     history: History,
     next_frame: NextFrame,
     scratch: Scratch,
     grouping: Grouping,
-    fronts: Vec<Front>,
-    governor: Option<CostModel>,
+    fronts: Vec<SharedProxy>,
+    cost_model: Option<CostModel>,
     /// Samples of a query that count as none.
     neglected_samples: u32,
     /// The policy with what the governor made of it.
-    tuned: Policy,
+    tuned: CullConfig,
     /// Leaves that the last frame took as visible.
     visible: u32,
     rng: SplitMix64,
@@ -50,48 +50,48 @@ pub struct Culler {
     epoch: u64,
     /// Where the view looked in the last planned frame.
     forward: Option<Vec3>,
-    turned: Stamp,
+    turned: FrameStamp,
     /// How much coarser than wished the tests of the last frame were.
     coarseness: u32,
 }
 
 impl Culler {
-    /// A culler that knows nothing yet and has nothing but queries.
+    /// Creates a culler that knows nothing yet and has nothing but queries.
     #[must_use]
-    pub fn new(policy: Policy) -> Self {
-        Self::with_abilities(policy, Abilities::default())
+    pub fn new(config: CullConfig) -> Self {
+        Self::with_testers(config, TesterSupport::default())
     }
 
-    /// A culler that knows nothing yet, for a device that can do more than queries.
+    /// Creates a culler that knows nothing yet, for a device that can do more than queries.
     #[must_use]
-    pub fn with_abilities(policy: Policy, abilities: Abilities) -> Self {
+    pub fn with_testers(config: CullConfig, testers: TesterSupport) -> Self {
         Self {
-            policy,
-            abilities,
+            config,
+            testers,
             history: History::default(),
             next_frame: NextFrame::default(),
             scratch: Scratch::default(),
             grouping: Grouping::default(),
             fronts: Vec::new(),
-            governor: None,
+            cost_model: None,
             neglected_samples: 0,
-            tuned: policy,
+            tuned: config,
             visible: 0,
-            rng: SplitMix64::new(policy.seed),
+            rng: SplitMix64::new(config.seed),
             frame: FrameId(0),
             epoch: 0,
             forward: None,
-            turned: Stamp::NEVER,
+            turned: FrameStamp::NEVER,
             coarseness: 0,
         }
     }
 
-    /// Takes what shows no more than so many samples as hidden from now on (GPU Gems 2, 6.5.4): whoever
-    /// executes the plans leaves the leaves of such tests out. Above 0 the image is not exact, and
-    /// a query must count. For plans that are answered by queries: what is set by
+    /// Takes what shows no more than so many samples as hidden from now on (GPU Gems 2, 6.5.4):
+    /// whoever executes the plans leaves the leaves of such tests out. Above 0 the image is not
+    /// exact, and a query must count. For plans that are answered by queries: what is set by
     /// fragments counts nothing, and shows if it is not zero. [`Strategy::NextFrame`] goes by
     /// whether anything shows.
-    pub fn neglect(&mut self, samples: u32) {
+    pub fn set_sample_threshold(&mut self, samples: u32) {
         self.neglected_samples = samples;
     }
 
@@ -100,35 +100,35 @@ impl Culler {
     ///
     /// # Errors
     /// [`BadCost`] for prices that cannot be; the culler is then as it was.
-    pub fn govern(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
-        self.governor = Some(CostModel::new(table, scene)?);
+    pub fn set_costs(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
+        self.cost_model = Some(CostModel::new(table, scene)?);
         Ok(())
     }
 
-    /// What weighs costs against savings, if anything does.
+    /// Returns what weighs costs against savings, if anything does.
     #[must_use]
-    pub fn governor(&self) -> Option<&CostModel> {
-        self.governor.as_ref()
+    pub fn cost_model(&self) -> Option<&CostModel> {
+        self.cost_model.as_ref()
     }
 
-    /// The same, to tell it what frames took ([`CostModel::observe`]).
-    pub fn governor_mut(&mut self) -> Option<&mut CostModel> {
-        self.governor.as_mut()
+    /// Returns the same, to tell it what frames took ([`CostModel::observe`]).
+    pub fn cost_model_mut(&mut self) -> Option<&mut CostModel> {
+        self.cost_model.as_mut()
     }
 
-    /// The constants in use.
+    /// Returns the constants in use.
     #[must_use]
-    pub fn policy(&self) -> &Policy {
-        &self.policy
+    pub fn config(&self) -> &CullConfig {
+        &self.config
     }
 
-    /// The frame planned last; 0 before the first.
+    /// Returns the frame planned last; 0 before the first.
     #[must_use]
     pub fn frame(&self) -> FrameId {
         self.frame
     }
 
-    /// What is known of a node; unknown for a foreign id.
+    /// Returns what is known of a node; unknown for a foreign id.
     #[must_use]
     pub fn state(&self, node: NodeId) -> NodeState {
         self.history.record(node.0).state
@@ -136,24 +136,24 @@ impl Culler {
 
     /// Forgets everything; the next frame starts like the first, and answers to earlier ones are
     /// ignored. After a change that makes the past worthless, such as a new scene.
-    pub fn forget(&mut self) {
-        self.history.forget();
-        self.next_frame.forget();
+    pub fn reset(&mut self) {
+        self.history.reset();
+        self.next_frame.reset();
         self.epoch = self.frame.0;
-        self.turned = Stamp::NEVER;
+        self.turned = FrameStamp::NEVER;
         self.forward = None;
         self.coarseness = 0;
-        if let Some(governor) = &mut self.governor {
-            governor.forget();
+        if let Some(cost_model) = &mut self.cost_model {
+            cost_model.reset();
         }
     }
 
     /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that
-    /// fit nothing (a node that stood for something else, a frame to come, older than what is known)
-    /// are ignored.
+    /// fit nothing (a node that stood for something else, a frame to come, older than what is
+    /// known) are ignored.
     pub fn ingest(&mut self, hierarchy: &Hierarchy, answers: impl IntoIterator<Item = Answer>) {
         self.history.adopt(hierarchy);
-        let now = self.stamp(self.frame).unwrap_or(Stamp::NEVER);
+        let now = self.stamp(self.frame).unwrap_or(FrameStamp::NEVER);
         for Answer { tag, samples } in answers {
             if !hierarchy.is_same_since(tag.node, tag.generation) || tag.frame > self.frame {
                 continue;
@@ -164,18 +164,18 @@ impl Culler {
             self.next_frame.take(hierarchy, &tag, samples);
             let samples = match tag.kind {
                 // Told by fragments.
-                QueryKind::Part => samples,
+                QueryKind::Leaf => samples,
                 _ => samples.saturating_sub(self.neglected_samples),
             };
             let record = self.history.record(tag.node.0);
-            if let Some(governor) = self.governor.as_mut().filter(|_| record.answered < asked) {
-                governor.learn(tag.kind, record.state, record.doubt, samples > 0);
+            if let Some(cost_model) = self.cost_model.as_mut().filter(|_| record.answered < asked) {
+                cost_model.learn(tag.kind, record.state, record.retest_reason, samples > 0);
                 self.history.answered_assumed(tag.node.0);
             }
             answers::Ingest {
                 history: &mut self.history,
                 topology: &hierarchy.topology,
-                policy: &self.tuned,
+                config: &self.tuned,
                 rng: &mut self.rng,
                 now,
                 asked,
@@ -200,18 +200,18 @@ impl Culler {
             return self.next_frame.plan(hierarchy, view, plan);
         }
         let tester = self.tester(strategy);
-        let policy = self.tune(strategy, &mut plan.stats);
-        let costs = CostFilter::new(self.governor.as_ref(), strategy, tester, self.abilities);
-        let (scratch, has_parts) = (&mut self.scratch, self.abilities.parts);
+        let config = self.tune(strategy, &mut plan.stats);
+        let costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, self.testers);
+        let (scratch, has_parts) = (&mut self.scratch, self.testers.parts);
         let mut walk = Walk {
             hierarchy,
             view,
-            policy: &policy,
+            config: &config,
             knowledge: Knowledge::of(&self.history, strategy),
             now,
             can_flag: tester != Tester::Query,
             has_parts,
-            is_turning: self.turned.is_within(now, policy.turning_frames),
+            is_turning: self.turned.is_within(now, config.turning_frames),
             // What was needed last time is where to begin: each attempt is a walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
@@ -222,7 +222,7 @@ impl Culler {
         if let Some(costs) = &costs {
             costs.drop_unpaid(scratch, &walk, &mut plan.stats);
         }
-        let is_cut = occluders::is_cut(scratch, &policy);
+        let is_cut = occluders::is_cut(scratch, &config);
         if is_cut {
             occluders::draw_occluders(scratch, &walk, &mut plan.stats);
         }
@@ -232,7 +232,7 @@ impl Culler {
         Asking {
             hierarchy,
             view,
-            policy: &policy,
+            config: &config,
             history,
             rng,
             frame,
@@ -243,9 +243,9 @@ impl Culler {
         }
         .write(scratch, plan);
         if has_parts {
-            shared_proxies::share_proxies(plan, &scratch.tests, view, &policy, &mut self.fronts);
+            shared_proxies::share_proxies(plan, &scratch.tests, view, &config, &mut self.fronts);
         }
-        rounds::schedule(plan, tester, is_cut, &policy);
+        rounds::schedule(plan, tester, is_cut, &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(view, plan);
         }
@@ -254,7 +254,7 @@ impl Culler {
     }
 
     /// Begins the next frame and its plan.
-    fn begin(&mut self, hierarchy: &Hierarchy, plan: &mut FramePlan) -> Stamp {
+    fn begin(&mut self, hierarchy: &Hierarchy, plan: &mut FramePlan) -> FrameStamp {
         let now = self.advance();
         self.history.adopt(hierarchy);
         plan.clear(self.frame);
@@ -264,9 +264,9 @@ impl Culler {
     /// Keeps for the next frame what this one hoped for.
     fn note_prospect(&mut self, strategy: Strategy, visible: u32) {
         self.visible = visible;
-        if let Some(governor) = self.governor.as_mut().filter(|_| strategy.is_governed()) {
+        if let Some(cost_model) = self.cost_model.as_mut().filter(|_| strategy.uses_cost_model()) {
             let [saving_ns, break_ns] = self.scratch.prospect_ns;
-            governor.note_prospect(saving_ns, break_ns, visible);
+            cost_model.note_prospect(saving_ns, break_ns, visible);
         }
     }
 
@@ -287,8 +287,9 @@ impl Culler {
     #[must_use]
     pub fn node_history(&self, node: NodeId) -> NodeHistory {
         let record = self.history.record(node.0);
-        let frame =
-            |stamp: Stamp| Some(FrameId(self.epoch + stamp.frames()?)).filter(|frame| frame.0 > 0);
+        let frame = |stamp: FrameStamp| {
+            Some(FrameId(self.epoch + stamp.frames()?)).filter(|frame| frame.0 > 0)
+        };
         NodeHistory {
             state: record.state,
             since: frame(record.since),
@@ -297,8 +298,8 @@ impl Culler {
         }
     }
 
-    /// Explains what `plan`, made for `view` over the hierarchy as it is now, decided about an object.
-    /// `None` if there is no such object.
+    /// Explains what `plan`, made for `view` over the hierarchy as it is now, decided about an
+    /// object. `None` if there is no such object.
     #[must_use]
     pub fn explain(
         &self,
@@ -310,49 +311,49 @@ impl Culler {
         explain::explain(hierarchy, view, plan, object, |node| self.node_history(node))
     }
 
-    /// The constants for the next frame.
-    fn tune(&mut self, strategy: Strategy, stats: &mut PlanStats) -> Policy {
-        self.tuned = self.policy;
-        if let Some(governor) = self.governor.as_mut().filter(|_| strategy.is_governed()) {
-            governor.begin_frame(self.visible);
-            self.tuned = governor.tuned(&self.policy);
+    /// Returns the constants for the next frame.
+    fn tune(&mut self, strategy: Strategy, stats: &mut PlanStats) -> CullConfig {
+        self.tuned = self.config;
+        if let Some(cost_model) = self.cost_model.as_mut().filter(|_| strategy.uses_cost_model()) {
+            cost_model.begin_frame(self.visible);
+            self.tuned = cost_model.tuned(&self.config);
             stats.retest_interval_frames = self.tuned.retest_max;
         }
         self.tuned
     }
 
-    /// Who answers for a proxy.
+    /// Returns who answers for a proxy.
     fn tester(&self, strategy: Strategy) -> Tester {
         match strategy {
             Strategy::AntumbraQueries => Tester::Query,
-            Strategy::AntumbraCompute if self.abilities.compute => Tester::Compute,
-            _ if self.abilities.flags => Tester::Flag,
+            Strategy::AntumbraCompute if self.testers.compute => Tester::Compute,
+            _ if self.testers.flags => Tester::Flag,
             _ => Tester::Query,
         }
     }
 
     /// Begins the next frame.
-    fn advance(&mut self) -> Stamp {
+    fn advance(&mut self) -> FrameStamp {
         self.frame.0 = self.frame.0.saturating_add(1);
         if let Some(now) = self.stamp(self.frame) {
             return now;
         }
         // Two years at 60 Hz are over: stamps are 32 bits, so the past begins anew.
-        self.forget();
+        self.reset();
         self.epoch = self.frame.0.saturating_sub(1);
-        Stamp::FIRST
+        FrameStamp::FIRST
     }
 
-    /// The stamp of a frame after the epoch.
-    fn stamp(&self, frame: FrameId) -> Option<Stamp> {
-        frame.0.checked_sub(self.epoch).and_then(Stamp::new)
+    /// Returns the stamp of a frame after the epoch.
+    fn stamp(&self, frame: FrameId) -> Option<FrameStamp> {
+        frame.0.checked_sub(self.epoch).and_then(FrameStamp::new)
     }
 
     /// Notes whether the view turns.
-    fn watch(&mut self, view: &View, now: Stamp) {
+    fn watch(&mut self, view: &View, now: FrameStamp) {
         if let Some(before) = self.forward.replace(view.forward) {
             let sine = before.cross(view.forward).length();
-            if sine > self.policy.turning_sine || before.dot(view.forward) < 0.0 {
+            if sine > self.config.turning_sine || before.dot(view.forward) < 0.0 {
                 self.turned = now;
             }
         }

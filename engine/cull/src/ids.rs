@@ -21,30 +21,30 @@ pub struct LeafIndex(pub u32);
 pub struct LeafRange {
     /// The first leaf.
     pub first: LeafIndex,
-    /// How many leaves; may be 0 (see [`QueryKind::Probe`](crate::QueryKind::Probe)).
+    /// How many leaves; may be 0 (see [`QueryKind::PullUpQuery`](crate::QueryKind::PullUpQuery)).
     pub count: u32,
 }
 
 impl LeafRange {
-    /// The leaves as plain indices, to slice arrays with.
+    /// Returns the leaves as plain indices, to slice arrays with.
     #[must_use]
     pub fn indices(self) -> Range<usize> {
         let first = self.first.0 as usize;
         first..first + self.count as usize
     }
 
-    /// The leaves one by one.
+    /// Returns the leaves one by one.
     pub fn iter(self) -> impl Iterator<Item = LeafIndex> {
         (self.first.0..self.first.0.saturating_add(self.count)).map(LeafIndex)
     }
 
-    /// True if there is nothing in it.
+    /// Returns true if there is nothing in it.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.count == 0
     }
 
-    /// True if `leaf` is one of these.
+    /// Returns true if `leaf` is one of these.
     #[must_use]
     pub fn contains(self, leaf: LeafIndex) -> bool {
         leaf.0 >= self.first.0 && leaf.0 - self.first.0 < self.count

@@ -4,9 +4,9 @@
 //! once, and a *frontier* of proxies to test, each with the contiguous range of leaves to draw in
 //! the same frame if a sample of it shows. The answers come back frames later, or never, and only
 //! steer what the next plans cost: an object that owns a pixel is drawn in any case, because
-//! whatever is not drawn at once lies under a proxy that is tested now. The method follows
-//! Bittner and Wimmer's coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU
-//! Gems 2, chapter 6), with predicates on the GPU in place of waiting on the CPU.
+//! whatever is not drawn at once lies under a proxy that is tested now. The method follows Bittner
+//! and Wimmer's coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU Gems
+//! 2, chapter 6), with predicates on the GPU in place of waiting on the CPU.
 //!
 //! Nothing here knows Vulkan, reads a clock, or allocates in a steady frame, and equal inputs make
 //! equal plans.
@@ -15,9 +15,11 @@
 //! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] says how large a
 //!   proxy must be, and why that is enough.
 //! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once a frame.
-//! - [`CostModel`]: leaves out tests that cost more than they save, by the prices of a [`CostTable`].
-//! - [`Dialogue`]: the methods of the literature that wait for answers within the frame, to compare with.
-//! - [`Policy`]: all constants. They change costs, never the image.
+//! - [`CostModel`]: leaves out tests that cost more than they save, by the prices of a
+//!   [`CostTable`].
+//! - [`BlockingCuller`]: the methods of the literature that wait for answers within the frame, to
+//!   compare with.
+//! - [`CullConfig`]: all constants. They change costs, never the image.
 //!
 //! # Example
 //!
@@ -26,7 +28,7 @@
 //!
 //! ```
 //! use antumbra_cull::{
-//!     Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, Policy, Strategy, View,
+//!     Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, CullConfig, Strategy, View,
 //! };
 //! use glam::Vec3;
 //!
@@ -46,7 +48,7 @@
 //! };
 //! let view = View::new(&camera, [1280, 720], 8);
 //!
-//! let mut culler = Culler::new(Policy::default());
+//! let mut culler = Culler::new(CullConfig::default());
 //! let mut plan = FramePlan::default();
 //! let mut answers: Vec<Answer> = Vec::new();
 //! let shows = |node| hierarchy.bounds(node).max.z > -7.0;
@@ -69,9 +71,9 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod blocking;
 mod cost;
 mod culler;
-mod dialogue;
 mod geom;
 mod hierarchy;
 mod history;
@@ -79,15 +81,15 @@ mod ids;
 mod plan;
 mod rng;
 
+pub use blocking::{
+    Batch, BatchDraw, BatchTest, BatchedOptions, BlockingCuller, BlockingFrame, BlockingOptions,
+    BlockingStats, CoherentOptions, FirstPass, LeafTest, NextAction, TestAnswer, TestToken,
+};
 pub use cost::contents::FrameContents;
 pub use cost::corrections::Corrections;
-pub use cost::cost_model::{CostModel, Judgement, Question};
+pub use cost::cost_model::{CostBenefit, CostModel, TestEstimate};
 pub use cost::table::{BadCost, CostTable, SceneCosts};
 pub use culler::Culler;
-pub use dialogue::{
-    Batch, BatchDraw, BatchTest, BatchedOptions, CoherentOptions, Conversation, Dialogue,
-    DialogueOptions, DialogueStats, FirstPass, LeafTest, Step, TestAnswer, TestToken,
-};
 pub use geom::bounds::{Aabb, MAX_COORDINATE};
 pub use geom::camera::Camera;
 pub use geom::detail::{DetailLevel, DetailPolicy};
@@ -100,9 +102,9 @@ pub use hierarchy::{
 pub use history::record::NodeState;
 pub use history::results::{LeafList, PendingTest, ResultReader, TestResult, shows};
 pub use ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId, ObjectId};
+pub use plan::config::CullConfig;
 pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 pub use plan::frame_plan::{
-    Abilities, Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester,
+    Answer, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester, TesterSupport,
 };
-pub use plan::policy::Policy;
 pub use plan::strategy::{Strategy, UnknownStrategy};

@@ -9,7 +9,7 @@
 use std::alloc::System;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, ObjectId, Policy, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Strategy, View,
 };
 use glam::Vec3;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -26,7 +26,7 @@ fn steady_frames_do_not_allocate() {
         })
         .collect();
     let mut hierarchy = Hierarchy::build(&boxes).unwrap();
-    let mut culler = Culler::new(Policy::default());
+    let mut culler = Culler::new(CullConfig::default());
     let mut plan = FramePlan::default();
     let mut answers = Vec::new();
     let mut reordered = Vec::new();

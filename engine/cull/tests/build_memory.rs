@@ -1,5 +1,5 @@
-//! Building a hierarchy takes no more memory than it asks for beforehand: one test in a process, whose
-//! allocator counts.
+//! Building a hierarchy takes no more memory than it asks for beforehand: one test in a process,
+//! whose allocator counts.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_cull::{Aabb, BUILD_BYTES_PER_OBJECT, Hierarchy};

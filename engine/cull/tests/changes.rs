@@ -50,7 +50,7 @@ fn any_box() -> impl Strategy<Value = Aabb> {
 }
 
 #[derive(Clone, Debug)]
-enum Step {
+enum NextAction {
     Move(prop::sample::Index, Aabb),
     Remove(prop::sample::Index),
     Insert(Aabb),
@@ -58,14 +58,14 @@ enum Step {
     Rebuild,
 }
 
-fn step() -> impl Strategy<Value = Step> {
+fn step() -> impl Strategy<Value = NextAction> {
     let index = any::<prop::sample::Index>;
     prop_oneof![
-        5 => (index(), any_box()).prop_map(|(index, target)| Step::Move(index, target)),
-        3 => index().prop_map(Step::Remove),
-        3 => any_box().prop_map(Step::Insert),
-        3 => Just(Step::Restructure),
-        1 => Just(Step::Rebuild),
+        5 => (index(), any_box()).prop_map(|(index, target)| NextAction::Move(index, target)),
+        3 => index().prop_map(NextAction::Remove),
+        3 => any_box().prop_map(NextAction::Insert),
+        3 => Just(NextAction::Restructure),
+        1 => Just(NextAction::Rebuild),
     ]
 }
 
@@ -87,7 +87,7 @@ proptest! {
         check(&hierarchy, &boxes);
         for step in steps {
             match step {
-                Step::Move(index, target) => {
+                NextAction::Move(index, target) => {
                     let object = ObjectId(index.index(boxes.len()) as u32);
                     let there = &mut boxes[object.0 as usize];
                     let outcome = hierarchy.refit([(object, target)]);
@@ -97,13 +97,13 @@ proptest! {
                         *there = target;
                     }
                 }
-                Step::Remove(index) => {
+                NextAction::Remove(index) => {
                     let object = ObjectId(index.index(boxes.len()) as u32);
                     let outcome = hierarchy.remove(object);
                     prop_assert_eq!(outcome.is_ok(), !boxes[object.0 as usize].is_empty());
                     boxes[object.0 as usize] = Aabb::EMPTY;
                 }
-                Step::Insert(bounds) => {
+                NextAction::Insert(bounds) => {
                     let before = hierarchy.generation();
                     match hierarchy.insert(bounds) {
                         Ok(object) => {
@@ -120,8 +120,8 @@ proptest! {
                         }
                     }
                 }
-                Step::Restructure => hierarchy.restructure(&mut Vec::new()),
-                Step::Rebuild => {
+                NextAction::Restructure => hierarchy.restructure(&mut Vec::new()),
+                NextAction::Rebuild => {
                     hierarchy.rebuild(&boxes).unwrap();
                 }
             }
@@ -130,7 +130,7 @@ proptest! {
     }
 }
 
-/// A grid of small boxes in rows of 64.
+/// Returns a grid of small boxes in rows of 64.
 fn grid(count: usize) -> Vec<Aabb> {
     (0..count)
         .map(|number| {
@@ -169,7 +169,7 @@ fn a_refit_touches_the_ancestors_of_what_moved_and_no_more() {
     }
 }
 
-/// The areas of all inner nodes over that of the root: what a ray or a frustum pays.
+/// Returns the areas of all inner nodes over that of the root: what a ray or a frustum pays.
 fn cost(hierarchy: &Hierarchy) -> f32 {
     let inner = (0..hierarchy.node_count() as u32)
         .map(NodeId)

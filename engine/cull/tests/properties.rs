@@ -67,7 +67,7 @@ fn check(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A camera, an image, and a direction of sight that is none of the axes.
+/// Returns a camera, an image, and a direction of sight that is none of the axes.
 fn view() -> impl Strategy<Value = View> {
     (
         [-20.0_f32..20.0, -20.0..20.0, -20.0..20.0],
@@ -98,7 +98,7 @@ fn small_box() -> impl Strategy<Value = Aabb> {
     )
 }
 
-/// Where the point is on the screen (pixels) and how deep, in 64 bits.
+/// Returns where the point is on the screen (pixels) and how deep, in 64 bits.
 fn project(view: &View, point: DVec3) -> (DVec2, f64) {
     let offset = point - view.eye.as_dvec3();
     let depth = offset.dot(view.forward.as_dvec3());
@@ -108,7 +108,7 @@ fn project(view: &View, point: DVec3) -> (DVec2, f64) {
     ((DVec2::new(across, -up) + 1.0) * half, depth)
 }
 
-/// The view depth at which the ray of a screen position enters a box, if it does.
+/// Returns the view depth at which the ray of a screen position enters a box, if it does.
 fn enters(view: &View, bounds: &Aabb, position: DVec2) -> Option<f64> {
     let half = DVec2::new(view.size[0].into(), view.size[1].into()) * 0.5;
     let ndc = position / half - 1.0;
@@ -121,12 +121,12 @@ fn enters(view: &View, bounds: &Aabb, position: DVec2) -> Option<f64> {
     (first <= last && first > 0.0).then_some(first)
 }
 
-/// A point on the screen: where (0 to 1 from the upper left), and how deep (metres).
+/// Returns a point on the screen: where (0 to 1 from the upper left), and how deep (metres).
 fn on_screen() -> impl Strategy<Value = [f32; 3]> {
     [0.0_f32..1.0, 0.0..1.0, 1.01..90.0]
 }
 
-/// The world position of a point on the screen.
+/// Returns the world position of a point on the screen.
 fn unproject(view: &View, [x, y, depth]: [f32; 3]) -> Vec3 {
     let [tan_x, tan_y] = view.tan_half;
     let ray =
@@ -134,7 +134,7 @@ fn unproject(view: &View, [x, y, depth]: [f32; 3]) -> Vec3 {
     view.eye + ray * depth
 }
 
-/// Two corners that lie this far from a point.
+/// Returns two corners that lie this far from a point.
 fn reach() -> impl Strategy<Value = [[f32; 3]; 2]> {
     let axis = || prop_oneof![Just(0.0_f32), 0.0_f32..9.0];
     [[axis(), axis(), axis()], [axis(), axis(), axis()]]

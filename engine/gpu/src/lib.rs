@@ -1,4 +1,5 @@
-//! A thin Vulkan 1.3 executor: it knows devices, memory, frames, passes, queries and predicates, and no scene.
+//! A thin Vulkan 1.3 executor: it knows devices, memory, frames, passes, queries and predicates,
+//! and no scene.
 //!
 //! All the `unsafe` of the engine lives here. The types are thin on purpose: they own one Vulkan
 //! thing each, give it a debug name, free it when the GPU is done with it, and leave deciding to
@@ -7,7 +8,8 @@
 //! - [`FrameRing`]: N frames in flight, the waits of a frame loop.
 //! - [`QueryRing`]: occlusion queries whose answers come home through mapped memory, tagged with
 //!   whatever the caller wants back, without a blocking call.
-//! - [`QueryPages`]: queries of a frame that is sent off in pieces and reads its answers in between.
+//! - [`BlockingQueryPool`]: queries of a frame that is sent off in pieces and reads its answers in
+//!   between.
 //! - [`Predicates`]: draws that the GPU skips by itself, with conditional rendering or without.
 //! - [`Swapchain`]: pictures in a window, whatever becomes of the window.
 //! - [`Access`]: named accesses, from which every barrier of the engine is computed.
@@ -58,10 +60,10 @@ pub use crate::core::tick::Tick;
 pub use crate::core::timeline::Timeline;
 pub use crate::core::validation::{Message, ValidationLog};
 pub use crate::core::window_system::WindowSystem;
-pub use crate::memory::buffer::{Buffer, BufferSlice, Place};
+pub use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
+pub use crate::memory::dynamic_texture::DynamicTexture;
 pub use crate::memory::readback::{Pixels, Readback};
 pub use crate::memory::resample::resampled;
-pub use crate::memory::texture::Texture;
 pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo, TextureUploads};
 pub use crate::memory::upload::Uploads;
 #[cfg(feature = "loaded")]
@@ -69,16 +71,16 @@ pub use crate::present::display_link::DisplayLink;
 pub use crate::present::present_mode::{Fallback, PresentMode};
 pub use crate::present::surface::{Surface, Window};
 pub use crate::present::swapchain::{
-    Acquired, NotShown, PresentId, PresentTiming, Presented, Shown, Swapchain, SwapchainOptions,
-    WindowImage,
+    Acquired, PresentId, PresentSkipped, PresentTiming, Presented, Shown, Swapchain,
+    SwapchainOptions, WindowImage,
 };
+pub use crate::query::blocking_query_pool::BlockingQueryPool;
 pub use crate::query::flag_ring::FlagRing;
+pub use crate::query::leaf_draw_ring::{EnabledDraws, LISTED_DRAWS, LeafDrawBuffers, LeafDrawRing};
 pub use crate::query::occlusion_pool::{Counting, QueryIndex};
-pub use crate::query::part_draws::{LISTED_DRAWS, PartDraws, Parts, SwitchedOn};
 pub use crate::query::predicates::{
-    BOX_VERTICES, Predicated, Predicates, Predication, Reveal, WordSource,
+    BOX_VERTICES, PredicatedRange, Predicates, Predication, ResultSource, Reveal,
 };
-pub use crate::query::query_pages::QueryPages;
 pub use crate::query::query_ring::QueryRing;
 pub use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 pub use crate::record::commands::Commands;

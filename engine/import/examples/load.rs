@@ -1,5 +1,5 @@
-//! Loads a scene and tells what is in it, how long that took and how much memory; with `--bare` the same
-//! file by `gltf::import` alone, to compare: `load [--bare] FILE`.
+//! Loads a scene and tells what is in it, how long that took and how much memory; with `--bare` the
+//! same file by `gltf::import` alone, to compare: `load [--bare] FILE`.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use antumbra_import as import;
 
-/// Something of `/proc/self/status` in MiB, where there is such a thing.
+/// Returns something of `/proc/self/status` in MiB, where there is such a thing.
 fn memory_mib(what: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));
@@ -73,15 +73,16 @@ fn tell(imported: &import::GltfScene) {
             surfaces.textures.len(),
             surfaces.images.len(),
             surfaces.lights.len(),
-            surfaces.blended.len(),
-            surfaces.deformers.len(),
+            surfaces.transparent.len(),
+            surfaces.skinned_meshes.len(),
         );
     }
     println!("bounds {:?}", imported.bounds());
     for camera in &imported.cameras {
         println!("camera {} ({} rad)", camera.name, camera.fov_y_rad);
     }
-    for placement in imported.placements.iter().filter(|placement| placement.deformer.is_some()) {
+    for placement in imported.placements.iter().filter(|placement| placement.skinned_mesh.is_some())
+    {
         println!("deformed: rest {:?}, reach {:?}", placement.seen_at_rest, placement.reach);
     }
     for note in &imported.notes {

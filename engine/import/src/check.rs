@@ -28,8 +28,8 @@ use crate::error::Fault;
 use crate::verdict::Verdict;
 use crate::{Limits, prune};
 
-/// Checks all that the JSON alone can tell beyond views and accessors. Leaves only roots in the scene that is
-/// shown.
+/// Checks all that the JSON alone can tell beyond views and accessors. Leaves only roots in the
+/// scene that is shown.
 ///
 /// Finds where meshes are instanced, by their nodes.
 pub(crate) fn structure(

@@ -26,7 +26,7 @@ pub(crate) struct Store {
 }
 
 impl Store {
-    /// The bytes of a buffer; empty if there is no such buffer.
+    /// Returns the bytes of a buffer; empty if there is no such buffer.
     pub(crate) fn buffer(&self, index: usize) -> &[u8] {
         match self.buffers.get(index) {
             Some(BufferBytes::InFile(range)) => self.file.get(range.clone()).unwrap_or_default(),
@@ -35,7 +35,7 @@ impl Store {
         }
     }
 
-    /// The bytes of a view; empty if there is no such view.
+    /// Returns the bytes of a view; empty if there is no such view.
     pub(crate) fn view(&self, root: &Root, index: usize) -> &[u8] {
         let Some(view) = root.buffer_views.get(index) else {
             return &[];
@@ -46,13 +46,13 @@ impl Store {
         bytes.get(start..end).unwrap_or_default()
     }
 
-    /// The bytes of a view from an offset on.
+    /// Returns the bytes of a view from an offset on.
     fn from(&self, root: &Root, view: usize, offset: u64) -> &[u8] {
         self.view(root, view).get(offset as usize..).unwrap_or_default()
     }
 }
 
-/// The indices of the elements that a sparse accessor replaces.
+/// Returns the indices of the elements that a sparse accessor replaces.
 pub(crate) fn sparse_indices<'a>(
     root: &'a Root,
     store: &'a Store,
@@ -63,7 +63,7 @@ pub(crate) fn sparse_indices<'a>(
     bytes.chunks(component.size()).map(read).take(sparse.count.0 as usize)
 }
 
-/// The bytes of those indices from the first on, and what each is.
+/// Returns the bytes of those indices from the first on, and what each is.
 fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8], ComponentType) {
     let indices = &sparse.indices;
     let component = match indices.component_type {
@@ -73,8 +73,8 @@ fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8],
     (store.from(root, indices.buffer_view.value(), indices.byte_offset.0), component)
 }
 
-/// Calls `visit` with the picked elements of an accessor of unsigned integers, all without `picks`; `None` and no
-/// call if it is not one, or has not `N` components. Picks increase.
+/// Calls `visit` with the picked elements of an accessor of unsigned integers, all without `picks`;
+/// `None` and no call if it is not one, or has not `N` components. Picks increase.
 pub(crate) fn for_each_integers<const N: usize>(
     (root, store): (&Root, &Store),
     accessor: usize,
@@ -91,8 +91,8 @@ pub(crate) fn for_each_integers<const N: usize>(
     Some(())
 }
 
-/// Calls `visit` with the picked elements of an accessor as floats, all without `picks`; `None` and no call if it
-/// has not `N` components. Picks increase.
+/// Calls `visit` with the picked elements of an accessor as floats, all without `picks`; `None` and
+/// no call if it has not `N` components. Picks increase.
 pub(crate) fn for_each_floats<const N: usize>(
     (root, store): (&Root, &Store),
     accessor: usize,
@@ -104,8 +104,8 @@ pub(crate) fn for_each_floats<const N: usize>(
     Some(())
 }
 
-/// Calls `visit` with each element of an accessor as the numbers that are stored, also where they are normalised;
-/// `None` and no call if it has not `N` components.
+/// Calls `visit` with each element of an accessor as the numbers that are stored, also where they
+/// are normalised; `None` and no call if it has not `N` components.
 pub(crate) fn for_each_raw<const N: usize>(
     (root, store): (&Root, &Store),
     accessor: usize,
@@ -220,7 +220,8 @@ impl<'a> Elements<'a> {
         }
     }
 
-    /// The bytes from the first element on in its view, if it has one, and how far apart elements are.
+    /// Returns the bytes from the first element on in its view, if it has one, and how far apart
+    /// elements are.
     fn base(&self) -> Option<(&'a [u8], usize)> {
         let view = self.accessor.buffer_view?.value();
         let stride = layout::stride(self.root, view, &self.layout);
@@ -262,7 +263,7 @@ impl<'a> Replaced<'a> {
         (self.read)(bytes.unwrap_or_default()) as usize
     }
 
-    /// The bytes of an element, if it is replaced.
+    /// Returns the bytes of an element, if it is replaced.
     fn at(&mut self, index: usize) -> Option<&'a [u8]> {
         // Where elements are asked for one after the other, it is the next or none.
         if self.next < self.count && self.index(self.next) < index {

@@ -1,6 +1,7 @@
 //! What is said when a file cannot be used: which file, what in it, why, and what to do.
 
-/// Why a file cannot be used. It says which file, which object in it, the reason, and what can be done.
+/// Why a file cannot be used. It says which file, which object in it, the reason, and what can be
+/// done.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}: {object}: {reason} ({})", .cause.advice())]
 pub struct ImportError {
@@ -38,7 +39,7 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// What the user can do.
+    /// Returns what the user can do.
     pub fn advice(self) -> &'static str {
         match self {
             Self::Unreadable => "check that the file is there, whole, and may be read",
@@ -119,12 +120,12 @@ impl Reason {
         }
     }
 
-    /// An index beyond the end.
+    /// Returns an index beyond the end.
     pub(crate) fn out_of_range(what: &str, index: usize, count: usize) -> Self {
         Self::malformed(format!("{what} {index} does not exist, there are {count}"))
     }
 
-    /// The reason why that object is wrong.
+    /// Returns the reason why that object is wrong.
     pub(crate) fn of(self, object: impl Into<String>) -> Fault {
         Fault { object: object.into(), reason: self }
     }

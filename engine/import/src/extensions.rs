@@ -7,8 +7,8 @@ use serde_json::{Map, Value};
 
 use crate::error::Reason;
 
-/// The extensions that a file may require. Others that it requires are refused by name, others that it
-/// merely uses are noted.
+/// The extensions that a file may require. Others that it requires are refused by name, others that
+/// it merely uses are noted.
 pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -30,12 +30,12 @@ const WEBP: &str = "EXT_texture_webp";
 /// Compressed views; the second one has a newer form of attributes and one filter more.
 pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Which of [`MESHOPT`] something has, and what that says.
+/// Returns which of [`MESHOPT`] something has, and what that says.
 pub(crate) fn compression(others: &Map<String, Value>) -> Option<(&'static str, &Value)> {
     MESHOPT.into_iter().find_map(|name| Some((name, others.get(name)?)))
 }
 
-/// Whether a file says that it uses an extension.
+/// Returns true if a file says that it uses an extension.
 pub(crate) fn uses(root: &Root, extension: &str) -> bool {
     debug_assert!(SUPPORTED_EXTENSIONS.contains(&extension));
     root.extensions_used.iter().chain(&root.extensions_required).any(|used| used == extension)
@@ -50,7 +50,7 @@ pub(crate) fn index(value: &Value) -> Option<usize> {
     number.and_then(|number| usize::try_from(number).ok())
 }
 
-/// The lights of `KHR_lights_punctual`.
+/// Returns the lights of `KHR_lights_punctual`.
 pub(crate) fn lights(root: &Root) -> &[Light] {
     let extension =
         root.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
@@ -65,7 +65,7 @@ pub(crate) fn instance_accessors(node: &Node) -> impl Iterator<Item = usize> {
     indices.filter_map(index)
 }
 
-/// What a view says of its compression.
+/// Returns what a view says of its compression.
 pub(crate) fn compression_of(view: &View) -> Option<(&'static str, &Value)> {
     view.extensions.as_ref().and_then(|all| compression(&all.others))
 }
@@ -75,14 +75,14 @@ pub(crate) fn source_buffer(view: &View) -> Option<usize> {
     compression_of(view).and_then(|(_, it)| it.get("buffer")).and_then(index)
 }
 
-/// The image that glTF itself names.
+/// Returns the image that glTF itself names.
 pub(crate) fn plain_source(texture: &Texture) -> Option<usize> {
     // So `gltf` says that there is none.
     const NONE: usize = u32::MAX as usize;
     Some(texture.source.value()).filter(|&source| source != NONE)
 }
 
-/// The image that `EXT_texture_webp` names.
+/// Returns the image that `EXT_texture_webp` names.
 pub(crate) fn webp_source(texture: &Texture) -> Result<Option<usize>, Reason> {
     let extension = texture.extensions.as_ref().and_then(|extensions| extensions.others.get(WEBP));
     let Some(source) = extension.and_then(|extension| extension.get("source")) else {

@@ -17,7 +17,8 @@ pub(crate) struct Parts {
     pub(crate) binary: Option<Range<usize>>,
 }
 
-/// Whether these are the bytes of a GLB rather than of plain JSON, however few of them are there.
+/// Returns true if these are the bytes of a GLB rather than of plain JSON, however few of them are
+/// there.
 pub(crate) fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC) || (!bytes.is_empty() && MAGIC.starts_with(bytes))
 }

@@ -1,36 +1,38 @@
 //! What a file becomes: a scene, the rig it hangs on, and what plays on that.
 
-use animation::{Clip, NodeId, Pose, Rig, Skin};
+use animation::{Clip, Pose, Rig, RigNodeId, Skin};
 use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Vec3};
-use scene::{BlendedId, DeformerId, LightId, Scene};
+use scene::{DeformerId, LightId, Scene, TransparentId};
 
 use crate::Note;
 
 /// A camera of the file. It looks along its node's -z, up is y.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Camera {
+pub struct SceneCamera {
     /// Its node's name, or its own.
     pub name: String,
     /// Where it is.
-    pub node: NodeId,
+    pub node: RigNodeId,
     /// The full vertical angle of sight, in radians, in pictures that are no narrower than
-    /// [`Camera::aspect_ratio`].
+    /// [`SceneCamera::aspect_ratio`].
     pub fov_y_rad: f32,
     /// How much wider than high its picture is; `None` where the file leaves that to the viewer.
     pub aspect_ratio: Option<f32>,
     /// Distance of the near plane, in metres.
     pub near_m: f32,
-    /// How far behind its node the eye is, in metres: 0 but for what stands for an orthographic camera.
+    /// How far behind its node the eye is, in metres: 0 but for what stands for an orthographic
+    /// camera.
     pub behind_m: f32,
 }
 
-impl Camera {
+impl SceneCamera {
     /// The widest angle of sight, in radians.
     const WIDEST_RAD: f32 = std::f32::consts::PI - 0.1;
 
-    /// Returns the full vertical angle of sight, in radians, for pictures of `size` pixels: wider in those
-    /// that are narrower than the camera's own, so that nothing that it sees is cut off at the sides.
+    /// Returns the full vertical angle of sight, in radians, for pictures of `size` pixels: wider
+    /// in those that are narrower than the camera's own, so that nothing that it sees is cut off at
+    /// the sides.
     pub fn fov_y_rad_in(&self, size: [u32; 2]) -> f32 {
         let [width, height] = size.map(|side| side.max(1) as f32);
         let narrower = self.aspect_ratio.unwrap_or_default() * height / width;
@@ -59,32 +61,34 @@ impl Camera {
 
 /// What hangs on a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Placed {
+pub enum PlacedNode {
     /// An object of [`Scene::objects`].
     Object(ObjectId),
-    /// An object of [`Surfaces::blended`](scene::Surfaces::blended).
-    Blended(BlendedId),
+    /// An object of [`Surfaces::transparent`](scene::Surfaces::transparent).
+    Transparent(TransparentId),
     /// A light.
     Light(LightId),
 }
 
 /// Something that moves, or that changes its form.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placement {
-    /// The node of the file that has it, and where it goes. What hangs on a skin goes where its joints go
-    /// instead: it is in the space of its skeleton, [`Skeleton::space`](animation::Skeleton::space), which is
-    /// made of the joints that its vertices follow.
-    pub node: NodeId,
+pub struct NodeAttachment {
+    /// The node of the file that has it, and where it goes. What hangs on a skin goes where its
+    /// joints go instead: it is in the space of its skeleton,
+    /// [`Skeleton::space`](animation::Skeleton::space), which is made of the joints that its
+    /// vertices follow.
+    pub node: RigNodeId,
     /// What.
-    pub placed: Placed,
+    pub placed: PlacedNode,
     /// From its own space to its node's.
     pub local: Affine3A,
     /// What changes its form, with the index of its skin in [`GltfScene::skins`].
-    pub deformer: Option<(DeformerId, Option<usize>)>,
-    /// A box in the world around what is seen of it at rest; empty where it does not change its form.
+    pub skinned_mesh: Option<(DeformerId, Option<usize>)>,
+    /// A box in the world around what is seen of it at rest; empty where it does not change its
+    /// form.
     pub seen_at_rest: Aabb,
-    /// A loose box, in its own space, that it stays in whatever clips play, together or one after the other;
-    /// empty where it does not change its form.
+    /// A loose box, in its own space, that it stays in whatever clips play, together or one after
+    /// the other; empty where it does not change its form.
     pub reach: Aabb,
 }
 
@@ -99,23 +103,24 @@ pub struct GltfScene {
     pub clips: Vec<Clip>,
     /// The joints of skinned meshes.
     pub skins: Vec<Skin>,
-    /// What moves: all that hangs on a node that a clip moves, and all that changes its form. What is in the
-    /// scene and not here stays where it is.
-    pub placements: Vec<Placement>,
+    /// What moves: all that hangs on a node that a clip moves, and all that changes its form. What
+    /// is in the scene and not here stays where it is.
+    pub placements: Vec<NodeAttachment>,
     /// Its cameras.
-    pub cameras: Vec<Camera>,
+    pub cameras: Vec<SceneCamera>,
     /// The deviations of the file that were tolerated, and what of it is not shown, for people.
     pub notes: Vec<Note>,
 }
 
 impl GltfScene {
-    /// The box around everything that is seen, at rest; the origin alone if there is nothing.
+    /// Returns the box around everything that is seen, at rest; the origin alone if there is
+    /// nothing.
     pub fn bounds(&self) -> Aabb {
         bounds(self)
     }
 
-    /// What the first camera of the file sees at rest in pictures of `size` pixels; without one a view of the
-    /// whole scene, three quarters from the front and somewhat from above.
+    /// Returns what the first camera of the file sees at rest in pictures of `size` pixels; without
+    /// one a view of the whole scene, three quarters from the front and somewhat from above.
     pub fn default_camera(&self, size: [u32; 2]) -> cull::Camera {
         let Some(camera) = self.cameras.first() else {
             return crate::convert::overview(&self.bounds());
@@ -127,21 +132,21 @@ impl GltfScene {
     }
 }
 
-/// The box around everything at rest; around the origin alone if there is nothing.
+/// Returns the box around everything at rest; around the origin alone if there is nothing.
 fn bounds(imported: &GltfScene) -> Aabb {
     let scene = &imported.scene;
-    let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
+    let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
     let objects = scene.objects.len();
     // The mesh of what changes its form is not where it is shown.
-    let deformed = imported.placements.iter().filter(|placement| placement.deformer.is_some());
+    let deformed = imported.placements.iter().filter(|placement| placement.skinned_mesh.is_some());
     let seen: std::collections::HashMap<usize, Aabb> = deformed
         .filter_map(|placement| match placement.placed {
-            Placed::Object(id) => Some((id.0 as usize, placement.seen_at_rest)),
-            Placed::Blended(id) => Some((objects + id.0 as usize, placement.seen_at_rest)),
-            Placed::Light(_) => None,
+            PlacedNode::Object(id) => Some((id.0 as usize, placement.seen_at_rest)),
+            PlacedNode::Transparent(id) => Some((objects + id.0 as usize, placement.seen_at_rest)),
+            PlacedNode::Light(_) => None,
         })
         .collect();
-    let all = scene.objects.iter().chain(blended).enumerate().fold(
+    let all = scene.objects.iter().chain(transparent).enumerate().fold(
         Aabb::EMPTY,
         |all, (place, object)| {
             let at = seen.get(&place).copied().or_else(|| scene.bounds_of(object));
@@ -157,15 +162,15 @@ mod tests {
 
     #[test]
     fn pictures_narrower_than_a_camera_are_higher_and_as_wide() {
-        let camera = Camera {
+        let camera = SceneCamera {
             name: String::new(),
-            node: NodeId(0),
+            node: RigNodeId(0),
             fov_y_rad: 0.8,
             aspect_ratio: Some(1.5),
             near_m: 0.1,
             behind_m: 0.0,
         };
-        let across = |camera: &Camera, size: [u32; 2]| {
+        let across = |camera: &SceneCamera, size: [u32; 2]| {
             (camera.fov_y_rad_in(size) * 0.5).tan() * size[0] as f32 / size[1] as f32
         };
         assert_eq!(camera.fov_y_rad_in([300, 200]), 0.8);
@@ -175,7 +180,7 @@ mod tests {
             assert!((across(&camera, size) / own - 1.0).abs() < 1e-5, "{size:?}");
         }
         assert!(camera.fov_y_rad_in([1, 16_384]) < std::f32::consts::PI);
-        let any = Camera { aspect_ratio: None, ..camera };
+        let any = SceneCamera { aspect_ratio: None, ..camera };
         assert_eq!(any.fov_y_rad_in([200, 900]), 0.8);
     }
 }

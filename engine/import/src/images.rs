@@ -1,4 +1,5 @@
-//! Images of a file, decoded to four bytes a pixel: several at once, within a stated amount of memory.
+//! Images of a file, decoded to four bytes a pixel: several at once, within a stated amount of
+//! memory.
 
 mod gate;
 mod jpeg;
@@ -24,7 +25,7 @@ use crate::element::Kind;
 use crate::elements::Store;
 use crate::error::{At, Fault, Reason, quoted};
 use crate::memory;
-use crate::progress::Told;
+use crate::progress::ReadProgress;
 use crate::uri::Wanted;
 use crate::verdict::Verdict;
 
@@ -39,8 +40,8 @@ pub(crate) struct Images {
     pub(crate) placeholders: BTreeSet<usize>,
 }
 
-/// Decodes the images that materials show; the others stay `None`. Those that cannot be read are placeholders, which
-/// is noted.
+/// Decodes the images that materials show; the others stay `None`. Those that cannot be read are
+/// placeholders, which is noted.
 ///
 /// # Errors
 /// Images beyond the limits; that nobody waits for them any more.
@@ -49,7 +50,7 @@ pub(crate) fn decode(
     store: &Store,
     (texture_images, folder): (&[Option<usize>], Option<&Path>),
     (budget, limits): (&mut Budget, &Limits),
-    (verdict, tell): (&mut Verdict, &mut Told<'_>),
+    (verdict, tell): (&mut Verdict, &mut ReadProgress<'_>),
 ) -> Result<Images, Fault> {
     let used: BTreeSet<usize> = texture_images.iter().flatten().copied().collect();
     let mut list = vec![None; root.images.len()];
@@ -96,7 +97,7 @@ pub(crate) fn decode(
     Ok(Images { list, placeholders })
 }
 
-/// A picture that nobody takes for one of the scene: checkers of magenta and black.
+/// Returns a picture that nobody takes for one of the scene: checkers of magenta and black.
 fn placeholder(index: usize) -> Image {
     const SIDE: u32 = 16;
     let texel = |place: u32| {
@@ -107,7 +108,7 @@ fn placeholder(index: usize) -> Image {
     Image { name: format!("image {index} (missing)"), size: [SIDE; 2], rgba8 }
 }
 
-/// The bytes of an image as it is in the file.
+/// Returns the bytes of an image as it is in the file.
 fn encoded<'a>(
     root: &Root,
     store: &'a Store,
@@ -182,8 +183,8 @@ impl<'a> Job<'a> {
         if !self.lacks_end {
             return self.pixels(&self.encoded, limits);
         }
-        // The decoder fills up what is not there, and does not say so. Where all is there, what comes
-        // after it changes nothing.
+        // The decoder fills up what is not there, and does not say so. Where all is there, what
+        // comes after it changes nothing.
         let [one, other] = jpeg::endings(&self.encoded);
         let pixels = self.pixels(&one, limits)?;
         drop(one);
@@ -241,9 +242,13 @@ fn undecodable(error: &image::ImageError) -> Reason {
     }
 }
 
-/// Decodes all, on as many threads as make sense, telling after each image; results in the order of the
-/// jobs.
-fn decode_all(jobs: &[Job], limits: &Limits, tell: &mut Told<'_>) -> Vec<Result<Vec<u8>, Reason>> {
+/// Decodes all, on as many threads as make sense, telling after each image; results in the order of
+/// the jobs.
+fn decode_all(
+    jobs: &[Job],
+    limits: &Limits,
+    tell: &mut ReadProgress<'_>,
+) -> Vec<Result<Vec<u8>, Reason>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = cores.min(MAX_THREADS).min(jobs.len());
     let gate = Gate::new(limits.image_scratch_bytes);
@@ -267,8 +272,8 @@ fn decode_all(jobs: &[Job], limits: &Limits, tell: &mut Told<'_>) -> Vec<Result<
             std::thread::Builder::new().spawn_scoped(scope, move || work(finished)).is_ok()
         };
         let started = (0..threads).take_while(|_| start(finished.clone())).count();
-        // The threads have one end each, without which the channel ends. A machine that has no thread left
-        // has this one.
+        // The threads have one end each, without which the channel ends. A machine that has no
+        // thread left has this one.
         match started {
             0 => work(finished),
             _ => drop(finished),

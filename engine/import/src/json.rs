@@ -1,4 +1,5 @@
-//! The JSON of a file: weighed, read, and where `gltf` does not take all of it, read element by element.
+//! The JSON of a file: weighed, read, and where `gltf` does not take all of it, read element by
+//! element.
 
 mod huge;
 mod lenient;
@@ -65,7 +66,8 @@ fn syntax(error: &serde_json::Error) -> Reason {
     Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
 }
 
-/// Reads JSON again that `gltf` did not take, or of which it may have taken only a part of a number.
+/// Reads JSON again that `gltf` did not take, or of which it may have taken only a part of a
+/// number.
 fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     let value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
     // Files of other versions have other forms.

@@ -53,7 +53,7 @@ impl Layout {
         }
     }
 
-    /// Where in an element a component begins.
+    /// Returns where in an element a component begins.
     pub(crate) fn offset(&self, component: usize) -> usize {
         component / self.run * self.run_bytes + component % self.run * self.component.size()
     }
@@ -65,7 +65,7 @@ impl Layout {
     }
 }
 
-/// How far apart the elements of an accessor with this view are.
+/// Returns how far apart the elements of an accessor with this view are.
 pub(crate) fn stride(root: &Root, view: usize, layout: &Layout) -> usize {
     root.buffer_views
         .get(view)

@@ -2,8 +2,8 @@
 
 const MIB: u64 = 1 << 20;
 
-/// What a file may at most ask for. Reading it takes at most [`Limits::memory_bound`] bytes at any time,
-/// and what is made of it is bounded by the counts.
+/// What a file may at most ask for. Reading it takes at most [`Limits::memory_bound`] bytes at any
+/// time, and what is made of it is bounded by the counts.
 ///
 /// All limits are inclusive. They are checked before the memory is taken.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,10 +12,11 @@ pub struct Limits {
     pub file_bytes: u64,
     /// Bytes of its JSON. Default: 256 MiB.
     pub json_bytes: u64,
-    /// Bytes that the JSON takes once it is read, by a cautious estimate: an empty node is two characters
-    /// in the file and some hundred bytes in memory. Default: 1 GiB.
+    /// Bytes that the JSON takes once it is read, by a cautious estimate: an empty node is two
+    /// characters in the file and some hundred bytes in memory. Default: 1 GiB.
     pub json_memory_bytes: u64,
-    /// Bytes of all buffers outside of the file, in data URIs, or decompressed, together. Default: 1 GiB.
+    /// Bytes of all buffers outside of the file, in data URIs, or decompressed, together. Default:
+    /// 1 GiB.
     pub buffer_bytes: u64,
     /// Pixels along a side of an image. Default: 16384.
     pub image_side: u32,
@@ -28,30 +29,30 @@ pub struct Limits {
     pub elements: u64,
     /// Vertices of all meshes, as [`Source`](crate::Source) counts them. Default: 2^25.
     pub vertices: u64,
-    /// Vertices of all primitives as their accessors have them: also those that no index refers to, for each
-    /// primitive anew. A single one may have [`Limits::vertices`]. Default: 2^28.
+    /// Vertices of all primitives as their accessors have them: also those that no index refers to,
+    /// for each primitive anew. A single one may have [`Limits::vertices`]. Default: 2^28.
     pub listed_vertices: u64,
     /// Corners of the triangles of all meshes, counted likewise. Default: 2^27.
     pub corners: u64,
     /// Nodes. Default: 2^20.
     pub nodes: u64,
-    /// Vertices of meshes that change their form, once for each place that has one. Default: as many as a renderer
-    /// takes on any device, about 3.3 million.
+    /// Vertices of meshes that change their form, once for each place that has one. Default: as
+    /// many as a renderer takes on any device, about 3.3 million.
     pub deformed_vertices: u64,
-    /// Primitives on nodes, each as often as its node is instanced. Default: as many as a renderer takes on any
-    /// device, 2^21.
+    /// Primitives on nodes, each as often as its node is instanced. Default: as many as a renderer
+    /// takes on any device, 2^21.
     pub objects: u64,
     /// Joints of skins, each as often as a primitive hangs on its skin. Default: 2^21.
     pub joints: u64,
-    /// Nodes between the joints of a skin and what all of them hang on: for each skin and each choice of its
-    /// joints that some mesh hangs on. Default: 2^24.
+    /// Nodes between the joints of a skin and what all of them hang on: for each skin and each
+    /// choice of its joints that some mesh hangs on. Default: 2^24.
     pub bones: u64,
     /// Lights on the nodes of the scene. Default, and most whatever this says: 2^16.
     pub lights: u64,
     /// Numbers in the outputs and inputs of all animation channels. Default: 2^26.
     pub key_values: u64,
-    /// Numbers in the morph targets, joints and weights of all meshes, each as often as its mesh is on a node
-    /// or instance. Default: 2^27.
+    /// Numbers in the morph targets, joints and weights of all meshes, each as often as its mesh is
+    /// on a node or instance. Default: 2^27.
     pub morph_values: u64,
 }
 
@@ -82,11 +83,11 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// How many bytes reading a file takes at any time at the most: 10.1 GiB with the defaults, which only
-    /// files reach that use up all of the limits.
+    /// Returns how many bytes reading a file takes at any time at the most: 10.1 GiB with the
+    /// defaults, which only files reach that use up all of the limits.
     ///
-    /// The file, its JSON (in several forms while it is read), buffers (decompressed and where they go), images, and what decoding them takes;
-    /// 48 MiB are for tables and stacks.
+    /// The file, its JSON (in several forms while it is read), buffers (decompressed and where they
+    /// go), images, and what decoding them takes; 48 MiB are for tables and stacks.
     pub fn memory_bound(&self) -> u64 {
         [
             self.file_bytes,

@@ -1,5 +1,5 @@
-//! Views that are compressed: `EXT_meshopt_compression` and `KHR_meshopt_compression`. They are decompressed into
-//! their buffers, so that nobody after this knows that they were.
+//! Views that are compressed: `EXT_meshopt_compression` and `KHR_meshopt_compression`. They are
+//! decompressed into their buffers, so that nobody after this knows that they were.
 
 mod decode;
 

@@ -1,5 +1,5 @@
-//! Notes: what of a file is shown otherwise than it says, for people. What happens a thousand times is noted
-//! once, with its number.
+//! Notes: what of a file is shown otherwise than it says, for people. What happens a thousand times
+//! is noted once, with its number.
 
 use std::collections::BTreeMap;
 use std::fmt;

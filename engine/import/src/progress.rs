@@ -23,15 +23,15 @@ pub struct Progress {
 }
 
 /// Who is told how far loading has come, and says whether it shall go on.
-pub type Listener<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
+pub type ProgressFn<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
 
 /// Tells, and stops when nobody wants it any more.
-pub(crate) struct Teller<'a> {
+pub(crate) struct ProgressSender<'a> {
     pub(crate) file: String,
-    pub(crate) listener: &'a mut Listener<'a>,
+    pub(crate) listener: &'a mut ProgressFn<'a>,
 }
 
-impl Teller<'_> {
+impl ProgressSender<'_> {
     pub(crate) fn go_on(&mut self, stage: Stage, fraction: f32) -> ControlFlow<()> {
         (self.listener)(Progress { stage, fraction })
     }
@@ -50,4 +50,4 @@ impl Teller<'_> {
 }
 
 /// Who is told what part of a file was read, and says whether to go on.
-pub(crate) type Told<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;
+pub(crate) type ReadProgress<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;

@@ -14,8 +14,8 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    /// Follows all references from the scene that is shown. Channels of animations whose nodes it does not reach
-    /// are not followed.
+    /// Follows all references from the scene that is shown. Channels of animations whose nodes it
+    /// does not reach are not followed.
     pub(crate) fn of(root: &Root) -> Self {
         let needs = Kind::ALL.map(|kind| vec![Need::None; kind.count(root)]);
         let mut reach = Self { needs };
@@ -79,8 +79,8 @@ impl Reach {
     }
 }
 
-/// Returns the index of the scene that is shown: the one that the file names, else its first. `None` if it has
-/// no scenes.
+/// Returns the index of the scene that is shown: the one that the file names, else its first.
+/// `None` if it has no scenes.
 pub(crate) fn shown_scene(root: &Root) -> Option<usize> {
     let named = root.scene.map(|scene| scene.value());
     named.or_else(|| (!root.scenes.is_empty()).then_some(0))

@@ -1,8 +1,8 @@
 //! A scene out of a file as it lives: time in, changes of the renderer out.
 //!
-//! The work of a moment goes with what moves then, not with the scene: nodes that no playing clip moves are
-//! not looked at, what is where it was is not changed, and what nobody can see takes no other form
-//! ([`SceneAnimator::changes_in`]).
+//! The work of a moment goes with what moves then, not with the scene: nodes that no playing clip
+//! moves are not looked at, what is where it was is not changed, and what nobody can see takes no
+//! other form ([`SceneAnimator::changes_in`]).
 
 mod extent;
 mod parts;
@@ -12,7 +12,7 @@ mod tests;
 
 use std::collections::HashSet;
 
-use animation::{Clip, NodeId, Pose, Rig};
+use animation::{Clip, Pose, Rig, RigNodeId};
 use cull::View;
 use glam::Affine3A;
 use parts::{Movers, Parts, Touched};
@@ -20,12 +20,12 @@ use playing::Playing;
 use scene::{PunctualLight, Scene, SceneUpdate};
 
 use crate::Note;
-use crate::gltf_scene::{Camera, GltfScene, Placed};
+use crate::gltf_scene::{GltfScene, PlacedNode, SceneCamera};
 
 /// What hangs on the nodes of a file, and the clips that move it.
 ///
-/// Any moment can be shown after any other: what is shown is a function of the time and of the clips that
-/// play. In the steady state nothing is allocated.
+/// Any moment can be shown after any other: what is shown is a function of the time and of the
+/// clips that play. In the steady state nothing is allocated.
 pub struct SceneAnimator {
     rig: Rig,
     clips: Vec<Clip>,
@@ -39,7 +39,7 @@ pub struct SceneAnimator {
     /// From each node's space to the world's.
     world: Vec<Affine3A>,
     /// The nodes that the playing clips move, parents first.
-    moving: Vec<NodeId>,
+    moving: Vec<RigNodeId>,
     /// Of each node whether it is one of them.
     is_moving: Vec<bool>,
     /// The places of the parts that change with them.
@@ -52,17 +52,17 @@ pub struct SceneAnimator {
 }
 
 impl SceneAnimator {
-    /// Takes what lives from a file that was loaded; its scene, its cameras and what there is to tell of it
-    /// are for others. Nothing plays at first.
-    pub fn of(imported: GltfScene) -> (Scene, Self, Vec<Camera>, Vec<Note>) {
+    /// Takes what lives from a file that was loaded; its scene, its cameras and what there is to
+    /// tell of it are for others. Nothing plays at first.
+    pub fn of(imported: GltfScene) -> (Scene, Self, Vec<SceneCamera>, Vec<Note>) {
         let GltfScene { scene, rig, clips, skins, placements, cameras, notes } = imported;
         let pose = Pose::new(&rig);
         let mut world = Vec::new();
         rig.world(&pose, &mut world);
         let surfaces = scene.surfaces.as_ref();
-        let deformers = surfaces.map_or(&[][..], |surfaces| &surfaces.deformers);
+        let skinned_meshes = surfaces.map_or(&[][..], |surfaces| &surfaces.skinned_meshes);
         let mut animator = Self {
-            parts: Parts::new(&rig, &skins, deformers, placements, &world),
+            parts: Parts::new(&rig, &skins, skinned_meshes, placements, &world),
             playing: Playing::default(),
             other: pose.clone(),
             mix: pose.clone(),
@@ -82,18 +82,20 @@ impl SceneAnimator {
         (scene, animator, cameras, notes)
     }
 
-    /// All clips.
+    /// Returns all clips.
     pub fn clips(&self) -> &[Clip] {
         &self.clips
     }
 
-    /// How long a clip lasts, in seconds; `None` for one that is not there or lasts no time.
+    /// Returns how long a clip lasts, in seconds; `None` for one that is not there or lasts no
+    /// time.
     pub fn duration_s(&self, clip: usize) -> Option<f32> {
         self.clips.get(clip).map(Clip::duration_s).filter(|seconds| *seconds > 0.0)
     }
 
-    /// The clip that moves a camera: of several the one that is called like it, else the first.
-    pub fn clip_of(&self, camera: &Camera) -> Option<usize> {
+    /// Returns the clip that moves a camera: of several the one that is called like it, else the
+    /// first.
+    pub fn clip_of(&self, camera: &SceneCamera) -> Option<usize> {
         let above = self.above(camera.node);
         let mut moving = self.clips.iter().enumerate().filter(|(_, clip)| moves_any(clip, &above));
         let (first, clip) = moving.next()?;
@@ -102,44 +104,46 @@ impl SceneAnimator {
         Some(other.map_or(first, |(place, _)| place))
     }
 
-    /// Whether one of these clips moves a camera.
-    pub fn drive(&self, clips: &[usize], camera: &Camera) -> bool {
+    /// Returns true if one of these clips moves a camera.
+    pub fn drive(&self, clips: &[usize], camera: &SceneCamera) -> bool {
         let above = self.above(camera.node);
         clips.iter().filter_map(|clip| self.clips.get(*clip)).any(|clip| moves_any(clip, &above))
     }
 
-    /// A node and all that it hangs on.
-    fn above(&self, node: NodeId) -> HashSet<NodeId> {
-        let parent = |id: &NodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
+    /// Returns a node and all that it hangs on.
+    fn above(&self, node: RigNodeId) -> HashSet<RigNodeId> {
+        let parent =
+            |id: &RigNodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
         std::iter::successors(Some(node), parent).collect()
     }
 
-    /// Whether `node` is moved by the clips that play.
-    pub fn moves(&self, node: NodeId) -> bool {
+    /// Returns true if `node` is moved by the clips that play.
+    pub fn moves(&self, node: RigNodeId) -> bool {
         self.is_moving.get(node.0 as usize) == Some(&true)
     }
 
-    /// How many objects the playing clips move or change.
+    /// Returns how many objects the playing clips move or change.
     pub fn moving_objects(&self) -> usize {
         let placed = self.movers.moved.iter().filter_map(|mover| self.parts.placed(*mover));
-        placed.filter(|(placed, _)| matches!(placed, Placed::Object(_))).count()
+        placed.filter(|(placed, _)| matches!(placed, PlacedNode::Object(_))).count()
     }
 
-    /// As many of the clips as can play at once, in their order: no two move the same property of the same
-    /// node, and where they would, the earlier one plays. `first` comes before all others.
+    /// As many of the clips as can play at once, in their order: no two move the same property of
+    /// the same node, and where they would, the earlier one plays. `first` comes before all others.
     pub fn compatible(&self, first: Option<usize>) -> Vec<usize> {
         playing::compatible(&self.clips, first)
     }
 
-    /// What a camera sees in pictures of `size` pixels at the moment that was posed last.
-    pub fn seen_by(&self, camera: &Camera, size: [u32; 2]) -> cull::Camera {
+    /// Returns what a camera sees in pictures of `size` pixels at the moment that was posed last.
+    pub fn seen_by(&self, camera: &SceneCamera, size: [u32; 2]) -> cull::Camera {
         let world = self.world.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
         camera.seen_from(&world, size)
     }
 
-    /// Plays these clips from now on, each in a loop from the time 0 on; they take `fade_s` seconds from
-    /// `seconds` on to take the place of those that played. Of two that move the same, the later one does.
-    /// A fade that is not over goes on from where it is. Takes as long as the scene is large.
+    /// Plays these clips from now on, each in a loop from the time 0 on; they take `fade_s` seconds
+    /// from `seconds` on to take the place of those that played. Of two that move the same, the
+    /// later one does. A fade that is not over goes on from where it is. Takes as long as the scene
+    /// is large.
     pub fn play(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
         if self.playing.weight(seconds) < 1.0 {
             self.pose(seconds);
@@ -168,13 +172,15 @@ impl SceneAnimator {
         self.rig.update_world(&self.moving, &self.pose, &mut self.world);
     }
 
-    /// What has to be changed so that all is as it is at a time, after what was changed before.
+    /// Returns what has to be changed so that all is as it is at a time, after what was changed
+    /// before.
     pub fn changes(&mut self, seconds: f64) -> &SceneUpdate {
         self.change(seconds, None)
     }
 
-    /// Returns the same for a host that draws these views and no others before the next changes: what none of
-    /// them can show, whatever clips play, goes where it is and takes no pose until one can.
+    /// Returns the same for a host that draws these views and no others before the next changes:
+    /// what none of them can show, whatever clips play, goes where it is and takes no pose until
+    /// one can.
     pub fn changes_in(&mut self, seconds: f64, views: &[View]) -> &SceneUpdate {
         self.change(seconds, Some(views))
     }
@@ -221,8 +227,8 @@ impl SceneAnimator {
     }
 }
 
-/// Whether a clip moves one of these nodes.
-fn moves_any(clip: &Clip, nodes: &HashSet<NodeId>) -> bool {
+/// Returns true if a clip moves one of these nodes.
+fn moves_any(clip: &Clip, nodes: &HashSet<RigNodeId>) -> bool {
     let mut moved = clip.channels.iter().filter(|channel| channel.is_transform());
     moved.any(|channel| nodes.contains(&channel.node))
 }

@@ -12,7 +12,7 @@ use crate::elements::{self, Store};
 use crate::error::{Fault, Reason};
 use crate::images::Images;
 use crate::notes::{Note, Notes};
-use crate::progress::Told;
+use crate::progress::ReadProgress;
 use crate::reach::Reach;
 use crate::uri::{self, Wanted};
 use crate::verdict::{Verdict, note_broken_animations};
@@ -23,47 +23,52 @@ use crate::{
 /// A glTF file that was read and checked.
 ///
 /// # What holds
-/// The scene that is shown is the one that the file names, else its first one, else all nodes without a parent.
-/// Elements of the document's lists that it does not reach are *empty*: they keep their index, refer to nothing
-/// (an empty view to the first buffer, if there is one), and are not described below. What is wrong with them is in
-/// the notes. So are animations that are broken, which are empty too, and images that cannot be read, for which
-/// placeholders stand. For all that is not empty:
-/// - **Indices.** Every index of core glTF 2.0 and of [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors,
-///   views, buffers, nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images,
-///   scenes, targets and samplers of animations. So the methods of `gltf` that look them up do not panic.
-///   No enumerated value is unknown, every camera has the values of its type, every spot light its cone.
-///   Attributes whose names glTF does not know were removed, those of applications (`_NAME`) too, and so were
-///   animation channels without a node, or of a node that is not shown. Skins and weights of nodes without a mesh
-///   were removed. Joints may be nodes that are empty.
-/// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of the scene are
-///   roots (files may name others: the notes say which). It can be 100,000 deep: do not walk it by recursion. All numbers of nodes, cameras, lights and
-///   materials in the JSON are finite; what they mean is not checked (a matrix may be singular, a scale 0, a
-///   rotation of length 0, a field of view 0).
-/// - **Accessors** have at least one element and, where they have a view, lie within it and the view within
-///   its buffer, sparse ones with both their parts; sparse indices are increasing and below the count.
-///   Where an accessor has bounds (`min`, `max`) they hold its elements, normalised ones as integers.
-///   An accessor may have no view (zeros), a sparse one no base. The readers of `gltf` get some of these
-///   wrong: read them by [`Source::floats`] and [`Source::integers`], which read all.
-///   Views that were compressed are not any more.
-/// - **Primitives.** All attributes of a primitive and of its morph targets have the same count, and their
-///   types are what the specification and `KHR_mesh_quantization` allow. `POSITION` may be missing (draw
-///   nothing then). Indices are unsigned scalars, and every one of them is below the count. How many there are fits the mode no better than the file says: ignore the
-///   incomplete last line or triangle. All primitives of a mesh have the same number of morph targets;
-///   weights of a mesh or of a node with it are as many as there are targets. `JOINTS_n` come with
-///   `WEIGHTS_n`.
-/// - **Skins** have at least one joint, and at least as many inverse bind matrices (4x4 floats) as joints,
-///   if they have any. The values of `JOINTS_n` are below the number of joints of every skin that the mesh
-///   is drawn with.
-/// - **Animations.** Inputs are float scalars; outputs have the type of the target's path, and as many
-///   elements as the interpolation and the number of morph targets demand.
-/// - **Limits.** What the scene is made of is within the limits. Vertices are counted as the
-///   lesser of a primitive's vertices and its indices, so drop those that no index refers to; once for each
-///   mesh, but once for each *node* where it is deformed (by a skin or morph targets).
-///   A point, and a segment of a line, counts as a box.
+/// The scene that is shown is the one that the file names, else its first one, else all nodes
+/// without a parent. Elements of the document's lists that it does not reach are *empty*: they keep
+/// their index, refer to nothing (an empty view to the first buffer, if there is one), and are not
+/// described below. What is wrong with them is in the notes. So are animations that are broken,
+/// which are empty too, and images that cannot be read, for which placeholders stand. For all that
+/// is not empty:
+/// - **Indices.** Every index of core glTF 2.0 and of
+///   [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors, views, buffers,
+///   nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images, scenes,
+///   targets and samplers of animations. So the methods of `gltf` that look them up do not panic.
+///   No enumerated value is unknown, every camera has the values of its type, every spot light its
+///   cone. Attributes whose names glTF does not know were removed, those of applications (`_NAME`)
+///   too, and so were animation channels without a node, or of a node that is not shown. Skins and
+///   weights of nodes without a mesh were removed. Joints may be nodes that are empty.
+/// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of
+///   the scene are roots (files may name others: the notes say which). It can be 100,000 deep: do
+///   not walk it by recursion. All numbers of nodes, cameras, lights and materials in the JSON are
+///   finite; what they mean is not checked (a matrix may be singular, a scale 0, a rotation of
+///   length 0, a field of view 0).
+/// - **Accessors** have at least one element and, where they have a view, lie within it and the
+///   view within its buffer, sparse ones with both their parts; sparse indices are increasing and
+///   below the count. Where an accessor has bounds (`min`, `max`) they hold its elements,
+///   normalised ones as integers. An accessor may have no view (zeros), a sparse one no base. The
+///   readers of `gltf` get some of these wrong: read them by [`Source::floats`] and
+///   [`Source::integers`], which read all. Views that were compressed are not any more.
+/// - **Primitives.** All attributes of a primitive and of its morph targets have the same count,
+///   and their types are what the specification and `KHR_mesh_quantization` allow. `POSITION` may
+///   be missing (draw nothing then). Indices are unsigned scalars, and every one of them is below
+///   the count. How many there are fits the mode no better than the file says: ignore the
+///   incomplete last line or triangle. All primitives of a mesh have the same number of morph
+///   targets; weights of a mesh or of a node with it are as many as there are targets. `JOINTS_n`
+///   come with `WEIGHTS_n`.
+/// - **Skins** have at least one joint, and at least as many inverse bind matrices (4x4 floats) as
+///   joints, if they have any. The values of `JOINTS_n` are below the number of joints of every
+///   skin that the mesh is drawn with.
+/// - **Animations.** Inputs are float scalars; outputs have the type of the target's path, and as
+///   many elements as the interpolation and the number of morph targets demand.
+/// - **Limits.** What the scene is made of is within the limits. Vertices are counted as the lesser
+///   of a primitive's vertices and its indices, so drop those that no index refers to; once for
+///   each mesh, but once for each *node* where it is deformed (by a skin or morph targets). A
+///   point, and a segment of a line, counts as a box.
 ///
 /// # What does not
-/// Values in buffers are not looked at, save indices and joints: positions, normals, weights, matrices and
-/// keys can be infinite or not numbers, times can run backwards, normals and quaternions have any length.
+/// Values in buffers are not looked at, save indices and joints: positions, normals, weights,
+/// matrices and keys can be infinite or not numbers, times can run backwards, normals and
+/// quaternions have any length.
 pub struct Source {
     /// The file's path, for errors.
     pub file: String,
@@ -73,8 +78,9 @@ pub struct Source {
     pub images: Vec<Option<Image>>,
     /// The indices of images that could not be read: a checkered picture stands for each.
     pub placeholders: BTreeSet<usize>,
-    /// As many as the document has textures: the index of its image, which is there; `None` for those that are
-    /// not shown, and for those whose image is in a format that is not supported, which are noted.
+    /// As many as the document has textures: the index of its image, which is there; `None` for
+    /// those that are not shown, and for those whose image is in a format that is not supported,
+    /// which are noted.
     pub texture_images: Vec<Option<usize>>,
     /// For each node whose mesh is instanced, where.
     pub instancing: BTreeMap<usize, Instancing>,
@@ -84,25 +90,26 @@ pub struct Source {
 }
 
 impl Source {
-    /// The bytes of a buffer, exactly as many as it says; empty if there is no such buffer.
+    /// Returns the bytes of a buffer, exactly as many as it says; empty if there is no such buffer.
     pub fn buffer(&self, index: usize) -> &[u8] {
         self.store.buffer(index)
     }
 
-    /// All elements of an accessor as floats, normalised integers turned into what they mean, others into
-    /// themselves. `None` if there is no such accessor or its elements have not `N` components. Matrices
-    /// are in column order, without padding.
+    /// Returns all elements of an accessor as floats, normalised integers turned into what they
+    /// mean, others into themselves. `None` if there is no such accessor or its elements have not
+    /// `N` components. Matrices are in column order, without padding.
     pub fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
         self.picked_floats(accessor, None)
     }
 
-    /// All elements of an accessor of unsigned integers. `None` if there is no such accessor, its elements
-    /// have not `N` components, or they are not unsigned integers.
+    /// Returns all elements of an accessor of unsigned integers. `None` if there is no such
+    /// accessor, its elements have not `N` components, or they are not unsigned integers.
     pub fn integers<const N: usize>(&self, accessor: usize) -> Option<Vec<[u32; N]>> {
         self.picked_integers(accessor, None)
     }
 
-    /// As [`Source::floats`], only those of an increasing list, if there is one: no other is looked at.
+    /// As [`Source::floats`], only those of an increasing list, if there is one: no other is looked
+    /// at.
     pub(crate) fn picked_floats<const N: usize>(
         &self,
         accessor: usize,
@@ -114,7 +121,8 @@ impl Source {
         Some(all)
     }
 
-    /// As [`Source::integers`], only those of an increasing list, if there is one: no other is looked at.
+    /// As [`Source::integers`], only those of an increasing list, if there is one: no other is
+    /// looked at.
     pub(crate) fn picked_integers<const N: usize>(
         &self,
         accessor: usize,
@@ -126,13 +134,13 @@ impl Source {
         Some(all)
     }
 
-    /// How many elements an accessor has, or how many of them are picked.
+    /// Returns how many elements an accessor has, or how many of them are picked.
     pub(crate) fn count_of(&self, accessor: usize, picks: Option<&[u32]>) -> usize {
         let accessor = self.document.as_json().accessors.get(accessor);
         picks.map_or(accessor.map_or(0, |accessor| accessor.count.0 as usize), <[u32]>::len)
     }
 
-    /// An error about something in this file.
+    /// Returns an error about something in this file.
     pub fn error(&self, cause: Cause, object: String, reason: String) -> ImportError {
         ImportError { file: self.file.clone(), object, reason, cause }
     }
@@ -150,7 +158,7 @@ pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
 pub(crate) fn open_and_tell(
     path: &Path,
     limits: &Limits,
-    tell: &mut Told<'_>,
+    tell: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
     let file = path.display().to_string();
     let bytes = uri::read_file(path, "it", Wanted::All, limits.file_bytes)
@@ -159,8 +167,8 @@ pub(crate) fn open_and_tell(
     read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits, tell)
 }
 
-/// Reads a file whose bytes are here. What it refers to is looked for in `folder`; without one it must not
-/// refer to anything outside of itself.
+/// Reads a file whose bytes are here. What it refers to is looked for in `folder`; without one it
+/// must not refer to anything outside of itself.
 ///
 /// # Errors
 /// As [`open`].
@@ -173,7 +181,7 @@ pub(crate) fn read_and_tell(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
-    tell: &mut Told<'_>,
+    tell: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
     read_named("scene in memory".to_owned(), bytes, folder, limits, tell)
 }
@@ -183,7 +191,7 @@ fn read_named(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
-    tell: &mut Told<'_>,
+    tell: &mut ReadProgress<'_>,
 ) -> Result<Source, ImportError> {
     match check_and_decode(bytes, folder, limits, tell) {
         Ok(parts) => Ok(Source {
@@ -225,7 +233,7 @@ fn check_and_decode(
     bytes: Vec<u8>,
     folder: Option<&Path>,
     limits: &Limits,
-    tell: &mut Told<'_>,
+    tell: &mut ReadProgress<'_>,
 ) -> Result<Parts, Fault> {
     let length = bytes.len() as u64;
     if length > limits.file_bytes {
@@ -241,7 +249,8 @@ fn check_and_decode(
         (json::parse(&bytes, limits, &mut notes)?, None)
     };
     let json::Parsed { mut root, faults } = parsed;
-    // What the JSON takes is known to be bounded now, so all of it is checked before any file is opened.
+    // What the JSON takes is known to be bounded now, so all of it is checked before any file is
+    // opened.
     check::required(&root, &mut notes)?;
     let verdict = &mut Verdict::new(Reach::of(&root), notes);
     for (element, fault) in faults {

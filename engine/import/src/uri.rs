@@ -1,4 +1,5 @@
-//! What a URI of a file leads to: its own text (`data:`), or a file below the scene's folder. Nothing else.
+//! What a URI of a file leads to: its own text (`data:`), or a file below the scene's folder.
+//! Nothing else.
 
 use std::fs::File;
 use std::io::Read;
@@ -28,7 +29,7 @@ pub(crate) enum Wanted {
     All,
 }
 
-/// The bytes that `uri` leads to, at most `limit`.
+/// Returns the bytes that `uri` leads to, at most `limit`.
 pub(crate) fn fetch(
     uri: &str,
     folder: Option<&Path>,
@@ -57,7 +58,7 @@ fn shorter(there: u64, wanted: u64) -> Reason {
     Reason::malformed(format!("its byteLength is {wanted}, but only {there} bytes are there"))
 }
 
-/// What stands behind `data:`: is it base64, and its text.
+/// Returns what stands behind `data:`: is it base64, and its text.
 fn data_part(uri: &str) -> Option<Result<(bool, &str), Reason>> {
     let scheme = uri.get(..5)?;
     if !scheme.eq_ignore_ascii_case("data:") {
@@ -88,7 +89,7 @@ fn inline((is_base64, text): (bool, &str), limit: u64) -> Result<Vec<u8>, Reason
     decoded.map_err(|error| Reason::malformed(format!("its data URI is not base64: {error}")))
 }
 
-/// The path that a URI without a scheme stands for, if it stays below where it begins.
+/// Returns the path that a URI without a scheme stands for, if it stays below where it begins.
 fn relative_path(uri: &str) -> Result<PathBuf, Reason> {
     let shown = quoted(uri);
     let refused = |why: &str| Reason::forbidden(format!("its URI {shown} {why}"));
@@ -122,7 +123,7 @@ fn relative_path(uri: &str) -> Result<PathBuf, Reason> {
     Ok(relative)
 }
 
-/// The scheme of a URI, as RFC 3986 has it; a drive letter is one too.
+/// Returns the scheme of a URI, as RFC 3986 has it; a drive letter is one too.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let is_scheme = scheme.starts_with(|first: char| first.is_ascii_alphabetic())

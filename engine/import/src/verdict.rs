@@ -1,4 +1,5 @@
-//! What follows from a fault: a file that is shown by what is broken is refused, and all else is noted.
+//! What follows from a fault: a file that is shown by what is broken is refused, and all else is
+//! noted.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -42,7 +43,8 @@ impl Verdict {
     /// Judges the outcome of a check of an element. Returns the value if the check passed.
     ///
     /// # Errors
-    /// The fault, if the scene needs the element. What is used and beyond a limit is refused in any case.
+    /// The fault, if the scene needs the element. What is used and beyond a limit is refused in any
+    /// case.
     pub(crate) fn judge<T>(
         &mut self,
         element: Element,
@@ -74,8 +76,8 @@ impl Verdict {
         if self.held.is_empty() {
             return None;
         }
-        // References of optional elements lead down to buffers in a few steps. What is wrong below often is
-        // the cause of what is wrong above.
+        // References of optional elements lead down to buffers in a few steps. What is wrong below
+        // often is the cause of what is wrong above.
         let mut deepest: Option<(usize, &Fault)> = None;
         let mut pending = vec![(0, element)];
         while let Some((depth, element)) = pending.pop() {

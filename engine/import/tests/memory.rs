@@ -1,4 +1,5 @@
-//! The memory that files take stays below what the limits say: one test in a process, whose allocator counts.
+//! The memory that files take stays below what the limits say: one test in a process, whose
+//! allocator counts.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -24,7 +25,7 @@ fn limits() -> Limits {
     }
 }
 
-/// The most bytes in use while these are read, beside what was in use before.
+/// Returns the most bytes in use while these are read, beside what was in use before.
 fn peak_of(bytes: Vec<u8>) -> (u64, String) {
     let before = (ALLOCATOR.current_usage() - bytes.len()) as u64;
     ALLOCATOR.reset_peak_usage();

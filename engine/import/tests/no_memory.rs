@@ -1,5 +1,5 @@
-//! Where memory ends, loading ends with a sentence and not with the process: one test in a process, whose
-//! allocator has a limit.
+//! Where memory ends, loading ends with a sentence and not with the process: one test in a process,
+//! whose allocator has a limit.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

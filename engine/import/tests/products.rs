@@ -1,5 +1,6 @@
-//! Much of one thing times much of another: short files whose parts are few, and whose pairs are many. What
-//! loading and playing them takes is bounded by the parts. One test in a process, whose allocator counts.
+//! Much of one thing times much of another: short files whose parts are few, and whose pairs are
+//! many. What loading and playing them takes is bounded by the parts. One test in a process, whose
+//! allocator counts.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -44,7 +45,7 @@ fn roots(scene: &mut Scene, nodes: Vec<Value>) {
     scene.set("/nodes", json!(nodes));
 }
 
-/// Many morphed nodes, and many clips of which each moves another node.
+/// Returns many morphed nodes, and many clips of which each moves another node.
 fn morphs_and_clips(count: usize) -> Scene {
     let mut scene = Scene::triangle();
     scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
@@ -56,7 +57,7 @@ fn morphs_and_clips(count: usize) -> Scene {
     scene
 }
 
-/// Many morphed nodes, and a clip for each of them.
+/// Returns many morphed nodes, and a clip for each of them.
 fn morphs_with_clips(count: usize) -> Scene {
     let mut scene = morphs_and_clips(count);
     clips(&mut scene, (0..count).map(|node| (node, "weights")));
@@ -70,7 +71,7 @@ fn skins_and_channels(depth: usize, meshes: usize) -> Scene {
     scene
 }
 
-/// Many instances, and many lights among them.
+/// Returns many instances, and many lights among them.
 fn instances_and_lights(count: usize) -> Scene {
     let mut scene = Scene::triangle();
     let places = json!({ "componentType": F32, "type": "VEC3", "count": count });

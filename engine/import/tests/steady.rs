@@ -18,11 +18,11 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// The thread that runs the tests may allocate meanwhile and is counted as well; the loop does the same
-/// each time.
+/// The thread that runs the tests may allocate meanwhile and is counted as well; the loop does the
+/// same each time.
 const TRIES: usize = 10;
 
-/// A triangle on a node that slides, and another one on a node that is morphed.
+/// Returns a triangle on a node that slides, and another one on a node that is morphed.
 fn scene() -> Vec<u8> {
     let numbers: [f32; 28] = [
         0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, // positions

@@ -1,5 +1,5 @@
-//! The frame of a method that needs results before it can go on: batch by batch, each submitted before the
-//! next is decided. What is drawn and tested is decided by a state machine of `cull`.
+//! The frame of a method that needs results before it can go on: batch by batch, each submitted
+//! before the next is decided. What is drawn and tested is decided by a state machine of `cull`.
 //!
 //! ```text
 //! batch       the first clears; draws, some under a query each, then boxes under a query each;
@@ -14,11 +14,12 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use cull::{
-    Batch, BatchDraw, Dialogue, DialogueOptions, DialogueStats, FirstPass, LeafIndex, PlanStats,
-    Step, Strategy, TestAnswer, TestToken,
+    Batch, BatchDraw, BlockingCuller, BlockingOptions, BlockingStats, FirstPass, LeafIndex,
+    NextAction, PlanStats, Strategy, TestAnswer, TestToken,
 };
 use gpu::{
-    BufferSlice, Commands, Counting, Frame, IndirectDraw, Optional, QueryIndex, QueryPages, Tick,
+    BlockingQueryPool, BufferSlice, Commands, Counting, Frame, IndirectDraw, Optional, QueryIndex,
+    Tick,
 };
 use occlusion::{
     Error, LeafTable, Method, MethodRequest, MethodScene, MethodState, MethodStats, MethodSupport,
@@ -29,8 +30,8 @@ const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 /// What one view keeps, whichever of the methods it is drawn by.
 struct BlockingState {
-    dialogue: Dialogue,
-    queries: QueryPages,
+    blocking: BlockingCuller,
+    queries: BlockingQueryPool,
 }
 
 impl MethodState for BlockingState {}
@@ -38,7 +39,7 @@ impl MethodState for BlockingState {}
 /// One of the methods.
 pub(crate) struct BlockingMethod {
     strategy: Strategy,
-    options: DialogueOptions,
+    options: BlockingOptions,
 }
 
 /// A part of a frame that was sent off and has answers to give.
@@ -87,9 +88,9 @@ impl Method for BlockingMethod {
         state.check(&scene.executor.leaves)?;
         state.begin_unplanned(frame, scene.hierarchy)?;
         let mut kept = state.take_method_state::<BlockingState>().unwrap_or_else(|| {
-            let (slots, name) = (state.frames_in_flight(), "dialogue queries");
-            let queries = QueryPages::new(scene.device, slots, name);
-            Box::new(BlockingState { dialogue: Dialogue::new(self.options), queries })
+            let (slots, name) = (state.frames_in_flight(), "blocking queries");
+            let queries = BlockingQueryPool::new(scene.device, slots, name);
+            Box::new(BlockingState { blocking: BlockingCuller::new(self.options), queries })
         });
         let stats = self.record_batches(frame, state, &mut kept, scene, request);
         state.put_method_state(kept);
@@ -104,7 +105,7 @@ impl Method for BlockingMethod {
 }
 
 impl BlockingMethod {
-    pub(crate) fn new(strategy: Strategy, options: &DialogueOptions) -> Self {
+    pub(crate) fn new(strategy: Strategy, options: &BlockingOptions) -> Self {
         Self { strategy, options: *options }
     }
 
@@ -115,8 +116,8 @@ impl BlockingMethod {
         if counts { Counting::Samples } else { Counting::Some }
     }
 
-    /// Returns true if the batches draw depth alone and the colour comes last: where the option says so,
-    /// in scenes that are not drawn so anyway.
+    /// Returns true if the batches draw depth alone and the colour comes last: where the option
+    /// says so, in scenes that are not drawn so anyway.
     fn is_depth_first(&self, scene: &MethodScene<'_>) -> bool {
         self.strategy == Strategy::Coherent
             && self.options.coherent.first_pass == FirstPass::DepthOnly
@@ -131,10 +132,10 @@ impl BlockingMethod {
         kept: &mut BlockingState,
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
-    ) -> Result<DialogueStats, Error> {
-        let BlockingState { dialogue, queries } = kept;
-        let started = dialogue.begin(scene.hierarchy, self.strategy, request.view);
-        let Some(mut conversation) = started else { return Ok(DialogueStats::default()) };
+    ) -> Result<BlockingStats, Error> {
+        let BlockingState { blocking, queries } = kept;
+        let started = blocking.begin(scene.hierarchy, self.strategy, request.view);
+        let Some(mut conversation) = started else { return Ok(BlockingStats::default()) };
         queries.begin(frame.slot());
         let plan = state.plan_mut();
         let (mut batch, mut home, mut under_way) = (Batch::default(), Vec::new(), VecDeque::new());
@@ -148,15 +149,15 @@ impl BlockingMethod {
                 let batch = (&batch, &io);
                 self.record_batch(frame.commands(), batch, queries, scene, (request, rendering));
                 is_first = false;
-                if step != Step::Done {
+                if step != NextAction::Done {
                     let tick = frame.flush(request.after)?;
                     under_way.push_back(Submission { queries: io.queries, tick });
                 }
             }
             match step {
-                Step::Done => break,
-                Step::Submit => {}
-                Step::Wait(token) => wait(frame, &under_way, token)?,
+                NextAction::Done => break,
+                NextAction::Submit => {}
+                NextAction::Wait(token) => wait(frame, &under_way, token)?,
             }
             collect(scene.device.completed()?, &mut under_way, queries, &mut home);
         }
@@ -177,7 +178,7 @@ impl BlockingMethod {
         &self,
         commands: &Commands,
         (batch, io): (&Batch, &BatchIo),
-        queries: &QueryPages,
+        queries: &BlockingQueryPool,
         scene: &mut MethodScene<'_>,
         (request, rendering): (&MethodRequest<'_>, Rendering),
     ) {
@@ -237,12 +238,12 @@ impl BlockingMethod {
 }
 
 impl BatchIo {
-    /// Writes `batch` into the memory of `frame`, and takes a query for each of its questions: those
-    /// of a batch have consecutive tokens, and a token is the number of its query.
+    /// Writes `batch` into the memory of `frame`, and takes a query for each of its questions:
+    /// those of a batch have consecutive tokens, and a token is the number of its query.
     fn write(
         frame: &mut Frame<'_>,
         batch: &Batch,
-        queries: &mut QueryPages,
+        queries: &mut BlockingQueryPool,
         leaves: &LeafTable,
     ) -> Result<Self, Error> {
         let asked = batch.draws.iter().filter(|draw| draw.token.is_some()).count();
@@ -264,7 +265,7 @@ fn draw(
     commands: &Commands,
     leaves: &[BatchDraw],
     draws: BufferSlice,
-    queries: &QueryPages,
+    queries: &BlockingQueryPool,
     counting: Counting,
 ) {
     let part = |range: Range<usize>| {
@@ -304,7 +305,7 @@ fn wait(
 fn collect(
     completed: Tick,
     under_way: &mut VecDeque<Submission>,
-    queries: &QueryPages,
+    queries: &BlockingQueryPool,
     home: &mut Vec<TestAnswer>,
 ) {
     home.clear();

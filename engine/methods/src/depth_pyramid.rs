@@ -1,5 +1,6 @@
-//! The depth pyramid of today's engines (niagara and Bevy, two phases; the pyramid is that of Greene, Kass
-//! and Miller 1993, "Hierarchical Z-Buffer Visibility"): all decisions fall on the GPU.
+//! The depth pyramid of today's engines (niagara and Bevy, two phases; the pyramid is that of
+//! Greene, Kass and Miller 1993, "Hierarchical Z-Buffer Visibility"): all decisions fall on the
+//! GPU.
 //!
 //! ```text
 //! remembered  what was visible in the last frame and is in the frustum -> list of draws
@@ -20,14 +21,14 @@ mod build;
 mod cull;
 mod state;
 
-use ::cull::{DialogueOptions, Hierarchy, Strategy, View};
+use ::cull::{BlockingOptions, Hierarchy, Strategy, View};
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryBarrier, Optional,
-    Place, vk,
+    Access, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryBarrier, MemoryKind,
+    Optional, vk,
 };
 use occlusion::{
-    Area, Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, ObjectPass,
-    ObjectRenderer, PlanExecutor, Rendering, ShaderSet, VisibilityState,
+    Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, ObjectPass,
+    ObjectRenderer, PlanExecutor, Rect, Rendering, ShaderSet, VisibilityState,
 };
 
 pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
@@ -41,7 +42,7 @@ struct DepthPyramid {
 }
 
 /// Makes the method.
-pub(crate) fn method(_options: &DialogueOptions) -> Box<dyn Method> {
+pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(DepthPyramid::default())
 }
 
@@ -91,7 +92,8 @@ struct PyramidFrame {
     cull: PyramidCullPass,
     list: Buffer,
     list_kind: ListKind,
-    /// Where the list of the second phase lies: over that of the first, unless both are drawn again.
+    /// Where the list of the second phase lies: over that of the first, unless both are drawn
+    /// again.
     second_bytes: u64,
     counters: Buffer,
     leaf_count: u32,
@@ -141,7 +143,7 @@ impl PyramidFrame {
             (vk::BufferUsageFlags::STORAGE_BUFFER, vk::BufferUsageFlags::INDIRECT_BUFFER);
         let (from, to) = (vk::BufferUsageFlags::TRANSFER_SRC, vk::BufferUsageFlags::TRANSFER_DST);
         let buffer = |name, size_bytes, usage| {
-            Buffer::new(device, name, size_bytes, storage | usage, Place::Device)
+            Buffer::new(device, name, size_bytes, storage | usage, MemoryKind::Device)
         };
         let list_bytes = u64::from(leaf_count.max(1)) * DRAW_BYTES;
         let second_bytes = match lists {
@@ -159,7 +161,8 @@ impl PyramidFrame {
         })
     }
 
-    /// Whether the device has what it takes for the leaves of `hierarchy` and pictures of `size`.
+    /// Checks that the device has what it takes for the leaves of `hierarchy` and pictures of
+    /// `size`.
     ///
     /// # Errors
     /// What is missing or too large.
@@ -246,7 +249,7 @@ impl PyramidFrame {
             });
         });
         commands.pass("depth pyramid", |commands| {
-            self.pyramid.record(commands, objects.target(), Area::of(view));
+            self.pyramid.record(commands, objects.target(), Rect::of(view));
         });
         commands.pass("test boxes", |commands| {
             // The list of phase 1 has been drawn.

@@ -1,7 +1,8 @@
-//! The ideal (the optimum of the papers on coherent hierarchical culling): draws exactly the objects that own
-//! a pixel, found beforehand, and tests nothing. The bound that no method beats; not a product.
+//! The ideal (the optimum of the papers on coherent hierarchical culling): draws exactly the
+//! objects that own a pixel, found beforehand, and tests nothing. The bound that no method beats;
+//! not a product.
 
-use cull::{DialogueOptions, Strategy};
+use cull::{BlockingOptions, Strategy};
 use gpu::{Frame, Optional};
 use occlusion::{
     Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, VisibilityState, execute,
@@ -11,7 +12,7 @@ use occlusion::{
 struct Ideal;
 
 /// Makes the method.
-pub(crate) fn method(_options: &DialogueOptions) -> Box<dyn Method> {
+pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(Ideal)
 }
 

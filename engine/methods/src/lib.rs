@@ -1,14 +1,14 @@
-//! The methods of the literature and of today's engines, a file each: they run on the same scenes, frames and
-//! passes as ours, so that comparisons compare methods and nothing else.
+//! The methods of the literature and of today's engines, a file each: they run on the same scenes,
+//! frames and passes as ours, so that comparisons compare methods and nothing else.
 //!
-//! A renderer carries out those that it is given ([`ALL`]). A new method is a file with a type that implements
-//! [`occlusion::Method`], and a line in [`ALL`].
+//! A renderer carries out those that it is given ([`ALL`]). A new method is a file with a type that
+//! implements [`occlusion::Method`], and a line in [`ALL`].
 //!
 //! ```
 //! # use antumbra_methods as methods;
-//! use cull::{DialogueOptions, Strategy};
+//! use cull::{BlockingOptions, Strategy};
 //!
-//! let options = DialogueOptions::default();
+//! let options = BlockingOptions::default();
 //! let mut all = methods::ALL.iter().map(|new| new(&options));
 //! assert!(all.any(|method| method.carries_out(Strategy::Coherent)));
 //! ```
@@ -40,14 +40,14 @@ pub const ALL: &[MethodConstructor] = &[
 
 #[cfg(test)]
 mod tests {
-    use cull::{DialogueOptions, Strategy};
+    use cull::{BlockingOptions, Strategy};
     use occlusion::{Method, PlannedMethod};
 
     use super::*;
 
     #[test]
     fn each_strategy_is_carried_out_by_one_method() {
-        let made = ALL.iter().map(|new| new(&DialogueOptions::default()));
+        let made = ALL.iter().map(|new| new(&BlockingOptions::default()));
         let mut methods: Vec<Box<dyn Method>> = made.collect();
         methods.push(Box::new(PlannedMethod));
         for strategy in Strategy::ALL {

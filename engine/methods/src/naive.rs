@@ -1,11 +1,12 @@
-//! Naive occlusion queries (GPU Gems, 29.2): a query per object, front to back, and a wait for each.
+//! Naive occlusion queries (GPU Gems, 29.2): a query per object, front to back, and a wait for
+//! each.
 
-use cull::{DialogueOptions, Strategy};
+use cull::{BlockingOptions, Strategy};
 use occlusion::Method;
 
 use crate::blocking::BlockingMethod;
 
-/// Makes the method. Its decisions are those of [`cull::Dialogue`].
-pub(crate) fn method(options: &DialogueOptions) -> Box<dyn Method> {
+/// Makes the method. Its decisions are those of [`cull::BlockingCuller`].
+pub(crate) fn method(options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(BlockingMethod::new(Strategy::Naive, options))
 }

@@ -1,7 +1,7 @@
-//! Next-frame occlusion queries (GPU Gems, 29.4): a query per object that is read in a later frame and
-//! decides about that one. Never waits, and is wrong until its results are there.
+//! Next-frame occlusion queries (GPU Gems, 29.4): a query per object that is read in a later frame
+//! and decides about that one. Never waits, and is wrong until its results are there.
 
-use cull::{DialogueOptions, Strategy};
+use cull::{BlockingOptions, Strategy};
 use gpu::Frame;
 use occlusion::{
     Error, Method, MethodRequest, MethodScene, MethodStats, PlannedMethod, VisibilityState,
@@ -11,7 +11,7 @@ use occlusion::{
 struct NextFrame;
 
 /// Makes the method.
-pub(crate) fn method(_options: &DialogueOptions) -> Box<dyn Method> {
+pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(NextFrame)
 }
 

@@ -1,11 +1,12 @@
-//! Hierarchical stop-and-wait (GPU Gems 2, 6.3): the hierarchy from the root down, a wait at each node.
+//! Hierarchical stop-and-wait (GPU Gems 2, 6.3): the hierarchy from the root down, a wait at each
+//! node.
 
-use cull::{DialogueOptions, Strategy};
+use cull::{BlockingOptions, Strategy};
 use occlusion::Method;
 
 use crate::blocking::BlockingMethod;
 
-/// Makes the method. Its decisions are those of [`cull::Dialogue`].
-pub(crate) fn method(options: &DialogueOptions) -> Box<dyn Method> {
+/// Makes the method. Its decisions are those of [`cull::BlockingCuller`].
+pub(crate) fn method(options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(BlockingMethod::new(Strategy::StopAndWait, options))
 }

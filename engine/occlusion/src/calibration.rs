@@ -1,10 +1,10 @@
 //! Measures what things cost on this device, before the first frame.
 //!
 //! Each price is a difference: a batch with twice as many of a thing less one with as many, so that
-//! what both have in common is of no account, and of several times the shortest counts. GPU timestamps are used
-//! where the device has them, else the CPU's time from submit to end. Nobody depends on the outcome
-//! but for speed: what makes no sense is replaced by the default. Where there are timestamps, cost models
-//! correct the outcome by what frames take (`cull::Corrections`).
+//! what both have in common is of no account, and of several times the shortest counts. GPU
+//! timestamps are used where the device has them, else the CPU's time from submit to end. Nobody
+//! depends on the outcome but for speed: what makes no sense is replaced by the default. Where
+//! there are timestamps, cost models correct the outcome by what frames take (`cull::Corrections`).
 
 mod batch;
 mod overlap;
@@ -91,7 +91,7 @@ impl Clock {
         Ok(Self { device: device.clone(), frames, has_timestamps })
     }
 
-    /// How long a batch takes (ns), alone on the GPU.
+    /// Returns how long a batch takes (ns), alone on the GPU.
     fn time_ns(&mut self, bench: &mut Bench<'_>, batch: Batch) -> Result<f64, Error> {
         let mut frame = self.frames.begin()?;
         bench.prepare(&mut frame, batch)?;
@@ -128,7 +128,7 @@ impl Pair {
         self.double_ns = self.double_ns.min(double_ns);
     }
 
-    /// What one thing costs (ns), or no number if nothing was measured.
+    /// Returns what one thing costs (ns), or no number if nothing was measured.
     fn each_ns(&self, count: u32) -> f64 {
         (self.double_ns - self.single_ns) / f64::from(count.max(1))
     }
@@ -207,8 +207,8 @@ fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTabl
     }
 }
 
-/// Replaces what cannot be by the default. A small price may come out negative: then it is too small
-/// to be told from noise, and counts as nothing.
+/// Replaces what cannot be by the default. A small price may come out negative: then it is too
+/// small to be told from noise, and counts as nothing.
 fn sensible(measured: CostTable, predication: Predication) -> CostTable {
     let usual = CostTable::default();
     let mut doubtful = Vec::new();

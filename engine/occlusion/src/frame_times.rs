@@ -1,8 +1,8 @@
 //! The times of frames on the GPU, for the cost models of the views that they showed.
 //!
 //! A time is known when the slot of its frame is used again, as the frame's results are; then it is
-//! known what was drawn. Prices are the device's: where a frame shows several views, each of their cost
-//! models learns from the time of the frame and the contents of all of them.
+//! known what was drawn. Prices are the device's: where a frame shows several views, each of their
+//! cost models learns from the time of the frame and the contents of all of them.
 
 use std::collections::VecDeque;
 
@@ -36,8 +36,8 @@ impl FrameTimes {
         self.known.push_back(time);
     }
 
-    /// Teaches the cost models of `views`, which were drawn together, from the frames that showed them.
-    /// The results of those frames must have been read.
+    /// Teaches the cost models of `views`, which were drawn together, from the frames that showed
+    /// them. The results of those frames must have been read.
     pub fn teach<V>(&mut self, views: &mut [V])
     where
         V: AsRef<VisibilityState> + AsMut<VisibilityState>,

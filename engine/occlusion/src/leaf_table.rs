@@ -1,5 +1,6 @@
-//! The objects as the executor sees them, in the order of the hierarchy's leaves, so that a subtree is
-//! a range of everything: a box, an indirect draw and counts per leaf, on the CPU and on the GPU.
+//! The objects as the executor sees them, in the order of the hierarchy's leaves, so that a subtree
+//! is a range of everything: a box, an indirect draw and counts per leaf, on the CPU and on the
+//! GPU.
 
 mod changes;
 mod counts;
@@ -69,14 +70,14 @@ pub struct LeafTable {
     leaf_draws: Vec<MeshDrawId>,
     counts: LeafCounts,
     pub(crate) changes: DrawChanges,
-    stale: Vec<LeafIndex>,
-    is_stale: Vec<bool>,
+    dirty: Vec<LeafIndex>,
+    is_dirty: Vec<bool>,
 }
 
 /// Elements that the owner of the objects keeps per leaf, and uploads with those of the table.
 #[derive(Clone, Copy)]
 pub struct LeafElements {
-    /// The new elements of the [stale leaves](LeafTable::stale), in their order.
+    /// The new elements of the [stale leaves](LeafTable::dirty), in their order.
     pub elements: BufferSlice,
     /// All elements, by leaf.
     pub array: BufferSlice,
@@ -88,7 +89,8 @@ impl LeafTable {
     /// Uploads the leaves of `hierarchy`. `draw_of` says what an object is.
     ///
     /// # Errors
-    /// No memory, a failed call; a threshold where queries do not count or under conditional rendering.
+    /// No memory, a failed call; a threshold where queries do not count or under conditional
+    /// rendering.
     pub fn new(
         device: &Device,
         hierarchy: &Hierarchy,
@@ -119,8 +121,8 @@ impl LeafTable {
             )?,
             counts: LeafCounts::new(counts()),
             changes: DrawChanges::new(objects.len()),
-            stale: Vec::new(),
-            is_stale: vec![false; objects.len()],
+            dirty: Vec::new(),
+            is_dirty: vec![false; objects.len()],
             mesh_draws,
             leaf_draws,
         })
@@ -156,10 +158,10 @@ impl LeafTable {
     }
 
     /// Notes that the object of a leaf is another, moved, or is now this: the next frame brings it.
-    pub fn mark(&mut self, leaf: LeafIndex, now: MeshDrawId) {
+    pub fn mark_dirty(&mut self, leaf: LeafIndex, now: MeshDrawId) {
         let place = leaf.0 as usize;
-        let (Some(id), Some(is_stale)) =
-            (self.leaf_draws.get_mut(place), self.is_stale.get_mut(place))
+        let (Some(id), Some(is_dirty)) =
+            (self.leaf_draws.get_mut(place), self.is_dirty.get_mut(place))
         else {
             return;
         };
@@ -169,18 +171,18 @@ impl LeafTable {
             self.counts.replace(place, before, now);
             self.changes.push(leaf);
         }
-        if !std::mem::replace(is_stale, true) {
-            self.stale.push(leaf);
+        if !std::mem::replace(is_dirty, true) {
+            self.dirty.push(leaf);
         }
     }
 
     /// Returns the leaves that the next frame brings to the GPU.
-    pub fn stale(&self) -> &[LeafIndex] {
-        &self.stale
+    pub fn dirty(&self) -> &[LeafIndex] {
+        &self.dirty
     }
 
-    /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay stale
-    /// until the frame was [submitted](LeafTable::submitted): it may never be.
+    /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay
+    /// stale until the frame was [submitted](LeafTable::submitted): it may never be.
     ///
     /// # Errors
     /// No memory.
@@ -191,7 +193,7 @@ impl LeafTable {
         scatter: &ScatterPass,
         beside: LeafElements,
     ) -> Result<(), Error> {
-        if self.stale.is_empty() {
+        if self.dirty.is_empty() {
             return Ok(());
         }
         let bounds = |leaf: &LeafIndex| {
@@ -200,24 +202,24 @@ impl LeafTable {
             leaf_box(hierarchy, object, self.count(LeafRange { first: *leaf, count: 1 }))
         };
         let uploads = frame.uploads();
-        let leaves = uploads.push_iter(self.stale.iter().map(|leaf| leaf.0))?;
-        let draws = uploads.push_iter(self.stale.iter().map(|leaf| self.draw(*leaf)))?;
-        let boxes = uploads.push_iter(self.stale.iter().map(bounds))?;
+        let leaves = uploads.push_iter(self.dirty.iter().map(|leaf| leaf.0))?;
+        let draws = uploads.push_iter(self.dirty.iter().map(|leaf| self.draw(*leaf)))?;
+        let boxes = uploads.push_iter(self.dirty.iter().map(bounds))?;
         let io = |elements, array| ScatterIo { leaves, elements, array };
         let arrays = [
             (io(beside.elements, beside.array), beside.element_bytes),
             (io(draws, self.predicates.draws()), size_of::<IndirectDraw>()),
             (io(boxes, self.boxes()), size_of::<ProxyBox>()),
         ];
-        scatter.record(frame.commands(), self.stale.len() as u32, &arrays);
+        scatter.record(frame.commands(), self.dirty.len() as u32, &arrays);
         Ok(())
     }
 
     /// Notes that the frame that [`LeafTable::upload`] recorded for is on its way.
     pub fn submitted(&mut self) {
-        for leaf in self.stale.drain(..) {
-            if let Some(is_stale) = self.is_stale.get_mut(leaf.0 as usize) {
-                *is_stale = false;
+        for leaf in self.dirty.drain(..) {
+            if let Some(is_dirty) = self.is_dirty.get_mut(leaf.0 as usize) {
+                *is_dirty = false;
             }
         }
     }

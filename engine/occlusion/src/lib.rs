@@ -2,8 +2,8 @@
 //! [`gpu::Device`] and brings the results back without waiting for them.
 //!
 //! It knows boxes and indirect draws, no materials. Whoever owns the objects draws them: an
-//! [`ObjectRenderer`] binds pipelines and geometry, and the executor records which draws happen and under
-//! which predicate.
+//! [`ObjectRenderer`] binds pipelines and geometry, and the executor records which draws happen and
+//! under which predicate.
 //!
 //! | type | what it is |
 //! |---|---|
@@ -14,7 +14,6 @@
 //! | [`Costs`], [`measure`] | prices of tests and draws on this device |
 #![forbid(unsafe_code)]
 
-mod area;
 mod calibration;
 mod error;
 mod execution;
@@ -27,12 +26,12 @@ mod object_renderer;
 mod outcomes;
 mod passes;
 mod planned;
+mod rect;
 mod sent_frames;
 mod shader_set;
 mod test_layout;
 mod visibility_state;
 
-pub use area::Area;
 pub use calibration::{CalibrationScene, Costs, PATCH_TRIANGLES, cost_table, measure};
 pub use error::Error;
 pub use execution::execute;
@@ -50,5 +49,6 @@ pub use passes::{
     ProxyPass, ScatterIo, ScatterPass,
 };
 pub use planned::PlannedMethod;
+pub use rect::Rect;
 pub use shader_set::ShaderSet;
 pub use visibility_state::VisibilityState;

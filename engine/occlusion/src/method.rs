@@ -1,6 +1,6 @@
 //! The trait of all methods that decide what is drawn: ours and those of the literature.
 
-use cull::{DialogueOptions, Hierarchy, LeafIndex, Strategy, View};
+use cull::{BlockingOptions, Hierarchy, LeafIndex, Strategy, View};
 use gpu::{Device, Frame, Optional, Tick, Timeline};
 
 use crate::error::Error;
@@ -9,8 +9,8 @@ use crate::object_renderer::ObjectRenderer;
 use crate::shader_set::ShaderSet;
 use crate::visibility_state::VisibilityState;
 
-/// A way to decide what a view draws. One method serves all views of a scene; what it keeps per view is a
-/// [`MethodState`](crate::MethodState).
+/// A way to decide what a view draws. One method serves all views of a scene; what it keeps per
+/// view is a [`MethodState`](crate::MethodState).
 pub trait Method: Send {
     /// Returns true if it carries out `strategy`.
     fn carries_out(&self, strategy: Strategy) -> bool;
@@ -54,7 +54,7 @@ pub trait Method: Send {
 }
 
 /// Makes a method, which takes nothing from the device yet.
-pub type MethodConstructor = fn(&DialogueOptions) -> Box<dyn Method>;
+pub type MethodConstructor = fn(&BlockingOptions) -> Box<dyn Method>;
 
 /// What a method must get by with.
 #[derive(Clone, Copy)]

@@ -9,8 +9,8 @@ use crate::outcomes::Outcomes;
 
 /// What a method keeps per view.
 pub trait MethodState: Any + Send {
-    /// Reads results that are there into the outcomes of their frames. Returns the newest frame whose
-    /// outcome it knows now. Never waits.
+    /// Reads results that are there into the outcomes of their frames. Returns the newest frame
+    /// whose outcome it knows now. Never waits.
     fn collect(&mut self, _completed: Tick, _outcomes: &mut Outcomes) -> Option<FrameId> {
         None
     }

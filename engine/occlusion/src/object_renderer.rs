@@ -10,7 +10,8 @@ use crate::shader_set::ShaderSet;
 /// What the draws that follow a [bind](ObjectRenderer::bind) are for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObjectPass {
-    /// They decide what is visible: depth, and colour unless that is given [later](ObjectRenderer::shade).
+    /// They decide what is visible: depth, and colour unless that is given
+    /// [later](ObjectRenderer::shade).
     Visibility,
     /// Depth alone, the same to the bit.
     Depth,
@@ -27,8 +28,8 @@ pub enum Rendering {
     Next,
 }
 
-/// Owns the objects and draws them: binds pipelines and geometry, so that indexed indirect draws, each of
-/// one leaf, follow.
+/// Owns the objects and draws them: binds pipelines and geometry, so that indexed indirect draws,
+/// each of one leaf, follow.
 pub trait ObjectRenderer {
     /// Returns the images that views are drawn to.
     fn target(&mut self) -> &mut Target;
@@ -49,11 +50,12 @@ pub trait ObjectRenderer {
     /// Binds what the draws of a pass need.
     fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass);
 
-    /// Returns true if [`ObjectRenderer::shade`] gives the colours, so that the draws before it are kept.
+    /// Returns true if [`ObjectRenderer::shade`] gives the colours, so that the draws before it are
+    /// kept.
     fn shades_later(&self) -> bool;
 
-    /// Gives what the rounds drew its colour, if it has none yet: `draw` draws all of it again. Outside of
-    /// rendering.
+    /// Gives what the rounds drew its colour, if it has none yet: `draw` draws all of it again.
+    /// Outside of rendering.
     fn shade(
         &mut self,
         executor: &PlanExecutor,

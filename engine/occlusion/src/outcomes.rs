@@ -13,13 +13,13 @@ pub struct FrameOutcome {
     pub frame: FrameId,
     /// Objects the GPU drew: those taken as visible and those whose proxy showed.
     pub draws: u64,
-    /// Triangles of those objects. Where leaves were drawn one by one, as many as they have when that
-    /// is known: if others moved in meanwhile, those count.
+    /// Triangles of those objects. Where leaves were drawn one by one, as many as they have when
+    /// that is known: if others moved in meanwhile, those count.
     pub triangles: u64,
     /// Objects among `draws` that were drawn because a proxy showed.
     pub revealed: u64,
-    /// Samples of tests that showed, but not more than the threshold, so that what they stand for was
-    /// left out: at most so many pixels are wrong. 0 without a threshold.
+    /// Samples of tests that showed, but not more than the threshold, so that what they stand for
+    /// was left out: at most so many pixels are wrong. 0 without a threshold.
     pub neglected_samples: u64,
 }
 
@@ -34,7 +34,8 @@ struct Pending {
 /// Outcomes that are kept for who asks seldom, or never.
 const OUTCOMES_KEPT: usize = 1024;
 
-/// The outcomes of one view's frames: those whose results are to come, and those that nobody took yet.
+/// The outcomes of one view's frames: those whose results are to come, and those that nobody took
+/// yet.
 #[derive(Debug, Default)]
 pub struct Outcomes {
     pending: VecDeque<Pending>,
@@ -42,7 +43,8 @@ pub struct Outcomes {
 }
 
 impl Outcomes {
-    /// Adds a frame that was submitted. Returns its outcome if that is known and no earlier one is not.
+    /// Adds a frame that was submitted. Returns its outcome if that is known and no earlier one is
+    /// not.
     pub(crate) fn push(&mut self, outcome: FrameOutcome, is_known: bool) -> Option<FrameOutcome> {
         if is_known && self.pending.is_empty() {
             self.keep(outcome);
@@ -61,10 +63,10 @@ impl Outcomes {
     /// Adds to the outcome of its frame what a result drew, or what was neglected by the threshold.
     pub(crate) fn add(&mut self, result: &TestResult<LeafCount>, threshold_samples: u32) {
         let Answer { tag, samples } = result.answer;
-        let is_drawn = matches!(tag.kind, QueryKind::Proxy | QueryKind::Part);
+        let is_drawn = matches!(tag.kind, QueryKind::Proxy | QueryKind::Leaf);
         let Some(outcome) = self.of(tag.frame) else { return };
         if !result.shows(threshold_samples) {
-            let decides = is_drawn || tag.kind == QueryKind::Parts;
+            let decides = is_drawn || tag.kind == QueryKind::PerLeaf;
             outcome.neglected_samples += u64::from(samples) * u64::from(decides);
         } else if is_drawn {
             outcome.draws += result.contents.draws;

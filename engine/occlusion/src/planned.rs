@@ -36,7 +36,7 @@ impl PlannedMethod {
 
 impl Method for PlannedMethod {
     fn carries_out(&self, strategy: Strategy) -> bool {
-        strategy == Strategy::Frustum || strategy.is_governed()
+        strategy == Strategy::Frustum || strategy.uses_cost_model()
     }
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {

@@ -14,7 +14,7 @@ pub struct ShaderSet {
 }
 
 impl ShaderSet {
-    /// The embedded ones.
+    /// Returns the embedded ones.
     ///
     /// # Errors
     /// None, unless the build itself is broken.
@@ -23,7 +23,7 @@ impl ShaderSet {
         Ok(Self { loaded: PASSES.iter().map(load).collect::<Result<_, _>>()? })
     }
 
-    /// All of them compiled from the GLSL in `folder`.
+    /// Returns all of them compiled from the GLSL in `folder`.
     ///
     /// # Errors
     /// The first shader that does not compile, with file and line; [`Error::NoShaderCompiler`] in
@@ -34,7 +34,7 @@ impl ShaderSet {
         Ok(Self { loaded: PASSES.iter().map(compile).collect::<Result<_, _>>()? })
     }
 
-    /// All of them compiled from the GLSL in `folder`.
+    /// Returns all of them compiled from the GLSL in `folder`.
     ///
     /// # Errors
     /// Always [`Error::NoShaderCompiler`]: this build lacks the feature `shader-compiler`.

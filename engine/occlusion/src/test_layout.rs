@@ -3,14 +3,14 @@
 use std::ops::Range;
 
 use cull::{FramePlan, LeafRange, ProxyTest, QueryKind, Tester};
-use gpu::{DrawRange, Predicated, Reveal, WordSource};
+use gpu::{DrawRange, PredicatedRange, ResultSource, Reveal};
 
 use crate::leaf_table::{LeafCount, LeafTable};
 
 /// The predicate that a test decides: its number among those that hang on words of one source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PredicateSlot {
-    pub(crate) source: WordSource,
+    pub(crate) source: ResultSource,
     pub(crate) number: u32,
 }
 
@@ -30,9 +30,9 @@ pub(crate) struct TestLayout {
     decisions: Vec<PredicateSlot>,
     pub(crate) rounds: Vec<RoundLayout>,
     /// What hangs on the words of queries, on flags, and on what a compute shader writes.
-    query_decides: Vec<Predicated>,
-    flag_decides: Vec<Predicated>,
-    compute_decides: Vec<Predicated>,
+    query_decides: Vec<PredicatedRange>,
+    flag_decides: Vec<PredicatedRange>,
+    compute_decides: Vec<PredicatedRange>,
     /// What each word of the compute shader is about: a place for every test if there are any.
     pub(crate) compute_tags: Vec<PendingTest>,
 }
@@ -68,7 +68,7 @@ impl TestLayout {
         self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| own(*tag)));
         self.own_draws = self.query_tags.len() as u32;
         self.query_decides.clear();
-        self.query_decides.resize(self.query_tags.len(), Predicated::default());
+        self.query_decides.resize(self.query_tags.len(), PredicatedRange::default());
         self.decisions.clear();
         self.rounds.clear();
         for round in &plan.rounds {
@@ -76,7 +76,7 @@ impl TestLayout {
         }
         let decide = |(number, test): (u32, &ProxyTest)| {
             let word = match test.tester {
-                Tester::Behind(front) => front,
+                Tester::SharedProxy(front) => front,
                 _ => number,
             };
             predicated(test, word)
@@ -99,7 +99,7 @@ impl TestLayout {
     /// Returns the draws of the tests whose leaves are tested one by one.
     pub(crate) fn refined(plan: &FramePlan) -> impl Iterator<Item = DrawRange> {
         let tests = plan.tests.iter();
-        tests.filter(|test| test.tag.kind == QueryKind::Parts).map(draw_range)
+        tests.filter(|test| test.tag.kind == QueryKind::PerLeaf).map(draw_range)
     }
 
     fn lay_out_round(
@@ -126,22 +126,22 @@ impl TestLayout {
                     self.query_tags.push(asked(test, count));
                     self.query_decides.push(predicated(test, query));
                     extend(&mut round.queried_tests, number);
-                    PredicateSlot { source: WordSource::Queries, number: query }
+                    PredicateSlot { source: ResultSource::Queries, number: query }
                 }
                 Tester::Compute => {
                     extend(&mut round.computed, number);
-                    PredicateSlot { source: WordSource::Compute, number }
+                    PredicateSlot { source: ResultSource::Compute, number }
                 }
-                Tester::Flag | Tester::Behind(_) => {
+                Tester::Flag | Tester::SharedProxy(_) => {
                     extend(&mut round.flag_decisions, number);
                     if test.tester == Tester::Flag {
                         extend(&mut round.flags, number);
                     }
-                    PredicateSlot { source: WordSource::Fragments, number }
+                    PredicateSlot { source: ResultSource::Fragments, number }
                 }
             };
             self.decisions.push(decision);
-            round.has_parts |= test.tag.kind == QueryKind::Parts;
+            round.has_parts |= test.tag.kind == QueryKind::PerLeaf;
         }
         round.queries.end = self.query_tags.len() as u32;
         self.rounds.push(round);
@@ -160,16 +160,16 @@ impl TestLayout {
         !self.compute_tags.is_empty()
     }
 
-    /// What hangs on the words of `source`.
-    pub(crate) fn decided(&self, source: WordSource) -> &[Predicated] {
+    /// Returns what hangs on the words of `source`.
+    pub(crate) fn decided(&self, source: ResultSource) -> &[PredicatedRange] {
         match source {
-            WordSource::Queries => &self.query_decides,
-            WordSource::Fragments => &self.flag_decides,
-            WordSource::Compute => &self.compute_decides,
+            ResultSource::Queries => &self.query_decides,
+            ResultSource::Fragments => &self.flag_decides,
+            ResultSource::Compute => &self.compute_decides,
         }
     }
 
-    /// The decisions of a round's tests whose draws are revealed in this way.
+    /// Returns the decisions of a round's tests whose draws are revealed in this way.
     pub(crate) fn revealing(
         &self,
         round: Option<&RoundLayout>,
@@ -182,20 +182,21 @@ impl TestLayout {
         })
     }
 
-    /// Whether nothing of this frame hangs on a round of queries: only later frames want to know.
+    /// Returns true if nothing of this frame hangs on a round of queries: only later frames want to
+    /// know.
     pub(crate) fn is_for_later(&self, round: &RoundLayout) -> bool {
         let decides = |reveal| self.revealing(Some(round), reveal).next().is_some();
         round.queries.len() == round.tests.len()
             && !decides(Reveal::Whole)
-            && !decides(Reveal::Parts)
+            && !decides(Reveal::PerLeaf)
     }
 
-    /// The decisions that are made once the proxies of `round` were drawn.
-    pub(crate) fn made(&self, round: &RoundLayout) -> Vec<(WordSource, Range<u32>)> {
+    /// Returns the decisions that are made once the proxies of `round` were drawn.
+    pub(crate) fn made(&self, round: &RoundLayout) -> Vec<(ResultSource, Range<u32>)> {
         let lanes = [
-            (WordSource::Queries, round.queries.clone()),
-            (WordSource::Fragments, round.flag_decisions.clone()),
-            (WordSource::Compute, round.computed.clone()),
+            (ResultSource::Queries, round.queries.clone()),
+            (ResultSource::Fragments, round.flag_decisions.clone()),
+            (ResultSource::Compute, round.computed.clone()),
         ];
         lanes.into_iter().filter(|lane| !lane.1.is_empty()).collect()
     }
@@ -215,10 +216,10 @@ fn draw_range(test: &ProxyTest) -> DrawRange {
     DrawRange { first: test.leaves.first.0, count: test.leaves.count }
 }
 
-fn predicated(test: &ProxyTest, word: u32) -> Predicated {
+fn predicated(test: &ProxyTest, word: u32) -> PredicatedRange {
     let reveal = match test.tag.kind {
-        QueryKind::Parts => Reveal::Parts,
+        QueryKind::PerLeaf => Reveal::PerLeaf,
         _ => Reveal::Whole,
     };
-    Predicated { word, range: draw_range(test), reveal }
+    PredicatedRange { word, range: draw_range(test), reveal }
 }

@@ -1,5 +1,5 @@
-//! One view of a scene with its own visibility history: its culler, its tests on their way, and the plan
-//! of its newest frame.
+//! One view of a scene with its own visibility history: its culler, its tests on their way, and the
+//! plan of its newest frame.
 
 use std::any::Any;
 
@@ -8,8 +8,8 @@ use cull::{
     Hierarchy, LeafIndex, LeafList, LeafRange, ResultReader, Strategy, View,
 };
 use gpu::{
-    Counting, Device, DrawRange, FlagRing, Frame, FrameTime, IndirectDraw, PartDraws, QueryRing,
-    SwitchedOn, Tick, WordSource,
+    Counting, Device, DrawRange, EnabledDraws, FlagRing, Frame, FrameTime, IndirectDraw,
+    LeafDrawRing, QueryRing, ResultSource, Tick,
 };
 
 use crate::error::Error;
@@ -19,8 +19,8 @@ use crate::outcomes::{FrameOutcome, Outcomes};
 use crate::sent_frames::SentFrames;
 use crate::test_layout::{PendingTest, TestLayout};
 
-/// One view of a scene: its culler, its tests on their way, and the plan of its newest frame. Several
-/// views may look at one scene; each has its own history.
+/// One view of a scene: its culler, its tests on their way, and the plan of its newest frame.
+/// Several views may look at one scene; each has its own history.
 pub struct VisibilityState {
     /// The table of its scene.
     table: LeafTableId,
@@ -51,7 +51,7 @@ pub(crate) struct Rings {
     pub(crate) queries: QueryRing<PendingTest>,
     pub(crate) flags: FlagRing<PendingTest>,
     pub(crate) computed: FlagRing<PendingTest>,
-    pub(crate) parts: PartDraws<(FrameId, Generation)>,
+    pub(crate) parts: LeafDrawRing<(FrameId, Generation)>,
 }
 
 impl Rings {
@@ -67,9 +67,9 @@ impl Rings {
         let flags = |source, name| FlagRing::new(device, frames_in_flight, source, name);
         Ok(Self {
             queries: queries.counting(counting),
-            flags: flags(WordSource::Fragments, "proxy flags"),
-            computed: flags(WordSource::Compute, "box words"),
-            parts: PartDraws::new(device, frames_in_flight, leaves),
+            flags: flags(ResultSource::Fragments, "proxy flags"),
+            computed: flags(ResultSource::Compute, "box words"),
+            parts: LeafDrawRing::new(device, frames_in_flight, leaves),
         })
     }
 
@@ -93,7 +93,7 @@ impl VisibilityState {
         frames_in_flight: usize,
         (mut culler, threshold_samples): (Culler, u32),
     ) -> Result<Self, Error> {
-        culler.neglect(threshold_samples);
+        culler.set_sample_threshold(threshold_samples);
         Ok(Self {
             table: leaves.id,
             device: device.clone(),
@@ -176,12 +176,12 @@ impl VisibilityState {
     }
 
     /// Forgets everything that was seen; the next frame starts like the first.
-    pub fn forget(&mut self) {
-        self.culler.forget();
+    pub fn reset(&mut self) {
+        self.culler.reset();
     }
 
-    /// Takes the outcomes of the frames whose results were read since the last call: the latest 1024, if
-    /// there are more.
+    /// Takes the outcomes of the frames whose results were read since the last call: the latest
+    /// 1024, if there are more.
     pub fn take_outcomes(&mut self) -> std::collections::vec_deque::Drain<'_, FrameOutcome> {
         self.outcomes.take()
     }
@@ -242,8 +242,8 @@ impl VisibilityState {
         computed.collect(completed, |tests, words| reader.read_computed(tests, words));
         parts.collect(completed, |frame, listed| {
             let list = match listed {
-                SwitchedOn::These(leaves) => LeafList::These(leaves),
-                SwitchedOn::TooMany(_) => LeafList::TooMany,
+                EnabledDraws::These(leaves) => LeafList::These(leaves),
+                EnabledDraws::TooMany(_) => LeafList::TooMany,
             };
             reader.read_leaves(hierarchy, frame, list, |range| leaves.count(range));
         });
@@ -307,7 +307,8 @@ impl VisibilityState {
         Ok(())
     }
 
-    /// Takes what a method keeps for this view, if it was [put](VisibilityState::put_method_state) there.
+    /// Takes what a method keeps for this view, if it was [put](VisibilityState::put_method_state)
+    /// there.
     pub fn take_method_state<S: MethodState>(&mut self) -> Option<Box<S>> {
         let place = self.method_states.iter().position(|state| {
             let state: &dyn Any = &**state;
@@ -329,22 +330,23 @@ impl VisibilityState {
 
     /// Returns what frames taught this view's cost model about the prices; `None` without one.
     pub fn corrections(&self) -> Option<Corrections> {
-        self.culler.governor().map(CostModel::corrections)
+        self.culler.cost_model().map(CostModel::corrections)
     }
 
     /// Returns true if there is a cost model that learns from what frames take.
     pub fn has_cost_model(&self) -> bool {
-        self.culler.governor().is_some()
+        self.culler.cost_model().is_some()
     }
 
     /// Teaches the cost model what a frame of this view took, with others that were drawn in it.
     pub(crate) fn took(&mut self, time: &FrameTime, contents: &FrameContents) {
-        if let Some(costs) = self.culler.governor_mut() {
+        if let Some(costs) = self.culler.cost_model_mut() {
             costs.observe(time.gpu_ms * 1.0e6, contents);
         }
     }
 
-    /// Notes that the newest frame is on its way, timed with others if it showed so many `timed_views`.
+    /// Notes that the newest frame is on its way, timed with others if it showed so many
+    /// `timed_views`.
     pub fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
         if let Some(views) = timed_views {
             self.sent.submitted(tick, &self.plan, views);

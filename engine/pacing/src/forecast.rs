@@ -1,7 +1,7 @@
 //! What will become of the frames that are queued: when the GPU is free, when each is shown.
 //!
-//! It is worked out anew from all that is known whenever it is needed, so that a stall leaves nothing
-//! behind but its facts.
+//! It is worked out anew from all that is known whenever it is needed, so that a stall leaves
+//! nothing behind but its facts.
 
 use crate::estimate::Estimate;
 use crate::frames::{Frames, Record};
@@ -60,7 +60,7 @@ impl Knowledge<'_> {
         forecast
     }
 
-    /// When the GPU is done with a frame, if it is free for it then.
+    /// Returns when the GPU is done with a frame, if it is free for it then.
     pub(crate) fn finish(&self, record: &Record, gpu_free: f64) -> f64 {
         if let Some(finished) = record.finished {
             return finished;
@@ -71,7 +71,7 @@ impl Knowledge<'_> {
         if self.sees_finishes { finish.max(self.now) } else { finish }
     }
 
-    /// When a frame is shown that is finished then, after another.
+    /// Returns when a frame is shown that is finished then, after another.
     pub(crate) fn shown(&self, record: &Record, finish: f64, previous: f64) -> f64 {
         if let Some(shown) = record.shown {
             return shown;
@@ -84,8 +84,8 @@ impl Knowledge<'_> {
         };
         let mut earliest = finish.max(previous + 0.5 * period);
         if self.presentation.reports == PresentReports::Times {
-            // Had it been shown that long ago we would know. After some refreshes without a word we no
-            // longer wait for it: who never knows must not stand still.
+            // Had it been shown that long ago we would know. After some refreshes without a word we
+            // no longer wait for it: who never knows must not stand still.
             let knowing = self.report.expected() + 3.0 * self.report.spread() + 0.5 * period;
             let overdue = (self.now - knowing).min(earliest + PATIENCE_REFRESHES * period);
             earliest = earliest.max(overdue);

@@ -1,12 +1,14 @@
-//! What goes between the pacer and its caller: ids, plans, waits, feedback, and what became of a frame.
+//! What goes between the pacer and its caller: ids, plans, waits, feedback, and what became of a
+//! frame.
 
 use std::time::Duration;
 
 use crate::Time;
 
-/// A frame that a [`Pacer`](crate::Pacer) let start, counted from 0. Also a good present id, plus one.
+/// A frame that a [`Pacer`](crate::Pacer) let start, counted from 0. Also a good present id, plus
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FrameId(pub u64);
+pub struct PacedFrameId(pub u64);
 
 /// What to do now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,22 +37,22 @@ pub enum WaitReason {
     Deadline,
     /// So many frames are queued as may be. A caller with present wait may block on this one,
     /// no longer than the wait says.
-    QueueFull(FrameId),
+    QueueFull(PacedFrameId),
     /// The limit on frames per second.
     FrameLimit,
     /// Nobody seems to see the window, or its frames are dropped one after the other.
     Hidden,
     /// The GPU should be done with this frame about then: look, to learn how long it took.
-    Poll(FrameId),
+    Poll(PacedFrameId),
 }
 
 /// A frame that starts now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// To name it in feedback.
-    pub frame: FrameId,
-    /// When it starts: the time that was given to [`Pacer::next`](crate::Pacer::next), or the latest before if
-    /// that went backwards.
+    pub frame: PacedFrameId,
+    /// When it starts: the time that was given to [`Pacer::next`](crate::Pacer::next), or the
+    /// latest before if that went backwards.
     pub start: Time,
     /// When its picture should show; animation is right for that time. Unknown until the display is
     /// known.

@@ -1,6 +1,6 @@
 //! The books: what is known of the newest frames, in a ring that never grows.
 
-use crate::FrameId;
+use crate::PacedFrameId;
 
 /// Frames that are remembered: more than can be queued, and some for reports that come late.
 pub(crate) const REMEMBERED: usize = 64;
@@ -56,20 +56,20 @@ impl Frames {
         Self { records: [Record::default(); REMEMBERED], next: 0, oldest_queued: 0 }
     }
 
-    pub(crate) fn begin(&mut self, record: Record) -> FrameId {
-        let frame = FrameId(self.next);
+    pub(crate) fn begin(&mut self, record: Record) -> PacedFrameId {
+        let frame = PacedFrameId(self.next);
         self.next += 1;
         self.oldest_queued = self.oldest_queued.max(self.oldest());
         self.records[Self::slot(frame.0)] = record;
         frame
     }
 
-    /// The id after the newest.
+    /// Returns the id after the newest.
     pub(crate) const fn next(&self) -> u64 {
         self.next
     }
 
-    /// The oldest that is remembered.
+    /// Returns the oldest that is remembered.
     pub(crate) const fn oldest(&self) -> u64 {
         self.next.saturating_sub(REMEMBERED as u64)
     }
@@ -82,7 +82,7 @@ impl Frames {
         (self.oldest()..self.next).contains(&frame).then(|| &mut self.records[Self::slot(frame)])
     }
 
-    /// Those that have not left, oldest first.
+    /// Returns those that have not left, oldest first.
     pub(crate) fn queued(&self) -> impl Iterator<Item = (u64, &Record)> {
         (self.oldest_queued..self.next)
             .map(|frame| (frame, &self.records[Self::slot(frame)]))
@@ -93,7 +93,7 @@ impl Frames {
         self.queued().next().map(|(frame, record)| (frame, *record))
     }
 
-    /// The one that so many were presented before in this swapchain.
+    /// Returns the one that so many were presented before in this swapchain.
     pub(crate) fn of_ordinal(&self, ordinal: u64) -> Option<(u64, &Record)> {
         self.newest_first().find(|(_, record)| record.ordinal == Some(ordinal))
     }
@@ -115,7 +115,8 @@ impl Frames {
         self.skip_left();
     }
 
-    /// There is a new swapchain: none is queued but what is being recorded, and counting begins anew.
+    /// There is a new swapchain: none is queued but what is being recorded, and counting begins
+    /// anew.
     pub(crate) fn begin_anew(&mut self) {
         for record in &mut self.records {
             record.left |= !record.open();
@@ -124,7 +125,7 @@ impl Frames {
         self.skip_left();
     }
 
-    /// All that are remembered, newest first.
+    /// Returns all that are remembered, newest first.
     pub(crate) fn newest_first(&self) -> impl Iterator<Item = (u64, &Record)> {
         (self.oldest()..self.next).rev().map(|frame| (frame, &self.records[Self::slot(frame)]))
     }

@@ -1,32 +1,35 @@
 //! When to start a frame, and how evenly frames came: time in, deadlines out.
 //!
 //! A frame that starts too early waits in line to be shown, and its input is old by then; one that
-//! starts too late misses its refresh. A [`Pacer`] learns when the display refreshes and how long CPU
-//! and GPU take, and says when to start so that each frame is ready for the next refresh it can reach,
-//! and hardly sooner. It does so as frame pacers of engines and compositors do: predicted times plus a
-//! margin, few frames queued, feedback from the presentation engine as far as there is any.
+//! starts too late misses its refresh. A [`Pacer`] learns when the display refreshes and how long
+//! CPU and GPU take, and says when to start so that each frame is ready for the next refresh it can
+//! reach, and hardly sooner. It does so as frame pacers of engines and compositors do: predicted
+//! times plus a margin, few frames queued, feedback from the presentation engine as far as there is
+//! any.
 //!
-//! Nothing here knows Vulkan, reads a clock, sleeps, starts a thread, or allocates after creation, and
-//! equal calls give equal answers.
+//! Nothing here knows Vulkan, reads a clock, sleeps, starts a thread, or allocates after creation,
+//! and equal calls give equal answers.
 //!
 //! - [`Pacer::next`]: what to do now, [`Step::Wait`] or [`Step::Start`].
-//! - [`Pacer::feedback`]: what became known of a frame; all of it is optional but that it was queued
-//!   or dropped.
-//! - [`Pacer::present_through`]: there is another swapchain. [`Pacer::choose`]: the user chose anew.
+//! - [`Pacer::feedback`]: what became known of a frame; all of it is optional but that it was
+//!   queued or dropped.
+//! - [`Pacer::present_through`]: there is another swapchain. [`Pacer::choose`]: the user chose
+//!   anew.
 //! - [`Pacer::completed`]: what became of each frame, for [`FrameStatistics`].
 //!
 //! # What is promised
 //!
-//! Shown against a simulated presentation engine in `tests/simulated_display`, at loads of up to
-//! 80 %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
-//! latency is within a refresh of the optimum, and all is well again five frames after a stall. Where the
-//! GPU stalls that needs [`Feedback::Finished`], or [`Feedback::GpuTime`] together with
-//! [`PresentReports::Times`]: what is only found by looking may be taken for slower work for a while.
+//! Shown against a simulated presentation engine in `tests/simulated_display`, at loads of up to 80
+//! %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
+//! latency is within a refresh of the optimum, and all is well again five frames after a stall.
+//! Where the GPU stalls that needs [`Feedback::Finished`], or [`Feedback::GpuTime`] together with
+//! [`PresentReports::Times`]: what is only found by looking may be taken for slower work for a
+//! while.
 //!
-//! With [`PresentReports::Missing`], nothing but an acquire that had to wait tells of refreshes, once it
-//! is clear that it waits for the display: what waits for the GPU alone leaves all of it unknown. While
-//! the phase is searched for, as many frames may be queued as there are images: ask for no more images
-//! than frames may be queued.
+//! With [`PresentReports::Missing`], nothing but an acquire that had to wait tells of refreshes,
+//! once it is clear that it waits for the display: what waits for the GPU alone leaves all of it
+//! unknown. While the phase is searched for, as many frames may be queued as there are images: ask
+//! for no more images than frames may be queued.
 //!
 //! # The loop
 //!
@@ -36,14 +39,14 @@
 //! use std::time::Duration;
 //!
 //! use antumbra_pacing::{
-//!     Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentMode, PresentReports,
+//!     Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentationMode, PresentReports,
 //!     Presentation, Refresh, Step, Time,
 //! };
 //!
 //! let mut pacer = Pacer::new(
 //!     PacerOptions::default(),
 //!     Presentation {
-//!         mode: PresentMode::Fifo,
+//!         mode: PresentationMode::Fifo,
 //!         images: 3,
 //!         refresh: Refresh::Unknown,
 //!         reports: PresentReports::Times,
@@ -107,10 +110,10 @@ mod refresh_clock;
 mod statistics;
 mod time;
 
-pub use frame::{Feedback, FrameId, FrameTiming, Plan, Step, Wait, WaitReason};
+pub use frame::{Feedback, FrameTiming, PacedFrameId, Plan, Step, Wait, WaitReason};
 pub use options::{
     FRAME_LIMIT_HZ, HIDDEN_INTERVAL, MAX_IMAGES, MAX_QUEUE_LIMIT, PacerOptions, PacingError,
-    PresentMode, PresentReports, Presentation, REFRESH_PERIOD, Refresh,
+    PresentReports, Presentation, PresentationMode, REFRESH_PERIOD, Refresh,
 };
 pub use pacer::Pacer;
 pub use statistics::{

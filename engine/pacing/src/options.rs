@@ -57,7 +57,7 @@ impl PacerOptions {
 
 /// How images get to the screen: the present modes of Vulkan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PresentMode {
+pub enum PresentationMode {
     /// In order, one a refresh.
     Fifo,
     /// In order, one a refresh; one that is late is shown at once and tears.
@@ -90,18 +90,20 @@ pub enum Refresh {
 pub enum PresentReports {
     /// [`Feedback::Shown`](crate::Feedback::Shown) will come (present wait, display timing).
     Times,
-    /// Nothing does. In [`PresentMode::Fifo`] the phase of the display is then learnt from acquires
-    /// that had to wait, for which the pacer fills the queue now and then; but only after waits have shown
-    /// that they are the display's and not the GPU's, which takes knowing when the GPU was finished.
-    /// Where there is no display that holds frames back, all about it stays unknown.
+    /// Nothing does. In [`PresentationMode::Fifo`] the phase of the display is then learnt from
+    /// acquires that had to wait, for which the pacer fills the queue now and then; but only after
+    /// waits have shown that they are the display's and not the GPU's, which takes knowing when the
+    /// GPU was finished. Where there is no display that holds frames back, all about it stays
+    /// unknown.
     Missing,
 }
 
-/// The swapchain in use. A new one means a new [`Pacer::present_through`](crate::Pacer::present_through).
+/// The swapchain in use. A new one means a new
+/// [`Pacer::present_through`](crate::Pacer::present_through).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Presentation {
     /// Its present mode.
-    pub mode: PresentMode,
+    pub mode: PresentationMode,
     /// How many images it really has, 1 to [`MAX_IMAGES`].
     pub images: u32,
     /// What is known of the display.
@@ -134,19 +136,20 @@ impl Presentation {
         }
     }
 
-    /// The shortest period of a display that waits for frames; an image that tears waits for none.
+    /// Returns the shortest period of a display that waits for frames; an image that tears waits
+    /// for none.
     pub(crate) fn variable_ns(&self) -> Option<f64> {
         match self.refresh {
-            Refresh::Variable { min_period, .. } if self.mode != PresentMode::Immediate => {
+            Refresh::Variable { min_period, .. } if self.mode != PresentationMode::Immediate => {
                 Some(ns(min_period))
             }
             _ => None,
         }
     }
 
-    /// Whether images are shown at refreshes that come whatever we do.
+    /// Returns true if images are shown at refreshes that come whatever we do.
     pub(crate) fn has_grid(&self) -> bool {
-        self.mode != PresentMode::Immediate && self.variable_ns().is_none()
+        self.mode != PresentationMode::Immediate && self.variable_ns().is_none()
     }
 
     pub(crate) fn hint_ns(&self) -> Option<f64> {
@@ -154,7 +157,7 @@ impl Presentation {
     }
 
     pub(crate) fn in_order(&self) -> bool {
-        matches!(self.mode, PresentMode::Fifo | PresentMode::FifoRelaxed)
+        matches!(self.mode, PresentationMode::Fifo | PresentationMode::FifoRelaxed)
     }
 }
 

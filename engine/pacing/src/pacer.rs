@@ -103,7 +103,7 @@ impl RateSearch {
 }
 
 impl Pacer {
-    /// A pacer that knows nothing yet.
+    /// Creates a pacer that knows nothing yet.
     ///
     /// # Errors
     /// Where an option or a property of the swapchain makes no sense.
@@ -184,19 +184,20 @@ impl Pacer {
         Ok(())
     }
 
-    /// What was chosen.
+    /// Returns what was chosen.
     #[must_use]
     pub const fn options(&self) -> &PacerOptions {
         &self.options
     }
 
-    /// What frames are presented through.
+    /// Returns what frames are presented through.
     #[must_use]
     pub const fn presentation(&self) -> &Presentation {
         &self.presentation
     }
 
-    /// The display's refresh period, once it is known; of a display that waits for frames, its shortest.
+    /// Returns the display's refresh period, once it is known; of a display that waits for frames,
+    /// its shortest.
     #[must_use]
     pub fn refresh_period(&self) -> Option<Duration> {
         self.period_ns().map(|period| Duration::from_nanos(period.round() as u64))
@@ -208,7 +209,8 @@ impl Pacer {
         self.frames.queued().count()
     }
 
-    /// What to do at `now`: to sleep, or to start a frame. Cheap, and right to be asked at any time.
+    /// Returns what to do at `now`: to sleep, or to start a frame. Cheap, and right to be asked at
+    /// any time.
     ///
     /// A frame that was started before and neither [queued](crate::Feedback::Queued) nor
     /// [dropped](crate::Feedback::Dropped) since counts as dropped.
@@ -258,8 +260,9 @@ impl Pacer {
         })
     }
 
-    /// Whether to start although the frame would now be for a later refresh than it was to be: after a
-    /// few such sleeps the clock is too coarse to aim with, and a frame at some time is better than none.
+    /// Returns true if to start although the frame would now be for a later refresh than it was to
+    /// be: after a few such sleeps the clock is too coarse to aim with, and a frame at some time is
+    /// better than none.
     fn gives_up_aiming(&mut self, now: f64) -> bool {
         if self.slept_until.is_none_or(|until| now < until) {
             return false;
@@ -272,7 +275,7 @@ impl Pacer {
         self.overslept > MOST_OVERSLEPT && self.limit_due <= now
     }
 
-    /// A sleep, or first one until the GPU should be done.
+    /// Returns a sleep, or first one until the GPU should be done.
     fn look_then_sleep(&mut self, now: f64, until: f64, reason: WaitReason) -> Step {
         match self.poll_due(now) {
             Some((at, frame)) if at < until && reason != WaitReason::Hidden => {
@@ -290,7 +293,7 @@ impl Pacer {
         Step::Wait(Wait { until, reason })
     }
 
-    /// The time it is: never before the last one, unless the clock was evidently set.
+    /// Returns the time it is: never before the last one, unless the clock was evidently set.
     fn advance(&mut self, now: f64) -> f64 {
         let last = self.now.unwrap_or(now);
         if now < last - BACKWARDS_NS {

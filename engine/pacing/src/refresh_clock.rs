@@ -1,10 +1,10 @@
 //! When the display refreshes: its period and phase, learnt from noisy times of past refreshes.
 //!
-//! Learning takes a handful of samples, finds the period of which all their distances are multiples,
-//! and fits a line. From then on a Kalman filter over (phase, period) follows (R. E. Kalman 1960):
-//! unlike a plain phase-locked loop it is right for samples that come thousands of refreshes apart,
-//! and it says how uncertain a prediction is. Samples off the grid are left out; if they go on, all is
-//! learnt anew.
+//! Learning takes a handful of samples, finds the period of which all their distances are
+//! multiples, and fits a line. From then on a Kalman filter over (phase, period) follows (R. E.
+//! Kalman 1960): unlike a plain phase-locked loop it is right for samples that come thousands of
+//! refreshes apart, and it says how uncertain a prediction is. Samples off the grid are left out;
+//! if they go on, all is learnt anew.
 
 use crate::time::MICROSECOND_NS;
 
@@ -129,7 +129,7 @@ impl RefreshClock {
         self.lock.map(|lock| lock.period)
     }
 
-    /// The first refresh at or after a time.
+    /// Returns the first refresh at or after a time.
     pub(crate) fn at_or_after(&self, time: f64) -> Option<f64> {
         let lock = self.lock?;
         let refreshes = ((time - lock.anchor) / lock.period - 1e-6).ceil();
@@ -148,7 +148,7 @@ impl RefreshClock {
         self.generation
     }
 
-    /// Whether the hint says the same of the period.
+    /// Returns true if the hint says the same of the period.
     pub(crate) fn agrees_with_hint(&self) -> bool {
         let both = self.hint.zip(self.period());
         both.is_some_and(|(hint, period)| (hint / period - 1.0).abs() < 0.05)
@@ -224,7 +224,7 @@ impl Lock {
     }
 }
 
-/// A line through samples that all lie near multiples of about a period, if they do.
+/// Returns a line through samples that all lie near multiples of about a period, if they do.
 fn fit(samples: &[f64], about: f64) -> Option<Lock> {
     if !about.is_finite() || about < 100.0 * MICROSECOND_NS {
         return None;

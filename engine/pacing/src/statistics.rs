@@ -147,8 +147,8 @@ impl FrameStatistics {
         (0..self.count).map(|age| self.at(age))
     }
 
-    /// All numbers over the frames held. Sorts them, so call it for a report, or a few times a
-    /// second for a display.
+    /// Returns all numbers over the frames held. Sorts them, so call it for a report, or a few
+    /// times a second for a display.
     pub fn summary(&mut self) -> Summary {
         let mut summary = Summary { frames: self.count, ..Summary::default() };
         for age in 0..self.count {
@@ -168,7 +168,7 @@ impl FrameStatistics {
         summary
     }
 
-    /// The oldest has age 0.
+    /// Returns the oldest has age 0.
     fn at(&self, age: usize) -> &FrameTiming {
         &self.ring[(self.next + self.ring.len() - self.count + age) % self.ring.len()]
     }
@@ -215,7 +215,7 @@ fn nanos(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// The least of them that so many thousandths do not exceed.
+/// Returns the least of them that so many thousandths do not exceed.
 fn rank(sorted: &[u64], thousandths: usize) -> u64 {
     sorted[(sorted.len() * thousandths).div_ceil(1_000).max(1) - 1]
 }

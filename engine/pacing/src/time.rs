@@ -32,7 +32,7 @@ impl Time {
         self.0
     }
 
-    /// How long after `earlier` this is; zero if it is not after it.
+    /// Returns how long after `earlier` this is; zero if it is not after it.
     #[must_use]
     pub const fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
@@ -49,13 +49,13 @@ impl Time {
         self.0 as f64
     }
 
-    /// The nearest representable time; the origin for what is no number.
+    /// Returns the nearest representable time; the origin for what is no number.
     pub(crate) fn from_ns(ns: f64) -> Self {
         Self(ns.round() as u64)
     }
 }
 
-/// A span in nanoseconds as predictions use it.
+/// Returns a span in nanoseconds as predictions use it.
 pub(crate) fn ns(duration: Duration) -> f64 {
     duration.as_nanos() as f64
 }

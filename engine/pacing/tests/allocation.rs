@@ -10,16 +10,16 @@ use std::alloc::System;
 use std::time::Duration;
 
 use antumbra_pacing::{
-    Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentMode, PresentReports,
-    Presentation, Refresh, Step, Time,
+    Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentReports, Presentation,
+    PresentationMode, Refresh, Step, Time,
 };
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// The thread that runs the tests may allocate meanwhile and is counted as well; the loop does the same
-/// each time.
+/// The thread that runs the tests may allocate meanwhile and is counted as well; the loop does the
+/// same each time.
 const TRIES: usize = 10;
 
 #[test]
@@ -33,7 +33,7 @@ fn the_loop_does_not_allocate() {
 fn run_the_loop() -> Stats {
     let period = Duration::from_micros(16_667);
     let presentation = Presentation {
-        mode: PresentMode::Fifo,
+        mode: PresentationMode::Fifo,
         images: 3,
         refresh: Refresh::About(period),
         reports: PresentReports::Times,

@@ -9,26 +9,26 @@
 use std::time::Duration;
 
 use antumbra_pacing::{
-    Feedback, FrameId, Pacer, PacerOptions, PresentMode, PresentReports, Presentation, Refresh,
-    Step, Time,
+    Feedback, PacedFrameId, Pacer, PacerOptions, PresentReports, Presentation, PresentationMode,
+    Refresh, Step, Time,
 };
 
 const STEP: Duration = Duration::from_millis(20);
 
-fn pacer(mode: PresentMode, images: u32, reports: PresentReports) -> Pacer {
+fn pacer(mode: PresentationMode, images: u32, reports: PresentReports) -> Pacer {
     let options = PacerOptions { queue_limit: 8, ..PacerOptions::default() };
     let presentation = Presentation { mode, images, refresh: Refresh::Unknown, reports };
     Pacer::new(options, presentation).unwrap()
 }
 
-/// One of the frames that start every `STEP`.
+/// Returns one of the frames that start every `STEP`.
 fn at(frame: u64) -> Time {
     Time::from_origin(Duration::from_secs(1) + STEP * frame as u32)
 }
 
-fn present(pacer: &mut Pacer, number: u64) -> FrameId {
+fn present(pacer: &mut Pacer, number: u64) -> PacedFrameId {
     let Step::Start(plan) = pacer.next(at(number)) else { panic!("frame {number} must wait") };
-    assert_eq!(plan.frame, FrameId(number));
+    assert_eq!(plan.frame, PacedFrameId(number));
     pacer.feedback(plan.frame, Feedback::Queued { at: at(number) });
     plan.frame
 }
@@ -37,11 +37,12 @@ fn known(pacer: &mut Pacer) -> Vec<u64> {
     std::iter::from_fn(|| pacer.completed()).map(|(frame, _)| frame.0).collect()
 }
 
-/// In order, a picture that nobody reported took the place of the one before at some time: how long either
-/// showed is unknown. The newest of a mailbox may have taken its place before it ever showed.
+/// In order, a picture that nobody reported took the place of the one before at some time: how long
+/// either showed is unknown. The newest of a mailbox may have taken its place before it ever
+/// showed.
 #[test]
 fn a_frame_of_unknown_time_did_show_unless_it_was_replaced() {
-    for mode in [PresentMode::Fifo, PresentMode::FifoRelaxed, PresentMode::Mailbox] {
+    for mode in [PresentationMode::Fifo, PresentationMode::FifoRelaxed, PresentationMode::Mailbox] {
         let mut pacer = pacer(mode, 3, PresentReports::Times);
         for number in 0..4 {
             let frame = present(&mut pacer, number);
@@ -53,17 +54,17 @@ fn a_frame_of_unknown_time_did_show_unless_it_was_replaced() {
         }
         let told = std::iter::from_fn(|| pacer.completed()).map(|(_, timing)| timing);
         let intervals: Vec<_> = told.map(|timing| timing.present_interval).collect();
-        let across = (mode == PresentMode::Mailbox).then_some(2 * STEP);
+        let across = (mode == PresentationMode::Mailbox).then_some(2 * STEP);
         assert_eq!(intervals, [None, None, across, Some(STEP)], "{mode:?}");
     }
 }
 
-/// Of n images, the acquire of the frame n - 1 later is the last that can tell when one was shown: so long
-/// it is waited for, and no longer.
+/// Of n images, the acquire of the frame n - 1 later is the last that can tell when one was shown:
+/// so long it is waited for, and no longer.
 #[test]
 fn without_reports_a_frame_is_known_after_the_last_acquire_that_can_tell() {
     for images in 1..5 {
-        let mut pacer = pacer(PresentMode::Fifo, images, PresentReports::Missing);
+        let mut pacer = pacer(PresentationMode::Fifo, images, PresentReports::Missing);
         for number in 0..20 {
             let frame = present(&mut pacer, number);
             let expected: Vec<u64> = number.checked_sub(u64::from(images)).into_iter().collect();
@@ -77,15 +78,15 @@ fn without_reports_a_frame_is_known_after_the_last_acquire_that_can_tell() {
 /// What is still queued may still be dropped, and then it is not told of at all.
 #[test]
 fn without_reports_a_frame_that_is_still_queued_is_not_known() {
-    let mut pacer = pacer(PresentMode::Immediate, 1, PresentReports::Missing);
+    let mut pacer = pacer(PresentationMode::Immediate, 1, PresentReports::Missing);
     let first = present(&mut pacer, 0);
     pacer.feedback(first, Feedback::Finished { at: at(0) });
     for number in 1..5 {
         present(&mut pacer, number);
     }
     assert_eq!(known(&mut pacer), [0], "the GPU is not done with the others");
-    pacer.feedback(FrameId(1), Feedback::Dropped);
-    pacer.feedback(FrameId(2), Feedback::Finished { at: at(4) });
+    pacer.feedback(PacedFrameId(1), Feedback::Dropped);
+    pacer.feedback(PacedFrameId(2), Feedback::Finished { at: at(4) });
     let _ = pacer.next(at(5));
     assert_eq!(known(&mut pacer), [2]);
 }

@@ -9,18 +9,18 @@
 use std::time::Duration;
 
 use antumbra_pacing::{
-    Feedback, FrameId, Pacer, PacerOptions, PresentMode, PresentReports, Presentation, Refresh,
-    Step, Time,
+    Feedback, PacedFrameId, Pacer, PacerOptions, PresentReports, Presentation, PresentationMode,
+    Refresh, Step, Time,
 };
 
-/// Where acquires must tell of refreshes the queue is filled up to the images, beyond the limit. That many
-/// may wait for the display; for the GPU no more than the limit.
+/// Where acquires must tell of refreshes the queue is filled up to the images, beyond the limit.
+/// That many may wait for the display; for the GPU no more than the limit.
 #[test]
 fn no_more_than_the_limit_wait_for_the_gpu() {
     for queue_limit in 1..4 {
         let options = PacerOptions { queue_limit, ..PacerOptions::default() };
         let presentation = Presentation {
-            mode: PresentMode::Fifo,
+            mode: PresentationMode::Fifo,
             images: 6,
             refresh: Refresh::Unknown,
             reports: PresentReports::Missing,
@@ -38,14 +38,14 @@ fn no_more_than_the_limit_wait_for_the_gpu() {
         while now < end {
             now = start(&mut pacer, now).expect_err("it runs ahead of the GPU");
         }
-        pacer.feedback(FrameId(1), Feedback::Finished { at: now });
+        pacer.feedback(PacedFrameId(1), Feedback::Finished { at: now });
         start(&mut pacer, now).expect("one is finished, so another may start");
         start(&mut pacer, now).expect_err("only one is finished");
     }
 }
 
 /// Starts and presents a frame, or says until when to sleep.
-fn start(pacer: &mut Pacer, now: Time) -> Result<FrameId, Time> {
+fn start(pacer: &mut Pacer, now: Time) -> Result<PacedFrameId, Time> {
     match pacer.next(now) {
         Step::Start(plan) => {
             pacer.feedback(plan.frame, Feedback::Acquired { from: now, to: now });

@@ -9,15 +9,15 @@
 use std::time::Duration;
 
 use antumbra_pacing::{
-    Feedback, FrameId, Pacer, PacerOptions, PresentMode, PresentReports, Presentation, Refresh,
-    Step, Time, WaitReason,
+    Feedback, PacedFrameId, Pacer, PacerOptions, PresentReports, Presentation, PresentationMode,
+    Refresh, Step, Time, WaitReason,
 };
 
 const MILLISECOND: u64 = 1_000_000;
 const PERIOD: u64 = 16 * MILLISECOND;
 const CPU: u64 = MILLISECOND;
 
-fn presentation(mode: PresentMode, hz: f64) -> Presentation {
+fn presentation(mode: PresentationMode, hz: f64) -> Presentation {
     let refresh = Refresh::About(Duration::from_secs_f64(1.0 / hz));
     Presentation { mode, images: 3, refresh, reports: PresentReports::Times }
 }
@@ -35,14 +35,14 @@ struct Machine {
     gpu_free: u64,
     last_shown: u64,
     /// Frames with the end of their work and their showing, while nobody has told.
-    unfinished: Vec<(FrameId, u64)>,
-    unseen: Vec<(FrameId, u64)>,
+    unfinished: Vec<(PacedFrameId, u64)>,
+    unseen: Vec<(PacedFrameId, u64)>,
 }
 
 impl Machine {
     fn new() -> Self {
         Self {
-            pacer: Pacer::new(PacerOptions::default(), presentation(PresentMode::Fifo, 62.5))
+            pacer: Pacer::new(PacerOptions::default(), presentation(PresentationMode::Fifo, 62.5))
                 .unwrap(),
             now: 1_000 * MILLISECOND,
             period: PERIOD,
@@ -56,15 +56,16 @@ impl Machine {
         }
     }
 
-    /// So many frames; answers from start to showing of the last fifty, on average, in milliseconds.
+    /// So many frames; answers from start to showing of the last fifty, on average, in
+    /// milliseconds.
     fn latency_ms(&mut self, frames: usize) -> f64 {
         let latencies: Vec<u64> = (0..frames).map(|_| self.frame().1).collect();
         let last = &latencies[frames.saturating_sub(50)..];
         last.iter().sum::<u64>() as f64 / last.len() as f64 / MILLISECOND as f64
     }
 
-    /// Sleeps, and takes one frame to its presentation; answers when it was expected to show, and how
-    /// long after its start it does.
+    /// Sleeps, and takes one frame to its presentation; answers when it was expected to show, and
+    /// how long after its start it does.
     fn frame(&mut self) -> (Option<Time>, u64) {
         loop {
             self.look();
@@ -89,7 +90,7 @@ impl Machine {
         }
     }
 
-    fn present(&mut self, frame: FrameId) -> u64 {
+    fn present(&mut self, frame: PacedFrameId) -> u64 {
         let start = self.now;
         self.now += CPU;
         self.look();
@@ -112,8 +113,8 @@ impl Machine {
     }
 }
 
-/// A smaller picture takes less: that the GPU once took longer is no reason to doubt it, even where looks
-/// are too coarse to show it.
+/// A smaller picture takes less: that the GPU once took longer is no reason to doubt it, even where
+/// looks are too coarse to show it.
 #[test]
 fn the_gpu_may_be_faster_in_a_new_swapchain() {
     let mut machine = Machine::new();
@@ -121,22 +122,23 @@ fn the_gpu_may_be_faster_in_a_new_swapchain() {
     assert!(before > 9.0, "{before} ms are less than the work");
     machine.gpu = 2 * MILLISECOND;
     machine.look_late = 5 * MILLISECOND;
-    machine.present_through(presentation(PresentMode::Fifo, 62.5));
+    machine.present_through(presentation(PresentationMode::Fifo, 62.5));
     let after = machine.latency_ms(200);
     assert!(after < 6.5, "{after} ms for 3 ms of work, {before} ms before");
 }
 
-/// Another display, or another rate of this one: until some of its refreshes were seen, none is foretold.
+/// Another display, or another rate of this one: until some of its refreshes were seen, none is
+/// foretold.
 #[test]
 fn nothing_is_foretold_of_a_display_that_was_never_seen() {
     let mut machine = Machine::new();
     machine.gpu = 2 * MILLISECOND;
     machine.latency_ms(100);
-    machine.present_through(presentation(PresentMode::Fifo, 62.5));
+    machine.present_through(presentation(PresentationMode::Fifo, 62.5));
     assert_eq!(machine.pacer.refresh_period(), Some(Duration::from_nanos(PERIOD)));
     assert!(machine.frame().0.is_some(), "it is the same display");
     machine.period = 7 * MILLISECOND;
-    machine.present_through(presentation(PresentMode::Fifo, 1_000.0 / 7.0));
+    machine.present_through(presentation(PresentationMode::Fifo, 1_000.0 / 7.0));
     assert_eq!(machine.pacer.refresh_period(), None);
     assert_eq!(machine.frame().0, None);
     for frame in 1..40 {
@@ -156,10 +158,10 @@ fn the_margin_is_learnt_anew_for_another_mode() {
     let early = machine.latency_ms(300);
     assert!((11.0..20.0).contains(&early), "{early} ms");
     machine.latch = 0;
-    machine.present_through(presentation(PresentMode::Fifo, 62.5));
+    machine.present_through(presentation(PresentationMode::Fifo, 62.5));
     let same_mode = machine.latency_ms(100);
     assert!(same_mode > 10.0, "{same_mode} ms: forgotten, {early} ms before");
-    machine.present_through(presentation(PresentMode::Mailbox, 62.5));
+    machine.present_through(presentation(PresentationMode::Mailbox, 62.5));
     let other_mode = machine.latency_ms(100);
     assert!(other_mode < 6.0, "{other_mode} ms: kept, {early} ms before");
 }

@@ -9,8 +9,8 @@
 use std::time::Duration;
 
 use antumbra_pacing::{
-    Feedback, FrameId, Pacer, PacerOptions, PacingError, PresentMode, PresentReports, Presentation,
-    Refresh, Step, Time,
+    Feedback, PacedFrameId, Pacer, PacerOptions, PacingError, PresentReports, Presentation,
+    PresentationMode, Refresh, Step, Time,
 };
 use proptest::prelude::*;
 
@@ -18,7 +18,7 @@ const SECOND: Duration = Duration::from_secs(1);
 
 fn presentation() -> Presentation {
     Presentation {
-        mode: PresentMode::Fifo,
+        mode: PresentationMode::Fifo,
         images: 3,
         refresh: Refresh::Unknown,
         reports: PresentReports::Times,
@@ -68,10 +68,10 @@ fn any_presentation() -> impl Strategy<Value = Presentation> {
             .prop_map(|(min_period, max_period)| Refresh::Variable { min_period, max_period }),
     ];
     let mode = prop::sample::select(vec![
-        PresentMode::Fifo,
-        PresentMode::FifoRelaxed,
-        PresentMode::Mailbox,
-        PresentMode::Immediate,
+        PresentationMode::Fifo,
+        PresentationMode::FifoRelaxed,
+        PresentationMode::Mailbox,
+        PresentationMode::Immediate,
     ]);
     let reports = prop::sample::select(vec![PresentReports::Times, PresentReports::Missing]);
     (mode, 0_u32..6, refresh, reports).prop_map(|(mode, images, refresh, reports)| Presentation {
@@ -117,7 +117,7 @@ proptest! {
                     }
                 },
                 Word::Feedback(back, what) => {
-                    pacer.feedback(FrameId(newest.wrapping_sub(back)), what);
+                    pacer.feedback(PacedFrameId(newest.wrapping_sub(back)), what);
                 }
                 Word::Options(options) => drop(pacer.choose(options)),
                 Word::Presentation(presentation) => drop(pacer.present_through(presentation)),

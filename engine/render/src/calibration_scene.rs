@@ -1,4 +1,5 @@
-//! The objects that prices are measured with: a triangle and a patch of many, drawn as the scene's are.
+//! The objects that prices are measured with: a triangle and a patch of many, drawn as the scene's
+//! are.
 
 use cull::{CostTable, Hierarchy, View};
 use glam::{Affine3A, Vec3};
@@ -96,7 +97,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
     }
 }
 
-/// A triangle, and a patch of many.
+/// Returns a triangle, and a patch of many.
 fn scene() -> Scene {
     let object = |(mesh, (z, scale)): (u32, (f32, f32))| Object {
         mesh: MeshId(mesh),
@@ -130,7 +131,7 @@ fn single() -> Mesh {
     mesh("triangle", [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].into_iter(), vec![0, 1, 2])
 }
 
-/// A square of which half faces the eye.
+/// Returns a square of which half faces the eye.
 fn patch() -> Mesh {
     let side = QUADS + 1;
     let at = |place: u32| place as f32 / QUADS as f32 - 0.5;

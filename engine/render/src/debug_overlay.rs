@@ -1,43 +1,47 @@
-//! What explains frames while they go on: wires, the boxes of the frontier, a bird's-eye view in a corner.
+//! What explains frames while they go on: wires, the boxes of the frontier, a view from above in a
+//! corner.
 
 use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
-use occlusion::{Area, PlanExecutor, ShaderSet};
+use occlusion::{PlanExecutor, Rect, ShaderSet};
 
-use crate::birds_eye::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::error::Error;
 use crate::flat_overlay::{GLYPHS, OVERLAY};
 use crate::frame_passes::FramePasses;
 use crate::outline::OUTLINE;
 use crate::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::passes::{OpaquePass, OverlayPass};
+use crate::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::view_state::ViewState;
 use crate::views::view_in;
 use crate::visibility_snapshot::VisibilitySnapshot;
 
-/// What is drawn over pictures to explain them; of several views, over the first. It follows the plan of
-/// the frame and what is known when it is recorded, and waits for nothing.
+/// What is drawn over pictures to explain them; of several views, over the first. It follows the
+/// plan of the frame and what is known when it is recorded, and waits for nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct DebugOverlay {
     /// The edges of all triangles that are taken as visible.
-    pub has_wires: bool,
-    /// The boxes of the nodes that are tested, seen through everything, coloured by what is known of them
-    /// ([`crate::BOX_HIDDEN`], [`crate::BOX_BEHIND`], [`crate::BOX_UNKNOWN`], [`crate::BOX_SHOWED`]).
+    pub has_wireframe: bool,
+    /// The boxes of the nodes that are tested, seen through everything, coloured by what is known
+    /// of them ([`crate::BOX_HIDDEN`], [`crate::BOX_BEHIND`], [`crate::BOX_UNKNOWN`],
+    /// [`crate::BOX_SHOWED`]).
     pub has_boxes: bool,
     /// Where in the picture the view from above goes.
-    pub birds_eye: Option<Area>,
+    pub top_down: Option<Rect>,
 }
 
-const BOXES_AND_WIRES: &str = "boxes and wires";
-/// The labels of the passes that explain or lie flat over pictures: what they take is not the engine's.
-pub const OVERLAY_PASSES: [&str; 5] = [BOXES_AND_WIRES, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
+const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
+/// The labels of the passes that explain or lie flat over pictures: what they take is not the
+/// engine's.
+pub const OVERLAY_PASSES: [&str; 5] =
+    [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
 
 /// An explanation and what draws it.
 pub(crate) struct DebugRenderer {
     pub(crate) explanation: DebugOverlay,
     device: Device,
     overlay: OverlayPass,
-    wires: Option<OpaquePass>,
+    wireframe: Option<OpaquePass>,
 }
 
 impl DebugRenderer {
@@ -46,9 +50,9 @@ impl DebugRenderer {
         shaders: &ShaderSet,
         explanation: DebugOverlay,
     ) -> Result<Self, Error> {
-        let wires = explanation.has_wires.then(|| OpaquePass::wires(device, shaders));
+        let wireframe = explanation.has_wireframe.then(|| OpaquePass::wireframe(device, shaders));
         let overlay = OverlayPass::new(device, shaders)?;
-        Ok(Self { explanation, device: device.clone(), overlay, wires: wires.transpose()? })
+        Ok(Self { explanation, device: device.clone(), overlay, wireframe: wireframe.transpose()? })
     }
 
     /// Draws it over the frame that `history` was just recorded for.
@@ -62,7 +66,7 @@ impl DebugRenderer {
         let draws = snapshot.upload(frame, &executor.leaves)?;
         let boxes = history.plan().tests.iter().map(|test| {
             let colour = match (test.tester, history.visibility.culler().state(test.tag.node)) {
-                (Tester::Behind(_), _) => BOX_BEHIND,
+                (Tester::SharedProxy(_), _) => BOX_BEHIND,
                 (_, NodeState::Hidden) => BOX_HIDDEN,
                 (_, NodeState::Unknown) => BOX_UNKNOWN,
                 (_, NodeState::Visible) => BOX_SHOWED,
@@ -72,10 +76,10 @@ impl DebugRenderer {
         let boxes = self.explanation.has_boxes.then(|| Sketch::through(boxes).upload(frame));
         let boxes = boxes.transpose()?;
         passes.target.prepare(frame.commands());
-        frame.commands().pass(BOXES_AND_WIRES, |commands| {
+        frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
             commands.rendering(passes.target_of(view, None), |commands| {
-                if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
-                    wires.bind(commands, &passes.opaque_io(), view, &passes.light);
+                if let (Some(wireframe), true) = (&self.wireframe, draws.1 > 0) {
+                    wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
                     executor.leaves.predicates().draw_after_counted(commands, draws.0);
                 }
                 if let Some(boxes) = &boxes {
@@ -86,8 +90,8 @@ impl DebugRenderer {
         self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
     }
 
-    /// Draws what there is to explain of a frozen moment over its picture from elsewhere: its wires, and
-    /// the view from above. That picture has its hidden boxes itself.
+    /// Draws what there is to explain of a frozen moment over its picture from elsewhere: its
+    /// wires, and the view from above. That picture has its hidden boxes itself.
     pub(crate) fn record_snapshot(
         &self,
         frame: &mut Frame<'_>,
@@ -95,11 +99,11 @@ impl DebugRenderer {
         view: &View,
         (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
-        if let (Some(wires), true) = (&self.wires, draws.1 > 0) {
+        if let (Some(wireframe), true) = (&self.wireframe, draws.1 > 0) {
             passes.target.prepare(frame.commands());
-            frame.commands().pass(BOXES_AND_WIRES, |commands| {
+            frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
                 commands.rendering(passes.target_of(view, None), |commands| {
-                    wires.bind(commands, &passes.opaque_io(), view, &passes.light);
+                    wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
                     executor.leaves.predicates().draw_after_counted(commands, draws.0);
                 });
             });
@@ -114,7 +118,7 @@ impl DebugRenderer {
         (passes, executor, hierarchy): (&mut FramePasses, &PlanExecutor, &Hierarchy),
         (snapshot, draws): (&VisibilitySnapshot, (BufferSlice, u32)),
     ) -> Result<(), Error> {
-        let Some(area) = self.explanation.birds_eye else { return Ok(()) };
+        let Some(area) = self.explanation.top_down else { return Ok(()) };
         let reach = reach(hierarchy, snapshot);
         let io = Sketch::of(snapshot, reach).upload(frame)?;
         let view = &view_in(&self.device, &above(snapshot, reach), area);

@@ -12,8 +12,9 @@ pub enum Error {
     /// The scene is not whole.
     #[error(transparent)]
     Scene(#[from] scene::SceneError),
-    /// A scene with more of something than a renderer takes: beyond [`MAX_LIGHTS`](scene::limits::MAX_LIGHTS) and its like,
-    /// or beyond what the device's storage buffers hold.
+    /// A scene with more of something than a renderer takes: beyond
+    /// [`MAX_LIGHTS`](scene::limits::MAX_LIGHTS) and its like, or beyond what the device's storage
+    /// buffers hold.
     #[error("the scene has {wanted} {what}, and a renderer takes at most {limit} here: {instead}")]
     SceneTooLarge {
         /// What there is too much of.
@@ -112,18 +113,18 @@ pub enum Error {
         reason: String,
     },
     /// A blended object that cannot be moved.
-    #[error("the blended object {} cannot be moved: {reason}", blended.0)]
-    Blended {
+    #[error("the blended object {} cannot be moved: {reason}", transparent.0)]
+    Transparent {
         /// The object.
-        blended: scene::BlendedId,
+        transparent: scene::TransparentId,
         /// Why not.
         reason: &'static str,
     },
     /// A pose that a mesh cannot take.
-    #[error("the deformer {} cannot take this pose: {reason}", deformer.0)]
+    #[error("the deformer {} cannot take this pose: {reason}", skinned_mesh.0)]
     Deform {
         /// The deformer.
-        deformer: scene::DeformerId,
+        skinned_mesh: scene::DeformerId,
         /// Why not.
         reason: String,
     },
@@ -132,9 +133,9 @@ pub enum Error {
         "a view of {}x{} pixels at {}, {} is not within the picture of {}x{}: choose an area of at least a pixel inside",
         area.size[0], area.size[1], area.origin[0], area.origin[1], picture[0], picture[1]
     )]
-    Area {
+    Rect {
         /// As it was asked for.
-        area: occlusion::Area,
+        area: occlusion::Rect,
         /// Size of the picture in pixels.
         picture: [u32; 2],
     },

@@ -1,6 +1,6 @@
 //! What is drawn flat over every picture: text, graphs, whatever somebody lays out in pixels.
 
-use gpu::{Device, Frame, Target, Texture};
+use gpu::{Device, DynamicTexture, Frame, Target};
 
 use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
@@ -11,11 +11,12 @@ pub(crate) const GLYPHS: &str = "HUD glyphs";
 pub(crate) const OVERLAY: &str = "HUD";
 
 /// Flat triangles over the scene, and the atlas that they are textured from. Laid out anew whenever
-/// they change ([`FlatOverlay::clear`], [`FlatOverlay::add`]); what is there is drawn over every frame.
+/// they change ([`FlatOverlay::clear`], [`FlatOverlay::add`]); what is there is drawn over every
+/// frame.
 pub struct FlatOverlay {
     device: Device,
     pass: FlatPass,
-    atlas: Option<Texture>,
+    atlas: Option<DynamicTexture>,
     /// Pieces of the atlas that the GPU does not have yet, and their pixels one after the other.
     patches: Vec<Patch>,
     pixels: Vec<[u8; 4]>,
@@ -55,7 +56,7 @@ impl FlatOverlay {
     /// # Errors
     /// A size of 0 or beyond the device's limits; no memory.
     pub fn begin_atlas(&mut self, size: [u32; 2]) -> Result<(), Error> {
-        self.atlas = Some(Texture::new(&self.device, size, "flat atlas")?);
+        self.atlas = Some(DynamicTexture::new(&self.device, size, "flat atlas")?);
         self.patches.clear();
         self.pixels.clear();
         Ok(())
@@ -72,7 +73,7 @@ impl FlatOverlay {
         size: [u32; 2],
         pixels: impl ExactSizeIterator<Item = [u8; 4]>,
     ) -> Result<(), Error> {
-        let atlas = self.atlas.as_ref().map_or([0, 0], Texture::size);
+        let atlas = self.atlas.as_ref().map_or([0, 0], DynamicTexture::size);
         let fits =
             |side: usize| u64::from(origin[side]) + u64::from(size[side]) <= u64::from(atlas[side]);
         let count = u64::from(size[0]) * u64::from(size[1]);
@@ -91,8 +92,9 @@ impl FlatOverlay {
         self.draws.clear();
     }
 
-    /// Adds triangles over all that was added before, cut to `size` pixels from `origin` on. `indices`
-    /// are into `vertices`, three a triangle; one with an index that is not there is left out.
+    /// Adds triangles over all that was added before, cut to `size` pixels from `origin` on.
+    /// `indices` are into `vertices`, three a triangle; one with an index that is not there is left
+    /// out.
     pub fn add(
         &mut self,
         origin: [u32; 2],

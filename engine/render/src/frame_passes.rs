@@ -3,14 +3,14 @@
 use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
 use gpu::{BufferSlice, Commands, Device, Frame, RenderTarget, Target};
 use occlusion::{Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering, ShaderSet};
-use scene::{BlendedId, Light};
+use scene::{Light, TransparentId};
 
-use crate::blended::{Blended, BlendedObject};
-use crate::deformers::{Deformers, Skinned, State};
 use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{CountPass, OpaqueIo, OpaquePass, SurfaceIo};
 use crate::shading::{DARK, DepthPass, Shading};
+use crate::skinned_meshes::{Deformers, Skinned, State};
 use crate::surfaces::SurfaceResources;
+use crate::transparent::{Transparent, TransparentObject};
 
 /// Everything that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
@@ -24,9 +24,9 @@ pub(crate) struct FramePasses {
     pub(crate) counts: Option<CountPass>,
     pub(crate) light: Light,
     /// Where meshes change their form.
-    pub(crate) deformers: Option<Deformers>,
+    pub(crate) skinned_meshes: Option<Deformers>,
     /// Where objects are blended.
-    pub(crate) blended: Option<Blended>,
+    pub(crate) transparent: Option<Transparent>,
     /// For scenes with surfaces.
     pub(crate) shading: Option<Shading>,
 }
@@ -108,21 +108,22 @@ impl FramePasses {
         }
     }
 
-    /// The sky's colour as it is exposed: as light, so that it is no brighter than white.
+    /// Returns the sky's colour as it is exposed: as light, so that it is no brighter than white.
     pub(crate) fn sky(&self) -> [f32; 3] {
         let surfaces = self.geometry.surfaces.as_ref();
         let exposure = surfaces.map_or(1.0, SurfaceResources::exposure);
         self.light.sky.map(|part| (part * exposure).min(1.0))
     }
 
-    /// Where [`FramePasses::draw_all`] goes, before such a backdrop.
+    /// Returns where [`FramePasses::draw_all`] goes, before such a backdrop.
     pub(crate) fn picture_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
         let [red, green, blue] = backdrop;
         let plain = [red, green, blue, 1.0];
         self.target_of(view, Some(self.shading.as_ref().map_or(plain, |_| DARK)))
     }
 
-    /// Binds what the rounds draw objects with: those of their colours where no other pass gives them any.
+    /// Binds what the rounds draw objects with: those of their colours where no other pass gives
+    /// them any.
     pub(crate) fn bind_visibility(&self, commands: &Commands, view: &View) {
         let pass = match (self.shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
             (Some(DepthPass::Masked(pass)), Some(io)) => {
@@ -154,20 +155,20 @@ impl FramePasses {
         if self.shading.is_none() {
             return;
         }
-        if let Some(blended) = &self.blended {
-            blended.prepare(commands);
+        if let Some(transparent) = &self.transparent {
+            transparent.prepare(commands);
         }
         self.target.prepare(commands);
         commands.pass("shade surfaces", |commands| {
             let target = self.target_of(view, None).cleared_to(DARK);
             commands.rendering(target, |commands| {
                 self.draw_surfaces(commands, view, self.sky(), draw);
-                if let Some(blended) = &self.blended {
-                    blended.test(executor, commands, view);
+                if let Some(transparent) = &self.transparent {
+                    transparent.test(executor, commands, view);
                 }
             });
         });
-        self.record_blended(executor, commands, view);
+        self.record_transparent(executor, commands, view);
     }
 
     fn draw_surfaces(
@@ -186,8 +187,8 @@ impl FramePasses {
         sky.draw(commands, backdrop);
     }
 
-    /// Draws all of the `draws`, of which there are so many, in their own colours, before a backdrop, to
-    /// the [picture's target](FramePasses::picture_target).
+    /// Draws all of the `draws`, of which there are so many, in their own colours, before a
+    /// backdrop, to the [picture's target](FramePasses::picture_target).
     pub(crate) fn draw_all(
         &self,
         executor: &PlanExecutor,
@@ -206,61 +207,71 @@ impl FramePasses {
         self.draw_surfaces(commands, view, backdrop, draw);
     }
 
-    /// Gathers the blended objects of a view, which its [shading](ObjectRenderer::shade) draws. Returns how many
-    /// are in its frustum.
+    /// Gathers the blended objects of a view, which its [shading](ObjectRenderer::shade) draws.
+    /// Returns how many are in its frustum.
     ///
     /// # Errors
     /// No memory.
-    pub(crate) fn gather_blended(
+    pub(crate) fn gather_transparent(
         &mut self,
         frame: &mut Frame<'_>,
         executor: &PlanExecutor,
         view: &View,
         strategy: Strategy,
     ) -> Result<u32, crate::Error> {
-        let Some(blended) = &mut self.blended else { return Ok(0) };
+        let Some(transparent) = &mut self.transparent else { return Ok(0) };
         let tests = strategy != Strategy::Frustum && executor.passes.leaf_boxes.is_some();
-        blended.gather(frame, &self.geometry, (view, tests))
+        transparent.gather(frame, &self.geometry, (view, tests))
     }
 
     /// Changes a blended object, if it is there, and finds its lights again.
-    pub(crate) fn change_blended(
+    pub(crate) fn change_transparent(
         &mut self,
-        id: BlendedId,
-        change: impl FnOnce(&mut BlendedObject),
+        id: TransparentId,
+        change: impl FnOnce(&mut TransparentObject),
     ) -> Result<(), crate::Error> {
-        let bounds = self.blended.as_mut().and_then(|blended| blended.change(id, change));
+        let bounds =
+            self.transparent.as_mut().and_then(|transparent| transparent.change(id, change));
         if let (Some(bounds), Some(surfaces)) = (bounds, &mut self.geometry.surfaces) {
-            surfaces.move_blended(id, &bounds)?;
+            surfaces.move_transparent(id, &bounds)?;
         }
         Ok(())
     }
 
     /// Draws the blended objects over the finished picture of a view, in a rendering of their own.
-    fn record_blended(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
-        let Some(blended) = self.blended.as_ref().filter(|blended| blended.is_any()) else {
+    fn record_transparent(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        let Some(transparent) =
+            self.transparent.as_ref().filter(|transparent| transparent.is_any())
+        else {
             return;
         };
-        blended.decide(commands);
+        transparent.decide(commands);
         self.target.prepare(commands);
         commands.pass("draw blended", |commands| {
             let target = self.target_of(view, None);
-            commands.rendering(target, |commands| self.draw_blended(executor, commands, view));
+            commands.rendering(target, |commands| self.draw_transparent(executor, commands, view));
         });
     }
 
     /// Draws the blended objects of a view to what is being rendered to.
-    pub(crate) fn draw_blended(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
-        if let (Some(blended), Some(surfaces)) = (&self.blended, self.surface_io()) {
-            blended.draw(executor, commands, surfaces, (view, &self.light));
+    pub(crate) fn draw_transparent(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        view: &View,
+    ) {
+        if let (Some(transparent), Some(surfaces)) = (&self.transparent, self.surface_io()) {
+            transparent.draw(executor, commands, surfaces, (view, &self.light));
         }
     }
 
-    /// Records the upload of what changed since the last frame, before anything of `frame` reads it. Poses that
-    /// none of the `views` can show wait until one does; without views all are brought.
+    /// Records the upload of what changed since the last frame, before anything of `frame` reads
+    /// it. Poses that none of the `views` can show wait until one does; without views all are
+    /// brought.
     ///
-    /// A mesh waits only where the box of its pose **and** that of the vertices that the GPU still has are
-    /// outside of all views: its draw may be part of a range that shows, and then leaves no pixel.
+    /// A mesh waits only where the box of its pose **and** that of the vertices that the GPU still
+    /// has are outside of all views: its draw may be part of a range that shows, and then leaves no
+    /// pixel.
     ///
     /// # Errors
     /// No memory.
@@ -273,15 +284,15 @@ impl FramePasses {
     ) -> Result<Skinned, crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
         self.geometry.upload_changes(frame, hierarchy, executor)?;
-        let Self { geometry, deformers, blended, .. } = self;
-        let (Some(deformers), Some(deformed)) = (deformers, geometry.deformed()) else {
+        let Self { geometry, skinned_meshes, transparent, .. } = self;
+        let (Some(skinned_meshes), Some(deformed)) = (skinned_meshes, geometry.deformed()) else {
             return Ok(Skinned::default());
         };
-        let transform = |state: &State| match state.blended {
-            Some(id) => blended.as_ref()?.transform(id),
+        let transform = |state: &State| match state.transparent {
+            Some(id) => transparent.as_ref()?.transform(id),
             None => geometry.transform(geometry.owner(state.mesh)?),
         };
-        deformers.bring(frame, deformed, |state| {
+        skinned_meshes.upload(frame, deformed, |state| {
             let Some(transform) = transform(state) else { return false };
             let Some(views) = views else { return true };
             let is_in = |bounds: &Aabb| match bounds_in_world(bounds, &transform) {
@@ -298,8 +309,8 @@ impl FramePasses {
     pub(crate) fn submitted(&mut self) {
         self.target.submitted();
         self.geometry.submitted();
-        if let Some(deformers) = &mut self.deformers {
-            deformers.submitted();
+        if let Some(skinned_meshes) = &mut self.skinned_meshes {
+            skinned_meshes.submitted();
         }
     }
 }

@@ -1,4 +1,5 @@
-//! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of everything.
+//! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of
+//! everything.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,21 +10,21 @@ use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
 use occlusion::{LeafElements, LeafTable, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
 use scene::limits::INSTANCE_BYTES;
 use scene::{
-    BlendedId, Mesh, MeshId, Object, Scene, SurfaceVertex, Vertex, bounds_of_transformed,
+    Mesh, MeshId, Object, Scene, SurfaceVertex, TransparentId, Vertex, bounds_of_transformed,
     unpack_unorm,
 };
 
-use crate::deformers::{DeformedVertices, are_deformed, deformed_vertices, mesh_order};
-use crate::detail::{Forms, stretch};
 use crate::error::Error;
 use crate::instance::Instance;
 use crate::limits::{check_memory, check_storage, room};
+use crate::lod::{LodTable, stretch};
+use crate::skinned_meshes::{DeformedVertices, are_deformed, deformed_vertices, mesh_order};
 use crate::sprites;
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
-/// Memory that a renderer takes for each object while it is made (bytes): its instance, by object and
-/// by leaf, its box, its draw, and some numbers; and what of that lies on the device, whose memory may
-/// be the machine's.
+/// Memory that a renderer takes for each object while it is made (bytes): its instance, by object
+/// and by leaf, its box, its draw, and some numbers; and what of that lies on the device, whose
+/// memory may be the machine's.
 const UPLOAD_BYTES_PER_OBJECT: usize = 3 * size_of::<Instance>()
     + 2 * (size_of::<ProxyBox>() + size_of::<IndirectDraw>())
     + size_of::<[u64; 8]>();
@@ -43,7 +44,7 @@ pub(crate) struct Geometry {
     /// Of meshes, and of their coarser forms behind those.
     mesh_draws: Arc<[MeshDraw]>,
     mesh_bounds: Vec<Aabb>,
-    pub(crate) forms: Forms,
+    pub(crate) forms: LodTable,
     // By object.
     object_meshes: Vec<u32>,
     /// Which of the draws: that of its mesh, or of a coarser form.
@@ -56,7 +57,8 @@ pub(crate) struct Geometry {
 }
 
 impl Geometry {
-    /// Refuses more leaves than a hierarchy or the device can hold, before anything is made for them.
+    /// Refuses more leaves than a hierarchy or the device can hold, before anything is made for
+    /// them.
     pub(crate) fn check_size(device: &Device, leaf_count: usize) -> Result<(), Error> {
         if leaf_count > cull::MAX_OBJECTS {
             return Err(cull::HierarchyError::TooMany { count: leaf_count }.into());
@@ -77,7 +79,7 @@ impl Geometry {
         let objects = hierarchy.leaf_objects().len();
         check_memory("the objects on their way to the GPU", objects, UPLOAD_BYTES_PER_OBJECT)?;
         let (mut vertices, mut indices, mut mesh_draws) = join_meshes(scene)?;
-        let forms = Forms::join(scene, &mut indices, &mut mesh_draws);
+        let forms = LodTable::join(scene, &mut indices, &mut mesh_draws);
         let leaf_count = hierarchy.leaf_objects().len();
         Self::check_size(device, leaf_count)?;
         sprites::check_size(device, scene, leaf_count)?;
@@ -141,38 +143,38 @@ impl Geometry {
         self.object_forms.get(object.0 as usize).map_or(MeshDrawId::NONE, |form| MeshDrawId(*form))
     }
 
-    /// The draw of a mesh; of nothing where the scene does not have it.
+    /// Returns the draw of a mesh; of nothing where the scene does not have it.
     pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
         self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
     }
 
-    /// What the vertex shader knows of a blended object.
-    pub(crate) fn blended_instance(&self, id: BlendedId, object: &Object) -> Instance {
-        let slot = |surfaces: &SurfaceResources| surfaces.first_blended_slot() + id.0;
+    /// Returns what the vertex shader knows of a blended object.
+    pub(crate) fn transparent_instance(&self, id: TransparentId, object: &Object) -> Instance {
+        let slot = |surfaces: &SurfaceResources| surfaces.first_transparent_slot() + id.0;
         let surfaces = self.surfaces.as_ref();
         instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
     }
 
-    /// The box of an object that is somewhere else, if it is there and can be there.
+    /// Returns the box of an object that is somewhere else, if it is there and can be there.
     pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
         let mesh = self.object_meshes.get(object.0 as usize)?;
         self.bounds_of(*mesh, transform)
     }
 
-    /// The box of a mesh somewhere, if there is such a mesh and it can be there.
+    /// Returns the box of a mesh somewhere, if there is such a mesh and it can be there.
     pub(crate) fn bounds_of(&self, mesh: u32, transform: &Affine3A) -> Option<Aabb> {
         bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
     }
 
-    /// Gives a mesh that changes its form another box, in its own space. It keeps it for whoever has the mesh
-    /// next.
+    /// Gives a mesh that changes its form another box, in its own space. It keeps it for whoever
+    /// has the mesh next.
     pub(crate) fn reshape(&mut self, mesh: MeshId, bounds: Aabb) {
         if let Some(of_mesh) = self.mesh_bounds.get_mut(mesh.0 as usize) {
             *of_mesh = bounds;
         }
     }
 
-    /// Whether a mesh changes its form.
+    /// Returns true if a mesh changes its form.
     pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
         self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
     }
@@ -192,7 +194,7 @@ impl Geometry {
         })
     }
 
-    /// Where vertices are written that change.
+    /// Returns where vertices are written that change.
     pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
         let part = |vertices: BufferSlice, vertex_bytes: usize| {
             vertices.part(0, self.deformed_vertices * vertex_bytes as u64)
@@ -203,12 +205,12 @@ impl Geometry {
         })
     }
 
-    /// Where the vertices of a mesh begin.
+    /// Returns where the vertices of a mesh begin.
     pub(crate) fn first_vertex(&self, mesh: usize) -> u32 {
         self.mesh_draws.get(mesh).map_or(0, |mesh| mesh.draw.vertex_offset as u32)
     }
 
-    /// Moves an object. Its leaf must be [marked](occlusion::LeafTable::mark).
+    /// Moves an object. Its leaf must be [marked](occlusion::LeafTable::mark_dirty).
     pub(crate) fn place(&mut self, object: ObjectId, transform: &Affine3A) {
         if let Some(instance) = self.object_instances.get_mut(object.0 as usize) {
             instance.rows = rows_of(transform);
@@ -238,9 +240,9 @@ impl Geometry {
         *instance = now;
     }
 
-    /// Lets an object take the form that fits how large it looks; answers whether it is another. Its
-    /// leaf must then be marked.
-    pub(crate) fn take_form(
+    /// Lets an object take the form that fits how large it looks; answers whether it is another.
+    /// Its leaf must then be marked.
+    pub(crate) fn select_lod(
         &mut self,
         object: ObjectId,
         pixels_per_metre: f32,
@@ -259,8 +261,8 @@ impl Geometry {
         chosen.is_some_and(|chosen| std::mem::replace(form, chosen) != chosen)
     }
 
-    /// Finds the lights of an object where it is now, of none if it is gone; answers whether there are others
-    /// than before. Its leaf must then be marked.
+    /// Finds the lights of an object where it is now, of none if it is gone; answers whether there
+    /// are others than before. Its leaf must then be marked.
     pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
         let Some(surfaces) = &mut self.surfaces else { return false };
         let node = hierarchy.node_of(object);
@@ -281,13 +283,13 @@ impl Geometry {
             if self.find_lights(hierarchy, object)
                 && let Some(leaf) = hierarchy.leaf_of(object)
             {
-                leaves.mark(leaf, self.draw_of(object));
+                leaves.mark_dirty(leaf, self.draw_of(object));
             }
         }
     }
 
-    /// Records the upload of what changed since the last frame, before anything of `frame` reads it. It
-    /// stays changed until the frame was [submitted](Geometry::submitted): it may never be.
+    /// Records the upload of what changed since the last frame, before anything of `frame` reads
+    /// it. It stays changed until the frame was [submitted](Geometry::submitted): it may never be.
     pub(crate) fn upload_changes(
         &self,
         frame: &mut Frame<'_>,
@@ -296,9 +298,9 @@ impl Geometry {
     ) -> Result<(), Error> {
         let (leaves, scatter) = (&executor.leaves, &executor.passes.scatter);
         if let Some(surfaces) = &self.surfaces {
-            surfaces.bring(frame, scatter)?;
+            surfaces.upload_changes(frame, scatter)?;
         }
-        if leaves.stale().is_empty() {
+        if leaves.dirty().is_empty() {
             return Ok(());
         }
         let instance = |leaf: &LeafIndex| {
@@ -307,7 +309,7 @@ impl Geometry {
             instance.copied().unwrap_or_default()
         };
         let instances = LeafElements {
-            elements: frame.uploads().push_iter(leaves.stale().iter().map(instance))?,
+            elements: frame.uploads().push_iter(leaves.dirty().iter().map(instance))?,
             array: self.instances.whole(),
             element_bytes: size_of::<Instance>(),
         };
@@ -322,7 +324,8 @@ impl Geometry {
     }
 }
 
-/// Returns the draws of meshes, and of their coarser forms behind them, with the triangles that they show.
+/// Returns the draws of meshes, and of their coarser forms behind them, with the triangles that
+/// they show.
 fn counted(scene: &Scene, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
     let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
     let forms = scene.meshes.iter().zip(levels);
@@ -354,8 +357,8 @@ fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
 /// Vertices and indices of all meshes, and the draw of each.
 type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
 
-/// Joins all meshes in one vertex and one index buffer, so that any objects can share a draw call. There is room for
-/// their coarser forms and for the pattern of sprites.
+/// Joins all meshes in one vertex and one index buffer, so that any objects can share a draw call.
+/// There is room for their coarser forms and for the pattern of sprites.
 fn join_meshes(scene: &Scene) -> Result<Joined, Error> {
     let levels = scene.surfaces.iter().flat_map(|surfaces| surfaces.levels.iter().flatten());
     let levels: usize = levels.map(|level| level.indices.len()).sum();
@@ -382,7 +385,7 @@ fn join_meshes(scene: &Scene) -> Result<Joined, Error> {
     Ok((vertices, indices, draws))
 }
 
-/// The box around a box that is somewhere, if it can be there.
+/// Returns the box around a box that is somewhere, if it can be there.
 pub(crate) fn bounds_in_world(bounds: &Aabb, transform: &Affine3A) -> Option<Aabb> {
     let bounds = bounds_of_transformed(bounds, transform);
     bounds.is_usable().then_some(bounds)

@@ -34,18 +34,15 @@
 #![forbid(unsafe_code)]
 
 mod api;
-mod birds_eye;
-mod blended;
 mod calibration_scene;
 mod debug_overlay;
-mod deformers;
-mod detail;
 mod error;
 mod flat_overlay;
 mod frame_passes;
 mod geometry;
 mod instance;
 mod limits;
+mod lod;
 mod object_bounds;
 mod outline;
 mod palette;
@@ -55,8 +52,11 @@ mod renderer;
 mod sample_counts;
 mod scene_degradations;
 mod shading;
+mod skinned_meshes;
 mod sprites;
 mod surfaces;
+mod top_down;
+mod transparent;
 mod update;
 mod view_state;
 mod views;
@@ -64,11 +64,11 @@ mod visibility_snapshot;
 mod visible_set;
 
 pub use debug_overlay::{DebugOverlay, OVERLAY_PASSES};
-pub use detail::DETAIL_OBJECTS_A_CALL;
 pub use error::Error;
 pub use flat_overlay::FlatOverlay;
+pub use lod::DETAIL_OBJECTS_A_CALL;
 pub use object_bounds::object_bounds;
-pub use occlusion::{Area, Costs, FrameOutcome, ShaderSet};
+pub use occlusion::{Costs, FrameOutcome, Rect, ShaderSet};
 pub use palette::{
     BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, FRUSTUM, SELECTED, Swatch, WIRES, level_colour,
 };

@@ -6,7 +6,8 @@ use scene::Scene;
 use crate::error::Error;
 use crate::limits::check_memory;
 
-/// The box of each object of `scene` in the world, in their order: what a hierarchy is built over.
+/// Returns the box of each object of `scene` in the world, in their order: what a hierarchy is
+/// built over.
 ///
 /// # Errors
 /// The first mesh or object that cannot be drawn.

@@ -3,11 +3,11 @@
 use cull::{Aabb, View};
 use gpu::Frame;
 
-use crate::birds_eye::Sketch;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::palette::SELECTED;
 use crate::passes::OverlayPass;
+use crate::top_down::Sketch;
 
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";

@@ -1,6 +1,6 @@
-//! The colours that explain pictures: a family of hues for each kind of meaning, so that none is mistaken
-//! for another. States have the hues of Okabe and Ito, which are told apart with any colour vision; levels
-//! have one hue of rising lightness; the frustum has none.
+//! The colours that explain pictures: a family of hues for each kind of meaning, so that none is
+//! mistaken for another. States have the hues of Okabe and Ito, which are told apart with any
+//! colour vision; levels have one hue of rising lightness; the frustum has none.
 
 use glam::Vec4;
 
@@ -27,7 +27,7 @@ pub const BOX_SHOWED: Swatch = Swatch { meaning: "was visible", rgb: [213, 94, 0
 /// The edges of a view's frustum.
 pub const FRUSTUM: Swatch =
     Swatch { meaning: "the camera's frustum", rgb: [255, 255, 255], alpha: 1.0 };
-/// The edges of triangles that are taken as visible, as `wires.frag` has them.
+/// The edges of triangles that are taken as visible, as `wireframe.frag` has them.
 pub const WIRES: Swatch =
     Swatch { meaning: "triangles taken as visible", rgb: [50, 240, 190], alpha: 1.0 };
 
@@ -70,7 +70,7 @@ mod tests {
 
     const STATES: [Swatch; 4] = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED];
 
-    /// The hue in degrees; `None` of a grey.
+    /// Returns the hue in degrees; `None` of a grey.
     fn hue(Swatch { rgb, .. }: Swatch) -> Option<f32> {
         let [red, green, blue] = rgb.map(f32::from);
         let (most, least) = (red.max(green).max(blue), red.min(green).min(blue));
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn states_levels_and_wires_share_no_hue() {
+    fn states_levels_and_wireframes_share_no_hue() {
         let levels: Vec<f32> = (0..20).filter_map(|level| hue(level_colour(level))).collect();
         assert_eq!(levels.len(), 20, "every level has a hue");
         for state in STATES.into_iter().chain([WIRES, SELECTED]) {

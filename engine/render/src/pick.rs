@@ -1,5 +1,5 @@
-//! Finds out which object owns a pixel, without a wait: a frame of that one pixel is drawn, and read
-//! when it is over.
+//! Finds out which object owns a pixel, without a wait: a frame of that one pixel is drawn, and
+//! read when it is over.
 
 use cull::{LeafIndex, ObjectId};
 use gpu::Tick;

@@ -1,20 +1,18 @@
 //! The renderer: one frame from top to bottom, from the answers of the past to the submit.
 
 use cull::{
-    Aabb, Abilities, Camera, CostTable, Culler, DialogueOptions, Hierarchy, ObjectId, Policy,
-    SceneCosts, Strategy, View,
+    Aabb, BlockingOptions, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, SceneCosts,
+    Strategy, TesterSupport, View,
 };
 use gpu::{Device, FrameRing, Optional, PassTime, Predication, Target};
 use occlusion::{
-    Area, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
-    OcclusionPasses, PlanExecutor, PlannedMethod, ShaderSet, VisibilityState,
+    Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor, MethodSupport,
+    OcclusionPasses, PlanExecutor, PlannedMethod, Rect, ShaderSet, VisibilityState,
 };
 use scene::Scene;
 
-use crate::blended::Blended;
 use crate::calibration_scene;
 use crate::debug_overlay::{DebugOverlay, DebugRenderer};
-use crate::deformers::Deformers;
 use crate::error::Error;
 use crate::flat_overlay::FlatOverlay;
 use crate::frame_passes::FramePasses;
@@ -23,7 +21,9 @@ use crate::limits::check_memory;
 use crate::object_bounds::{check_hierarchy, object_bounds};
 use crate::passes::{OpaquePass, OverlayPass};
 use crate::shading::Shading;
+use crate::skinned_meshes::Deformers;
 use crate::sprites::has_sprites;
+use crate::transparent::Transparent;
 use crate::update::UpdateScratch;
 use crate::view_state::{RendererId, ViewState};
 use crate::visible_set::{SceneRevision, SeenLeaves};
@@ -45,19 +45,19 @@ pub struct RendererOptions {
     /// The shaders; `None` takes the embedded ones.
     pub shaders: Option<ShaderSet>,
     /// How visibility is decided.
-    pub policy: Policy,
+    pub cull_config: CullConfig,
     /// The methods beside ours: those of the literature are `methods::ALL`.
     pub methods: &'static [MethodConstructor],
     /// How the methods of the literature work that wait for answers.
-    pub dialogue: DialogueOptions,
+    pub blocking: BlockingOptions,
     /// The most occlusion queries a frame of ours may use. What cannot be asked is drawn.
     pub query_budget: usize,
-    /// What shows no more samples than this counts as hidden, and is not drawn: at 0 the image is exact.
-    /// Above, each test that is left out may cost as many pixels
-    /// ([`FrameOutcome::neglected_samples`](crate::FrameOutcome::neglected_samples) bounds them), all
-    /// tests are queries, which the device must count, and conditional rendering cannot be
-    /// had. For [`Strategy::Antumbra`] and [`Strategy::AntumbraQueries`];
-    /// [`Strategy::Coherent`] has [its own](cull::CoherentOptions::visibility_threshold_samples).
+    /// What shows no more samples than this counts as hidden, and is not drawn: at 0 the image is
+    /// exact. Above, each test that is left out may cost as many pixels
+    /// ([`FrameOutcome::neglected_samples`](crate::FrameOutcome::neglected_samples) bounds them),
+    /// all tests are queries, which the device must count, and conditional rendering cannot be had.
+    /// For [`Strategy::Antumbra`] and [`Strategy::AntumbraQueries`]; [`Strategy::Coherent`] has
+    /// [its own](cull::CoherentOptions::visibility_threshold_samples).
     pub threshold_samples: u32,
     /// What things cost, so that nothing is tested at a loss. Where the device has timestamps, what
     /// frames take corrects it.
@@ -74,9 +74,9 @@ impl Default for RendererOptions {
             frames_in_flight: 2,
             predication: None,
             shaders: None,
-            policy: Policy::default(),
+            cull_config: CullConfig::default(),
             methods: &[],
-            dialogue: DialogueOptions::default(),
+            blocking: BlockingOptions::default(),
             query_budget: 8192,
             threshold_samples: 0,
             costs: Costs::default(),
@@ -88,7 +88,7 @@ impl Default for RendererOptions {
 /// Makes our method, and those that were given.
 fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
     let ours: Box<dyn Method> = Box::new(PlannedMethod);
-    let given = options.methods.iter().map(|new| new(&options.dialogue));
+    let given = options.methods.iter().map(|new| new(&options.blocking));
     std::iter::once(ours).chain(given).collect()
 }
 
@@ -117,7 +117,7 @@ pub struct Renderer {
     pub(crate) passes: FramePasses,
     pub(crate) executor: PlanExecutor,
     pub(crate) shaders: ShaderSet,
-    pub(crate) birds_eye: Option<OverlayPass>,
+    pub(crate) top_down: Option<OverlayPass>,
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
     pub(crate) flat_overlay: Option<FlatOverlay>,
@@ -132,7 +132,7 @@ pub struct Renderer {
     pub(crate) frame_times: FrameTimes,
     /// Whether governors are told what frames take.
     pub(crate) learns: bool,
-    policy: Policy,
+    cull_config: CullConfig,
     pub(crate) query_budget: usize,
     pub(crate) threshold_samples: u32,
     costs: Option<CostTable>,
@@ -142,8 +142,8 @@ impl Renderer {
     /// Builds the hierarchy over `scene` and uploads everything.
     ///
     /// # Errors
-    /// Options that cannot be: [`Error::FramesInFlight`], [`Error::Cost`], more objects and room for
-    /// them than there can be, a threshold where queries do not count or under conditional
+    /// Options that cannot be: [`Error::FramesInFlight`], [`Error::Cost`], more objects and room
+    /// for them than there can be, a threshold where queries do not count or under conditional
     /// rendering. A scene or size beyond the device's limits, no memory, a shader that does not
     /// compile, a failed call.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
@@ -183,9 +183,9 @@ impl Renderer {
         let surfaces = geometry.surfaces.as_ref();
         let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
         let shading = shading.transpose()?;
-        let blended = Blended::new(device, &shaders, scene, surfaces)?;
+        let transparent = Transparent::new(device, &shaders, scene, surfaces)?;
         let first_vertices = |mesh| geometry.first_vertex(mesh);
-        let deformers = Deformers::new(device, &shaders, scene, first_vertices)?;
+        let skinned_meshes = Deformers::new(device, &shaders, scene, first_vertices)?;
         let slots = options.frames_in_flight.max(1);
         let leaves = LeafTableInfo {
             mesh_draws: geometry.mesh_draws().clone(),
@@ -205,8 +205,8 @@ impl Renderer {
             depth_first: None,
             counts: None,
             light,
-            deformers,
-            blended,
+            skinned_meshes,
+            transparent,
             shading,
         };
         let id = RendererId::new();
@@ -226,7 +226,7 @@ impl Renderer {
             passes,
             executor,
             shaders,
-            birds_eye: None,
+            top_down: None,
             outlined: None,
             flat_overlay: None,
             explainer: None,
@@ -238,20 +238,22 @@ impl Renderer {
             pass_times: Vec::new(),
             frame_times: FrameTimes::default(),
             learns,
-            policy: options.policy,
+            cull_config: options.cull_config,
             query_budget: options.query_budget,
             threshold_samples: options.threshold_samples,
             costs,
         })
     }
 
-    /// A view of the scene that knows nothing yet.
+    /// Returns a view of the scene that knows nothing yet.
     ///
     /// # Errors
     /// A failed call.
     pub fn new_view(&self) -> Result<ViewState, Error> {
-        let mut culler = Culler::with_abilities(self.policy, self.abilities());
-        if let Some(Err(error)) = self.costs.map(|table| culler.govern(table, self.scene_costs())) {
+        let mut culler = Culler::with_testers(self.cull_config, self.testers());
+        if let Some(Err(error)) =
+            self.costs.map(|table| culler.set_costs(table, self.scene_costs()))
+        {
             tracing::warn!("{error}");
         }
         let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
@@ -261,7 +263,7 @@ impl Renderer {
         Ok(ViewState::new(self.id, visibility))
     }
 
-    /// What things cost on this device, as told or measured.
+    /// Returns what things cost on this device, as told or measured.
     pub fn costs(&self) -> Option<CostTable> {
         self.costs
     }
@@ -276,8 +278,8 @@ impl Renderer {
     }
 
     /// Returns what plans may make use of on this device.
-    fn abilities(&self) -> Abilities {
-        self.executor.abilities(&self.device, self.size(), self.threshold_samples)
+    fn testers(&self) -> TesterSupport {
+        self.executor.testers(&self.device, self.size(), self.threshold_samples)
     }
 
     /// Refuses a strategy that the device lacks something for, with this scene and size.
@@ -309,7 +311,7 @@ impl Renderer {
         self.threshold_samples == 0
     }
 
-    /// The device it draws on.
+    /// Returns the device it draws on.
     pub fn device(&self) -> &Device {
         &self.device
     }
@@ -319,12 +321,12 @@ impl Renderer {
         self.passes.target.size()
     }
 
-    /// The hierarchy over the scene's objects.
+    /// Returns the hierarchy over the scene's objects.
     pub fn hierarchy(&self) -> &Hierarchy {
         &self.hierarchy
     }
 
-    /// How hidden draws are skipped.
+    /// Returns how hidden draws are skipped.
     pub fn predication(&self) -> Predication {
         self.executor.leaves.predicates().predication()
     }
@@ -332,10 +334,10 @@ impl Renderer {
     /// Explains the pictures from now on; an explanation of nothing costs nothing.
     ///
     /// # Errors
-    /// Wires on a device that lacks [`gpu::Optional::Wires`]; an area that is not within the picture;
-    /// a failed call. What was explained before still is, then.
+    /// Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not within the
+    /// picture; a failed call. What was explained before still is, then.
     pub fn explain(&mut self, explanation: DebugOverlay) -> Result<(), Error> {
-        explanation.birds_eye.map_or(Ok(()), |area| self.check_area(area))?;
+        explanation.top_down.map_or(Ok(()), |area| self.check_area(area))?;
         let is_something = explanation != DebugOverlay::default();
         let explainer =
             is_something.then(|| DebugRenderer::new(&self.device, &self.shaders, explanation));
@@ -349,7 +351,7 @@ impl Renderer {
         Some(self.hierarchy.bounds(node)).filter(|bounds| !bounds.is_empty())
     }
 
-    /// What is explained.
+    /// Returns what is explained.
     pub fn explanation(&self) -> DebugOverlay {
         self.explainer.as_ref().map(|explainer| explainer.explanation).unwrap_or_default()
     }
@@ -363,15 +365,16 @@ impl Renderer {
         }
     }
 
-    /// The GPU time of each pass of the frame that used the slot of the newest one before it: with N
-    /// frames in flight, N frames earlier, whichever view it was of. Empty where that was not measured.
+    /// Returns the GPU time of each pass of the frame that used the slot of the newest one before
+    /// it: with N frames in flight, N frames earlier, whichever view it was of. Empty where that
+    /// was not measured.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.pass_times
     }
 
-    /// The view of `camera` on this renderer's picture.
+    /// Returns the view of `camera` on this renderer's picture.
     pub fn view_of(&self, camera: &Camera) -> View {
-        self.view_in(camera, Area { origin: [0, 0], size: self.size() })
+        self.view_in(camera, Rect { origin: [0, 0], size: self.size() })
     }
 
     /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts

@@ -1,10 +1,10 @@
 //! How much of single objects shows: counted by the GPU where a view was asked to, home some frames
 //! later, never waited for.
 //!
-//! For levels of detail, by the number of samples, and for lens flares, by the fraction of the light's
-//! proxy ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a frame is drawn, each
-//! watched object in the frustum is drawn again under a precise query, and so is its proxy, with the
-//! depth test and without. Counting changes nothing that is drawn.
+//! For levels of detail, by the number of samples, and for lens flares, by the fraction of the
+//! light's proxy ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a frame is
+//! drawn, each watched object in the frustum is drawn again under a precise query, and so is its
+//! proxy, with the depth test and without. Counting changes nothing that is drawn.
 
 use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
 use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
@@ -23,11 +23,11 @@ pub struct VisibleSamples {
     /// How many frames before the newest of the view that was. 0 only for what needs no looking at,
     /// outside of the frustum, and after [`Renderer::drain`](crate::Renderer::drain).
     pub age_frames: u64,
-    /// Samples of it that nothing is nearer than in the finished picture: its pixels, where no two of its
-    /// faces have the same depth. 0 outside of the frustum.
+    /// Samples of it that nothing is nearer than in the finished picture: its pixels, where no two
+    /// of its faces have the same depth. 0 outside of the frustum.
     pub samples: u32,
-    /// The same of its proxy. `None` where the near plane would cut it or the eye is in it, and outside
-    /// of the frustum.
+    /// The same of its proxy. `None` where the near plane would cut it or the eye is in it, and
+    /// outside of the frustum.
     pub proxy: Option<ProxySamples>,
     /// That of the hierarchy when the frame was drawn.
     generation: Generation,
@@ -43,14 +43,15 @@ pub struct ProxySamples {
 }
 
 impl ProxySamples {
-    /// How much shows of what is in the picture of it, 0 to 1; 0 if nothing is.
+    /// Returns how much shows of what is in the picture of it, 0 to 1; 0 if nothing is.
     pub fn fraction(&self) -> f32 {
         if self.total == 0 { 0.0 } else { self.visible as f32 / self.total as f32 }
     }
 }
 
 impl VisibleSamples {
-    /// How much of its proxy shows, 0 to 1 ([`ProxySamples::fraction`]), where there is one.
+    /// Returns how much of its proxy shows, 0 to 1 ([`ProxySamples::fraction`]), where there is
+    /// one.
     pub fn fraction(&self) -> Option<f32> {
         self.proxy.map(|proxy| proxy.fraction())
     }
@@ -132,7 +133,8 @@ impl SampleCounts {
         !self.watched.is_empty()
     }
 
-    /// The ring is made again by the next frame that asks, for as many frames as are in flight then.
+    /// The ring is made again by the next frame that asks, for as many frames as are in flight
+    /// then.
     pub(crate) fn forget_ring(&mut self) {
         self.queries = None;
     }
@@ -141,7 +143,8 @@ impl SampleCounts {
         &self.newest
     }
 
-    /// Picks up what is home and forgets objects that are gone. `now` is the newest frame. Never waits.
+    /// Picks up what is home and forgets objects that are gone. `now` is the newest frame. Never
+    /// waits.
     pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, now: FrameId) {
         let mut home = std::mem::take(&mut self.home);
         home.clear();
@@ -298,7 +301,7 @@ fn draw_counted(
 
 pub(crate) const COUNTING: &str = "counting visible samples";
 
-/// Whether a device counts samples, which `wanted` needs.
+/// Checks that a device counts samples, which `wanted` needs.
 pub(crate) fn check_counts(device: &Device, wanted: &'static str) -> Result<(), Error> {
     if device.capabilities().has(Optional::PreciseQueries) {
         return Ok(());

@@ -5,12 +5,13 @@ use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
 /// What of a scene is more than a renderer shows: it is shown all the same, and not quite as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SceneDegradations {
-    /// Objects that more points' and spots' lights reach than [`MAX_LIGHTS_PER_OBJECT`]: the weakest do not
-    /// shine on them. As things are now; it changes where lights and objects move.
+    /// Objects that more points' and spots' lights reach than [`MAX_LIGHTS_PER_OBJECT`]: the
+    /// weakest do not shine on them. As things are now; it changes where lights and objects move.
     pub crowded_objects: usize,
     /// Directional lights beyond [`MAX_DIRECTIONAL_LIGHTS`], the weakest: they do not shine.
     pub dark_suns: usize,
-    /// Images that lose sharpness, since the device or the memory for textures holds no larger ones.
+    /// Images that lose sharpness, since the device or the memory for textures holds no larger
+    /// ones.
     pub shrunk_images: usize,
     /// Images of another size than their page, which are made larger and lose nothing.
     pub enlarged_images: usize,
@@ -19,7 +20,7 @@ pub struct SceneDegradations {
 }
 
 impl SceneDegradations {
-    /// A sentence for each, for people.
+    /// Returns a sentence for each, for people.
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
         let Self { crowded_objects, dark_suns, shrunk_images, borrowed_samplers, .. } = *self;

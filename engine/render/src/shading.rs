@@ -6,11 +6,12 @@
 //! blended     what is blended, back to front
 //! ```
 //!
-//! Real scenes have surfaces that lie in one plane or cut each other, so that several are equally near at
-//! a pixel. Whoever is drawn first would win there, and culling changes who that is. Here all of them
-//! pass the test against the finished depth, whoever was first, and the lightest of each channel stays:
-//! a maximum knows no order. What culling left out is not among them: it is farther than the depth at
-//! each of its samples, since proxies that are as near as the depth count as visible.
+//! Real scenes have surfaces that lie in one plane or cut each other, so that several are equally
+//! near at a pixel. Whoever is drawn first would win there, and culling changes who that is. Here
+//! all of them pass the test against the finished depth, whoever was first, and the lightest of
+//! each channel stays: a maximum knows no order. What culling left out is not among them: it is
+//! farther than the depth at each of its samples, since proxies that are as near as the depth count
+//! as visible.
 
 use gpu::Device;
 use occlusion::{Error, ShaderSet};

@@ -1,7 +1,8 @@
 //! Sprites on the GPU: their words behind the instances, and the corners that all of them share.
 //!
-//! A mesh of sprites is drawn with the vertices and indices of one pattern, which say corner and number, so that
-//! neither takes memory for each sprite; `sprites.glsl` finds the rest from the instance.
+//! A mesh of sprites is drawn with the vertices and indices of one pattern, which say corner and
+//! number, so that neither takes memory for each sprite; `sprites.glsl` finds the rest from the
+//! instance.
 
 use gpu::{Device, IndirectDraw};
 use scene::limits::INSTANCE_BYTES;
@@ -48,7 +49,7 @@ pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Re
     )
 }
 
-/// How many instances the words of all sprites take the place of.
+/// Returns how many instances the words of all sprites take the place of.
 fn blocks(scene: &Scene) -> usize {
     of_scene(scene).iter().map(words).sum::<usize>().div_ceil(WORDS)
 }
@@ -88,7 +89,7 @@ pub(crate) fn add_words(scene: &Scene, instances: &mut Vec<Instance>) {
     );
 }
 
-/// How many sprites the largest mesh has.
+/// Returns how many sprites the largest mesh has.
 fn most(scene: &Scene) -> usize {
     of_scene(scene).iter().map(Sprites::count).max().unwrap_or(0)
 }
@@ -98,7 +99,8 @@ pub(crate) fn pattern_size(scene: &Scene) -> [usize; 2] {
     [CORNERS.len(), TRIANGLES.len()].map(|each| most(scene) * each)
 }
 
-/// Adds the pattern behind all vertices and indices, and lets the draws of meshes of sprites use it.
+/// Adds the pattern behind all vertices and indices, and lets the draws of meshes of sprites use
+/// it.
 pub(crate) fn add_pattern(
     scene: &Scene,
     vertices: &mut Vec<Vertex>,

@@ -22,9 +22,10 @@ pub struct UpdateReport {
     /// Leaves under nodes that were rebuilt because moving had worn them.
     pub rebuilt_leaves: u64,
     /// Leaves that the next frame brings to the GPU.
-    pub stale_leaves: usize,
-    /// The hierarchy is worn as a whole and too large to be rebuilt within a frame: frames cost more
-    /// than they need to until [`Renderer::rebuild_hierarchy`](crate::Renderer::rebuild_hierarchy) was called.
+    pub dirty_leaves: usize,
+    /// The hierarchy is worn as a whole and too large to be rebuilt within a frame: frames cost
+    /// more than they need to until
+    /// [`Renderer::rebuild_hierarchy`](crate::Renderer::rebuild_hierarchy) was called.
     pub is_worn: bool,
 }
 

@@ -40,12 +40,12 @@ impl ViewState {
 
     /// Forgets everything that was seen; the next frame starts like the first. After a change that
     /// makes the past worthless, such as a jump to another place.
-    pub fn forget(&mut self) {
-        self.visibility.forget();
+    pub fn reset(&mut self) {
+        self.visibility.reset();
     }
 
-    /// Takes the outcomes of the frames whose results were read since the last call: the latest 1024, if
-    /// there are more.
+    /// Takes the outcomes of the frames whose results were read since the last call: the latest
+    /// 1024, if there are more.
     pub fn take_outcomes(&mut self) -> std::collections::vec_deque::Drain<'_, FrameOutcome> {
         self.visibility.take_outcomes()
     }
@@ -55,12 +55,13 @@ impl ViewState {
         self.visibility.corrections()
     }
 
-    /// Counts the visible samples of these objects in every frame from now on, and of no others. Of an
-    /// id that no object has nothing is found out until one has it. Costs two or three small
+    /// Counts the visible samples of these objects in every frame from now on, and of no others. Of
+    /// an id that no object has nothing is found out until one has it. Costs two or three small
     /// draws an object and frame, and nothing where the list is empty.
     ///
     /// # Errors
-    /// A device that cannot count ([`Renderer::supports_counts`](crate::Renderer::supports_counts)).
+    /// A device that cannot count
+    /// ([`Renderer::supports_counts`](crate::Renderer::supports_counts)).
     pub fn watch(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
         if !objects.is_empty() {
             check_counts(self.visibility.device(), COUNTING)?;
@@ -69,8 +70,8 @@ impl ViewState {
         Ok(())
     }
 
-    /// The newest count of each watched object that has one yet, ascending by object. What was found
-    /// out about an object that is gone is dropped, also where another has its id now.
+    /// Returns the newest count of each watched object that has one yet, ascending by object. What
+    /// was found out about an object that is gone is dropped, also where another has its id now.
     pub fn visible_samples(&self) -> &[VisibleSamples] {
         self.counts.newest()
     }

@@ -1,19 +1,20 @@
-//! What is wanted of a frame and known of it. A frame has one or several views of one scene: each has its own
-//! eye, its own history and its own part of the picture.
+//! What is wanted of a frame and known of it. A frame has one or several views of one scene: each
+//! has its own eye, its own history and its own part of the picture.
 //!
-//! Views share the scene, the hierarchy and the submit, and no answers. What one eye of a stereo pair
-//! found hidden the other may see past an edge, so an answer of the one is never exact for the other;
-//! and as a guess it would cost a test all the same, since what is hidden is tested in every frame.
+//! Views share the scene, the hierarchy and the submit, and no answers. What one eye of a stereo
+//! pair found hidden the other may see past an edge, so an answer of the one is never exact for the
+//! other; and as a guess it would cost a test all the same, since what is hidden is tested in every
+//! frame.
 
 use std::time::Duration;
 
 use cull::{Camera, Corrections, Strategy, View};
 use gpu::{Device, Frame, Readback, Target, Tick, Timeline};
-use occlusion::{Area, VisibilityState};
+use occlusion::{Rect, VisibilityState};
 
-use crate::deformers::Skinned;
 use crate::error::Error;
 use crate::flat_overlay::FlatOverlay;
+use crate::skinned_meshes::Skinned;
 use crate::view_state::ViewState;
 use crate::visible_set::VisibleSet;
 
@@ -27,7 +28,7 @@ pub struct ViewTarget<'a> {
     pub visible: Option<&'a VisibleSet>,
     /// Where its image goes: at least a pixel, within the picture. Where areas overlap, later eyes
     /// replace what earlier ones drew.
-    pub area: Area,
+    pub area: Rect,
 }
 
 impl ViewTarget<'_> {
@@ -71,15 +72,15 @@ pub struct FrameRequest<'a> {
     pub visible: Option<&'a VisibleSet>,
     /// Where to copy the picture, if it is wanted. Read it when the frame is over.
     pub picture: Option<&'a Readback>,
-    /// Where to copy what the scene alone shows, before explanations and the flat overlay are drawn over
-    /// it, if that is wanted.
+    /// Where to copy what the scene alone shows, before explanations and the flat overlay are drawn
+    /// over it, if that is wanted.
     pub scene_picture: Option<&'a Readback>,
     /// The frame starts on the GPU once this tick of a host's timeline is reached.
     pub after: Option<(&'a Timeline, Tick)>,
 }
 
 impl FrameRequest<'_> {
-    /// A frame and nothing else.
+    /// Creates a frame and nothing else.
     pub fn new(strategy: Strategy, camera: Camera) -> Self {
         Self { strategy, camera, visible: None, picture: None, scene_picture: None, after: None }
     }
@@ -99,10 +100,10 @@ pub struct FrameReport {
     /// Occlusion queries.
     pub queries: u32,
     /// How often the CPU waited for an answer within the frame: never, but with the strategies that
-    /// are a dialogue ([`Strategy::is_dialogue`]).
+    /// block ([`Strategy::is_blocking`]).
     pub waits: u32,
     /// Blended objects in the frustum.
-    pub blended: u32,
+    pub transparent: u32,
     /// Poses that the GPU got: those that changed and that one of the views may show.
     pub poses: u32,
     /// Vertices that the GPU computed from these poses.
@@ -115,7 +116,8 @@ pub struct FrameReport {
     pub youngest_answer_frames: Option<u64>,
     /// What the culler counted.
     pub plan: cull::PlanStats,
-    /// What frames taught the governor about the prices ([`Renderer::costs`](crate::Renderer::costs)); `None` without one.
+    /// What frames taught the governor about the prices
+    /// ([`Renderer::costs`](crate::Renderer::costs)); `None` without one.
     pub corrections: Option<Corrections>,
 }
 
@@ -142,8 +144,8 @@ impl FrameReport {
     }
 }
 
-/// What comes after the views, whoever decided what they show: what is flat over them, and the copy of
-/// the picture for who wants it.
+/// Records what comes after the views, whoever decided what they show: what is flat over them, and
+/// the copy of the picture for who wants it.
 pub(crate) fn finish_picture(
     frame: &mut Frame<'_>,
     target: &mut Target,
@@ -157,7 +159,7 @@ pub(crate) fn finish_picture(
     Ok(())
 }
 
-pub(crate) fn view_in(device: &Device, camera: &Camera, area: Area) -> View {
+pub(crate) fn view_in(device: &Device, camera: &Camera, area: Rect) -> View {
     let bits = device.adapter().limits.sub_pixel_precision_bits;
     View { origin: area.origin, ..View::new(camera, area.size, bits) }
 }

@@ -24,8 +24,8 @@ pub struct VisibilitySnapshot {
 }
 
 impl VisibilitySnapshot {
-    /// The newest frame of `history` as far as it is known while it is under way: what is taken as
-    /// visible, and the frontier nodes that were hidden when they were last asked.
+    /// Returns the newest frame of `history` as far as it is known while it is under way: what is
+    /// taken as visible, and the frontier nodes that were hidden when they were last asked.
     pub(crate) fn underway(history: &ViewState, hierarchy: &Hierarchy, view: View) -> Self {
         let plan = history.plan();
         let one = |first| LeafRange { first, count: 1 };
@@ -43,7 +43,7 @@ impl VisibilitySnapshot {
         }
     }
 
-    /// The draws of what was drawn, of as many leaves as there still are.
+    /// Returns the draws of what was drawn, of as many leaves as there still are.
     pub(crate) fn upload(
         &self,
         frame: &mut Frame<'_>,

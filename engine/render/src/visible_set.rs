@@ -1,18 +1,18 @@
 //! The exact set of objects that own a pixel: what the strategy `ideal` draws.
 //!
-//! Found beforehand and not in time: the frame is drawn by the exact strategy, what it drew is drawn
-//! once more against the finished depth, and the CPU waits for the answer.
+//! Found beforehand and not in time: the frame is drawn by the exact strategy, what it drew is
+//! drawn once more against the finished depth, and the CPU waits for the answer.
 
 use cull::{LeafIndex, ObjectId};
-use gpu::{Buffer, Device, Place, Tick, vk};
+use gpu::{Buffer, Device, MemoryKind, Tick, vk};
 use occlusion::ShaderSet;
 
 use crate::error::Error;
 use crate::passes::SeenPass;
 use crate::view_state::RendererId;
 
-/// The leaves that own at least one pixel of a frame, nearest first. Of masked materials the holes count
-/// as theirs: those may be too many, never too few.
+/// The leaves that own at least one pixel of a frame, nearest first. Of masked materials the holes
+/// count as theirs: those may be too many, never too few.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleSet {
     pub(crate) leaves: Vec<LeafIndex>,
@@ -25,7 +25,8 @@ pub struct VisibleSet {
 /// The set's name in errors.
 pub(crate) const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
-/// Counts the changes of a renderer's scene: what is visible of one edition is not what is of another.
+/// Counts the changes of a renderer's scene: what is visible of one edition is not what is of
+/// another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SceneRevision {
     renderer: RendererId,
@@ -43,7 +44,7 @@ impl SceneRevision {
 }
 
 impl VisibleSet {
-    /// The leaves, nearest first.
+    /// Returns the leaves, nearest first.
     pub fn leaves(&self) -> &[LeafIndex] {
         &self.leaves
     }
@@ -53,7 +54,7 @@ impl VisibleSet {
         self.edition.renderer
     }
 
-    /// Whether it is of the scene as it is in this edition.
+    /// Returns true if it is of the scene as it is in this edition.
     pub(crate) fn is_of(&self, edition: SceneRevision) -> bool {
         self.edition == edition
     }
@@ -77,8 +78,14 @@ impl SeenLeaves {
         let home = vk::BufferUsageFlags::TRANSFER_DST;
         Ok(Self {
             pass: SeenPass::new(device, shaders)?,
-            words: Buffer::new(device, "seen leaves", size_bytes, usage, Place::Device)?,
-            readback: Buffer::new(device, "seen leaves home", size_bytes, home, Place::ReadBack)?,
+            words: Buffer::new(device, "seen leaves", size_bytes, usage, MemoryKind::Device)?,
+            readback: Buffer::new(
+                device,
+                "seen leaves home",
+                size_bytes,
+                home,
+                MemoryKind::ReadBack,
+            )?,
             newest: Tick::default(),
         })
     }

@@ -1,7 +1,7 @@
-//! Whether the surfaces of a scene belong to it and can be drawn: nothing that is checked here can make
-//! a shader read beside what there is, or meet a number that is none.
+//! Whether the surfaces of a scene belong to it and can be drawn: nothing that is checked here can
+//! make a shader read beside what there is, or meet a number that is none.
 
-use super::surface::{Deformer, Material, MorphTarget, SkinWeights, Surfaces, TextureUse};
+use super::surface::{Material, MorphTarget, SkinWeights, SkinnedMesh, Surfaces, TextureUse};
 use super::{Scene, SceneError, bounds_of_transformed};
 
 /// The weights of a vertex are rounded to as little as eight bits each, eight of them or more.
@@ -18,7 +18,8 @@ fn are_finite<const N: usize>(numbers: &[f32; N]) -> bool {
     numbers.iter().all(|number| number.is_finite())
 }
 
-/// The first thing that is wrong with the surfaces of a scene whose meshes and objects are right.
+/// Finds the first thing that is wrong with the surfaces of a scene whose meshes and objects are
+/// right.
 ///
 /// # Errors
 /// [`SceneError::BrokenSurfaces`].
@@ -49,7 +50,7 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
     if !surfaces.exposure.is_finite() {
         return broken(("exposure", 0), "it is not a finite number");
     }
-    check_blended(scene, surfaces)?;
+    check_transparent(scene, surfaces)?;
     check_levels(scene, surfaces)?;
     check_sprites(scene, surfaces)?;
     check_deformers(scene, surfaces)
@@ -84,10 +85,10 @@ fn check_sprites(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     }
     let are_sprites = sprite_meshes(scene);
     let is_sprites = |mesh: super::MeshId| are_sprites.get(mesh.0 as usize) == Some(&true);
-    if let Some(index) = surfaces.blended.iter().position(|object| is_sprites(object.mesh)) {
+    if let Some(index) = surfaces.transparent.iter().position(|object| is_sprites(object.mesh)) {
         return broken(("blended object", index), "its mesh is one of sprites");
     }
-    if let Some(index) = surfaces.deformers.iter().position(|it| is_sprites(it.mesh)) {
+    if let Some(index) = surfaces.skinned_meshes.iter().position(|it| is_sprites(it.mesh)) {
         return broken(("deformer", index), "its mesh is one of sprites");
     }
     Ok(())
@@ -128,8 +129,8 @@ fn check_material(surfaces: &Surfaces, material: &Material, part: Part) -> Resul
     if are_all { Ok(()) } else { broken(part, "one of its numbers is not finite") }
 }
 
-fn check_blended(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
-    for (index, object) in surfaces.blended.iter().enumerate() {
+fn check_transparent(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
+    for (index, object) in surfaces.transparent.iter().enumerate() {
         let part = ("blended object", index);
         let Some(mesh) = scene.mesh_of(object) else {
             return broken(part, "the scene does not have its mesh");
@@ -169,14 +170,14 @@ fn check_levels(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
 fn check_deformers(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     // The object of each mesh that one has, and whether it is the only one.
     let mut users = vec![0_u32; scene.meshes.len()];
-    for object in scene.objects.iter().chain(&surfaces.blended) {
+    for object in scene.objects.iter().chain(&surfaces.transparent) {
         if let Some(users) = users.get_mut(object.mesh.0 as usize) {
             *users = users.saturating_add(1);
         }
     }
     let mut is_deformed = vec![false; scene.meshes.len()];
-    for (index, deformer) in surfaces.deformers.iter().enumerate() {
-        let (part, mesh) = (("deformer", index), deformer.mesh.0 as usize);
+    for (index, skinned_mesh) in surfaces.skinned_meshes.iter().enumerate() {
+        let (part, mesh) = (("deformer", index), skinned_mesh.mesh.0 as usize);
         let (Some(users), Some(is_deformed)) = (users.get(mesh), is_deformed.get_mut(mesh)) else {
             return broken(part, "the scene does not have its mesh");
         };
@@ -186,16 +187,24 @@ fn check_deformers(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError>
         if std::mem::replace(is_deformed, true) {
             return broken(part, "another one deforms its mesh");
         }
-        check_deformer(deformer, scene.meshes.get(mesh).map_or(0, |it| it.vertices.len()), part)?;
+        check_deformer(
+            skinned_mesh,
+            scene.meshes.get(mesh).map_or(0, |it| it.vertices.len()),
+            part,
+        )?;
     }
     Ok(())
 }
 
-fn check_deformer(deformer: &Deformer, vertices: usize, part: Part) -> Result<(), SceneError> {
-    if let Some(skin) = &deformer.skin {
+fn check_deformer(
+    skinned_mesh: &SkinnedMesh,
+    vertices: usize,
+    part: Part,
+) -> Result<(), SceneError> {
+    if let Some(skin) = &skinned_mesh.skin {
         check_skin(skin, vertices, part)?;
     }
-    for MorphTarget { positions, normals, tangents } in &deformer.targets {
+    for MorphTarget { positions, normals, tangents } in &skinned_mesh.targets {
         for list in [positions, normals, tangents] {
             if !list.is_empty() && list.len() != vertices {
                 return broken(part, "a list of a morph target is not as long as its mesh's");

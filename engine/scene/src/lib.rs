@@ -1,7 +1,7 @@
 //! What there is to draw, as pure data: meshes, materials, objects, lights, and how they change.
 //!
-//! No Vulkan, no files, no unsafe code. [`Scene::validate`] says whether a renderer can draw a scene,
-//! [`limits`] how much of everything each takes on any device.
+//! No Vulkan, no files, no unsafe code. [`Scene::validate`] says whether a renderer can draw a
+//! scene, [`limits`] how much of everything each takes on any device.
 //!
 //! ```
 //! # use antumbra_scene as scene;
@@ -39,11 +39,11 @@ pub use outwardness::{ENCLOSING, outwardness};
 pub use pose_bounds::PoseBounds;
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
-    Alpha, BlendedId, Deformer, DeformerId, Encoding, Filter, Image, ImageId, Level, LightId,
-    LightKind, Material, MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SurfaceMesh,
-    SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, Wrap,
+    Alpha, DeformerId, Encoding, Filter, Image, ImageId, LightId, LightKind, LodLevel, Material,
+    MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SkinnedMesh, SurfaceMesh,
+    SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, TransparentId, Wrap,
 };
-pub use update::{BlendedMove, Deformation, LightMove, SceneUpdate};
+pub use update::{Deformation, LightMove, SceneUpdate, TransparentMove};
 
 /// The vertical field of view where nobody asks for another, in radians.
 pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;
@@ -120,7 +120,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// A clear afternoon.
+    /// Returns a clear afternoon.
     pub fn afternoon() -> Self {
         Self {
             towards_sun: vec3(0.48, 0.72, 0.5).normalize_or(Vec3::Y),
@@ -148,23 +148,24 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The mesh of an object, if the scene has it.
+    /// Returns the mesh of an object, if the scene has it.
     pub fn mesh_of(&self, object: &Object) -> Option<&Mesh> {
         self.meshes.get(object.mesh.0 as usize)
     }
 
-    /// The box around an object in the world, in metres: the box of its mesh's box, exact for quarter
-    /// turns, larger than need be for others. `None` if the object's mesh is not in the scene.
+    /// Returns the box around an object in the world, in metres: the box of its mesh's box, exact
+    /// for quarter turns, larger than need be for others. `None` if the object's mesh is not in the
+    /// scene.
     ///
     /// Each bound is computed in the order of operations of `transform * position` (after J. Arvo,
-    /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex that is transformed in
-    /// that order never lies outside; one that is transformed in another order, or with fused
+    /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex that is transformed
+    /// in that order never lies outside; one that is transformed in another order, or with fused
     /// multiplication, may by the last place.
     pub fn bounds_of(&self, object: &Object) -> Option<Aabb> {
         Some(bounds_of_transformed(&self.mesh_of(object)?.bounds, &object.transform))
     }
 
-    /// How many triangles its objects have together.
+    /// Returns how many triangles its objects have together.
     pub fn triangles(&self) -> u64 {
         let mut of_mesh: Vec<u64> = self.meshes.iter().map(Mesh::triangles).collect();
         for sprites in self.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
@@ -179,9 +180,9 @@ impl Scene {
     /// Checks that everything can be drawn.
     ///
     /// # Errors
-    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the first
-    /// object that names no mesh or stands nowhere, or the first of its surfaces that does not belong
-    /// to it or has a number that is none.
+    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the
+    /// first object that names no mesh or stands nowhere, or the first of its surfaces that does
+    /// not belong to it or has a number that is none.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

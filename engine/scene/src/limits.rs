@@ -3,7 +3,8 @@
 /// Bytes that a storage buffer has on every device.
 pub const STORAGE_BYTES_ANYWHERE: u64 = 1 << 27;
 
-/// Bytes that an object takes in a storage buffer: three rows of its transform, its tint and its mesh.
+/// Bytes that an object takes in a storage buffer: three rows of its transform, its tint and its
+/// mesh.
 pub const INSTANCE_BYTES: u64 = 64;
 
 /// Objects, with room for those that come; blended ones count by themselves.

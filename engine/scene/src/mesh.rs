@@ -33,7 +33,8 @@ pub struct Mesh {
     pub indices: Vec<u32>,
     /// The tight box around the vertices, in the space of the mesh, in metres.
     pub bounds: Aabb,
-    /// Whether the back of each triangle is a triangle of its own, as meshes of double-sided materials have it.
+    /// Whether the back of each triangle is a triangle of its own, as meshes of double-sided
+    /// materials have it.
     pub has_backs: bool,
 }
 
@@ -63,7 +64,7 @@ pub struct Object {
     pub tint: u32,
 }
 
-/// The tight box around the vertices; an empty list gives a box of no size at the origin.
+/// Returns the tight box around the vertices; an empty list gives a box of no size at the origin.
 pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
     let mut points = vertices.iter().map(|vertex| Vec3::from_array(vertex.position));
     let Some(first) = points.next() else {
@@ -74,7 +75,8 @@ pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
     Aabb { min, max }
 }
 
-/// The box around a transformed box; [`Scene::bounds_of`](super::Scene::bounds_of) says how exact it is.
+/// Returns the box around a transformed box; [`Scene::bounds_of`](super::Scene::bounds_of) says how
+/// exact it is.
 pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     let extremes = |column: Vec3A, low: f32, high: f32| {
         let (a, b) = (column * low, column * high);
@@ -95,7 +97,7 @@ pub fn pack_normal(normal: Vec3) -> u32 {
     byte(normal.x) | byte(normal.y) << 8 | byte(normal.z) << 16
 }
 
-/// The inverse of [`pack_normal`], not normalised again.
+/// Returns the inverse of [`pack_normal`], not normalised again.
 pub fn unpack_normal(packed: u32) -> Vec3 {
     let part = |shift: u32| (f32::from((packed >> shift) as u8 as i8) / 127.0).max(-1.0);
     Vec3::new(part(0), part(8), part(16))
@@ -106,7 +108,7 @@ pub fn pack_unorm(values: [f32; 4]) -> u32 {
     u32::from_le_bytes(values.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
 }
 
-/// The inverse of [`pack_unorm`].
+/// Returns the inverse of [`pack_unorm`].
 pub fn unpack_unorm(packed: u32) -> [f32; 4] {
     packed.to_le_bytes().map(|byte| f32::from(byte) / 255.0)
 }

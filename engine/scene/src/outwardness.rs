@@ -3,16 +3,17 @@
 use cull::Aabb;
 use glam::{DVec3, Vec3};
 
-/// From this on, and from its negative on, triangles enclose what is in their box, rather than lie in it like
-/// a sheet: long thin bottles have little more.
+/// From this on, and from its negative on, triangles enclose what is in their box, rather than lie
+/// in it like a sheet: long thin bottles have little more.
 pub const ENCLOSING: f32 = 0.05;
 
 /// Areas of what is closed add up to nothing, those of half a ball to half of them.
 const OPEN: f64 = 0.55;
 
-/// How much counter-clockwise triangles look away from the middle of their box: 1 if all do straight, as a
-/// ball's seen from outside, -1 if all look at the middle, 0 for sheets, for what is more open than half a
-/// ball, and for triangles that come with their backs. Numbers that are none count nothing.
+/// Returns how much counter-clockwise triangles look away from the middle of their box: 1 if all do
+/// straight, as a ball's seen from outside, -1 if all look at the middle, 0 for sheets, for what is
+/// more open than half a ball, and for triangles that come with their backs. Numbers that are none
+/// count nothing.
 pub fn outwardness(bounds: &Aabb, triangles: impl IntoIterator<Item = [Vec3; 3]>) -> f32 {
     let middle = bounds.centre().as_dvec3();
     let (mut outwards, mut all) = (0.0, 0.0);
@@ -37,7 +38,7 @@ pub fn outwardness(bounds: &Aabb, triangles: impl IntoIterator<Item = [Vec3; 3]>
 mod tests {
     use super::*;
 
-    /// An octahedron, long along y, about 5, 0, 0; and its upper half.
+    /// Returns an octahedron, long along y, about 5, 0, 0; and its upper half.
     fn octahedron() -> Vec<[Vec3; 3]> {
         let corner = |x: f32, y: f32, z: f32| Vec3::new(5.0 + x, 4.0 * y, z);
         let mut triangles = Vec::new();

@@ -1,34 +1,36 @@
 //! Boxes around meshes that change their form, from nothing but their pose.
 //!
-//! A skinned vertex is a mix of the points to which its joints take it, with weights that are not negative
-//! and 1 together, so it lies in the hull of these points. The union of the boxes that hold these points
-//! holds all vertices, whatever pose it is: of one clip, of mixed ones, of inverse kinematics, of physics.
-//! A joint takes all vertices that follow it by one matrix, so for each joint one box is enough, found when
-//! the mesh is loaded; a pose costs a few operations per joint and per morph target, and none per vertex.
+//! A skinned vertex is a mix of the points to which its joints take it, with weights that are not
+//! negative and 1 together, so it lies in the hull of these points. The union of the boxes that
+//! hold these points holds all vertices, whatever pose it is: of one clip, of mixed ones, of
+//! inverse kinematics, of physics. A joint takes all vertices that follow it by one matrix, so for
+//! each joint one box is enough, found when the mesh is loaded; a pose costs a few operations per
+//! joint and per morph target, and none per vertex.
 //!
-//! Morph targets move a vertex by the sum of weights times displacements before joints do. Each term lies in
-//! its weight times the box of all displacements of the target, so the sum lies in the sum of these boxes,
-//! for weights of either sign. Targets that move different vertices would add up although no vertex adds
-//! them up; so the sum is also bounded by the largest weight times the largest sum of displacements that any
-//! vertex has, and the box is what both allow.
+//! Morph targets move a vertex by the sum of weights times displacements before joints do. Each
+//! term lies in its weight times the box of all displacements of the target, so the sum lies in the
+//! sum of these boxes, for weights of either sign. Targets that move different vertices would add
+//! up although no vertex adds them up; so the sum is also bounded by the largest weight times the
+//! largest sum of displacements that any vertex has, and the box is what both allow.
 //!
 //! # Rounding
-//! A GPU computes vertices in single precision, in any order and with or without fused multiplication; so
-//! does this. Each operation adds at most `u = 2^-24` of its result. Let `S` be the sum of the magnitudes of
-//! all terms of a coordinate: `sum over axes of |matrix| * P + |translation|`, where `P` is the largest
-//! magnitude of a position at rest and of what targets add to it. No partial sum is larger than `S`, and a
-//! term goes through `t + 1` operations for `t` targets, `n + 1` for `n` influences, and 5 for the product
-//! with the mixed matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than
-//! `(t + 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order and the
-//! rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by at most
-//! `1 + e`, which moves it by at most `e * S`. (Numbers below the least normal one may be flushed to zero:
-//! some 1e-38 m, which the proxies' own margin exceeds.)
+//! A GPU computes vertices in single precision, in any order and with or without fused
+//! multiplication; so does this. Each operation adds at most `u = 2^-24` of its result. Let `S` be
+//! the sum of the magnitudes of all terms of a coordinate: `sum over axes of |matrix| * P +
+//! |translation|`, where `P` is the largest magnitude of a position at rest and of what targets add
+//! to it. No partial sum is larger than `S`, and a term goes through `t + 1` operations for `t`
+//! targets, `n + 1` for `n` influences, and 5 for the product with the mixed matrix. So a vertex is
+//! off by less than `(t + n + 7) * u * S`, and this box by less than `(t + 7) * u * S`. The margin
+//! is `2 * u` instead of `u`, which covers the terms of higher order and the rounding of the margin
+//! itself. Weights that are 1 together only up to `e` scale a mix by at most `1 + e`, which moves
+//! it by at most `e * S`. (Numbers below the least normal one may be flushed to zero: some 1e-38 m,
+//! which the proxies' own margin exceeds.)
 
 use cull::Aabb;
 use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::mesh::{Mesh, bounds_of_transformed};
-use crate::surface::{Deformer, MorphTarget, SkinWeights};
+use crate::surface::{MorphTarget, SkinWeights, SkinnedMesh};
 
 /// A box of no size at the origin.
 const NOTHING: Aabb = Aabb::new(Vec3::ZERO, Vec3::ZERO);
@@ -61,9 +63,9 @@ struct Part {
 
 impl PoseBounds {
     /// Returns the boxes of a mesh and its deformer.
-    pub fn of(mesh: &Mesh, deformer: &Deformer) -> Self {
+    pub fn of(mesh: &Mesh, skinned_mesh: &SkinnedMesh) -> Self {
         let positions = mesh.vertices.iter().map(|vertex| Vec3::from(vertex.position));
-        Self::new(positions, deformer.skin.as_ref(), &deformer.targets)
+        Self::new(positions, skinned_mesh.skin.as_ref(), &skinned_mesh.targets)
     }
 
     /// Looks at all vertices of a mesh at rest, and at all that moves them, once.
@@ -85,9 +87,9 @@ impl PoseBounds {
         Self { parts, displacements, most_added, roundings, weight_error }
     }
 
-    /// Returns the box of the mesh in a pose, in the space to which `joints` take it: no vertex leaves it,
-    /// with what rounding does to it on any GPU. `None` where it reaches beyond all that can be drawn, or a
-    /// joint is missing.
+    /// Returns the box of the mesh in a pose, in the space to which `joints` take it: no vertex
+    /// leaves it, with what rounding does to it on any GPU. `None` where it reaches beyond all that
+    /// can be drawn, or a joint is missing.
     pub fn bounds(&self, joints: &[Affine3A], weights: &[f32]) -> Option<Aabb> {
         let (added, added_size) = self.added(weights.iter().map(|weight| [*weight; 2]));
         let mut all = if self.parts.is_empty() { NOTHING } else { Aabb::EMPTY };
@@ -115,15 +117,16 @@ impl PoseBounds {
         bounds.is_usable().then_some(bounds)
     }
 
-    /// Returns for each joint that a vertex follows the box of these vertices before joints move them, in the
-    /// space of the mesh, whatever weights within these ranges morph targets have; for the mesh as a whole
-    /// where it has no skin.
+    /// Returns for each joint that a vertex follows the box of these vertices before joints move
+    /// them, in the space of the mesh, whatever weights within these ranges morph targets have; for
+    /// the mesh as a whole where it has no skin.
     pub fn parts(&self, weights: &[[f32; 2]]) -> impl Iterator<Item = (Option<u16>, Aabb)> {
         let (added, _) = self.added(weights.iter().copied());
         self.parts.iter().map(move |part| (part.joint, sum(&part.bounds, &added)))
     }
 
-    /// Returns the box of what all targets add together, and the sum of the magnitudes of what each adds.
+    /// Returns the box of what all targets add together, and the sum of the magnitudes of what each
+    /// adds.
     fn added(&self, weights: impl Iterator<Item = [f32; 2]>) -> (Aabb, Vec3) {
         let (mut all, mut size) = (NOTHING, Vec3::ZERO);
         // The largest weights that are positive, and negative.
@@ -172,7 +175,8 @@ fn around(points: impl Iterator<Item = Vec3>) -> Aabb {
     if all.is_empty() { NOTHING } else { all }
 }
 
-/// Returns for each joint the box of the vertices that follow it, and how far weights are from 1 together.
+/// Returns for each joint the box of the vertices that follow it, and how far weights are from 1
+/// together.
 fn followed(positions: impl Iterator<Item = Vec3>, skin: &SkinWeights) -> (Vec<Part>, f32) {
     let mut boxes = vec![Aabb::EMPTY; skin.joint_count as usize];
     let mut weight_error = 0.0_f64;

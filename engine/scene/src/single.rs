@@ -7,8 +7,9 @@ use super::{
 };
 
 impl Mesh {
-    /// A mesh of triangles, three corners each: where a corner is (metres, y is up), and its linear red,
-    /// green and blue. They run counter-clockwise seen from outside; corners left over are left out.
+    /// Returns a mesh of triangles, three corners each: where a corner is (metres, y is up), and
+    /// its linear red, green and blue. They run counter-clockwise seen from outside; corners left
+    /// over are left out.
     pub fn of_triangles(name: &str, corners: &[([f32; 3], [f32; 3])]) -> Self {
         let (triangles, _) = corners.as_chunks::<3>();
         let vertices = triangles.iter().flat_map(|triangle| {
@@ -32,7 +33,7 @@ impl Mesh {
 }
 
 impl Scene {
-    /// A scene of one object, where its mesh has it.
+    /// Returns a scene of one object, where its mesh has it.
     pub fn single(mesh: Mesh) -> Self {
         let (transform, tint) = (Affine3A::IDENTITY, u32::MAX);
         Self {

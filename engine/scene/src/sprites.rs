@@ -1,15 +1,17 @@
-//! Sprites: points and lines, of which a scene may have millions: 16 bytes an end, and no triangles of their own.
+//! Sprites: points and lines, of which a scene may have millions: 16 bytes an end, and no triangles
+//! of their own.
 
 use cull::Aabb;
 use glam::Vec3;
 
 use super::mesh::MeshId;
 
-/// The most sprites of a mesh: their numbers are exact as floating-point numbers, and boxes stay small.
+/// The most sprites of a mesh: their numbers are exact as floating-point numbers, and boxes stay
+/// small.
 pub const MAX_SPRITES: usize = 1 << 16;
 
-/// How much larger the box around sprites is than that around their ends, for each metre of the radius: a little
-/// more than the diagonal of a square that is as wide as high.
+/// How much larger the box around sprites is than that around their ends, for each metre of the
+/// radius: a little more than the diagonal of a square that is as wide as high.
 const REACH: f32 = 1.4143;
 
 /// A point, or an end of a line.
@@ -43,8 +45,8 @@ impl SpriteShape {
     }
 }
 
-/// A mesh of points or lines: squares and bars that face the camera. The mesh itself has neither vertices nor
-/// triangles, and its bounds are [`Sprites::bounds`]. No blended object may have it.
+/// A mesh of points or lines: squares and bars that face the camera. The mesh itself has neither
+/// vertices nor triangles, and its bounds are [`Sprites::bounds`]. No blended object may have it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sprites {
     /// The mesh.

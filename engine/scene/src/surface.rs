@@ -1,6 +1,6 @@
-//! Surfaces: what meshes look like close by, as plain data. Materials are glTF 2.0's metallic-roughness
-//! model with its extensions `KHR_materials_unlit`, `KHR_materials_emissive_strength`,
-//! `KHR_texture_transform` and `KHR_lights_punctual`.
+//! Surfaces: what meshes look like close by, as plain data. Materials are glTF 2.0's
+//! metallic-roughness model with its extensions `KHR_materials_unlit`,
+//! `KHR_materials_emissive_strength`, `KHR_texture_transform` and `KHR_lights_punctual`.
 
 use glam::{Affine2, Vec3};
 
@@ -18,15 +18,15 @@ pub struct TextureId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ImageId(pub u32);
 
-/// Names a blended object: an index into [`Surfaces::blended`].
+/// Names a blended object: an index into [`Surfaces::transparent`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct BlendedId(pub u32);
+pub struct TransparentId(pub u32);
 
 /// Names a light: an index into [`Surfaces::lights`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LightId(pub u32);
 
-/// Names a mesh that changes its form: an index into [`Surfaces::deformers`].
+/// Names a mesh that changes its form: an index into [`Surfaces::skinned_meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DeformerId(pub u32);
 
@@ -34,8 +34,8 @@ pub struct DeformerId(pub u32);
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfaceVertex {
-    /// Unit normal as snorm16; the last is 32767 where the mesh has both sides of each triangle, so that it may
-    /// be mirrored at one time and not at another, else 0.
+    /// Unit normal as snorm16; the last is 32767 where the mesh has both sides of each triangle, so
+    /// that it may be mirrored at one time and not at another, else 0.
     pub normal: [i16; 4],
     /// Unit tangent as snorm16; the last is the bitangent's sign, -32767 or 32767.
     pub tangent: [i16; 4],
@@ -110,15 +110,15 @@ pub struct Material {
     pub emission_texture: Option<TextureUse>,
     /// How it covers.
     pub alpha: Alpha,
-    /// Whether its back is seen. Meshes of such materials have their backs as triangles of their own, so
-    /// that one pipeline draws all.
+    /// Whether its back is seen. Meshes of such materials have their backs as triangles of their
+    /// own, so that one pipeline draws all.
     pub is_double_sided: bool,
     /// Whether it is its base colour whatever the light.
     pub is_unlit: bool,
 }
 
 impl Default for Material {
-    /// The default of glTF 2.0.
+    /// Returns the default of glTF 2.0.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -274,7 +274,7 @@ pub struct MorphTarget {
 
 /// A mesh of one object alone whose vertices move: morphed first, then skinned.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Deformer {
+pub struct SkinnedMesh {
     /// The mesh; as it is in the scene, it is at rest.
     pub mesh: MeshId,
     /// Its skin, if it has one.
@@ -285,7 +285,7 @@ pub struct Deformer {
 
 /// A coarser form of a mesh, of the same vertices.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Level {
+pub struct LodLevel {
     /// Three indices for each triangle.
     pub indices: Vec<u32>,
     /// How far its surface may be from the mesh's, in the mesh's space, in metres.
@@ -305,14 +305,15 @@ pub struct Surfaces {
     pub images: Vec<Image>,
     /// The lights beside the ambient one.
     pub lights: Vec<PunctualLight>,
-    /// Objects whose material is [`Alpha::Blend`]; none of [`Scene::objects`](super::Scene::objects) is.
-    pub blended: Vec<Object>,
+    /// Objects whose material is [`Alpha::Blend`]; none of
+    /// [`Scene::objects`](super::Scene::objects) is.
+    pub transparent: Vec<Object>,
     /// What changes its form.
-    pub deformers: Vec<Deformer>,
+    pub skinned_meshes: Vec<SkinnedMesh>,
     /// Meshes of points and lines.
     pub sprites: Vec<Sprites>,
     /// Coarser forms of each mesh, the finest first; empty, or one list for each mesh of the scene.
-    pub levels: Vec<Vec<Level>>,
+    pub levels: Vec<Vec<LodLevel>>,
     /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
     pub exposure: f32,
 }
@@ -326,8 +327,8 @@ impl Default for Surfaces {
             textures: Vec::new(),
             images: Vec::new(),
             lights: Vec::new(),
-            blended: Vec::new(),
-            deformers: Vec::new(),
+            transparent: Vec::new(),
+            skinned_meshes: Vec::new(),
             sprites: Vec::new(),
             levels: Vec::new(),
             exposure: 1.0,

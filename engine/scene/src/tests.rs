@@ -4,7 +4,8 @@ use glam::{Affine2, Affine3A, Vec2, Vec3};
 
 use super::*;
 
-/// A triangle with a skin of two joints and a morph target, as an object and as a blended one's mesh.
+/// Returns a triangle with a skin of two joints and a morph target, as an object and as a blended
+/// one's mesh.
 fn scene() -> Scene {
     let vertex = |x: f32, y: f32| Vertex {
         position: [x, y, 0.0],
@@ -46,8 +47,12 @@ fn scene() -> Scene {
             sampler: Sampler::default(),
         }],
         images: vec![Image { name: String::new(), size: [1, 1], rgba8: vec![255; 4] }],
-        blended: vec![object(1)],
-        deformers: vec![Deformer { mesh: MeshId(0), skin: Some(skin), targets: vec![target] }],
+        transparent: vec![object(1)],
+        skinned_meshes: vec![SkinnedMesh {
+            mesh: MeshId(0),
+            skin: Some(skin),
+            targets: vec![target],
+        }],
         ..Surfaces::default()
     };
     Scene {
@@ -84,17 +89,17 @@ fn broken_surfaces_are_refused_by_name() {
             it.materials[0].alpha = Alpha::Mask { cutoff: f32::NAN };
         }),
         ("exposure", |_, it| it.exposure = f32::NAN),
-        ("blended object 0", |_, it| it.blended[0].mesh = MeshId(2)),
+        ("blended object 0", |_, it| it.transparent[0].mesh = MeshId(2)),
         ("takes it nowhere", |_, it| {
-            it.blended[0].transform = Affine3A::from_translation(Vec3::splat(f32::NAN));
+            it.transparent[0].transform = Affine3A::from_translation(Vec3::splat(f32::NAN));
         }),
-        ("deformer 0", |_, it| it.deformers[0].mesh = MeshId(7)),
+        ("deformer 0", |_, it| it.skinned_meshes[0].mesh = MeshId(7)),
         ("several objects", |scene, _| scene.objects.push(scene.objects[0])),
-        ("several objects", |_, it| it.blended[0].mesh = MeshId(0)),
-        ("another one", |_, it| it.deformers.push(it.deformers[0].clone())),
-        ("as long as", |_, it| it.deformers[0].targets[0].normals = vec![[0.0; 3]; 2]),
+        ("several objects", |_, it| it.transparent[0].mesh = MeshId(0)),
+        ("another one", |_, it| it.skinned_meshes.push(it.skinned_meshes[0].clone())),
+        ("as long as", |_, it| it.skinned_meshes[0].targets[0].normals = vec![[0.0; 3]; 2]),
         ("morph target has a number", |_, it| {
-            it.deformers[0].targets[0].positions[1] = [f32::NAN; 3];
+            it.skinned_meshes[0].targets[0].positions[1] = [f32::NAN; 3];
         }),
         ("joints and weights", |_, it| skin(it).sets = 0),
         ("joints and weights", |_, it| skin(it).weights.truncate(2)),
@@ -113,5 +118,5 @@ fn broken_surfaces_are_refused_by_name() {
 }
 
 fn skin(surfaces: &mut Surfaces) -> &mut SkinWeights {
-    surfaces.deformers[0].skin.as_mut().unwrap()
+    surfaces.skinned_meshes[0].skin.as_mut().unwrap()
 }

@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use glam::Affine3A;
 
-use super::{BlendedId, DeformerId, LightId, ObjectChange, PunctualLight};
+use super::{DeformerId, LightId, ObjectChange, PunctualLight, TransparentId};
 
 /// A blended object in another place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BlendedMove {
+pub struct TransparentMove {
     /// The object.
-    pub blended: BlendedId,
+    pub transparent: TransparentId,
     /// From its space to the world's.
     pub transform: Affine3A,
 }
@@ -29,9 +29,9 @@ pub struct LightMove {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformation {
     /// The mesh, by its deformer.
-    pub deformer: DeformerId,
-    /// Its joints' matrices, in [`SceneUpdate::joints`], which those that hang on the same joints share;
-    /// none without a skin.
+    pub skinned_mesh: DeformerId,
+    /// Its joints' matrices, in [`SceneUpdate::joints`], which those that hang on the same joints
+    /// share; none without a skin.
     pub joints: Range<usize>,
     /// Its morph targets' weights, in [`SceneUpdate::weights`]; none without targets.
     pub weights: Range<usize>,
@@ -43,7 +43,7 @@ pub struct SceneUpdate {
     /// Objects that move, come or go, in this order.
     pub objects: Vec<ObjectChange>,
     /// Blended objects that move.
-    pub blended: Vec<BlendedMove>,
+    pub transparent: Vec<TransparentMove>,
     /// Lights that change.
     pub lights: Vec<LightMove>,
     /// Meshes that change their form.
@@ -58,7 +58,7 @@ impl SceneUpdate {
     /// Forgets all changes and keeps the memory.
     pub fn clear(&mut self) {
         self.objects.clear();
-        self.blended.clear();
+        self.transparent.clear();
         self.lights.clear();
         self.deformations.clear();
         self.joints.clear();
@@ -68,7 +68,7 @@ impl SceneUpdate {
     /// Returns true if nothing changes.
     pub fn is_empty(&self) -> bool {
         self.objects.is_empty()
-            && self.blended.is_empty()
+            && self.transparent.is_empty()
             && self.lights.is_empty()
             && self.deformations.is_empty()
     }

@@ -9,14 +9,14 @@ use antumbra::{Camera, FrameRequest, Readback, Renderer, RendererOptions, Scene,
 
 const SIZE: [u32; 2] = [320, 180];
 
-/// A square of 2 m that faces +z.
+/// Returns a square of 2 m that faces +z.
 fn square(name: &str, colour: [f32; 3]) -> Mesh {
     let [a, b] = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
     let [c, d] = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, colour)))
 }
 
-/// A wall, and behind it a thousand tiles that nobody can see, and one that peeps out.
+/// Returns a wall, and behind it a thousand tiles that nobody can see, and one that peeps out.
 fn scene() -> Scene {
     let object = |mesh: u32, scale: f32, at: Vec3| {
         let transform = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(scale));

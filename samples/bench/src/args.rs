@@ -58,18 +58,18 @@ pub struct Arguments {
     /// The numbers that city and field are made from.
     #[command(flatten)]
     pub made: MadeArguments,
-    /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps), or
-    /// as in a file that city or viewer recorded, whose name ends in .txt or has a slash. In a glTF
-    /// file: a camera of that name, whose whole clip is walked once from end to end
-    /// [default: street; in a file its first camera, or a turn around the scene if it has none]
+    /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps),
+    /// or as in a file that city or viewer recorded, whose name ends in .txt or has a slash. In a
+    /// glTF file: a camera of that name, whose whole clip is walked once from end to end [default:
+    /// street; in a file its first camera, or a turn around the scene if it has none]
     #[arg(long, value_name = "street|fly|cut|CAMERA|FILE", help_heading = "Walk")]
     pub path: Option<String>,
     /// How many eyes look: 1, or 2 for a stereo pair side by side in one frame, half of it each
     #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_VIEWS)))]
     pub views: u32,
-    /// How many objects of a hundred of city or field move, come and go, 0 to 100. In a file its clips
-    /// play
+    /// How many objects of a hundred of city or field move, come and go, 0 to 100. In a file its
+    /// clips play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(0..=100))]
     pub moving: u32,
@@ -81,15 +81,15 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Walk")]
     pub size: FrameSize,
 
-    /// What to compare: names from --list-strategies, or all that can be; `ideal` only where nothing
-    /// moves [default: frustum,antumbra,ideal]
+    /// What to compare: names from --list-strategies, or all that can be; `ideal` only where
+    /// nothing moves [default: frustum,antumbra,ideal]
     #[arg(long, value_name = "NAME[,NAME]|all", help_heading = "Compare")]
     pub strategy: Option<StrategyList>,
     /// Print a line for each strategy: its name, whether it is exact, what it does; and end
     #[arg(long, help_heading = "Compare")]
     pub list_strategies: bool,
-    /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that warm
-    /// up too, from an empty history on
+    /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that
+    /// warm up too, from an empty history on
     #[arg(long, value_name = "every|K|off", default_value = "off", help_heading = "Compare")]
     pub verify: Verify,
     /// How many frames the CPU may be ahead of the GPU
@@ -100,12 +100,13 @@ pub struct Arguments {
     #[arg(long, value_name = "WAY", default_value = "auto", help_heading = "Compare")]
     pub predicates: Predicates,
 
-    /// What shows at most so many pixels counts as hidden, with antumbra, antumbra_queries and coherent:
-    /// above 0 they are not exact, and the most pixels that can be wrong are counted
+    /// What shows at most so many pixels counts as hidden, with antumbra, antumbra_queries and
+    /// coherent: above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: u32,
-    /// What the governor does: leave out tests that cost more than they save, by costs that are measured
-    /// on the device before the walk and corrected by what frames take; or nothing [default: measured]
+    /// What the governor does: leave out tests that cost more than they save, by costs that are
+    /// measured on the device before the walk and corrected by what frames take; or nothing
+    /// [default: measured]
     #[arg(long, value_name = "COSTS", help_heading = "Compare")]
     pub costs: Option<Costs>,
 
@@ -127,10 +128,10 @@ pub struct Arguments {
     /// How many frames become pictures in --out, spread over the walk [default: 4]
     #[arg(long, value_name = "N", requires = "out", help_heading = "Output")]
     pub pictures: Option<u32>,
-    /// The frame that --out also shows from above: what is drawn, what is hidden, the frustum; or off
-    /// [default: the middle one]
+    /// The frame that --out also shows from above: what is drawn, what is hidden, the frustum; or
+    /// off [default: the middle one]
     #[arg(long, value_name = "FRAME|off", requires = "out", help_heading = "Output")]
-    pub birds_eye: Option<BirdsEye>,
+    pub top_down: Option<TopDown>,
     /// File for the report as JSON [default: none]
     #[arg(long, value_name = "FILE.json", help_heading = "Output")]
     pub report: Option<PathBuf>,
@@ -233,14 +234,14 @@ impl FromStr for StrategyList {
 
 /// The frame that is shown from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BirdsEye {
+pub enum TopDown {
     /// None.
     Off,
     /// This one.
     Frame(u32),
 }
 
-impl FromStr for BirdsEye {
+impl FromStr for TopDown {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -252,8 +253,8 @@ impl FromStr for BirdsEye {
 }
 
 impl Arguments {
-    /// Checks what no argument can say alone. Looks at nothing but the arguments: files and devices come
-    /// later.
+    /// Checks what no argument can say alone. Looks at nothing but the arguments: files and devices
+    /// come later.
     ///
     /// # Errors
     /// The first arguments that do not go together.
@@ -300,7 +301,7 @@ impl Arguments {
             output: self.out.clone(),
             report: self.report.clone(),
             pictures: self.pictures()?,
-            birds_eye: self.birds_eye()?,
+            top_down: self.top_down()?,
         })
     }
 
@@ -364,22 +365,22 @@ impl Arguments {
     /// Nobody measures what none of the strategies heeds, unless he is told to: then he says so.
     fn costs(&self, strategies: &[Strategy]) -> Result<Costs, UsageError> {
         let Some(costs) = self.costs else {
-            let is_heeded = strategies.iter().any(|strategy| strategy.is_governed());
+            let is_heeded = strategies.iter().any(|strategy| strategy.uses_cost_model());
             return Ok(if is_heeded { Costs::Measured } else { Costs::Ignored });
         };
         if costs == Costs::Measured {
-            refuse_unheeded("--costs measured", strategies, Strategy::is_governed)?;
+            refuse_unheeded("--costs measured", strategies, Strategy::uses_cost_model)?;
         }
         Ok(costs)
     }
 
-    fn birds_eye(&self) -> Result<Option<u32>, UsageError> {
-        match self.birds_eye {
+    fn top_down(&self) -> Result<Option<u32>, UsageError> {
+        match self.top_down {
             _ if self.out.is_none() => Ok(None),
             None => Ok(Some(self.frames / 2)),
-            Some(BirdsEye::Off) => Ok(None),
-            Some(BirdsEye::Frame(frame)) => {
-                at_most("--birds-eye", frame, self.frames.saturating_sub(1)).map(Some)
+            Some(TopDown::Off) => Ok(None),
+            Some(TopDown::Frame(frame)) => {
+                at_most("--top-down", frame, self.frames.saturating_sub(1)).map(Some)
             }
         }
     }
@@ -419,7 +420,7 @@ fn refuse_unheeded(
     ))
 }
 
-/// The path file that is meant, if one is: its name ends in .txt, or has a slash.
+/// Returns the path file that is meant, if one is: its name ends in .txt, or has a slash.
 pub fn path_file(text: &str) -> Option<PathBuf> {
     let is_file = text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]);
     is_file.then(|| PathBuf::from(text))

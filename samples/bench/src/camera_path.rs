@@ -16,8 +16,8 @@ pub enum Course {
     Made(CameraPath),
     /// From a file, which has a frame at least; the camera is for one that has not.
     Recorded(RecordedPath, Camera),
-    /// The camera of a scene out of a file in the first frame, and in those that follow; after the last
-    /// one it stays.
+    /// The camera of a scene out of a file in the first frame, and in those that follow; after the
+    /// last one it stays.
     Filmed(Camera, Vec<Camera>),
     /// Once around the scene in so many frames.
     Around(Orbit, u32),
@@ -42,7 +42,7 @@ impl Course {
         })
     }
 
-    /// The camera of a frame.
+    /// Returns the camera of a frame.
     pub fn camera(&self, frame: u32) -> Camera {
         match self {
             Self::Made(path) => path.camera(frame),

@@ -69,7 +69,8 @@ pub enum Predicates {
 pub enum Costs {
     /// It tests whatever may be hidden.
     Ignored,
-    /// It measures at the start what things cost on the device, and leaves out tests that do not pay.
+    /// It measures at the start what things cost on the device, and leaves out tests that do not
+    /// pay.
     Measured,
 }
 
@@ -161,7 +162,8 @@ pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
     text.parse().map_err(|_| unknown("strategy", text, &Strategy::ALL.map(Strategy::name)))
 }
 
-/// A sentence about a name that nobody has: it lists those that there are and suggests the nearest.
+/// Returns a sentence about a name that nobody has: it lists those that there are and suggests the
+/// nearest.
 pub fn unknown(what: &str, text: &str, names: &[&str]) -> String {
     let mut message = format!("unknown {what} '{text}': there is {}", enumerate(names));
     if let Some(name) = nearest(text, names) {
@@ -179,7 +181,7 @@ pub fn enumerate(names: &[&str]) -> String {
     }
 }
 
-/// The name within few typing errors of the text, or that it begins.
+/// Returns the name within few typing errors of the text, or that it begins.
 fn nearest<'a>(text: &str, names: &[&'a str]) -> Option<&'a str> {
     let text = text.to_lowercase();
     names

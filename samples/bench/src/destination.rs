@@ -1,5 +1,5 @@
-//! Where a file is written, by what stands there already: files are replaced whole, where links lead;
-//! pipes, devices and our own output are written into as they are.
+//! Where a file is written, by what stands there already: files are replaced whole, where links
+//! lead; pipes, devices and our own output are written into as they are.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, Metadata, OpenOptions};
@@ -19,7 +19,8 @@ const READER_POLL: Duration = Duration::from_millis(50);
 /// What a name stands for when something is to be written there.
 #[derive(Debug)]
 pub enum Destination {
-    /// A file, there already or not, under the name that is its own and no link. It is replaced whole.
+    /// A file, there already or not, under the name that is its own and no link. It is replaced
+    /// whole.
     File(PathBuf),
     /// What this process writes to by itself, such as `/dev/stdout`: it goes on where that stands.
     Output(File),
@@ -60,8 +61,8 @@ impl Destination {
     /// Writes `bytes`. A file is the old one or the whole new one, whatever goes wrong.
     ///
     /// # Errors
-    /// When the folder or the disk refuses, nobody reads any more, or nobody comes within seconds to read
-    /// from a pipe.
+    /// When the folder or the disk refuses, nobody reads any more, or nobody comes within seconds
+    /// to read from a pipe.
     pub fn write(self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Self::File(path) => replace(&path, bytes),
@@ -104,7 +105,7 @@ fn open_stream(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).open(path)
 }
 
-/// The folder in which a file lies.
+/// Returns the folder in which a file lies.
 pub fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -120,7 +121,7 @@ fn ends_open(path: &Path) -> bool {
     path.as_os_str().to_string_lossy().ends_with('/')
 }
 
-/// The name at the end of links that lead to nothing yet.
+/// Returns the name at the end of links that lead to nothing yet.
 fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..LINKS_MAX {
@@ -163,8 +164,9 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a file that was not there, whole or not at all. Where `path` is taken, its name gets a number:
-/// `street.png`, `street-2.png`. Returns the path that was free, also among other processes.
+/// Writes a file that was not there, whole or not at all. Where `path` is taken, its name gets a
+/// number: `street.png`, `street-2.png`. Returns the path that was free, also among other
+/// processes.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
@@ -187,7 +189,8 @@ pub fn create(path: &Path, bytes: &[u8]) -> io::Result<PathBuf> {
     Err(io::Error::new(io::ErrorKind::AlreadyExists, "all names like it are taken"))
 }
 
-/// A file without a name of its own yet, gone when dropped. Everyone may read it whom the process lets.
+/// Returns a file without a name of its own yet, gone when dropped. Everyone may read it whom the
+/// process lets.
 fn partial(folder: &Path, bytes: &[u8]) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".antumbra-").suffix(".partial");
@@ -197,7 +200,7 @@ fn partial(folder: &Path, bytes: &[u8]) -> io::Result<tempfile::NamedTempFile> {
     file.write_all(bytes).and_then(|()| file.as_file().sync_all()).map(|()| file)
 }
 
-/// The name of a path, with a number from 2 on, short enough for a file system.
+/// Returns the name of a path, with a number from 2 on, short enough for a file system.
 fn numbered(path: &Path, number: u32) -> io::Result<OsString> {
     let lossy = |part: Option<&OsStr>| part.map(|part| part.to_string_lossy().into_owned());
     let name = path.file_name().ok_or_else(no_file)?;

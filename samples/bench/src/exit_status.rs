@@ -3,9 +3,9 @@
 use crate::report::Report;
 use crate::strategy::Strategy;
 
-/// What must not be in a report: wrong pixels of a strategy that promises none, more of them than the
-/// threshold accounts for, or anything that the
-/// validation layer said. A sentence for the person who asked, or nothing.
+/// Returns what must not be in a report: wrong pixels of a strategy that promises none, more of
+/// them than the threshold accounts for, or anything that the validation layer said. A sentence for
+/// the person who asked, or nothing.
 pub fn complaint(report: &Report) -> Option<String> {
     let mut found = Vec::new();
     for run in &report.runs {

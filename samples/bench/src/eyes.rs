@@ -3,7 +3,7 @@
 use cull::{Camera, FrameId, Strategy, View};
 use gpu::Readback;
 use render::{
-    Area, FrameOutcome, FrameReport, Renderer, ViewState, ViewTarget, ViewsRequest, VisibleSet,
+    FrameOutcome, FrameReport, Rect, Renderer, ViewState, ViewTarget, ViewsRequest, VisibleSet,
 };
 
 use crate::run_error::RunError;
@@ -40,7 +40,7 @@ impl Eyes {
         picture: Option<&Readback>,
     ) -> Result<FrameReport, RunError> {
         let views = self.histories.len() as u32;
-        let areas = Area::side_by_side(renderer.size(), views);
+        let areas = Rect::side_by_side(renderer.size(), views);
         let eye = |((number, history), area)| ViewTarget {
             history,
             camera: camera_of(camera, number, views),
@@ -53,7 +53,7 @@ impl Eyes {
         Ok(renderer.render_views(&mut eyes, &request)?)
     }
 
-    /// What each eye sees. Not for a timed loop: it waits for the GPU.
+    /// Returns what each eye sees. Not for a timed loop: it waits for the GPU.
     ///
     /// # Errors
     /// When the device fails.
@@ -63,7 +63,7 @@ impl Eyes {
         camera: &Camera,
     ) -> Result<Vec<VisibleSet>, RunError> {
         let views = self.histories.len() as u32;
-        let areas = Area::side_by_side(renderer.size(), views);
+        let areas = Rect::side_by_side(renderer.size(), views);
         let eyes = (0..).zip(&mut self.histories).zip(areas);
         eyes.map(|((number, history), area)| {
             Ok(renderer.visible_set(history, &camera_of(camera, number, views), area)?)
@@ -82,30 +82,30 @@ impl Eyes {
         Ok(())
     }
 
-    /// The frame drawn last, the same for all eyes.
+    /// Returns the frame drawn last, the same for all eyes.
     pub fn frame(&self) -> FrameId {
         self.histories.first().map_or(FrameId(0), |history| history.plan().frame)
     }
 
-    /// What became of the frames whose answers came home: one outcome an eye and frame.
+    /// Returns what became of the frames whose answers came home: one outcome an eye and frame.
     pub fn take_outcomes(&mut self) -> impl Iterator<Item = FrameOutcome> {
         self.histories.iter_mut().flat_map(ViewState::take_outcomes)
     }
 
-    /// The first eye's history, and its view where the middle of the eyes is at `camera`.
+    /// Returns the first eye's history, and its view where the middle of the eyes is at `camera`.
     pub fn first(
         &mut self,
         renderer: &Renderer,
         camera: &Camera,
     ) -> Option<(&mut ViewState, View)> {
         let views = self.histories.len() as u32;
-        let area = Area::side_by_side(renderer.size(), views).next()?;
+        let area = Rect::side_by_side(renderer.size(), views).next()?;
         let view = renderer.view_in(&camera_of(camera, 0, views), area);
         Some((self.histories.first_mut()?, view))
     }
 }
 
-/// Where eye `number` of `views` is: all beside each other, looking the same way.
+/// Returns where eye `number` of `views` is: all beside each other, looking the same way.
 fn camera_of(middle: &Camera, number: u32, views: u32) -> Camera {
     let aside = number as f32 - (views.max(1) - 1) as f32 / 2.0;
     let right = middle.forward.cross(middle.up).normalize_or_zero();

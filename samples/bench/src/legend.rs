@@ -52,8 +52,8 @@ pub fn from_above() -> Vec<LegendEntry> {
     vec![LegendEntry { colours: levels, meaning }, FRUSTUM.into()]
 }
 
-/// Draws a legend into the upper right of a picture of RGBA pixels, `width` in a row. Draws nothing where
-/// it has no room.
+/// Draws a legend into the upper right of a picture of RGBA pixels, `width` in a row. Draws nothing
+/// where it has no room.
 pub fn draw(rgba8: &mut [u8], width: usize, title: &str, entries: &[LegendEntry]) {
     let rows = rgba8.as_chunks_mut::<4>().0;
     let height = rows.len().checked_div(width).unwrap_or(0);

@@ -1,4 +1,5 @@
-//! What measures the engine, and what the sample programs share: options, reports, pictures, endings.
+//! What measures the engine, and what the sample programs share: options, reports, pictures,
+//! endings.
 //!
 //! The program `walkthrough`, step by step: [`args`] turns its command line into [`Options`],
 //! [`outputs`] makes sure that what it will write can be written, [`run`] draws the frames that

@@ -68,7 +68,7 @@ pub struct RunMeasurement {
 }
 
 impl RunMeasurement {
-    /// A run without frames.
+    /// Creates a run without frames.
     pub fn new(strategy: Strategy) -> Self {
         Self {
             strategy,
@@ -80,7 +80,7 @@ impl RunMeasurement {
         }
     }
 
-    /// True while there is no timed frame.
+    /// Returns true while there is no timed frame.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
@@ -90,8 +90,8 @@ impl RunMeasurement {
         self.frames.push(frame);
     }
 
-    /// Adds a frame that is not timed: its waits count all the same, and what it leaves out if it is
-    /// compared.
+    /// Adds a frame that is not timed: its waits count all the same, and what it leaves out if it
+    /// is compared.
     pub fn warmed_up(&mut self, frame: &FrameMeasurement) {
         self.warm_up.blocking_waits += frame.blocking_waits;
         if frame.is_compared {

@@ -32,12 +32,12 @@ impl Moving {
         Ok(Self(Movers::Made { motion, cast }))
     }
 
-    /// The clips that play in `performance`, by that clock.
+    /// Returns the clips that play in `performance`, by that clock.
     pub fn played(animator: SceneAnimator, clock: FrameClock) -> Self {
         Self(Movers::Played { animator: Box::new(animator), clock })
     }
 
-    /// How many objects move.
+    /// Returns how many objects move.
     pub fn movers(&self) -> usize {
         match &self.0 {
             Movers::Made { motion, .. } => motion.movers(),

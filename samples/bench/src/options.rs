@@ -101,8 +101,8 @@ pub enum PathChoice {
     Made(CameraPath),
     /// Along the one in this file.
     Recorded(PathBuf),
-    /// With the camera of this name in the scene's file; with the first one, or around the scene where
-    /// there is none. What is no camera may be a recorded path.
+    /// With the camera of this name in the scene's file; with the first one, or around the scene
+    /// where there is none. What is no camera may be a recorded path.
     OfFile(Option<String>),
 }
 
@@ -160,11 +160,12 @@ pub struct Options {
     /// How many frames become pictures in `output`, spread over the walk; 0 without a folder.
     pub pictures: u32,
     /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
-    pub birds_eye: Option<u32>,
+    pub top_down: Option<u32>,
 }
 
 impl Options {
-    /// The frames that become pictures: `pictures` of them, spread evenly, the first one included.
+    /// Returns the frames that become pictures: `pictures` of them, spread evenly, the first one
+    /// included.
     pub fn picture_frames(&self) -> Vec<u32> {
         let (frames, pictures) = (u64::from(self.frames), u64::from(self.pictures));
         (0..pictures)

@@ -44,8 +44,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Makes the folder of pictures and that of a file, by its option, where they are missing, and makes
-    /// sure that files can be written there; checks also that the folder of shaders is one.
+    /// Makes the folder of pictures and that of a file, by its option, where they are missing, and
+    /// makes sure that files can be written there; checks also that the folder of shaders is one.
     ///
     /// # Errors
     /// Which option names something that cannot be written or read, and why.
@@ -74,8 +74,8 @@ impl Outputs {
         // With its folders made or not, it must be a name.
         match Destination::of(path) {
             Ok(Destination::File(file)) => self.prepare_folder(option, folder_of(&file)),
-            // Opened when there is something to tell: a reader takes the end of the first writer for
-            // the end of all.
+            // Opened when there is something to tell: a reader takes the end of the first writer
+            // for the end of all.
             Ok(Destination::Output(_) | Destination::Stream(_)) => Ok(()),
             Err(error) => {
                 let shown = shown(path);
@@ -127,15 +127,15 @@ impl Outputs {
     }
 }
 
-/// True for what a folder says that another program removes.
+/// Returns true for what a folder says that another program removes.
 fn may_pass(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied)
 }
 
 /// Makes sure that files can be written into a folder.
 fn probe(folder: &Path) -> Result<(), (&'static str, io::Error)> {
-    // With a name: some systems take a folder that was removed and made again for the removed one when
-    // they are asked for a file without.
+    // With a name: some systems take a folder that was removed and made again for the removed one
+    // when they are asked for a file without.
     let file = tempfile::Builder::new().prefix(".antumbra-").tempfile_in(folder);
     file.and_then(tempfile::NamedTempFile::close)
         .map_err(|error| ("cannot write into the folder", error))
@@ -173,8 +173,8 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     written.map_err(|error| WriteError::new(path, error))
 }
 
-/// Writes a file that was not there: under the name of `path`, or with a number behind it where that is
-/// taken. Returns the path that it has.
+/// Writes a file that was not there: under the name of `path`, or with a number behind it where
+/// that is taken. Returns the path that it has.
 ///
 /// # Errors
 /// When the folder or the disk refuses.

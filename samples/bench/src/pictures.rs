@@ -30,8 +30,8 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Draws and writes what the options ask for into `folder`. Untimed, after the walk, by the last
-    /// strategy asked for. Each is tried on its own; after a signal no more are begun.
+    /// Draws and writes what the options ask for into `folder`. Untimed, after the walk, by the
+    /// last strategy asked for. Each is tried on its own; after a signal no more are begun.
     pub fn write(
         &mut self,
         renderer: &mut Renderer,
@@ -83,14 +83,14 @@ impl Pictures {
             walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &picture)?;
             save(format!("frame_{frame:05}.png"), false);
         }
-        if let Some(frame) = options.birds_eye.filter(|_| signals.received().is_none()) {
+        if let Some(frame) = options.top_down.filter(|_| signals.received().is_none()) {
             let eyes = walk_to(renderer, path, moving, options, frame, SETTLING_FRAMES, &picture);
             let mut eyes = eyes?;
-            save(format!("birds_eye_{frame:05}_seen.png"), false);
+            save(format!("top_down_{frame:05}_seen.png"), false);
             if let Some((history, view)) = eyes.first(renderer, &path.camera(frame)) {
                 let snapshot = renderer.snapshot(history, view)?;
-                renderer.birds_eye(&snapshot, &picture)?;
-                save(format!("birds_eye_{frame:05}.png"), true);
+                renderer.top_down(&snapshot, &picture)?;
+                save(format!("top_down_{frame:05}.png"), true);
             }
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! How a scene out of a file is filmed: which camera looks, which clips play, what time it is in a frame.
+//! How a scene out of a file is filmed: which camera looks, which clips play, what time it is in a
+//! frame.
 
 use std::f32::consts::TAU;
 use std::fmt::Display;
@@ -25,12 +26,13 @@ const TURNED_RAD: f32 = 0.6;
 /// The rims of the cylinder around a scene are looked at in so many points.
 const RIM_POINTS: u32 = 64;
 
-/// The place of the camera of that name, or of the first one; none where there is none and none is named.
+/// Returns the place of the camera of that name, or of the first one; none where there is none and
+/// none is named.
 ///
 /// # Errors
 /// A name that no camera has, with those that there are.
 pub fn find_camera(
-    cameras: &[import::Camera],
+    cameras: &[import::SceneCamera],
     wanted: Option<&str>,
     file: &dyn Display,
 ) -> Result<Option<usize>, RunError> {
@@ -67,8 +69,8 @@ pub enum FrameClock {
 }
 
 impl FrameClock {
-    /// For a walk of so many frames: from end to end of a clip of the camera that lasts `seconds`, if there
-    /// is one.
+    /// For a walk of so many frames: from end to end of a clip of the camera that lasts `seconds`,
+    /// if there is one.
     pub fn of_walk(seconds: Option<f32>, frames: u32) -> Self {
         match seconds {
             Some(seconds) => Self::Spread { seconds: seconds.into(), frames },
@@ -88,11 +90,11 @@ impl FrameClock {
     }
 }
 
-/// Where a camera of a file is in so many frames by that clock, on pictures of `size` pixels, while the clips
-/// play that do.
+/// Returns where a camera of a file is in so many frames by that clock, on pictures of `size`
+/// pixels, while the clips play that do.
 pub fn cameras(
     animator: &mut SceneAnimator,
-    camera: &import::Camera,
+    camera: &import::SceneCamera,
     clock: FrameClock,
     (frames, size): (u32, [u32; 2]),
 ) -> Course {
@@ -116,12 +118,14 @@ pub struct Clips {
 }
 
 impl Clips {
-    /// All of them, but for those that move what an earlier one moves; `first` comes before all others.
+    /// Returns all of them, but for those that move what an earlier one moves; `first` comes before
+    /// all others.
     pub fn all(animator: &SceneAnimator, first: Option<usize>) -> Self {
         Self { playing: animator.compatible(first) }
     }
 
-    /// The one after the one that plays alone; after the last one, and after several, the first.
+    /// Returns the one after the one that plays alone; after the last one, and after several, the
+    /// first.
     pub fn next(&self, animator: &SceneAnimator) -> Self {
         let after = match self.playing.as_slice() {
             [clip] => clip + 1,
@@ -147,7 +151,7 @@ impl Clips {
         }
     }
 
-    /// A sentence about those that cannot play, for people.
+    /// Returns a sentence about those that cannot play, for people.
     pub fn conflicts(&self, animator: &SceneAnimator) -> Option<String> {
         let left_out = animator.clips().iter().enumerate();
         let left_out = left_out.filter(|(place, _)| !self.playing.contains(place));
@@ -181,8 +185,8 @@ impl Orbit {
             true => ((bounds.min + bounds.max) * 0.5, half.max(Vec3::splat(LEAST_M))),
             false => (Vec3::ZERO, Vec3::ONE),
         };
-        // The upright cylinder around it looks the same from all sides. It must fit: from its rims comes how
-        // far away that is.
+        // The upright cylinder around it looks the same from all sides. It must fit: from its rims
+        // comes how far away that is.
         let tangent_up = (FOV_Y_RAD * 0.5).tan() / ROOM;
         let tangent_across = tangent_up * size[0].max(1) as f32 / size[1].max(1) as f32;
         let (down, level) = DOWN_RAD.sin_cos();
@@ -199,7 +203,7 @@ impl Orbit {
         Self { centre, away_m }
     }
 
-    /// Where the camera is in a frame of so many.
+    /// Returns where the camera is in a frame of so many.
     pub fn camera(&self, frame: u32, frames: u32) -> Camera {
         let around = Vec2::from_angle(TAU * frame as f32 / frames.max(1) as f32);
         let (down, level) = DOWN_RAD.sin_cos();
@@ -214,8 +218,9 @@ impl Orbit {
     }
 }
 
-/// Something from its front and somewhat from the side, as near as pictures of `size` pixels allow whose
-/// left is covered up to a share of `covered` (from 0 to less than 1) of the width.
+/// Returns something from its front and somewhat from the side, as near as pictures of `size`
+/// pixels allow whose left is covered up to a share of `covered` (from 0 to less than 1) of the
+/// width.
 pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
     let Orbit { centre, .. } = Orbit::around(bounds, size);
     let (down, level) = DOWN_RAD.sin_cos();
@@ -225,7 +230,8 @@ pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
     let up = outward.cross(right);
     let tangent_up = (FOV_Y_RAD * 0.5).tan() / ROOM;
     let tangent_across = tangent_up * size[0].max(1) as f32 / size[1].max(1) as f32;
-    // The eye goes aside by so much of its distance, so that the centre is in the middle of what is free.
+    // The eye goes aside by so much of its distance, so that the centre is in the middle of what is
+    // free.
     let aside_tangent = tangent_across * ROOM * covered;
     let free_tangent = tangent_across * (1.0 - covered);
     let away_for = |corner: Vec3| {
@@ -259,7 +265,7 @@ mod tests {
         assert_eq!(steady.seconds(90), 1.5);
     }
 
-    /// Everything is in the picture; answers how much of its height or width that takes.
+    /// Returns everything is in the picture; answers how much of its height or width that takes.
     fn filled(camera: &Camera, bounds: &Aabb, size: [u32; 2]) -> f32 {
         let right = camera.forward.cross(Vec3::Y).normalize();
         let up = right.cross(camera.forward);
@@ -328,9 +334,9 @@ mod tests {
 
     #[test]
     fn cameras_are_found_or_listed() {
-        let camera = |name: &str| import::Camera {
+        let camera = |name: &str| import::SceneCamera {
             name: name.to_owned(),
-            node: animation::NodeId(0),
+            node: animation::RigNodeId(0),
             fov_y_rad: 1.0,
             aspect_ratio: None,
             near_m: 0.1,

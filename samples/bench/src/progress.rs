@@ -21,7 +21,7 @@ pub trait Progress {
     fn finish(&self);
 }
 
-/// The progress that suits standard error, or none.
+/// Returns the progress that suits standard error, or none.
 pub fn for_terminal(quiet: bool) -> Box<dyn Progress> {
     if quiet {
         Box::new(Silent)
@@ -104,7 +104,7 @@ impl Progress for Bar {
 pub struct LoadingBar(Option<ProgressBar>);
 
 impl LoadingBar {
-    /// A bar on a terminal, nothing elsewhere.
+    /// Returns a bar on a terminal, nothing elsewhere.
     pub fn for_terminal() -> Self {
         Self(can_redraw(&io::stderr()).then(|| {
             let bar = ProgressBar::new(1000);
@@ -164,7 +164,7 @@ impl Progress for Lines {
     fn finish(&self) {}
 }
 
-/// Whether a whole number of tenths is reached with this frame and was not before it.
+/// Returns true if a whole number of tenths is reached with this frame and was not before it.
 fn completes_tenth(done: u64, frames: u64) -> bool {
     let tenths = |done: u64| done.saturating_mul(10).checked_div(frames);
     tenths(done) != tenths(done.saturating_sub(1))

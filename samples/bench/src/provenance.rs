@@ -30,7 +30,7 @@ impl Provenance {
         Self { command, unix_s: since.map_or(0, |since| since.as_secs()) }
     }
 
-    /// The day in universal time, as "2026-11-21".
+    /// Returns the day in universal time, as "2026-11-21".
     pub fn day(&self) -> String {
         let (year, month, day) = civil_day(self.unix_s / 86_400);
         format!("{year:04}-{month:02}-{day:02}")

@@ -48,7 +48,8 @@ pub struct RecordedPath {
 }
 
 impl RecordedPath {
-    /// Adds the next frame. Beyond two million of them nothing more is recorded, which the log says.
+    /// Adds the next frame. Beyond two million of them nothing more is recorded, which the log
+    /// says.
     pub fn push(&mut self, seconds: f64, camera: Camera) {
         if self.frames.len() < MOST_FRAMES {
             self.frames.push(PathFrame { seconds, camera });
@@ -57,12 +58,12 @@ impl RecordedPath {
         }
     }
 
-    /// The frames, in their order.
+    /// Returns the frames, in their order.
     pub fn frames(&self) -> &[PathFrame] {
         &self.frames
     }
 
-    /// The camera of a frame; after the last one it begins again.
+    /// Returns the camera of a frame; after the last one it begins again.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
         let frame = (frame as usize).checked_rem(self.frames.len())?;
         self.frames.get(frame).map(|frame| frame.camera)
@@ -101,7 +102,7 @@ impl RecordedPath {
             .map_err(|(line, reason)| UsageError(format!("{shown}:{line}: {reason}")))
     }
 
-    /// The path in a text, or the line that is wrong, and why.
+    /// Returns the path in a text, or the line that is wrong, and why.
     fn parse(mut text: impl BufRead) -> Result<Self, (usize, String)> {
         let mut recorded = Self::default();
         let mut has_header = false;

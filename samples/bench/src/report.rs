@@ -108,7 +108,7 @@ pub struct FileReport {
     /// Lights beside the ambient one.
     pub lights: u64,
     /// Objects through which one sees what is behind; they are not among the scene's objects.
-    pub blended_objects: u64,
+    pub transparent_objects: u64,
     /// Meshes that change their form.
     pub deformed_meshes: u64,
     /// Cameras.
@@ -220,13 +220,13 @@ pub struct RunReport {
     pub frames_timed: u64,
     /// How many of them were compared with plain frustum culling.
     pub frames_verified: u64,
-    /// How many more were compared that are not timed: they warm the strategy up, the first of all from
-    /// an empty history.
+    /// How many more were compared that are not timed: they warm the strategy up, the first of all
+    /// from an empty history.
     pub warm_up_frames_verified: u64,
     /// Pixels that differed in all that were compared; absent where none was compared.
     pub pixels_wrong: Option<u64>,
-    /// How many of them a threshold accounts for at most: the samples that showed and were left out. 0
-    /// without a threshold; absent where none was compared, or nothing is promised.
+    /// How many of them a threshold accounts for at most: the samples that showed and were left
+    /// out. 0 without a threshold; absent where none was compared, or nothing is promised.
     pub pixels_wrong_at_most: Option<u64>,
     /// Samples that showed and were left out because of the threshold, in all frames timed.
     pub neglected_samples: u64,
@@ -237,8 +237,9 @@ pub fn ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
     pairs(runs, |a, b| ratio(a.frame_ms.median, b.frame_ms.median))
 }
 
-/// "A/B" for every ordered pair of runs: the median of the ratios frame by frame. Where frames differ
-/// much over a path, it says more than the ratio of two medians that stem from different frames.
+/// "A/B" for every ordered pair of runs: the median of the ratios frame by frame. Where frames
+/// differ much over a path, it says more than the ratio of two medians that stem from different
+/// frames.
 pub fn paired_ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
     pairs(runs, |a, b| paired_ratio(&a.frame_times_ms, &b.frame_times_ms))
 }
@@ -265,7 +266,7 @@ fn pairs(
 }
 
 impl Report {
-    /// The report as indented JSON with a final line break.
+    /// Returns the report as indented JSON with a final line break.
     ///
     /// # Errors
     /// When a value cannot be JSON, which no report that this program makes holds.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use cull::{CoherentOptions, DialogueOptions, Hierarchy, Strategy};
+use cull::{BlockingOptions, CoherentOptions, Hierarchy, Strategy};
 use gpu::{Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem};
 use render::{Renderer, RendererOptions, ShaderSet, object_bounds};
 
@@ -31,8 +31,8 @@ pub struct Walked {
     pub pictures: Pictures,
 }
 
-/// Walks, measures, writes the pictures into `options.output` (which exists and is writable). After a
-/// signal it leaves what was measured so far.
+/// Walks, measures, writes the pictures into `options.output` (which exists and is writable). After
+/// a signal it leaves what was measured so far.
 ///
 /// # Errors
 /// When the device is not there or cannot do it, or a signal came before anything was measured.
@@ -55,7 +55,7 @@ pub fn run(
     Ok(walked)
 }
 
-/// A line for each Vulkan device, in the order that `--device INDEX` counts, from 0.
+/// Returns a line for each Vulkan device, in the order that `--device INDEX` counts, from 0.
 ///
 /// # Errors
 /// When there is no Vulkan loader or no driver.
@@ -71,7 +71,7 @@ pub fn list_devices() -> Result<Vec<String>, RunError> {
     Ok(adapters.iter().enumerate().map(line).collect())
 }
 
-/// An instance, for windows of that system if there will be one.
+/// Returns an instance, for windows of that system if there will be one.
 pub fn open_instance(
     validation: Validation,
     windows: Option<WindowSystem>,
@@ -92,7 +92,7 @@ fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapter, R
     Ok(instance.pick_adapter(wanted(choice).as_deref())?)
 }
 
-/// A choice as the engine takes it.
+/// Returns a choice as the engine takes it.
 pub fn wanted(choice: &DeviceChoice) -> Option<String> {
     match choice {
         DeviceChoice::Best => None,
@@ -101,7 +101,7 @@ pub fn wanted(choice: &DeviceChoice) -> Option<String> {
     }
 }
 
-/// Where compiled pipelines are kept: the user's cache folder, if there is one.
+/// Returns where compiled pipelines are kept: the user's cache folder, if there is one.
 pub fn pipeline_cache_file() -> Option<PathBuf> {
     let absolute = |folder: &PathBuf| folder.is_absolute();
     let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(absolute);
@@ -201,7 +201,7 @@ pub fn walk_on(
     Ok(Walked { report, pictures })
 }
 
-/// What reports call a scene: a file by its name without its folder.
+/// Returns what reports call a scene: a file by its name without its folder.
 fn scene_name(choice: &SceneChoice) -> String {
     match choice {
         SceneChoice::Made(made) => made.scene.to_string(),
@@ -211,7 +211,7 @@ fn scene_name(choice: &SceneChoice) -> String {
     }
 }
 
-/// The strategies that the device has everything for, and the others.
+/// Returns the strategies that the device has everything for, and the others.
 ///
 /// # Errors
 /// The first reason, if it has what it takes for none.
@@ -235,7 +235,7 @@ fn able(renderer: &Renderer, options: &Options) -> Result<(Vec<Strategy>, Vec<Le
     }
 }
 
-/// Every measured cost by its name.
+/// Returns every measured cost by its name.
 fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     let entries = renderer.costs().map(|table| table.entries());
     let entry = |(name, value): (&str, f32)| {
@@ -244,13 +244,13 @@ fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     entries.into_iter().flatten().map(entry).collect()
 }
 
-/// The same threshold for the method of the literature that has one.
-fn dialogue_options(options: &Options) -> DialogueOptions {
+/// Returns the same threshold for the method of the literature that has one.
+fn blocking_options(options: &Options) -> BlockingOptions {
     let coherent = CoherentOptions {
         visibility_threshold_samples: options.threshold_pixels,
         ..CoherentOptions::default()
     };
-    DialogueOptions { coherent, ..DialogueOptions::default() }
+    BlockingOptions { coherent, ..BlockingOptions::default() }
 }
 
 fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
@@ -269,7 +269,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
         },
         shaders,
         threshold_samples: options.threshold_pixels,
-        dialogue: dialogue_options(options),
+        blocking: blocking_options(options),
         costs: options.costs.into(),
         ..Default::default()
     })

@@ -29,12 +29,12 @@ pub struct RunError {
 }
 
 impl RunError {
-    /// The command line asks for what cannot be.
+    /// Returns the command line asks for what cannot be.
     pub fn user(message: impl ToString) -> Self {
         Self { blame: Blame::User, message: message.to_string() }
     }
 
-    /// The machine lacks something or failed.
+    /// Returns the machine lacks something or failed.
     pub fn machine(message: impl ToString) -> Self {
         Self { blame: Blame::Machine, message: message.to_string() }
     }
@@ -44,14 +44,14 @@ impl RunError {
         Self { blame: Blame::Nobody, message: "it was given up".to_owned() }
     }
 
-    /// The same, said of a scene's file.
+    /// Returns the same, said of a scene's file.
     #[must_use]
     pub fn about(mut self, file: &Path) -> Self {
         self.message = format!("{}: {}", shown(file), self.message);
         self
     }
 
-    /// What the program ends with.
+    /// Returns what the program ends with.
     pub fn exit_code(&self) -> u8 {
         match self.blame {
             Blame::User => 2,
@@ -87,9 +87,9 @@ impl From<render::Error> for RunError {
             | render::Error::ForeignRenderer { .. }
             | render::Error::ForeignHierarchy { .. }
             | render::Error::PictureSize { .. }
-            | render::Error::Area { .. }
+            | render::Error::Rect { .. }
             | render::Error::Atlas { .. }
-            | render::Error::Blended { .. }
+            | render::Error::Transparent { .. }
             | render::Error::Deform { .. }
             | render::Error::Light { .. }
             | render::Error::Change { .. } => Self::machine(error),

@@ -72,7 +72,7 @@ pub fn load(
     })
 }
 
-/// The hierarchy over a scene, in time for a word about it.
+/// Returns the hierarchy over a scene, in time for a word about it.
 ///
 /// # Errors
 /// A scene that there can be no hierarchy over; that it was given up.
@@ -81,7 +81,7 @@ pub fn hierarchy(scene: &Scene, told: &mut Listener<'_>) -> Result<Hierarchy, Ru
     Hierarchy::build(&object_bounds(scene)?).map_err(RunError::machine)
 }
 
-/// What reports say of a file.
+/// Returns what reports say of a file.
 pub fn report(file: &Path, imported: &GltfScene, load_ms: f64) -> FileReport {
     let scene = &imported.scene;
     let surfaces = scene.surfaces.as_ref();
@@ -94,8 +94,8 @@ pub fn report(file: &Path, imported: &GltfScene, load_ms: f64) -> FileReport {
         textures: count(surfaces.map(|surfaces| surfaces.textures.len())),
         images: count(surfaces.map(|surfaces| surfaces.images.len())),
         lights: count(surfaces.map(|surfaces| surfaces.lights.len())),
-        blended_objects: count(surfaces.map(|surfaces| surfaces.blended.len())),
-        deformed_meshes: count(surfaces.map(|surfaces| surfaces.deformers.len())),
+        transparent_objects: count(surfaces.map(|surfaces| surfaces.transparent.len())),
+        deformed_meshes: count(surfaces.map(|surfaces| surfaces.skinned_meshes.len())),
         cameras: imported.cameras.len() as u64,
         clips: imported.clips.len() as u64,
         playing: 0,

@@ -31,13 +31,14 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// A schedule in rounds of [`ROUND_FRAMES`] or somewhat more, warmed up by [`WARM_UP_FRAMES`].
+    /// Creates a schedule in rounds of [`ROUND_FRAMES`] or somewhat more, warmed up by
+    /// [`WARM_UP_FRAMES`].
     pub fn new(frames: u32, strategies: usize) -> Self {
         Self::with_rounds(frames, strategies, ROUND_FRAMES, WARM_UP_FRAMES)
     }
 
-    /// A schedule whose rounds have at least `round_frames` timed frames each (at least 10, or all
-    /// frames if there are fewer), after `warm_up_frames` others.
+    /// Creates a schedule whose rounds have at least `round_frames` timed frames each (at least 10,
+    /// or all frames if there are fewer), after `warm_up_frames` others.
     pub fn with_rounds(
         frames: u32,
         strategies: usize,
@@ -47,24 +48,24 @@ impl Schedule {
         Self { frames, strategies, round_frames: round_frames.max(10), warm_up_frames }
     }
 
-    /// How many rounds each strategy walks.
+    /// Returns how many rounds each strategy walks.
     pub fn rounds(&self) -> u32 {
         (self.frames / self.round_frames).max(1)
     }
 
-    /// How many frames are drawn in all, warm-up included.
+    /// Returns how many frames are drawn in all, warm-up included.
     pub fn len(&self) -> u64 {
         let warm_up = u64::from(self.rounds()) * u64::from(self.warm_up_frames);
         let strategies = u64::try_from(self.strategies).unwrap_or(u64::MAX);
         if self.is_empty() { 0 } else { strategies * (u64::from(self.frames) + warm_up) }
     }
 
-    /// Whether there is nothing to draw.
+    /// Returns true if there is nothing to draw.
     pub fn is_empty(&self) -> bool {
         self.frames == 0 || self.strategies == 0
     }
 
-    /// The frames in the order in which they are to be drawn.
+    /// Returns the frames in the order in which they are to be drawn.
     ///
     /// Every strategy walks every frame exactly once timed, in ascending order. A round's warm-up
     /// walks the frames before its first timed one; before the start of the walk the camera stands.
@@ -89,7 +90,7 @@ impl Schedule {
         warm_up.chain((first..end).map(move |frame| Step { strategy, frame, timed: true }))
     }
 
-    /// The first frame of a round: the rounds' lengths differ by one at most.
+    /// Returns the first frame of a round: the rounds' lengths differ by one at most.
     fn boundary(self, round: u32) -> u32 {
         let frame = u64::from(self.frames) * u64::from(round) / u64::from(self.rounds());
         u32::try_from(frame).unwrap_or(self.frames)
@@ -132,7 +133,7 @@ mod tests {
         }
     }
 
-    /// The turns of a schedule that has a warm-up: strategy, warm-up frames, timed frames.
+    /// Returns the turns of a schedule that has a warm-up: strategy, warm-up frames, timed frames.
     fn turns(schedule: &Schedule) -> Vec<(usize, Vec<u32>, Vec<u32>)> {
         let mut turns: Vec<(usize, Vec<u32>, Vec<u32>)> = Vec::new();
         let mut last_was_timed = true;

@@ -31,7 +31,7 @@ impl Signal {
         }
     }
 
-    /// What shells know a program by that this signal ended: 129, 130 or 143.
+    /// Returns what shells know a program by that this signal ended: 129, 130 or 143.
     pub const fn exit_code(self) -> u8 {
         128 + self.number() as u8
     }
@@ -45,9 +45,9 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// From here on a signal is noted, and the second one ends the process at once: the first may have
-    /// come while nobody looks, or what it asks for may hang. What the caller ignores, as `nohup` does,
-    /// stays ignored.
+    /// From here on a signal is noted, and the second one ends the process at once: the first may
+    /// have come while nobody looks, or what it asks for may hang. What the caller ignores, as
+    /// `nohup` does, stays ignored.
     ///
     /// # Errors
     /// When the system refuses.
@@ -69,7 +69,7 @@ impl Signals {
         Ok(Self { newest })
     }
 
-    /// The one that asks for the end.
+    /// Returns the one that asks for the end.
     pub fn received(&self) -> Option<Signal> {
         let newest = self.newest.load(Ordering::Relaxed);
         Signal::ALL.into_iter().find(|signal| signal.number() as usize == newest)
@@ -84,8 +84,8 @@ impl Signals {
     }
 }
 
-/// Returns a bit for each signal that is ignored, the lowest one for signal 1; none where the system
-/// does not tell (it is read from Linux' `/proc/self/status`, `SigIgn`).
+/// Returns a bit for each signal that is ignored, the lowest one for signal 1; none where the
+/// system does not tell (it is read from Linux' `/proc/self/status`, `SigIgn`).
 fn ignored_signals() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

@@ -33,20 +33,22 @@ impl Summary {
     }
 }
 
-/// The middle one of some counts, an actual one of them (the lower if their number is even).
+/// Returns the middle one of some counts, an actual one of them (the lower if their number is
+/// even).
 pub fn median_count(counts: impl IntoIterator<Item = u64>) -> Option<u64> {
     let mut sorted: Vec<u64> = counts.into_iter().collect();
     sorted.sort_unstable();
     nearest_rank(&sorted, 50).copied()
 }
 
-/// How many times `a` is as large as `b`; absent where that is no finite number.
+/// Returns how many times `a` is as large as `b`; absent where that is no finite number.
 pub fn ratio(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     let ratio = a? / b?;
     ratio.is_finite().then(|| kept(ratio))
 }
 
-/// The median of the ratios of what stands at the same place in both; absent where no pair has one.
+/// Returns the median of the ratios of what stands at the same place in both; absent where no pair
+/// has one.
 pub fn paired_ratio(a: &[Option<f64>], b: &[Option<f64>]) -> Option<f64> {
     let ratios = a.iter().zip(b).filter_map(|(&a, &b)| Some(a? / b?));
     Summary::of(ratios).median
@@ -62,7 +64,7 @@ fn median(sorted: &[f64]) -> Option<f64> {
     sorted.get(upper.checked_sub(1)?).map(|low| low / 2.0 + high / 2.0)
 }
 
-/// The smallest sample that `percent` of all do not exceed.
+/// Returns the smallest sample that `percent` of all do not exceed.
 fn nearest_rank<T>(sorted: &[T], percent: usize) -> Option<&T> {
     let rank = (sorted.len() * percent).div_ceil(100);
     sorted.get(rank.checked_sub(1)?)

@@ -14,7 +14,7 @@ impl Stopwatch {
         Self { last: Instant::now() }
     }
 
-    /// The time since the start or the last lap, in milliseconds.
+    /// Returns the time since the start or the last lap, in milliseconds.
     pub fn lap_ms(&mut self) -> f64 {
         let now = Instant::now();
         let lap = now - self.last;

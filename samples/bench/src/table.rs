@@ -25,8 +25,8 @@ const COLUMNS: [&str; 10] = [
     "pixels\nwrong",
 ];
 
-/// What was drawn on what, the strategies side by side, their ratios, memory and build times, in lines
-/// of at most `width` columns where words are no longer.
+/// Returns what was drawn on what, the strategies side by side, their ratios, memory and build
+/// times, in lines of at most `width` columns where words are no longer.
 pub fn render(report: &Report, width: usize) -> String {
     let above = [head(report)];
     let below = [
@@ -43,7 +43,7 @@ pub fn render(report: &Report, width: usize) -> String {
     wrapped(&above) + &blocks(report, width) + &wrapped(&below)
 }
 
-/// A line in lines that fit, indented after the first.
+/// Returns a line in lines that fit, indented after the first.
 fn wrapped(line: &str, width: usize) -> String {
     let options = textwrap::Options::new(width)
         .subsequent_indent("  ")
@@ -52,7 +52,8 @@ fn wrapped(line: &str, width: usize) -> String {
     textwrap::fill(line, options)
 }
 
-/// The table in as few blocks of columns as fit one under the other, each with the strategies' names.
+/// Returns the table in as few blocks of columns as fit one under the other, each with the
+/// strategies' names.
 fn blocks(report: &Report, width: usize) -> String {
     let numbers: Vec<usize> = (1..COLUMNS.len()).collect();
     for count in 1..=numbers.len() {
@@ -68,7 +69,7 @@ fn blocks(report: &Report, width: usize) -> String {
     String::new()
 }
 
-/// A table of these columns.
+/// Returns a table of these columns.
 fn block(report: &Report, columns: &[usize]) -> String {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED);
@@ -154,7 +155,7 @@ const FEW_RUNS: usize = 3;
 /// What all others are compared with where there are many.
 const MEASURES: [Strategy; 3] = [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal];
 
-/// A sentence for each pair, in the order of the runs; of many, one for each run.
+/// Returns a sentence for each pair, in the order of the runs; of many, one for each run.
 fn ratio_lines(report: &Report) -> String {
     let names: Vec<&str> = report.runs.iter().map(|run| run.strategy.as_str()).collect();
     let ratio = |a: &str, b: &str| report.ratios.get(&format!("{a}/{b}")).copied().flatten();
@@ -179,13 +180,13 @@ fn ratio_lines(report: &Report) -> String {
     lines.join("\n")
 }
 
-/// What in a file is not shown, a line each.
+/// Returns what in a file is not shown, a line each.
 fn note_lines(report: &Report) -> String {
     let notes = report.scene.file.iter().flat_map(|file| &file.notes);
     notes.map(|note| format!("not as in the file: {note}")).collect::<Vec<_>>().join("\n")
 }
 
-/// A line for each run with a governor.
+/// Returns a line for each run with a governor.
 fn cost_lines(report: &Report) -> String {
     let line = |run: &RunReport| {
         let learned = run.corrections?;
@@ -204,7 +205,7 @@ fn cost_lines(report: &Report) -> String {
     report.runs.iter().filter_map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A line for each run whose passes were timed.
+/// Returns a line for each run whose passes were timed.
 fn pass_lines(report: &Report) -> String {
     let timed = report.runs.iter().filter(|run| !run.passes_ms.is_empty());
     let line = |run: &RunReport| {
@@ -244,7 +245,7 @@ fn foot(report: &Report) -> String {
     text + &neglect_lines(report)
 }
 
-/// A line for each run that left out what showed little.
+/// Returns a line for each run that left out what showed little.
 fn neglect_lines(report: &Report) -> String {
     let neglecting = report.runs.iter().filter(|run| {
         // Those of frames before the walk are in the second number only.
@@ -276,7 +277,7 @@ fn shown(value: Option<impl Display>) -> String {
     value.map_or(ABSENT.to_owned(), |value| value.to_string())
 }
 
-/// A number with a comma between each three digits.
+/// Returns a number with a comma between each three digits.
 fn count(value: Option<u64>) -> String {
     let Some(value) = value else {
         return ABSENT.to_owned();

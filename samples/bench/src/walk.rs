@@ -127,8 +127,8 @@ impl<'a> Walk<'a> {
         Ok(self.runs.iter().map(|run| run.measurement.report()).collect())
     }
 
-    /// One strategy walks some consecutive frames; the pictures are compared when it is through, so
-    /// that comparing costs nobody time.
+    /// Walks one strategy over some consecutive frames; the pictures are compared when it is
+    /// through, so that comparing costs nobody time.
     fn walk_turn(
         &mut self,
         turn: &[Step],
@@ -172,7 +172,7 @@ impl<'a> Walk<'a> {
                 rounds_by_compute: report.plan.rounds_by_compute.into(),
                 retest_interval_frames: report.plan.retest_interval_frames.into(),
                 expected_saving_ns: report.plan.expected_saving_ns,
-                corrections: report.corrections.filter(|_| run.strategy.is_governed()),
+                corrections: report.corrections.filter(|_| run.strategy.uses_cost_model()),
                 result_age_frames: report.oldest_answer_frames,
                 blocking_waits: self.device.wait_counts().other - waits,
                 is_compared: picture.is_some(),
@@ -253,7 +253,8 @@ fn next_turn(steps: &mut VecDeque<Step>) -> Option<Vec<Step>> {
     Some(turn)
 }
 
-/// How many pixels of two pictures of the same size are not the same bits; all, if the sizes differ.
+/// Returns how many pixels of two pictures of the same size are not the same bits; all, if the
+/// sizes differ.
 fn pixels_that_differ(reference: &[u8], picture: &[u8]) -> u64 {
     let (expected, found) = (reference.chunks_exact(4), picture.chunks_exact(4));
     if reference.len() != picture.len() || picture.is_empty() {

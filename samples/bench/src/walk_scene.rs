@@ -1,4 +1,5 @@
-//! What a walk goes through: the scene, the camera's way, what moves, and what there is to say of it.
+//! What a walk goes through: the scene, the camera's way, what moves, and what there is to say of
+//! it.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -42,8 +43,8 @@ impl WalkScene {
     /// Makes or loads what the options ask for.
     ///
     /// # Errors
-    /// Numbers that no scene can be made from; a file that cannot be shown; a path or a camera that is not
-    /// there.
+    /// Numbers that no scene can be made from; a file that cannot be shown; a path or a camera that
+    /// is not there.
     pub fn build(
         options: &Options,
         progress: &dyn Progress,
@@ -132,8 +133,12 @@ enum Way {
 }
 
 impl Way {
-    /// A camera of that name, else a recorded path.
-    fn of(choice: &PathChoice, cameras: &[import::Camera], file: &Path) -> Result<Self, RunError> {
+    /// Returns a camera of that name, else a recorded path.
+    fn of(
+        choice: &PathChoice,
+        cameras: &[import::SceneCamera],
+        file: &Path,
+    ) -> Result<Self, RunError> {
         let wanted = match choice {
             PathChoice::OfFile(wanted) => wanted.clone(),
             PathChoice::Recorded(path) => return Ok(Self::Recorded(RecordedPath::read(path)?)),

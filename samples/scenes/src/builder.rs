@@ -12,25 +12,25 @@ pub(crate) struct Paint {
     tint_share: f32,
 }
 
-/// The electro-optical transfer function of sRGB (IEC 61966-2-1), for one channel.
+/// Returns the electro-optical transfer function of sRGB (IEC 61966-2-1), for one channel.
 fn linear_of_srgb(byte: u32) -> f32 {
     let value = byte as f32 / 255.0;
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
 impl Paint {
-    /// The colour `0xRRGGBB` as web pages write it, untouched by tints.
+    /// Returns the colour `0xRRGGBB` as web pages write it, untouched by tints.
     pub(crate) fn srgb(hex: u32) -> Self {
         let channel = |shift: u32| linear_of_srgb(hex >> shift & 0xFF);
         Self { linear: [channel(16), channel(8), channel(0)], tint_share: 0.0 }
     }
 
-    /// The same colour, tinted by the object in part (0) or fully (1).
+    /// Returns the same colour, tinted by the object in part (0) or fully (1).
     pub(crate) fn tinted(self, share: f32) -> Self {
         Self { tint_share: share, ..self }
     }
 
-    /// The same hue, darker (below 1) or lighter.
+    /// Returns the same hue, darker (below 1) or lighter.
     pub(crate) fn shade(self, factor: f32) -> Self {
         Self { linear: self.linear.map(|value| value * factor), ..self }
     }
@@ -62,8 +62,8 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The wall on side `side` (0: +z, 1: +x, 2: -z, 3: -x) of a box of these half sizes; its origin
-    /// is the lower left corner, seen from outside.
+    /// Returns the wall on side `side` (0: +z, 1: +x, 2: -z, 3: -x) of a box of these half sizes;
+    /// its origin is the lower left corner, seen from outside.
     pub(crate) fn of_side(side: usize, half: Vec2, centre: Vec3) -> Self {
         let (corner, u, n) = match side % 4 {
             0 => (vec3(-half.x, 0.0, half.y), Vec3::X, Vec3::Z),
@@ -74,15 +74,15 @@ impl Frame {
         Self { origin: centre + corner, u, n }
     }
 
-    /// A wall whose normal is turned by `turn` radians from +z towards +x, `out` metres from the y
-    /// axis; its origin is right before that axis.
+    /// Returns a wall whose normal is turned by `turn` radians from +z towards +x, `out` metres
+    /// from the y axis; its origin is right before that axis.
     pub(crate) fn facing(turn: f32, out: f32) -> Self {
         let (sin, cos) = turn.sin_cos();
         let n = vec3(sin, 0.0, cos);
         Self { origin: n * out, u: vec3(cos, 0.0, -sin), n }
     }
 
-    /// A point: `u` metres to the right, `v` up, `d` out of the wall.
+    /// Returns a point: `u` metres to the right, `v` up, `d` out of the wall.
     pub(crate) fn at(&self, u: f32, v: f32, d: f32) -> Vec3 {
         self.origin + self.u * u + Vec3::Y * v + self.n * d
     }
@@ -97,7 +97,7 @@ pub(crate) struct Panel {
     pub(crate) v1: f32,
 }
 
-/// The rectangle of these edges.
+/// Returns the rectangle of these edges.
 pub(crate) fn panel(u0: f32, v0: f32, u1: f32, v1: f32) -> Panel {
     Panel { u0, v0, u1, v1 }
 }
@@ -262,8 +262,9 @@ impl MeshBuilder {
         }
     }
 
-    /// A solid of revolution about the local y axis. The profile is (radius, height), from the bottom
-    /// up; radius 0 closes an end. Round about, but with an edge at each point of the profile.
+    /// A solid of revolution about the local y axis. The profile is (radius, height), from the
+    /// bottom up; radius 0 closes an end. Round about, but with an edge at each point of the
+    /// profile.
     pub(crate) fn turned(
         &mut self,
         place: &Affine3A,
@@ -366,7 +367,7 @@ impl MeshBuilder {
         }
     }
 
-    /// The finished mesh.
+    /// Returns the finished mesh.
     pub(crate) fn finish(self, name: &str) -> Mesh {
         let bounds = bounds_of_vertices(&self.vertices);
         Mesh {

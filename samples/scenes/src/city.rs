@@ -47,7 +47,8 @@ const PAVEMENT_GAP_M: f32 = 0.15;
 /// Makes a city of exactly `objects` objects.
 ///
 /// # Errors
-/// [`GeneratorError::ObjectCount`] if there are to be none, or more than [`MAX_OBJECTS`](super::MAX_OBJECTS).
+/// [`GeneratorError::ObjectCount`] if there are to be none, or more than
+/// [`MAX_OBJECTS`](super::MAX_OBJECTS).
 pub fn city(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> {
     let room = room_for_objects(objects)?;
     let plan = Plan::new(objects);
@@ -164,7 +165,8 @@ struct City {
 }
 
 impl City {
-    /// Moves a few objects from a block to its neighbour, so that blocks differ and the sum is kept.
+    /// Moves a few objects from a block to its neighbour, so that blocks differ and the sum is
+    /// kept.
     fn swing(&self, number: u32, blocks: u32) -> i32 {
         if number ^ 1 >= blocks || blocks < 16 {
             return 0;
@@ -308,7 +310,8 @@ impl City {
         let tint = prop_tint(choice.tint, random);
         let scale = if choice.tint == TintKind::Leaf { random.between(0.85, 1.0) } else { 1.0 };
         let extent = bounds.max.abs().max(bounds.min.abs()) * scale;
-        // Slots are 4 m apart, parking ones 6 m: what is short may stand a little to the left or right.
+        // Slots are 4 m apart, parking ones 6 m: what is short may stand a little to the left or
+        // right.
         let jitter = if extent.x < 1.5 { random.between(-0.3, 0.3) } else { 0.0 };
         let around = 2 * random.below(2) as usize;
         let (side, along, out, low) = match slot {
@@ -333,7 +336,8 @@ impl City {
     }
 }
 
-/// The lines on which one walks through the middle district: along its streets and inside its walls.
+/// Returns the lines on which one walks through the middle district: along its streets and inside
+/// its walls.
 fn streets(plan: &Plan) -> Streets {
     let lines = |axis: &Axis| {
         let [first, last] = axis.middle;

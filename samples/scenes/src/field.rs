@@ -28,7 +28,8 @@ const WALK_M: f32 = 128.0;
 /// Makes a field of exactly `objects` objects, tiles of the ground among them.
 ///
 /// # Errors
-/// [`GeneratorError::ObjectCount`] if there are to be none, or more than [`MAX_OBJECTS`](super::MAX_OBJECTS).
+/// [`GeneratorError::ObjectCount`] if there are to be none, or more than
+/// [`MAX_OBJECTS`](super::MAX_OBJECTS).
 pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> {
     let mut placed = room_for_objects(objects)?;
     let tile_objects = u32::from(TILE_CELLS).pow(2) + 1;
@@ -77,7 +78,7 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
     Ok(GeneratedScene { scene, routes: Routes { seed, streets, flight } })
 }
 
-/// The lines between the cells, near the origin.
+/// Returns the lines between the cells, near the origin.
 fn aisles([low, high]: [f32; 2]) -> Vec<f32> {
     let (low, high) = ((low.max(-WALK_M) / CELL_M) as i32, (high.min(WALK_M) / CELL_M) as i32);
     (low..=high).map(|line| line as f32 * CELL_M).collect()
@@ -107,7 +108,7 @@ fn tile(
     }
 }
 
-/// A tile of lawn with a path around each cell.
+/// Returns a tile of lawn with a path around each cell.
 fn ground() -> Mesh {
     let mut plates = Plates::default();
     let lawn = [0x77_8F56, 0x70_884F].map(Paint::srgb);

@@ -1,10 +1,10 @@
 //! Scenes made from a number of objects and a seed, and where one can walk or fly through them.
 //!
-//! [`city`] and [`field`] make them. Objects of a generated scene
-//! neither touch nor have coplanar faces, and what stands on the ground hovers 2 cm over it: so each
-//! pixel's colour does not depend on the order in which objects are drawn. Only the ground's tiles
-//! share edges, with bit-identical vertices. Transforms are quarter turns about y (exact: each column
-//! one of the axes) and uniform scales only.
+//! [`city`] and [`field`] make them. Objects of a generated scene neither touch nor have coplanar
+//! faces, and what stands on the ground hovers 2 cm over it: so each pixel's colour does not depend
+//! on the order in which objects are drawn. Only the ground's tiles share edges, with bit-identical
+//! vertices. Transforms are quarter turns about y (exact: each column one of the axes) and uniform
+//! scales only.
 //!
 //! ```
 //! use scenes::{CameraPath, PathKind};
@@ -93,8 +93,9 @@ pub struct Routes {
     pub flight: Flight,
 }
 
-/// Where one can walk: straight lines parallel to x and z, all of them crossing. At least 0.3 m around
-/// every line, and around every turn with the given radius, no object's box is met at eye level.
+/// Where one can walk: straight lines parallel to x and z, all of them crossing. At least 0.3 m
+/// around every line, and around every turn with the given radius, no object's box is met at eye
+/// level.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Streets {
     /// The x of the lines that run along z, in metres, ascending.
@@ -141,7 +142,7 @@ fn placement(side: usize, scale: f32, position: Vec3) -> Affine3A {
     }
 }
 
-/// The part of `total` that the `index`-th of `count` gets when it is dealt out evenly.
+/// Returns the part of `total` that the `index`-th of `count` gets when it is dealt out evenly.
 fn share(total: u32, index: u32, count: u32) -> u32 {
     let up_to = |index: u64| u64::from(total) * index / u64::from(count.max(1));
     (up_to(u64::from(index) + 1) - up_to(u64::from(index))) as u32

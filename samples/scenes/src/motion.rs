@@ -1,5 +1,5 @@
-//! Objects that move, come and go, as a pure function of the frame: any frame can be shown after any
-//! other.
+//! Objects that move, come and go, as a pure function of the frame: any frame can be shown after
+//! any other.
 //!
 //! Nobody meets anybody: an object gets only a motion whose whole sweep is free of the boxes of all
 //! others and of their sweeps. So moving objects neither touch nor share planes, as
@@ -125,12 +125,13 @@ impl Motion {
         Ok(motion)
     }
 
-    /// How many objects move, or come and go.
+    /// Returns how many objects move, or come and go.
     pub fn movers(&self) -> usize {
         self.movers.len()
     }
 
-    /// The scene as it is in a frame. Its objects are in the same order, less those that are away.
+    /// Returns the scene as it is in a frame. Its objects are in the same order, less those that
+    /// are away.
     pub fn scene_at(&self, scene: &Scene, frame: u32) -> Scene {
         let mut objects: Vec<Option<Object>> = scene.objects.iter().copied().map(Some).collect();
         for mover in &self.movers {
@@ -143,7 +144,7 @@ impl Motion {
 }
 
 impl Mover {
-    /// The object in a frame; `None` while it is away.
+    /// Returns the object in a frame; `None` while it is away.
     fn at(&self, frame: u32) -> Option<Object> {
         let is_there = self.presence.is_none_or(|presence| presence.is_there(frame));
         is_there.then(|| Object {
@@ -153,7 +154,8 @@ impl Mover {
     }
 }
 
-/// The objects in the order in which they are asked to move: some big ones, then whoever comes.
+/// Returns the objects in the order in which they are asked to move: some big ones, then whoever
+/// comes.
 fn order(scene: &Scene, wanted: usize, random: &mut Random) -> Vec<u32> {
     let is_ground =
         |object: &Object| scene.mesh_of(object).is_none_or(|mesh| mesh.name.starts_with(GROUND));
@@ -188,14 +190,14 @@ pub struct Cast {
 }
 
 impl Cast {
-    /// The movers of `motion` in a renderer that shows the scene as it was built.
+    /// Creates the movers of `motion` in a renderer that shows the scene as it was built.
     pub fn new(motion: &Motion) -> Self {
         let ids = motion.movers.iter().map(|mover| Some(ObjectId(mover.index)));
         Self { ids: ids.collect(), coming: Vec::new(), going: Vec::new(), changes: Vec::new() }
     }
 
-    /// What has to change to show `frame`. [`Cast::came`] must follow once it has, with the ids that
-    /// the update gave to those who came.
+    /// Returns what has to change to show `frame`. [`Cast::came`] must follow once it has, with the
+    /// ids that the update gave to those who came.
     pub fn changes(&mut self, motion: &Motion, frame: u32) -> &[ObjectChange] {
         self.coming.clear();
         self.going.clear();

@@ -48,7 +48,7 @@ impl PathKind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Street, Self::Fly, Self::Cut];
 
-    /// The name by which it is chosen.
+    /// Returns the name by which it is chosen.
     pub fn name(self) -> &'static str {
         match self {
             Self::Street => "street",
@@ -108,12 +108,12 @@ impl CameraPath {
         Ok(Self { kind, route })
     }
 
-    /// What kind of path it is.
+    /// Returns what kind of path it is.
     pub fn kind(&self) -> PathKind {
         self.kind
     }
 
-    /// The camera of a frame.
+    /// Returns the camera of a frame.
     pub fn camera(&self, frame: u32) -> Camera {
         match &self.route {
             Route::Walk(tour) => {
@@ -130,7 +130,7 @@ impl CameraPath {
     }
 }
 
-/// An angle as a level direction: 0 is +x, a quarter turn +z.
+/// Returns an angle as a level direction: 0 is +x, a quarter turn +z.
 fn direction(heading: f32) -> Vec2 {
     let (sin, cos) = heading.sin_cos();
     vec2(cos, sin)

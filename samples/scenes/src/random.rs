@@ -16,7 +16,7 @@ fn mix(value: u64) -> u64 {
 }
 
 impl Random {
-    /// A stream that depends on the seed and on every key.
+    /// Returns a stream that depends on the seed and on every key.
     pub(crate) fn keyed(seed: u64, keys: &[i64]) -> Self {
         let state = keys.iter().fold(mix(seed.wrapping_add(GOLDEN_GAMMA)), |state, &key| {
             mix(state ^ mix((key as u64).wrapping_add(GOLDEN_GAMMA)))
@@ -24,28 +24,28 @@ impl Random {
         Self { state }
     }
 
-    /// The next 64 random bits.
+    /// Returns the next 64 random bits.
     pub(crate) fn bits(&mut self) -> u64 {
         self.state = self.state.wrapping_add(GOLDEN_GAMMA);
         mix(self.state)
     }
 
-    /// A number in `0..bound`; 0 when `bound` is 0.
+    /// Returns a number in `0..bound`; 0 when `bound` is 0.
     pub(crate) fn below(&mut self, bound: u32) -> u32 {
         (((self.bits() >> 32) * u64::from(bound)) >> 32) as u32
     }
 
-    /// A number in `0.0..1.0`.
+    /// Returns a number in `0.0..1.0`.
     pub(crate) fn unit(&mut self) -> f32 {
         (self.bits() >> 40) as f32 / (1u64 << 24) as f32
     }
 
-    /// A number in `low..high`.
+    /// Returns a number in `low..high`.
     pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
 
-    /// One of the choices, each as likely as the others.
+    /// Returns one of the choices, each as likely as the others.
     pub(crate) fn pick<T: Copy, const N: usize>(&mut self, choices: &[T; N]) -> T {
         const { assert!(N > 0) };
         choices[self.below(N as u32) as usize]

@@ -29,7 +29,7 @@ fn cell_of(x: f32, z: f32) -> IVec2 {
 }
 
 impl Boxes {
-    /// The boxes of the objects that `chosen` picks, all enlarged by `margin_m`.
+    /// Creates the boxes of the objects that `chosen` picks, all enlarged by `margin_m`.
     fn new(scene: &Scene, margin_m: f32, chosen: impl Fn(&Object) -> bool) -> Self {
         let mut boxes = Self { bounds: Vec::new(), cells: HashMap::new() };
         for object in scene.objects.iter().filter(|object| chosen(object)) {
@@ -53,7 +53,7 @@ impl Boxes {
         self.cells.get(&cell).map_or(&[], Vec::as_slice)
     }
 
-    /// A box that holds the point.
+    /// Returns a box that holds the point.
     fn around(&self, point: Vec3) -> Option<Aabb> {
         let holds = |number: &u32| {
             let Aabb { min, max } = self.bounds[*number as usize];
@@ -63,7 +63,7 @@ impl Boxes {
         number.map(|&number| self.bounds[number as usize])
     }
 
-    /// The nearest box along a ray of at most `reach_m`, and how far away it is.
+    /// Returns the nearest box along a ray of at most `reach_m`, and how far away it is.
     fn first_hit(&self, eye: Vec3, towards: Vec3, reach_m: f32) -> Option<(u32, f32)> {
         let inverse = Vec3::ONE / towards;
         let mut nearest: Option<(u32, f32)> = None;

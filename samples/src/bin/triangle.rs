@@ -1,4 +1,5 @@
-//! The smallest complete program on the engine: a triangle in a window, or one frame with --headless.
+//! The smallest complete program on the engine: a triangle in a window, or one frame with
+//! --headless.
 #![forbid(unsafe_code)]
 
 use std::{error::Error, io::Write, process::ExitCode, sync::Arc};

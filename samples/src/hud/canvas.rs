@@ -32,7 +32,7 @@ pub struct Canvas<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// An empty canvas of `size` pixels.
+    /// Creates an empty canvas of `size` pixels.
     pub fn new(fonts: &'a mut Fonts, size: [u32; 2], scale: f32) -> Self {
         let [width, height] = size.map(|side| side as f32 / scale);
         let screen = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
@@ -102,13 +102,13 @@ impl<'a> Canvas<'a> {
         fonts.layout(text, style.font(), style.colour, width.max(1.0))
     }
 
-    /// How wide a text is, in points.
+    /// Returns how wide a text is, in points.
     pub fn width(&mut self, text: &str, style: Style) -> f32 {
         let mut fonts = self.fonts.with_pixels_per_point(self.scale);
         fonts.layout_no_wrap(text.to_owned(), style.font(), style.colour).size().x
     }
 
-    /// How high a row is, in points.
+    /// Returns how high a row is, in points.
     pub fn row(&mut self, style: Style) -> f32 {
         self.fonts.with_pixels_per_point(self.scale).row_height(&style.font()).max(1.0)
     }

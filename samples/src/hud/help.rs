@@ -22,8 +22,8 @@ enum Row<'a> {
 /// So many columns, the best first.
 const COLUMNS: [usize; 4] = [3, 2, 4, 1];
 
-/// Draws the page in the middle of the picture, above `bottom`. Returns its area, or `None` where it has
-/// no room.
+/// Draws the page in the middle of the picture, above `bottom`. Returns its area, or `None` where
+/// it has no room.
 pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
     let row = canvas.row(TITLE) + 1.0;
     let room = vec2(canvas.screen.width(), bottom);
@@ -60,7 +60,7 @@ pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
     Some(area)
 }
 
-/// The widths of a column's keys and of what they do.
+/// Returns the widths of a column's keys and of what they do.
 fn widths(canvas: &mut Canvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
     rows.iter().fold([0.0, 0.0], |[keys, actions], row| match row {
         Row::Key(key, action) => {
@@ -70,7 +70,7 @@ fn widths(canvas: &mut Canvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
     })
 }
 
-/// The groups in at most so many columns of about equal height; a group stays together.
+/// Returns the groups in at most so many columns of about equal height; a group stays together.
 fn columns(help: &Help, most: usize) -> Vec<Vec<Row<'_>>> {
     let total: usize = help.groups.iter().map(|(_, keys)| keys.len() + 2).sum();
     let even = total.div_ceil(most.max(1));

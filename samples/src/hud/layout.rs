@@ -36,7 +36,8 @@ pub struct Measures {
 }
 
 impl Measures {
-    /// Returns the measures of a picture of `size` pixels whose window has `window_scale` pixels a point.
+    /// Returns the measures of a picture of `size` pixels whose window has `window_scale` pixels a
+    /// point.
     pub fn of(size: [u32; 2], window_scale: f32) -> Self {
         let window_scale =
             if window_scale.is_finite() { window_scale.clamp(0.5, 8.0) } else { 1.0 };

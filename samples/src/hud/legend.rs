@@ -15,8 +15,8 @@ const STEP: f32 = 5.0;
 const HEIGHT: f32 = 8.0;
 const GAP: f32 = 5.0;
 
-/// Draws one legend: in the upper left of its area, or in the upper right of the picture below `top`.
-/// Returns its area, or `None` where it has no room.
+/// Draws one legend: in the upper left of its area, or in the upper right of the picture below
+/// `top`. Returns its area, or `None` where it has no room.
 pub fn draw(canvas: &mut Canvas<'_>, legend: &Legend, top: f32, left_bound: f32) -> Option<Rect> {
     let rows = legend.entries.iter();
     let widths = rows.map(|entry| swatch(entry) + GAP + canvas.width(&entry.meaning, MEANING));
@@ -65,7 +65,7 @@ fn colours(canvas: &mut Canvas<'_>, entry: &LegendEntry, corner: Pos2) {
     }
 }
 
-/// The width of an entry's colours.
+/// Returns the width of an entry's colours.
 fn swatch(entry: &LegendEntry) -> f32 {
     SWATCH.max(entry.colours.len() as f32 * STEP)
 }

@@ -1,7 +1,8 @@
 //! The head-up display: what the engine does, in numbers, a graph and signs over the picture.
 //!
-//! A [`HudPage`] has plain values. [`Measures`] says how large points are and what has room; each part
-//! draws itself on a canvas: the [overview](self), the lower edge, legends, signs, and the page of keys.
+//! A [`HudPage`] has plain values. [`Measures`] says how large points are and what has room; each
+//! part draws itself on a canvas: the [overview](self), the lower edge, legends, signs, and the
+//! page of keys.
 
 mod canvas;
 mod graph;
@@ -40,8 +41,8 @@ impl Default for Hud {
 }
 
 impl Hud {
-    /// Lays `page` out for a picture of `size` pixels, `scale` of them a point of the window, in place of
-    /// what is in `overlay`. What has no room is left out.
+    /// Lays `page` out for a picture of `size` pixels, `scale` of them a point of the window, in
+    /// place of what is in `overlay`. What has no room is left out.
     ///
     /// # Errors
     /// An atlas that the device cannot hold.
@@ -71,13 +72,14 @@ impl Hud {
         Ok(())
     }
 
-    /// The shapes of a page, later ones over earlier ones.
+    /// Returns the shapes of a page, later ones over earlier ones.
     fn shapes(&mut self, page: &HudPage, size: [u32; 2], measures: &Measures) -> Vec<ClippedShape> {
         self.fonts.begin_pass(TextOptions::default(), ViewportKey::default());
         let mut canvas = Canvas::new(&mut self.fonts, size, measures.scale);
         signs::draw(&mut canvas, &page.signs);
         marks::draw(&mut canvas, &page.marks);
-        // The panel goes down to the edge: what is said for a while is beside it and hides nothing of it.
+        // The panel goes down to the edge: what is said for a while is beside it and hides nothing
+        // of it.
         let has_panel = page.overview.is_some() && page.help.is_none();
         let left = if has_panel { measures.panel_width } else { 0.0 };
         let bottom = toast::draw(&mut canvas, page, left);

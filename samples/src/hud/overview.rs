@@ -44,7 +44,7 @@ pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, measures: &Measures) -> Opt
     Some(area)
 }
 
-/// All of the overview, `width` points wide. Returns where it ends below.
+/// Returns all of the overview, `width` points wide. Returns where it ends below.
 fn full(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
     let (left, right) = (MARGIN, MARGIN + width);
     let strategy = Style { colour: MARK, ..TITLE };
@@ -60,7 +60,7 @@ fn full(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
     canvas.text_within(pos2(left, y), Align::Left, width, &overview.hint, UNIT).max.y
 }
 
-/// The rate, large, and the time of a frame.
+/// Returns the rate, large, and the time of a frame.
 fn headline(canvas: &mut Canvas<'_>, overview: &Overview, y: f32, width: f32) -> f32 {
     let rate = canvas.text(pos2(MARGIN, y), Align::Left, &overview.rate.value, LARGE);
     let small = canvas.row(UNIT);
@@ -90,7 +90,7 @@ fn figures(canvas: &mut Canvas<'_>, figures: &[Figure], y: f32, width: f32) -> f
     below + canvas.row(UNIT) + 2.0
 }
 
-/// What is drawn of the objects in the frustum, as a share and as a sum.
+/// Returns what is drawn of the objects in the frustum, as a share and as a sum.
 fn bar(canvas: &mut Canvas<'_>, Split { drawn, culled }: Split, y: f32, width: f32) -> f32 {
     let whole = Rect::from_min_size(pos2(MARGIN, y), vec2(width, BAR_HEIGHT));
     canvas.fill(whole, DIM);
@@ -124,7 +124,7 @@ fn times(canvas: &mut Canvas<'_>, times: &[Figure], y: f32, width: f32) -> f32 {
     y + high
 }
 
-/// A check mark or a warning triangle, and a sentence.
+/// Returns a check mark or a warning triangle, and a sentence.
 fn verdict(canvas: &mut Canvas<'_>, verdict: &Verdict, y: f32, width: f32) -> f32 {
     let row = canvas.row(ROW_NAME);
     let (text, colour) = match verdict {
@@ -152,7 +152,7 @@ fn verdict(canvas: &mut Canvas<'_>, verdict: &Verdict, y: f32, width: f32) -> f3
     canvas.text_within(at, Align::Left, MARGIN + width - at.x, text, style).max.y + 1.0
 }
 
-/// The most important numbers alone, one below the other.
+/// Returns the most important numbers alone, one below the other.
 fn narrow(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
     let [objects, in_frustum, drawn] = &overview.objects;
     let mut y = GAP;

@@ -1,7 +1,7 @@
 //! What is written and drawn over a picture, from plain values.
 
 use bench::legend::LegendEntry;
-use render::Area;
+use render::Rect;
 
 /// Everything that is shown over one picture.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -18,12 +18,13 @@ pub struct HudPage {
     pub signs: Vec<Sign>,
     /// All keys, over the middle of the picture.
     pub help: Option<Help>,
-    /// What was asked for: a list or field, or rows about something, above what is at the lower edge.
+    /// What was asked for: a list or field, or rows about something, above what is at the lower
+    /// edge.
     pub asked: Option<String>,
     /// Something that went wrong or was just done, at the lower edge.
     pub toast: Option<String>,
-    /// What is on its way, and how much of it is done (0 to 1, where that is known): a bar in place of the
-    /// toast.
+    /// What is on its way, and how much of it is done (0 to 1, where that is known): a bar in place
+    /// of the toast.
     pub progress: Option<(String, Option<f32>)>,
 }
 
@@ -93,9 +94,9 @@ pub struct Legend {
     pub title: &'static str,
     /// Colours and their meanings.
     pub entries: Vec<LegendEntry>,
-    /// The part of the picture that it explains: it is in the upper left of that; `None` for the whole
-    /// picture, where it is in the upper right.
-    pub area: Option<Area>,
+    /// The part of the picture that it explains: it is in the upper left of that; `None` for the
+    /// whole picture, where it is in the upper right.
+    pub area: Option<Rect>,
 }
 
 /// What goes on, shown by a frame and a shape.

@@ -19,7 +19,8 @@ pub struct GraphScale {
 }
 
 impl GraphScale {
-    /// Returns the scale for frames that took `frames_ms` and may take `budget_ms`; `None` without a frame.
+    /// Returns the scale for frames that took `frames_ms` and may take `budget_ms`; `None` without
+    /// a frame.
     pub fn of(frames_ms: &[f32], budget_ms: Option<f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = frames_ms.iter().copied().filter(|ms| ms.is_finite()).collect();
         sorted.sort_unstable_by(f32::total_cmp);
@@ -37,7 +38,7 @@ impl GraphScale {
     }
 }
 
-/// The least round number that is not below `ms`.
+/// Returns the least round number that is not below `ms`.
 fn ceiling(ms: f32) -> f32 {
     let ms = if ms.is_finite() { ms.clamp(0.1, 1e7) } else { 1.0 };
     let power = 10.0_f32.powf(ms.log10().floor());

@@ -21,7 +21,8 @@ impl Sign {
     }
 }
 
-/// Draws frames around the picture, one within the other, and badges in the middle of its upper edge.
+/// Draws frames around the picture, one within the other, and badges in the middle of its upper
+/// edge.
 pub fn draw(canvas: &mut Canvas<'_>, signs: &[Sign]) {
     let screen = canvas.screen;
     let badges = BADGE * signs.len() as f32;

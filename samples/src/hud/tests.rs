@@ -1,4 +1,5 @@
-//! Whole pages, laid out without a device: nothing overlaps, nothing leaves its panel or the picture.
+//! Whole pages, laid out without a device: nothing overlaps, nothing leaves its panel or the
+//! picture.
 
 use bench::legend::LegendEntry;
 use epaint::{Rect, Shape};
@@ -52,7 +53,7 @@ fn overview() -> Overview {
     }
 }
 
-fn legend(area: Option<render::Area>) -> Legend {
+fn legend(area: Option<render::Rect>) -> Legend {
     let entry = |count: u8| LegendEntry {
         colours: (0..count).map(|part| [part; 3]).collect(),
         meaning: "behind another tested box".to_owned(),
@@ -60,10 +61,10 @@ fn legend(area: Option<render::Area>) -> Legend {
     Legend { title: "Boxes that are tested", entries: (1..5).map(entry).collect(), area }
 }
 
-/// A page with everything, and a view from above in the lower right.
+/// Returns a page with everything, and a view from above in the lower right.
 fn page([width, height]: [u32; 2]) -> HudPage {
     let part = [width * 2 / 5, height * 2 / 5];
-    let area = render::Area { origin: [width - part[0], height - part[1]], size: part };
+    let area = render::Rect { origin: [width - part[0], height - part[1]], size: part };
     HudPage {
         overview: Some(overview()),
         details: vec![
@@ -78,7 +79,7 @@ fn page([width, height]: [u32; 2]) -> HudPage {
     }
 }
 
-/// The panels and the texts of a page, and the picture's area.
+/// Returns the panels and the texts of a page, and the picture's area.
 fn laid_out(page: &HudPage, size: [u32; 2]) -> (Vec<Rect>, Vec<(Rect, String)>, Rect) {
     let measures = Measures::of(size, 1.0);
     let shapes = Hud::default().shapes(page, size, &measures);
@@ -97,7 +98,7 @@ fn laid_out(page: &HudPage, size: [u32; 2]) -> (Vec<Rect>, Vec<(Rect, String)>, 
     (panels, texts, Rect::from_min_size(epaint::Pos2::ZERO, size.into()))
 }
 
-/// Whether areas share more than an edge and the blank rim of letters.
+/// Returns true if areas share more than an edge and the blank rim of letters.
 fn overlap(one: Rect, other: Rect) -> bool {
     one.shrink(1.5).intersects(other.shrink(1.5))
 }

@@ -1,4 +1,5 @@
-//! The lower edge: what was asked for, and below it what was done or went wrong, or how far a scene has come.
+//! The lower edge: what was asked for, and below it what was done or went wrong, or how far a scene
+//! has come.
 
 use epaint::{Rect, Shape, pos2, vec2};
 
@@ -25,7 +26,7 @@ pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, left: f32) -> f32 {
     asked.or(lowest).map_or(reserved, |area| (area.min.y - MARGIN).min(reserved))
 }
 
-/// A text whose lower left is at that place.
+/// Returns a text whose lower left is at that place.
 fn toast(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
     let widest = canvas.screen.width() - left - 4.0 * MARGIN;
     let galley = canvas.wrapped(text.to_owned(), style, widest);
@@ -38,7 +39,7 @@ fn toast(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32
     area
 }
 
-/// A bar, and above it what is on its way.
+/// Returns a bar, and above it what is on its way.
 fn progress(canvas: &mut Canvas<'_>, what: &str, fraction: Option<f32>, left: f32) -> Rect {
     let screen = canvas.screen;
     let row = canvas.row(TEXT);

@@ -31,8 +31,8 @@ impl Session {
             Action::Freeze => self.freeze()?,
             Action::Identify(pixel) => self.identify(pixel),
             Action::Compare => self.toggle_comparison()?,
-            Action::BirdsEye => {
-                self.has_birds_eye = !self.has_birds_eye;
+            Action::TopDown => {
+                self.has_top_down = !self.has_top_down;
                 self.explain()?;
                 self.tell_if_unexplained();
             }
@@ -41,7 +41,7 @@ impl Session {
                 self.explain()?;
                 self.tell_if_unexplained();
             }
-            Action::Wires => self.toggle_wires(),
+            Action::Wireframe => self.toggle_wireframe(),
             Action::TimePasses => self.toggle_times(),
             Action::Screenshot => self.wants_screenshot = true,
             Action::Record => self.toggle_recording(),
@@ -98,7 +98,7 @@ impl Session {
         self.toast.refuse(self.clock.now(), text);
     }
 
-    /// How many frames are in flight.
+    /// Returns how many frames are in flight.
     pub fn frames_in_flight(&self) -> usize {
         self.renderer.frames_in_flight()
     }
@@ -132,7 +132,7 @@ impl Session {
 
     /// Says why an explanation that is on shows nothing.
     fn tell_if_unexplained(&mut self) {
-        let is_on = self.has_birds_eye || self.explanation.has_boxes;
+        let is_on = self.has_top_down || self.explanation.has_boxes;
         if is_on && self.strategy == Strategy::Pyramid {
             self.refuse(GPU_KNOWS.to_owned());
         }
@@ -171,10 +171,10 @@ impl Session {
         Ok(())
     }
 
-    fn toggle_wires(&mut self) {
-        self.explanation.has_wires = !self.explanation.has_wires;
+    fn toggle_wireframe(&mut self) {
+        self.explanation.has_wireframe = !self.explanation.has_wireframe;
         if let Err(error) = self.explain() {
-            self.explanation.has_wires = !self.explanation.has_wires;
+            self.explanation.has_wireframe = !self.explanation.has_wireframe;
             self.refuse(error.to_string());
         }
     }

@@ -28,11 +28,11 @@ pub enum Action {
     /// What the object at a pixel is, or that in the middle, and why it is drawn or not.
     Identify(Option<[u32; 2]>),
     /// The view from above in a corner.
-    BirdsEye,
+    TopDown,
     /// The boxes that are tested, coloured by what is known of them.
     Boxes,
     /// The edges of all triangles.
-    Wires,
+    Wireframe,
     /// The GPU time of every pass.
     TimePasses,
     /// A picture of what is on the screen.
@@ -69,7 +69,8 @@ pub enum Action {
     Quit,
 }
 
-/// The keys: how they are called, what they do, as text and as an action; in the order of [`GROUPS`].
+/// The keys: how they are called, what they do, as text and as an action; in the order of
+/// [`GROUPS`].
 pub const KEYS: [(&str, &str, Action); 20] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
@@ -83,9 +84,9 @@ pub const KEYS: [(&str, &str, Action); 20] = [
     ("V", "compare with no culling", Action::Compare),
     ("C", "freeze the culling", Action::Freeze),
     ("I", "what is in the middle", Action::Identify(None)),
-    ("B", "bird's-eye view", Action::BirdsEye),
+    ("B", "view from above", Action::TopDown),
     ("X", "boxes that are tested", Action::Boxes),
-    ("G", "wires", Action::Wires),
+    ("G", "wireframe", Action::Wireframe),
     ("T", "GPU time of passes", Action::TimePasses),
     ("F", "frames in flight", Action::NextFramesInFlight),
     ("P", "present mode", Action::NextPresentMode),
@@ -118,8 +119,8 @@ pub const STEERING: [(&str, &str); 5] = [
 ];
 
 impl Action {
-    /// Returns what the key of that name does: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a digit, or a letter of
-    /// any case.
+    /// Returns what the key of that name does: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a digit, or a
+    /// letter of any case.
     pub fn of_key(name: &str) -> Option<Self> {
         let same = |(key, _, _): &&(&str, &str, Action)| key.eq_ignore_ascii_case(name);
         if let Some(number) = name.parse().ok().filter(|number| (1..=9).contains(number)) {
@@ -128,7 +129,7 @@ impl Action {
         KEYS.iter().chain(&FILE_KEYS).find(same).map(|(_, _, action)| *action)
     }
 
-    /// An action as scripts write it.
+    /// Returns an action as scripts write it.
     ///
     /// # Errors
     /// A sentence, where there is no such action or value.
@@ -156,9 +157,9 @@ impl Action {
                 ("compare", None) => Self::Compare,
                 ("identify", None) => Self::Identify(None),
                 ("identify", Some(pixel)) => Self::Identify(Some(parse_pixel(pixel)?)),
-                ("birds_eye", None) => Self::BirdsEye,
+                ("top_down", None) => Self::TopDown,
                 ("boxes", None) => Self::Boxes,
-                ("wires", None) => Self::Wires,
+                ("wireframe", None) => Self::Wireframe,
                 ("time_passes", None) => Self::TimePasses,
                 ("screenshot", None) => Self::Screenshot,
                 ("record", None) => Self::Record,
@@ -197,9 +198,9 @@ const NAMES: [&str; 26] = [
     "freeze",
     "compare",
     "identify",
-    "birds_eye",
+    "top_down",
     "boxes",
-    "wires",
+    "wireframe",
     "time_passes",
     "screenshot",
     "record",
@@ -228,7 +229,7 @@ fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// The present mode of that name.
+/// Returns the present mode of that name.
 ///
 /// # Errors
 /// A sentence with all names.

@@ -28,7 +28,8 @@ const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 /// Runs in a window until that is closed, or a signal comes.
 ///
 /// # Errors
-/// No display, or one that fails; a device or a file that is not what it should be; messages of the validation layer.
+/// No display, or one that fails; a device or a file that is not what it should be; messages of the
+/// validation layer.
 pub fn run(
     source: &Source,
     options: &ShowOptions,

@@ -58,7 +58,8 @@ pub struct CityArguments {
 }
 
 impl CityArguments {
-    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come later.
+    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come
+    /// later.
     ///
     /// # Errors
     /// A scene out of a file.

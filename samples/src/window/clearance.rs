@@ -7,8 +7,8 @@ use scene::{Mesh, Scene};
 /// Rays per row and per column, over the middle half of the picture.
 const RAYS: usize = 5;
 
-/// Returns the median distance, in metres, at which rays through the middle of a view meet a triangle of
-/// the scene at rest; infinite where most meet none.
+/// Returns the median distance, in metres, at which rays through the middle of a view meet a
+/// triangle of the scene at rest; infinite where most meet none.
 pub fn clearance_m(scene: &Scene, camera: &Camera) -> f32 {
     let right = camera.forward.cross(camera.up).normalize_or(Vec3::X);
     let up = right.cross(camera.forward).normalize_or(Vec3::Y);
@@ -38,7 +38,7 @@ fn meets_box(bounds: &Aabb, eye: Vec3, ray: Vec3) -> bool {
     enter <= leave && leave >= 0.0
 }
 
-/// The nearest triangle along the ray, from either side (Möller and Trumbore, 1997).
+/// Returns the nearest triangle along the ray, from either side (Möller and Trumbore, 1997).
 fn nearest_of_mesh_m(mesh: &Mesh, transform: &Affine3A, eye: Vec3, ray: Vec3) -> f32 {
     let inverse = transform.inverse();
     let (eye, ray) = (inverse.transform_point3(eye), inverse.transform_vector3(ray));

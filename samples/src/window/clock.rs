@@ -1,4 +1,5 @@
-//! The clock of a frame loop: the one that displays and GPUs tell their times on, where there is one.
+//! The clock of a frame loop: the one that displays and GPUs tell their times on, where there is
+//! one.
 
 use pacing::Time;
 
@@ -7,7 +8,7 @@ use pacing::Time;
 pub struct Clock;
 
 impl Clock {
-    /// The time now: `CLOCK_MONOTONIC` on Unix.
+    /// Returns the time now: `CLOCK_MONOTONIC` on Unix.
     #[cfg(unix)]
     pub fn now(&self) -> Time {
         let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
@@ -16,7 +17,7 @@ impl Clock {
         Time::from_nanos(seconds.saturating_mul(1_000_000_000).saturating_add(nanos))
     }
 
-    /// The time now, since the first time anybody asked.
+    /// Returns the time now, since the first time anybody asked.
     #[cfg(not(unix))]
     pub fn now(&self) -> Time {
         static ORIGIN: std::sync::LazyLock<std::time::Instant> =

@@ -43,8 +43,8 @@ impl Session {
         Some(format!("{shown}: {}{times}", comparison.tally().text()))
     }
 
-    /// Draws a frame by the strategy in use; while frames are compared, also one without culling. The one
-    /// that is shown comes last, and is copied to `picture`.
+    /// Draws a frame by the strategy in use; while frames are compared, also one without culling.
+    /// The one that is shown comes last, and is copied to `picture`.
     pub(super) fn render(
         &mut self,
         camera: Camera,

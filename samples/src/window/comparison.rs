@@ -150,7 +150,8 @@ impl Comparison {
         Ok(Some(self.pairs.len() - 1))
     }
 
-    /// Returns where a side of a pair is copied to, beside the history of the frames without culling.
+    /// Returns where a side of a pair is copied to, beside the history of the frames without
+    /// culling.
     pub fn split(&mut self, pair: usize, side: Side) -> (&mut ViewState, Option<&Readback>) {
         let picture = self.pairs.get(pair).map(|pair| &pair.pictures[side as usize]);
         (&mut self.unculled, picture)

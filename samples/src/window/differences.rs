@@ -18,8 +18,8 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// Compares two pictures of `width` pixels a row, four bytes a pixel. Pictures of different lengths
-    /// differ in every pixel that one of them lacks.
+    /// Compares two pictures of `width` pixels a row, four bytes a pixel. Pictures of different
+    /// lengths differ in every pixel that one of them lacks.
     pub fn between(a: &[u8], b: &[u8], width: u32) -> Self {
         if a == b || width == 0 {
             return Self::default();

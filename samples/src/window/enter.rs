@@ -15,7 +15,8 @@ use bench::strategy::Strategy;
 use bench::terminal::shown;
 
 impl Session {
-    /// Shows `loaded` from now on, from its first frame. What it replaces goes when the GPU is through.
+    /// Shows `loaded` from now on, from its first frame. What it replaces goes when the GPU is
+    /// through.
     ///
     /// # Errors
     /// A device that cannot do it; then it goes on with what it showed.

@@ -1,11 +1,13 @@
-//! A camera that flies where it is steered: the same way in the same time, however many frames that takes.
+//! A camera that flies where it is steered: the same way in the same time, however many frames that
+//! takes.
 
 use cull::Camera;
 use glam::Vec3;
 
 /// So many times as fast in a hurry.
 const HURRY: f32 = 6.0;
-/// So many times as fast for each notch of the wheel, and how far that goes from the speed it began with.
+/// So many times as fast for each notch of the wheel, and how far that goes from the speed it began
+/// with.
 const NOTCH: f32 = 1.25;
 const MOST_TIMES: f32 = 1e3;
 /// Radians for a pixel that the mouse moved.
@@ -89,7 +91,7 @@ impl FlyCamera {
         self.speed_m * self.times
     }
 
-    /// What it sees.
+    /// Returns what it sees.
     pub fn camera(&self) -> Camera {
         Camera {
             eye: self.eye,

@@ -1,6 +1,6 @@
 //! How evenly frames came under the conditions that hold: others start anew.
 
-use pacing::{FrameId, FrameStatistics, FrameTiming, HitchRule, PacingError, Summary};
+use pacing::{FrameStatistics, FrameTiming, HitchRule, PacedFrameId, PacingError, Summary};
 
 use super::conditions::Conditions;
 
@@ -13,7 +13,7 @@ pub struct FramePacingStats {
     statistics: FrameStatistics,
     conditions: Option<Conditions>,
     /// The first frame under these conditions. Its time is from a frame under others to it.
-    first: Option<FrameId>,
+    first: Option<PacedFrameId>,
 }
 
 impl FramePacingStats {
@@ -28,22 +28,22 @@ impl FramePacingStats {
 
     /// Takes that the frame `next` and later ones come under `conditions`. Frames under others are
     /// forgotten.
-    pub fn follow(&mut self, conditions: Conditions, next: FrameId) {
+    pub fn follow(&mut self, conditions: Conditions, next: PacedFrameId) {
         if self.conditions != Some(conditions) {
             self.statistics.clear();
             self.first = self.conditions.replace(conditions).map(|_| next);
         }
     }
 
-    /// Takes a frame in, unless its time says anything about the conditions before: of some frames that
-    /// is known only later.
-    pub fn record(&mut self, frame: FrameId, timing: FrameTiming) {
+    /// Takes a frame in, unless its time says anything about the conditions before: of some frames
+    /// that is known only later.
+    pub fn record(&mut self, frame: PacedFrameId, timing: FrameTiming) {
         if self.first.is_none_or(|first| frame > first) {
             self.statistics.record(timing);
         }
     }
 
-    /// All numbers over the frames held.
+    /// Returns all numbers over the frames held.
     pub fn summary(&mut self) -> Summary {
         self.statistics.summary()
     }
@@ -67,7 +67,7 @@ mod tests {
                 missed: Some(1),
                 ..FrameTiming::default()
             };
-            evenness.record(FrameId(frame), timing);
+            evenness.record(PacedFrameId(frame), timing);
         }
     }
 
@@ -90,11 +90,11 @@ mod tests {
             Conditions { is_comparing: true, ..old },
         ] {
             let mut evenness = FramePacingStats::new().unwrap();
-            evenness.follow(old, FrameId(0));
+            evenness.follow(old, PacedFrameId(0));
             record(&mut evenness, 0..10, 16);
-            evenness.follow(old, FrameId(12));
+            evenness.follow(old, PacedFrameId(12));
             assert_eq!(evenness.summary().missed_refreshes, Some(10));
-            evenness.follow(new, FrameId(12));
+            evenness.follow(new, PacedFrameId(12));
             assert_eq!(evenness.summary(), Summary::default(), "{new:?}");
             record(&mut evenness, 10..13, 16);
             assert_eq!(evenness.summary().frames, 0, "these began under the conditions before");

@@ -101,8 +101,8 @@ impl FrameTimes {
         self.overlay_cpu.push(report.overlay_cpu.as_secs_f32() * 1e3 + overlay_ms);
     }
 
-    /// Takes that a frame with or without culling was sent off; `passes` are of the one that had its slot
-    /// before, if its passes were timed.
+    /// Takes that a frame with or without culling was sent off; `passes` are of the one that had
+    /// its slot before, if its passes were timed.
     pub fn sent(&mut self, side: Side, passes: &[PassTime]) {
         self.sent.push_back(side);
         let in_flight = self.conditions.map_or(0, |conditions| conditions.frames_in_flight);
@@ -137,8 +137,8 @@ impl FrameTimes {
         (count > 0).then(|| sum_ms / count as f32)
     }
 
-    /// Returns the usual time of the engine on the CPU and the mean one of the overlay, which is laid out
-    /// in some frames only, in milliseconds.
+    /// Returns the usual time of the engine on the CPU and the mean one of the overlay, which is
+    /// laid out in some frames only, in milliseconds.
     pub fn cpu_ms(&self) -> [Option<f32>; 2] {
         [self.cpu.median(), self.overlay_cpu.mean()]
     }
@@ -159,7 +159,7 @@ impl FrameTimes {
     }
 }
 
-/// Whether a pass explains or lies flat over the picture.
+/// Returns true if a pass explains or lies flat over the picture.
 pub fn is_overlay(pass: &&PassTime) -> bool {
     OVERLAY_PASSES.contains(&pass.label)
 }

@@ -1,8 +1,8 @@
 //! A gamepad: sticks and triggers steer, buttons do actions.
 //!
-//! [`PadState`] turns numbers of the device into a flight, and [`action_of`] buttons into actions: pure. A
-//! thread reads what Linux has under `/dev/input`: without a gamepad, or without the right to read it,
-//! it looks again from time to time.
+//! [`PadState`] turns numbers of the device into a flight, and [`action_of`] buttons into actions:
+//! pure. A thread reads what Linux has under `/dev/input`: without a gamepad, or without the right
+//! to read it, it looks again from time to time.
 
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -92,7 +92,7 @@ pub fn action_of(button: KeyCode) -> Option<Action> {
         KeyCode::BTN_SOUTH => Some(Action::NextStrategy),
         KeyCode::BTN_WEST => Some(Action::Freeze),
         KeyCode::BTN_NORTH => Some(Action::Compare),
-        KeyCode::BTN_EAST => Some(Action::BirdsEye),
+        KeyCode::BTN_EAST => Some(Action::TopDown),
         KeyCode::BTN_THUMBR => Some(Action::Identify(None)),
         KeyCode::BTN_START => Some(Action::Help),
         _ => None,

@@ -63,8 +63,8 @@ impl Opened {
         }
     }
 
-    /// Keeps the mouse in the window. Not every window system can; looking around works all the same,
-    /// up to the edge of the screen.
+    /// Keeps the mouse in the window. Not every window system can; looking around works all the
+    /// same, up to the edge of the screen.
     fn grab(&self) {
         let locked = self.window.set_cursor_grab(CursorGrabMode::Locked);
         let _free = locked.or_else(|_| self.window.set_cursor_grab(CursorGrabMode::Confined));

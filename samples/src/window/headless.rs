@@ -1,4 +1,5 @@
-//! The program without a window: the same frames, one a sixtieth of a second, as pictures if wanted.
+//! The program without a window: the same frames, one a sixtieth of a second, as pictures if
+//! wanted.
 
 use std::ops::ControlFlow;
 use std::path::Path;

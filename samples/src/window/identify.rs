@@ -28,8 +28,8 @@ impl Session {
         self.selection.pixel = Some([x.min(width - 1), y.min(height - 1)]);
     }
 
-    /// Takes what is known by now, then asks about the pixel that was clicked last; never waits. For the
-    /// scene as the last frame drew it.
+    /// Takes what is known by now, then asks about the pixel that was clicked last; never waits.
+    /// For the scene as the last frame drew it.
     pub(super) fn follow_selection(&mut self) -> Result<(), RunError> {
         if let Some(pick) = &self.selection.pick {
             // A newer click waits, so that many of them cannot keep all from being answered.

@@ -141,7 +141,7 @@ impl Input {
         *self = Self::default();
     }
 
-    /// Where the keys steer.
+    /// Returns where the keys steer.
     pub fn steering(&self) -> Steering {
         let between = |forth: usize, back: usize| {
             f32::from(u8::from(self.held[forth])) - f32::from(u8::from(self.held[back]))

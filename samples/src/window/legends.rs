@@ -2,18 +2,18 @@
 
 use bench::legend;
 use render::{
-    Area, BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, DebugOverlay, SELECTED, WIRES,
+    BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, DebugOverlay, Rect, SELECTED, WIRES,
 };
 
 use crate::hud::Legend;
 
 /// Returns the legend of the view from above in `area`, or of a whole picture.
-pub fn from_above(area: Option<Area>) -> Legend {
+pub fn from_above(area: Option<Rect>) -> Legend {
     Legend { title: legend::TITLE_FROM_ABOVE, entries: legend::from_above(), area }
 }
 
-/// Returns the legends of everything that is explained; `is_frozen` where the picture is of a moment
-/// that stands still.
+/// Returns the legends of everything that is explained; `is_frozen` where the picture is of a
+/// moment that stands still.
 pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
     let mut legends = Vec::new();
     if is_frozen {
@@ -23,10 +23,10 @@ pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
         let entries = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED].map(Into::into).to_vec();
         legends.push(Legend { title: "Boxes that are tested", entries, area: None });
     }
-    if explanation.has_wires {
+    if explanation.has_wireframe {
         legends.push(Legend { title: "Wires", entries: vec![WIRES.into()], area: None });
     }
-    legends.extend(explanation.birds_eye.map(|area| from_above(Some(area))));
+    legends.extend(explanation.top_down.map(|area| from_above(Some(area))));
     legends
 }
 
@@ -41,9 +41,9 @@ mod tests {
 
     #[test]
     fn every_colour_that_is_shown_has_a_meaning() {
-        let area = Area { origin: [1, 2], size: [3, 4] };
+        let area = Rect { origin: [1, 2], size: [3, 4] };
         let nothing = DebugOverlay::default();
-        let all = DebugOverlay { has_wires: true, has_boxes: true, birds_eye: Some(area) };
+        let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(area) };
         let titles = |explanation, is_frozen| -> Vec<&str> {
             of(explanation, is_frozen).iter().map(|legend| legend.title).collect()
         };

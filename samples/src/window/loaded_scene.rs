@@ -27,7 +27,7 @@ pub struct LoadedScene {
 }
 
 impl LoadedScene {
-    /// An empty sky, until something comes.
+    /// Returns an empty sky, until something comes.
     ///
     /// # Errors
     /// When the device fails.
@@ -106,7 +106,7 @@ impl LoadedScene {
     }
 }
 
-/// Where one stands at first: in a street, or over it all where there are none.
+/// Returns where one stands at first: in a street, or over it all where there are none.
 fn start(routes: &Routes) -> Result<Course, RunError> {
     let made = |path| Course::new(&PathChoice::Made(path), routes);
     made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))

@@ -29,7 +29,8 @@ struct Shared {
     is_given_up: AtomicBool,
 }
 
-/// A scene that is being loaded or made. Dropped, it is given up, which is waited for: the device outlives it.
+/// A scene that is being loaded or made. Dropped, it is given up, which is waited for: the device
+/// outlives it.
 pub struct Loading {
     source: Source,
     shared: Arc<Shared>,
@@ -81,12 +82,12 @@ impl Loading {
         &self.source
     }
 
-    /// How far it has come.
+    /// Returns how far it has come.
     pub fn progress(&self) -> Progress {
         self.shared.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What became of it, once that is known.
+    /// Returns what became of it, once that is known.
     pub fn finished(&mut self) -> Option<Result<LoadedScene, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         let crashed = |_| RunError::machine(format!("loading {} failed", self.source.name()));

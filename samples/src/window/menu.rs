@@ -119,7 +119,8 @@ impl Menu {
         }
     }
 
-    /// Takes a key; returns what was chosen by it. In a list, a digit chooses the row of that number.
+    /// Takes a key; returns what was chosen by it. In a list, a digit chooses the row of that
+    /// number.
     pub fn key(&mut self, key: &MenuKey) -> Option<Choice> {
         match self {
             Self::List { rows, selected, .. } => {
@@ -195,7 +196,8 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     Menu::list("strategy", rows, |row| row.choice == Choice::Strategy(current))
 }
 
-/// Returns the list of scenes: the made ones, then files, each once. That of the name `shown` is selected.
+/// Returns the list of scenes: the made ones, then files, each once. That of the name `shown` is
+/// selected.
 pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
     let made = [choices::Scene::City, choices::Scene::Field];
     let made = made.map(|scene| Row { label: scene.to_string(), choice: Choice::Made(scene) });

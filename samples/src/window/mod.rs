@@ -1,10 +1,10 @@
 //! The programs `city` and `viewer`, in a window and without one.
 //!
 //! [`args`] and [`viewer_args`] turn command lines into a [`source`] and [how to show](show) it. It
-//! becomes a [`loaded_scene`]: a renderer, and the [`scene_view`] with its cameras and what moves; files
-//! do so while frames go on ([`loading`]). A [`session`] draws one frame after the other, whoever asks:
-//! [`app`] when its [`screen`]'s pacer says so, [`headless`] at once. Keys and scripts have [`actions`]
-//! done ([`act`]).
+//! becomes a [`loaded_scene`]: a renderer, and the [`scene_view`] with its cameras and what moves;
+//! files do so while frames go on ([`loading`]). A [`session`] draws one frame after the other,
+//! whoever asks: [`app`] when its [`screen`]'s pacer says so, [`headless`] at once. Keys and
+//! scripts have [`actions`] done ([`act`]).
 
 pub mod act;
 pub mod actions;
@@ -97,7 +97,7 @@ pub fn end(options: Result<(Source, ShowOptions), RunError>) -> ExitCode {
     ending.exit()
 }
 
-/// The first error, which is the cause; the others are told on the log.
+/// Keeps the first error, which is the cause; the others are told on the log.
 fn first_error<const COUNT: usize>(results: [Result<(), RunError>; COUNT]) -> Result<(), RunError> {
     let mut errors = results.into_iter().filter_map(Result::err);
     let first = errors.next();
@@ -105,7 +105,7 @@ fn first_error<const COUNT: usize>(results: [Result<(), RunError>; COUNT]) -> Re
     first.map_or(Ok(()), Err)
 }
 
-/// What the validation layer found is an error of the program.
+/// Makes what the validation layer found an error of the program.
 fn check_log(log: &ValidationLog) -> Result<(), RunError> {
     let messages = log.drain();
     match messages.first() {

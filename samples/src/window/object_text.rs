@@ -43,7 +43,7 @@ impl ObjectCard<'_> {
             fact("decision", self.decision()),
         ];
         // Other strategies keep no history here, or ask by other ways.
-        if !self.strategy.is_governed() {
+        if !self.strategy.uses_cost_model() {
             return facts;
         }
         if let Decision::Tested { leaves, level, history, .. } = explained.decision
@@ -72,7 +72,7 @@ impl ObjectCard<'_> {
             Tester::Flag => "a fragment flag",
             Tester::Query => "an occlusion query",
             Tester::Compute => "the compute test",
-            Tester::Behind(_) => "the test of a box in front",
+            Tester::SharedProxy(_) => "the test of a box in front",
         };
         match self.explained.decision {
             Decision::Outside => "not drawn: outside of the frustum".to_owned(),
@@ -90,7 +90,7 @@ impl ObjectCard<'_> {
             Decision::Tested { leaves, kind, tester, .. } => {
                 let whose = if leaves > 1 { "the box of its group" } else { "its box" };
                 let each = match (kind, leaves) {
-                    (QueryKind::Parts, 2..) => ", then its own",
+                    (QueryKind::PerLeaf, 2..) => ", then its own",
                     _ => "",
                 };
                 let tested = format!("{whose} is tested{each} by {}", by(tester));
@@ -147,14 +147,15 @@ fn in_frames(frames: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use cull::{Camera, Culler, FramePlan, Hierarchy, ObjectId, Policy, QueryTag, View};
+    use cull::{Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, QueryTag, View};
 
     use super::*;
 
     const CAMERA: Camera =
         Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
 
-    /// A wall, a cube behind it, and one behind the eye, after some frames in which the wall alone shows.
+    /// Returns a wall, a cube behind it, and one behind the eye, after some frames in which the
+    /// wall alone shows.
     fn facts(object: u32, strategy: Strategy) -> String {
         let cube = |z: f32, half: f32| {
             cull::Aabb::new(Vec3::new(-half, -half, z - 1.0), Vec3::new(half, half, z))
@@ -162,7 +163,7 @@ mod tests {
         let hierarchy =
             Hierarchy::build(&[cube(-5.0, 4.0), cube(-9.0, 0.5), cube(9.0, 0.5)]).unwrap();
         let view = View::new(&CAMERA, [64, 64], 8);
-        let mut culler = Culler::new(Policy::default());
+        let mut culler = Culler::new(CullConfig::default());
         let mut plan = FramePlan::default();
         let wall = hierarchy.node_of(ObjectId(0)).unwrap();
         let mut answers: Vec<cull::Answer> = Vec::new();

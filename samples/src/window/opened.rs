@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use gpu::{
-    Device, DeviceOptions, DisplayLink, Fallback, Instance, NotShown, PresentMode, Shown, Surface,
-    WindowSystem,
+    Device, DeviceOptions, DisplayLink, Fallback, Instance, PresentMode, PresentSkipped, Shown,
+    Surface, WindowSystem,
 };
-use pacing::{FrameId, Step, Time};
+use pacing::{PacedFrameId, Step, Time};
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
@@ -121,7 +121,7 @@ impl Opened {
         })
     }
 
-    /// One turn of the loop.
+    /// Returns one turn of the loop.
     pub(super) fn turn(
         &mut self,
         input: &Input,
@@ -163,7 +163,7 @@ impl Opened {
     }
 
     /// Draws a frame and shows it.
-    fn frame(&mut self, input: &Input, frame: FrameId) -> Result<Next, RunError> {
+    fn frame(&mut self, input: &Input, frame: PacedFrameId) -> Result<Next, RunError> {
         if !self.screen.is_ready()? {
             self.screen.drop_frame(frame);
             return Ok(Next::Now);
@@ -209,13 +209,15 @@ impl Opened {
             self.not_before = now.after(WAITING_INTERVAL);
         }
         match shown {
-            Shown::Not(NotShown::WindowGone) => Ok(Next::End),
-            Shown::Not(reason @ NotShown::DeviceLost) => Err(RunError::machine(reason)),
-            Shown::Not(NotShown::NoArea) => {
+            Shown::Not(PresentSkipped::WindowGone) => Ok(Next::End),
+            Shown::Not(reason @ PresentSkipped::DeviceLost) => Err(RunError::machine(reason)),
+            Shown::Not(PresentSkipped::NoArea) => {
                 self.not_before = now.after(HIDDEN_INTERVAL);
                 Ok(Next::Now)
             }
-            Shown::Not(NotShown::Hidden | NotShown::OutOfDate | NotShown::SurfaceLost)
+            Shown::Not(
+                PresentSkipped::Hidden | PresentSkipped::OutOfDate | PresentSkipped::SurfaceLost,
+            )
             | Shown::Presented(_) => Ok(Next::Now),
         }
     }
@@ -255,8 +257,8 @@ impl Opened {
         self.session.tell(format!("present mode {mode}"));
     }
 
-    /// Says which present mode it is, if not the one that was wanted. That is known when the window has
-    /// its images.
+    /// Says which present mode it is, if not the one that was wanted. That is known when the window
+    /// has its images.
     fn tell_fallback(&mut self) {
         let fallback = self.screen.swapchain().fallback();
         if let Some(Fallback { wanted, taken }) = fallback

@@ -23,8 +23,8 @@ const FLASH: Duration = Duration::from_millis(800);
 const MOST_VIEWED: usize = 64;
 
 impl Session {
-    /// Lays the HUD out, or without one only what cannot be or went wrong, and signs; `scale` pixels are
-    /// a point. Where there is nothing to draw, nothing is kept for it.
+    /// Lays the HUD out, or without one only what cannot be or went wrong, and signs; `scale`
+    /// pixels are a point. Where there is nothing to draw, nothing is kept for it.
     ///
     /// # Errors
     /// When the device fails.
@@ -77,7 +77,8 @@ impl Session {
         }
     }
 
-    /// Takes what the newest frame cost, and remembers what it was seen from until its answers are home.
+    /// Takes what the newest frame cost, and remembers what it was seen from until its answers are
+    /// home.
     pub(super) fn measure(&mut self, camera: Camera) {
         self.times.take(&self.report);
         if self.viewed.len() == MOST_VIEWED {
@@ -161,8 +162,8 @@ impl Session {
         }
     }
 
-    /// Returns what was asked for and is answered in words: the list or field that is open, or else what
-    /// a comparison found and what is said of the selected object.
+    /// Returns what was asked for and is answered in words: the list or field that is open, or else
+    /// what a comparison found and what is said of the selected object.
     fn asked_for(&self) -> Option<String> {
         if let Some(menu) = &self.menu {
             return Some(menu.text());

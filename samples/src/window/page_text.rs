@@ -178,13 +178,13 @@ impl Known<'_> {
         ]
     }
 
-    /// What all this text costs, beside the engine's own numbers.
+    /// Returns what all this text costs, beside the engine's own numbers.
     fn overlay(&self) -> Facts {
         let ([_, cpu], [_, gpu]) = (self.times.cpu_ms(), self.times.gpu_ms());
         vec![fact("this overlay, CPU", in_ms(cpu)), fact("this overlay, GPU", in_ms(gpu))]
     }
 
-    /// The GPU time by label, in the order of the frame.
+    /// Returns the GPU time by label, in the order of the frame.
     fn pass_rows(&self) -> Facts {
         let mut sums: Vec<(&str, f64)> = Vec::new();
         let engine = self.times.passes().iter().filter(|pass: &&PassTime| !is_overlay(pass));
@@ -215,7 +215,7 @@ fn what_is_shown(screen: &ScreenFacts) -> Vec<(String, String)> {
     facts
 }
 
-/// How evenly the newest frames came.
+/// Returns how evenly the newest frames came.
 fn how_evenly(screen: &ScreenFacts) -> Facts {
     let summary = &screen.summary;
     let of = |times: Option<Distribution>, pick: fn(&Distribution) -> Duration| {
@@ -253,7 +253,7 @@ fn ms(ms: Option<f64>) -> String {
     ms.map_or(UNKNOWN.to_owned(), |ms| format!("{ms:.2} ms"))
 }
 
-/// Three digits that matter, and the unit.
+/// Returns three digits that matter, and the unit.
 pub(super) fn in_ms(ms: Option<f32>) -> String {
     match ms {
         None => UNKNOWN.to_owned(),
@@ -263,7 +263,7 @@ pub(super) fn in_ms(ms: Option<f32>) -> String {
     }
 }
 
-/// Three digits that matter.
+/// Returns three digits that matter.
 fn digits(ms: f64) -> String {
     match ms {
         _ if ms < 9.995 => format!("{ms:.2}"),
@@ -272,7 +272,7 @@ fn digits(ms: f64) -> String {
     }
 }
 
-/// A number that fits a column: of millions, three digits that matter.
+/// Returns a number that fits a column: of millions, three digits that matter.
 fn short(number: u64) -> String {
     match number {
         0..1_000_000 => grouped(number),

@@ -21,7 +21,7 @@ pub struct PendingScenes {
 }
 
 impl PendingScenes {
-    /// What is shown at once, and what is on its way.
+    /// Returns what is shown at once, and what is on its way.
     ///
     /// # Errors
     /// A scene that cannot be made; a device that cannot do it.
@@ -48,12 +48,12 @@ impl PendingScenes {
         Ok((Self { loading, is_first, is_invited }, loaded))
     }
 
-    /// Whether the window still waits for what it was opened for.
+    /// Returns true if the window still waits for what it was opened for.
     pub fn is_first_awaited(&self) -> bool {
         self.is_first
     }
 
-    /// Whether anything is on its way.
+    /// Returns true if anything is on its way.
     pub fn is_awaited(&self) -> bool {
         self.loading.is_some()
     }
@@ -78,8 +78,8 @@ impl PendingScenes {
     /// Looks what has come, and has `session` show it; answers whether anything is to be told.
     ///
     /// # Errors
-    /// What the window was opened for cannot be shown; a failed device. Another file that cannot be shown
-    /// leaves the scene as it is, and is told of.
+    /// What the window was opened for cannot be shown; a failed device. Another file that cannot be
+    /// shown leaves the scene as it is, and is told of.
     pub fn look(&mut self, session: &mut Session) -> Result<bool, RunError> {
         if !std::mem::replace(&mut self.is_invited, true) {
             session.keep_telling(DROP_ONE.to_owned());

@@ -1,4 +1,5 @@
-//! The mouse: looks around while a button is held or while it is captured; a click asks what is there.
+//! The mouse: looks around while a button is held or while it is captured; a click asks what is
+//! there.
 
 /// Counts pixels: a mouse that moved less between press and release has clicked.
 const DRAG_PIXELS: f64 = 4.0;

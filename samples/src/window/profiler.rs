@@ -1,4 +1,5 @@
-//! Scopes of the frame loop: each is in the trace and, with the feature `tracy`, in that profiler, too.
+//! Scopes of the frame loop: each is in the trace and, with the feature `tracy`, in that profiler,
+//! too.
 
 use gpu::PassTime;
 use pacing::Time;
@@ -26,8 +27,8 @@ impl Scope {
     }
 }
 
-/// What Tracy is told besides scopes. It listens on this machine only, and keeps nothing while nobody is
-/// connected. Without the feature `tracy` there is no thread and no socket.
+/// What Tracy is told besides scopes. It listens on this machine only, and keeps nothing while
+/// nobody is connected. Without the feature `tracy` there is no thread and no socket.
 #[cfg(feature = "tracy")]
 pub struct Profiler {
     client: tracy_client::Client,

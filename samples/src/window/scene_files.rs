@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Returns the glTF files that were opened, the newest first, and those in the folder of the newest, or in
-/// the working folder if none was.
+/// Returns the glTF files that were opened, the newest first, and those in the folder of the
+/// newest, or in the working folder if none was.
 pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
     let newest = opened.last().and_then(|file| file.parent());
     let folder = newest.filter(|folder| !folder.as_os_str().is_empty());
@@ -22,7 +22,7 @@ pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
     files
 }
 
-/// The glTF files in a folder, by name. None of one that cannot be read.
+/// Returns the glTF files in a folder, by name. None of one that cannot be read.
 fn beside(folder: &Path, is_named: bool) -> BTreeSet<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
     let files = entries.map(|entry| match is_named {

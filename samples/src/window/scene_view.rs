@@ -78,7 +78,7 @@ impl MeshNames {
 /// What moves in a scene out of a file.
 struct Life {
     animator: SceneAnimator,
-    cameras: Vec<import::Camera>,
+    cameras: Vec<import::SceneCamera>,
     /// Which clips play.
     clips: Clips,
     /// When objects take coarser forms; never where it is `None`.
@@ -93,7 +93,7 @@ fn detail_policy(error_pixels: f32) -> DetailPolicy {
 }
 
 impl SceneView {
-    /// Where nothing moves but the camera.
+    /// Returns where nothing moves but the camera.
     pub fn still(name: &str, start: Camera) -> Self {
         Self {
             name: name.to_owned(),
@@ -108,7 +108,7 @@ impl SceneView {
         }
     }
 
-    /// The same, and the meshes of `scene` have names.
+    /// Creates the same, and the meshes of `scene` have names.
     pub fn with_names(mut self, scene: &Scene) -> Self {
         self.names = MeshNames::of(scene);
         self
@@ -120,14 +120,14 @@ impl SceneView {
         self.names.names.get(mesh as usize).map(String::as_str)
     }
 
-    /// The same, and the camera goes its own way.
+    /// Creates the same, and the camera goes its own way.
     pub fn with_course(mut self, course: Option<Course>) -> Self {
         self.guide = course.map_or(Guide::Nobody, Guide::Course);
         self
     }
 
-    /// What a file brought, seen on pictures of that size at first, whose left is covered up to a share of
-    /// the width.
+    /// Returns what a file brought, seen on pictures of that size at first, whose left is covered
+    /// up to a share of the width.
     ///
     /// # Errors
     /// A camera that the file does not have; a recorded path that is none.
@@ -152,7 +152,8 @@ impl SceneView {
         animator.pose(0.0);
         let around = playback::portrait(&bounds, size, covered);
         let first = camera.and_then(|place| Some((place, cameras.get(place)?)));
-        // A camera that nobody asked for and that a clip moves may begin in a wall, or right before one.
+        // A camera that nobody asked for and that a clip moves may begin in a wall, or right before
+        // one.
         let is_free = wanted.is_none() && recorded.is_none();
         let moved = first.filter(|(_, camera)| {
             is_free
@@ -190,7 +191,8 @@ impl SceneView {
         })
     }
 
-    /// Where the camera is by itself in a frame of `size` pixels; nowhere where somebody steers.
+    /// Returns where the camera is by itself in a frame of `size` pixels; nowhere where somebody
+    /// steers.
     pub fn camera(&self, frame: u32, size: [u32; 2]) -> Option<Camera> {
         match (&self.guide, &self.life) {
             (Guide::Course(course), _) => Some(course.camera(frame)),
@@ -216,8 +218,8 @@ impl SceneView {
         life.animator.pose(life.seconds);
     }
 
-    /// Brings everything in `renderer` to where it is now; what `camera`, the only one, cannot see takes no
-    /// pose. Without one everything does.
+    /// Brings everything in `renderer` to where it is now; what `camera`, the only one, cannot see
+    /// takes no pose. Without one everything does.
     ///
     /// # Errors
     /// When the renderer refuses a change.
@@ -242,7 +244,7 @@ impl SceneView {
         }
     }
 
-    /// Whether there are clips or cameras to choose from.
+    /// Returns true if there are clips or cameras to choose from.
     pub fn is_alive(&self) -> bool {
         self.life.is_some()
     }
@@ -257,7 +259,7 @@ impl SceneView {
         Ok(if life.is_paused { "time stands still" } else { "time goes on" }.to_owned())
     }
 
-    /// One step further, and time stands still.
+    /// Returns one step further, and time stands still.
     ///
     /// # Errors
     /// Why that cannot be.
@@ -292,8 +294,8 @@ impl SceneView {
         Ok(told)
     }
 
-    /// Looks at everything where the clip plays no more that moves the camera: without it that is where
-    /// nobody looks from, often inside of something.
+    /// Looks at everything where the clip plays no more that moves the camera: without it that is
+    /// where nobody looks from, often inside of something.
     fn leave_standing_camera(&mut self) {
         let (Guide::Camera(place), Some(life)) = (&self.guide, &self.life) else { return };
         let Some(camera) = life.cameras.get(*place) else { return };
@@ -327,7 +329,7 @@ impl SceneView {
         Ok(told)
     }
 
-    /// What there is to tell of it all the time.
+    /// Returns what there is to tell of it all the time.
     pub fn facts(&self) -> Option<Facts> {
         let life = self.life.as_ref()?;
         let camera = match self.guide {
@@ -357,7 +359,8 @@ impl SceneView {
     }
 }
 
-/// Says how to look through the first of `count` cameras, which a clip moves, and through the others.
+/// Says how to look through the first of `count` cameras, which a clip moves, and through the
+/// others.
 fn how_to_look(first: &str, count: usize) -> String {
     let others = match count {
         0 | 1 => String::new(),

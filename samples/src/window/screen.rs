@@ -7,8 +7,8 @@ use gpu::{
     Device, Optional, PresentId, PresentMode, Shown, Surface, Swapchain, SwapchainOptions, Tick,
 };
 use pacing::{
-    Feedback, FrameId, Pacer, PacerOptions, PresentReports, Presentation, REFRESH_PERIOD, Refresh,
-    Step, Summary, Time, Wait, WaitReason,
+    Feedback, PacedFrameId, Pacer, PacerOptions, PresentReports, Presentation, REFRESH_PERIOD,
+    Refresh, Step, Summary, Time, Wait, WaitReason,
 };
 use render::Renderer;
 
@@ -43,7 +43,7 @@ pub struct ScreenFacts {
 /// A frame that was given to the screen.
 #[derive(Clone, Copy, Debug)]
 struct Queued {
-    frame: FrameId,
+    frame: PacedFrameId,
     id: PresentId,
     tick: Tick,
     is_finished: bool,
@@ -67,8 +67,8 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Shows pictures of `device` in the window of `surface`; its monitor refreshes in about `refresh`,
-    /// if that is known.
+    /// Shows pictures of `device` in the window of `surface`; its monitor refreshes in about
+    /// `refresh`, if that is known.
     ///
     /// # Errors
     /// A device that cannot; a failed call.
@@ -120,7 +120,7 @@ impl Screen {
         })
     }
 
-    /// What to do now: delivers what became known, then asks the pacer.
+    /// Returns what to do now: delivers what became known, then asks the pacer.
     ///
     /// # Errors
     /// A lost device.
@@ -140,11 +140,11 @@ impl Screen {
     /// Shows the newest picture of `renderer` as the pacer's `frame`.
     ///
     /// # Errors
-    /// What has no name in [`gpu::NotShown`].
+    /// What has no name in [`gpu::PresentSkipped`].
     pub fn show(
         &mut self,
         renderer: &Renderer,
-        frame: FrameId,
+        frame: PacedFrameId,
         size: [u32; 2],
     ) -> Result<Shown, RunError> {
         // What is finished by now cannot be what the window's image is waited for.
@@ -173,11 +173,11 @@ impl Screen {
     }
 
     /// The frame that started will not be shown.
-    pub fn drop_frame(&mut self, frame: FrameId) {
+    pub fn drop_frame(&mut self, frame: PacedFrameId) {
         self.pacer.feedback(frame, Feedback::Dropped);
     }
 
-    /// Whether a frame may begin: not while a hidden window holds the one before back.
+    /// Returns whether a frame may begin: not while a hidden window holds the one before back.
     ///
     /// # Errors
     /// A failed call.
@@ -191,7 +191,7 @@ impl Screen {
         self.swapchain.set_mode(mode);
     }
 
-    /// The mode that was asked for last.
+    /// Returns the mode that was asked for last.
     pub fn wanted_mode(&self) -> PresentMode {
         self.wanted
     }
@@ -207,7 +207,7 @@ impl Screen {
         self.pacer.choose(options).map_err(RunError::machine)
     }
 
-    /// What there is to tell.
+    /// Returns what there is to tell.
     pub fn facts(&mut self) -> ScreenFacts {
         ScreenFacts {
             mode: self.swapchain.mode(),
@@ -219,11 +219,11 @@ impl Screen {
     }
 
     /// Takes the conditions of the frame `next`: statistics over others start anew.
-    pub fn follow(&mut self, conditions: Conditions, next: FrameId) {
+    pub fn follow(&mut self, conditions: Conditions, next: PacedFrameId) {
         self.evenness.follow(conditions, next);
     }
 
-    /// The swapchain.
+    /// Returns the swapchain.
     pub fn swapchain(&self) -> &Swapchain {
         &self.swapchain
     }
@@ -310,12 +310,12 @@ impl Screen {
     }
 }
 
-/// The same mode, as the pacer calls it.
-fn pacers(mode: PresentMode) -> pacing::PresentMode {
+/// Returns the same mode, as the pacer calls it.
+fn pacers(mode: PresentMode) -> pacing::PresentationMode {
     match mode {
-        PresentMode::Fifo => pacing::PresentMode::Fifo,
-        PresentMode::FifoRelaxed => pacing::PresentMode::FifoRelaxed,
-        PresentMode::Mailbox => pacing::PresentMode::Mailbox,
-        PresentMode::Immediate => pacing::PresentMode::Immediate,
+        PresentMode::Fifo => pacing::PresentationMode::Fifo,
+        PresentMode::FifoRelaxed => pacing::PresentationMode::FifoRelaxed,
+        PresentMode::Mailbox => pacing::PresentationMode::Mailbox,
+        PresentMode::Immediate => pacing::PresentationMode::Immediate,
     }
 }

@@ -1,7 +1,7 @@
 //! Scripts: what is to be done before which frame, so that a run can be repeated without a hand.
 //!
-//! A line is the number of a frame and a [`Action`]: `60 strategy pyramid`. Frames count from 0, and
-//! do not go back. Empty lines and lines that begin with `#` mean nothing.
+//! A line is the number of a frame and a [`Action`]: `60 strategy pyramid`. Frames count from 0,
+//! and do not go back. Empty lines and lines that begin with `#` mean nothing.
 
 use std::path::Path;
 
@@ -53,7 +53,7 @@ impl Script {
         Ok(Self { lines, next: 0 })
     }
 
-    /// The next action that is to be done before `frame`.
+    /// Returns the next action that is to be done before `frame`.
     pub fn next_before(&mut self, frame: u32) -> Option<Action> {
         let (due, action) = *self.lines.get(self.next)?;
         if due > frame {

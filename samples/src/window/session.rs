@@ -1,4 +1,5 @@
-//! The program without its window: a scene, a camera, and one frame after the other, whoever shows them.
+//! The program without its window: a scene, a camera, and one frame after the other, whoever shows
+//! them.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -8,7 +9,7 @@ use cull::{Camera, FrameId};
 use gpu::{Device, PresentMode, Readback, Tick};
 use pacing::Time;
 use render::{
-    Area, DebugOverlay, FrameOutcome, FrameReport, Renderer, ShaderSet, ViewState,
+    DebugOverlay, FrameOutcome, FrameReport, Rect, Renderer, ShaderSet, ViewState,
     VisibilitySnapshot,
 };
 
@@ -57,7 +58,7 @@ pub struct Session {
     pub(super) selection: Selection,
     /// The list or field that is open.
     pub(super) menu: Option<Menu>,
-    pub(super) has_birds_eye: bool,
+    pub(super) has_top_down: bool,
     pub(super) hud_level: HudLevel,
     /// The page of all keys is open.
     pub(super) has_help: bool,
@@ -122,7 +123,7 @@ impl Session {
             comparison: None,
             selection: Selection::default(),
             menu: None,
-            has_birds_eye: false,
+            has_top_down: false,
             hud_level: options.hud,
             has_help: false,
             is_page_stale: false,
@@ -150,23 +151,24 @@ impl Session {
         })
     }
 
-    /// The number of the next frame.
+    /// Returns the number of the next frame.
     pub fn frame(&self) -> u32 {
         self.frame
     }
 
-    /// Returns the names of the scene, of the strategy, and of what is counted as drawn in a second.
+    /// Returns the names of the scene, of the strategy, and of what is counted as drawn in a
+    /// second.
     pub fn subject(&self) -> [&str; 3] {
         let unit = self.comparison.as_ref().map_or("frames/s", |_| "pairs/s");
         [&self.scene_view.name, self.strategy.name(), unit]
     }
 
-    /// What draws.
+    /// Returns what draws.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
     }
 
-    /// The next action that the script has for the next frame.
+    /// Returns the next action that the script has for the next frame.
     pub fn next_scripted(&mut self) -> Option<super::actions::Action> {
         self.script.next_before(self.frame)
     }
@@ -204,7 +206,7 @@ impl Session {
         self.explain()
     }
 
-    /// The camera of the next frame, `seconds` after the last one.
+    /// Returns the camera of the next frame, `seconds` after the last one.
     fn camera(&mut self, steering: &Steering, seconds: f32) -> Camera {
         if *steering != (Steering { hurries: steering.hurries, ..Steering::default() }) {
             self.take_over();
@@ -216,9 +218,10 @@ impl Session {
         self.fly.camera()
     }
 
-    /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if it is wanted.
-    /// A frame is copied to one place only: a screenshot of it is written from there, so whoever uses
-    /// the same place again waits for the frame and calls [`Session::after_frame`] before the next.
+    /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if it is
+    /// wanted. A frame is copied to one place only: a screenshot of it is written from there, so
+    /// whoever uses the same place again waits for the frame and calls [`Session::after_frame`]
+    /// before the next.
     ///
     /// # Errors
     /// When the device fails, or a file cannot be written.
@@ -275,8 +278,8 @@ impl Session {
         Ok(tick)
     }
 
-    /// Where the screenshot that is wanted is copied to, which is `picture` if there is one, and its
-    /// file.
+    /// Returns where the screenshot that is wanted is copied to, which is `picture` if there is
+    /// one, and its file.
     fn screenshot(
         &mut self,
         picture: Option<&Rc<Readback>>,
@@ -316,8 +319,8 @@ impl Session {
         Ok(())
     }
 
-    /// What is to be done when the frame is submitted, and presented if there is a window: pictures are
-    /// written that are there, shaders are looked after.
+    /// Does what is to be done when the frame is submitted, and presented if there is a window:
+    /// pictures are written that are there, shaders are looked after.
     ///
     /// # Errors
     /// When the device fails.
@@ -351,8 +354,8 @@ impl Session {
 
     /// Shows the explanations that are wanted, the view from above in the lower right.
     pub(super) fn explain(&mut self) -> Result<(), RunError> {
-        let corner = corner(self.renderer.size()).filter(|_| self.has_birds_eye);
-        self.explanation.birds_eye = corner;
+        let corner = corner(self.renderer.size()).filter(|_| self.has_top_down);
+        self.explanation.top_down = corner;
         if self.renderer.explanation() != self.explanation {
             self.renderer.explain(self.explanation)?;
         }
@@ -401,9 +404,9 @@ impl Files {
     }
 }
 
-/// The lower right corner of a picture.
-fn corner(size: [u32; 2]) -> Option<Area> {
+/// Returns the lower right corner of a picture.
+fn corner(size: [u32; 2]) -> Option<Rect> {
     let [width, height] = size.map(|side| side * 2 / 5);
-    let area = Area { origin: [size[0] - width, size[1] - height], size: [width, height] };
+    let area = Rect { origin: [size[0] - width, size[1] - height], size: [width, height] };
     area.fits(size).then_some(area)
 }

@@ -25,12 +25,13 @@ impl ShaderWatch {
         Self { seen: look(&folder), folder, next_look: Time::ZERO }
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn folder(&self) -> &std::path::Path {
         &self.folder
     }
 
-    /// Whether something has changed since the last time this was true. Looks a few times a second.
+    /// Returns true if something has changed since the last time this was true. Looks a few times a
+    /// second.
     pub fn has_changed(&mut self, now: Time) -> bool {
         if now < self.next_look {
             return false;

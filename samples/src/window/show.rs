@@ -25,8 +25,8 @@ pub struct ShowArguments {
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     #[arg(value_parser = parse_product)]
     pub strategy: Strategy,
-    /// What the governor does: leave out tests that cost more than they save, by costs that are measured
-    /// at the start and corrected by what frames take; or nothing
+    /// What the governor does: leave out tests that cost more than they save, by costs that are
+    /// measured at the start and corrected by what frames take; or nothing
     #[arg(long, value_name = "COSTS", default_value = "measured", help_heading = "Frames")]
     pub costs: Costs,
     /// How many frames the CPU may be ahead of the GPU
@@ -59,8 +59,8 @@ pub struct ShowArguments {
     #[command(flatten)]
     pub device: DeviceArguments,
 
-    /// Folder for screenshots and recorded paths, and without a window for a picture of every frame;
-    /// made if it is missing [default: this one, and no pictures]
+    /// Folder for screenshots and recorded paths, and without a window for a picture of every
+    /// frame; made if it is missing [default: this one, and no pictures]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
     /// File for a trace of CPU and GPU, for ui.perfetto.dev or chrome://tracing

@@ -29,7 +29,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// The recorded path that is walked again.
+    /// Returns the recorded path that is walked again.
     pub fn recorded_path(&self) -> Option<&PathBuf> {
         match self {
             Self::Made { path: Some(PathChoice::Recorded(file)), .. } => Some(file),
@@ -57,7 +57,7 @@ impl Source {
         }
     }
 
-    /// The same settings for another file, which has other cameras.
+    /// Returns the same settings for another file, which has other cameras.
     pub fn settings_for_another(&self) -> FileSource {
         match self {
             Self::Made { .. } => FileSource::default(),
@@ -75,8 +75,10 @@ pub struct FileSource {
     pub camera: Option<String>,
     /// The recorded path along which the camera goes.
     pub recorded: Option<PathBuf>,
-    /// What all light is multiplied with; `None` is 1, with lights dimmed that are too bright for that.
+    /// What all light is multiplied with; `None` is 1, with lights dimmed that are too bright for
+    /// that.
     pub exposure: Option<f32>,
-    /// By how many pixels surfaces may be off where objects take coarser forms; `None` has the finest.
+    /// By how many pixels surfaces may be off where objects take coarser forms; `None` has the
+    /// finest.
     pub detail_pixels: Option<f32>,
 }

@@ -17,8 +17,8 @@ pub struct Title {
 }
 
 impl Title {
-    /// Counts a frame that began at `now`; returns the next title when one is due. The `unit` is what
-    /// frames a second are called.
+    /// Counts a frame that began at `now`; returns the next title when one is due. The `unit` is
+    /// what frames a second are called.
     pub fn count(&mut self, now: Time, [scene, strategy, unit]: [&str; 3]) -> Option<String> {
         if self.subject != [scene, strategy, unit] {
             // Frames of another scene or strategy say nothing of these.

@@ -55,14 +55,14 @@ impl Toast {
         self.broken_shaders = None;
     }
 
-    /// What there is to tell.
+    /// Returns what there is to tell.
     pub fn at(&self, now: Time) -> Option<String> {
         let is_over = self.until.is_some_and(|until| now >= until);
         let newest = (!is_over && !self.newest.is_empty()).then_some(self.newest.as_str());
         join(newest, self.broken_shaders.as_deref())
     }
 
-    /// What there is to tell who wants no text: what cannot be, and what went wrong.
+    /// Returns what there is to tell who wants no text: what cannot be, and what went wrong.
     pub fn refused_at(&self, now: Time) -> Option<String> {
         match self.weight {
             Weight::Refused => self.at(now),

@@ -47,8 +47,8 @@ impl Calibration {
         Self::Read { offset_ns, deviation_ns, at_ns }
     }
 
-    /// Work that was submitted and known to be finished at these times of ours ran between those of the
-    /// GPU's clock.
+    /// Work that was submitted and known to be finished at these times of ours ran between those of
+    /// the GPU's clock.
     fn narrow(&mut self, ours_ns: [f64; 2], gpu_ns: [f64; 2]) {
         if let Self::Bounds { least_ns, most_ns } = self {
             *least_ns = least_ns.max(ours_ns[0] - gpu_ns[0]);
@@ -56,7 +56,8 @@ impl Calibration {
         }
     }
 
-    /// What to add to times of the GPU. Work never starts before it is submitted, and soon after.
+    /// Returns what to add to times of the GPU. Work never starts before it is submitted, and soon
+    /// after.
     fn offset_ns(&self) -> f64 {
         let offset = match *self {
             Self::Read { offset_ns, .. } => offset_ns,
@@ -65,7 +66,7 @@ impl Calibration {
         if offset.is_finite() { offset } else { 0.0 }
     }
 
-    /// How that was found out, for who reads the trace.
+    /// Returns how that was found out, for who reads the trace.
     fn how(&self) -> String {
         match self {
             Self::Read { deviation_ns, .. } => {
@@ -109,7 +110,7 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// A trace of what `device` does from now on.
+    /// Creates a trace of what `device` does from now on.
     ///
     /// # Errors
     /// A failed call.
@@ -130,8 +131,8 @@ impl Trace {
         self.push(Event { name, thread: CPU, began_ns, took_ns, offset_ns: None });
     }
 
-    /// A frame whose recording began at `began` is submitted, as one of so many in flight; what came
-    /// home of the passes of the frame that had its slot before is known since `known`.
+    /// Notes that a frame whose recording began at `began` was submitted, as one of so many in flight;
+    /// what came home of the passes of the frame that had its slot before is known since `known`.
     ///
     /// # Errors
     /// A failed call.
@@ -192,7 +193,7 @@ impl Trace {
     }
 }
 
-/// The format is "Trace Event Format" (Google, 2016): complete events, in microseconds.
+/// Returns the format is "Trace Event Format" (Google, 2016): complete events, in microseconds.
 fn to_json(events: &Events, calibration: &Calibration, device: &str) -> Value {
     let Events { kept: events, left_out } = events;
     let placed = |event: &Event| match event.thread {

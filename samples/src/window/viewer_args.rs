@@ -37,22 +37,24 @@ there is, and a second one ends it at once.";
     after_help = help_with_keys(EXAMPLES, &FILE_KEYS)
 )]
 pub struct ViewerArguments {
-    /// The scene: glTF 2.0, as .glb or .gltf; a window can do without until a file is dropped into it
+    /// The scene: glTF 2.0, as .glb or .gltf; a window can do without until a file is dropped into
+    /// it
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// The camera of the file to begin with, by its name [default: the first one; where there is none or
-    /// a clip has it right before a wall, a place from which all is seen]
+    /// The camera of the file to begin with, by its name [default: the first one; where there is
+    /// none or a clip has it right before a wall, a place from which all is seen]
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub camera: Option<String>,
     /// The camera goes along a path that was recorded, whose name ends in .txt or has a slash
     #[arg(long, visible_alias = "replay", value_name = "FILE", help_heading = "Scene")]
     #[arg(value_parser = recorded_path, conflicts_with = "camera")]
     pub path: Option<PathBuf>,
-    /// What all light is multiplied with before it is brought to the screen [default: 1, with the lights
-    /// dimmed where they would leave nothing but white]
+    /// What all light is multiplied with before it is brought to the screen [default: 1, with the
+    /// lights dimmed where they would leave nothing but white]
     #[arg(long, value_name = "FACTOR", value_parser = positive, help_heading = "Scene")]
     pub exposure: Option<f32>,
-    /// Objects take coarser forms where that moves no surface by more than so many pixels [default: never]
+    /// Objects take coarser forms where that moves no surface by more than so many pixels [default:
+    /// never]
     #[arg(long, value_name = "PIXELS", value_parser = positive, help_heading = "Scene")]
     pub detail: Option<f32>,
     /// How it is shown.
@@ -61,7 +63,8 @@ pub struct ViewerArguments {
 }
 
 impl ViewerArguments {
-    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come later.
+    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come
+    /// later.
     ///
     /// # Errors
     /// Arguments about a file where none is named.

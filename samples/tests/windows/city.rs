@@ -138,7 +138,7 @@ fn strategies_and_frames_in_flight_change_no_pixel() {
 #[test]
 fn explanations_are_drawn_and_go_again() {
     let scratch = Scratch::new("city-explained");
-    let script = "2 boxes\n2 birds_eye\n4 wires\n6 hud\n8 boxes\n8 birds_eye\n8 wires\n8 hud\n\
+    let script = "2 boxes\n2 top_down\n4 wireframe\n6 hud\n8 boxes\n8 top_down\n8 wireframe\n8 hud\n\
                   8 hud\n10 freeze\n12 freeze\n12 time_passes\n13 time_passes\n14 screenshot\n";
     fs::write(scratch.0.join("script"), script).unwrap();
     let rest = ["--validation", "sync", "--frames", "16", "--script", "script", "--out", "out"];
@@ -280,18 +280,18 @@ fn a_signal_ends_it_and_all_is_written() {
 #[test]
 fn what_is_frozen_is_explained() {
     let scratch = Scratch::new("city-frozen");
-    fs::write(scratch.0.join("script"), "2 freeze\n4 birds_eye\n6 wires\n").unwrap();
+    fs::write(scratch.0.join("script"), "2 freeze\n4 top_down\n6 wireframe\n").unwrap();
     let rest = ["--validation", "sync", "--frames", "8", "--script", "script", "--out", "out"];
     headless(&scratch, &rest);
     let picture = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
-    let [frozen, from_above, wires] = [3, 5, 7].map(picture);
+    let [frozen, from_above, wireframe] = [3, 5, 7].map(picture);
     let differs = |a: &[[u8; 3]], b: &[[u8; 3]], in_corner: bool| {
         let places = (0..a.len()).filter(|at| (at % 160 >= 96 && at / 160 >= 54) == in_corner);
         places.filter(|at| a[*at] != b[*at]).count()
     };
     assert!(differs(&frozen, &from_above, true) > 1000, "the corner is another picture");
     assert_eq!(differs(&frozen, &from_above, false), 0, "the rest stays");
-    assert!(differs(&from_above, &wires, false) > 100, "there are wires");
+    assert!(differs(&from_above, &wireframe, false) > 100, "there are wires");
 }
 
 /// Nobody knows what it drew, so it is not frozen.
@@ -308,14 +308,15 @@ fn what_only_the_gpu_knows_is_not_frozen() {
     }
 }
 
-/// What cannot be explained is said, whichever comes first: the strategy or what is to be explained.
+/// What cannot be explained is said, whichever comes first: the strategy or what is to be
+/// explained.
 #[test]
 fn what_only_the_gpu_knows_is_not_explained() {
     let scratch = Scratch::new("city-unexplained");
     for (script, times) in [
-        ("2 birds_eye\n3 strategy pyramid\n", 1),
+        ("2 top_down\n3 strategy pyramid\n", 1),
         ("2 boxes\n3 strategy pyramid\n", 1),
-        ("2 strategy pyramid\n3 birds_eye\n4 boxes\n", 2),
+        ("2 strategy pyramid\n3 top_down\n4 boxes\n", 2),
         ("2 boxes\n3 boxes\n4 strategy pyramid\n5 strategy antumbra\n", 0),
     ] {
         fs::write(scratch.0.join("script"), script).unwrap();

@@ -19,7 +19,7 @@ fn run(scratch: &Scratch, script: &str, arguments: &[&str]) -> String {
     stderr(&output)
 }
 
-/// The number in front of a word of the log's last line that has it.
+/// Returns the number in front of a word of the log's last line that has it.
 fn number_before(log: &str, words: &str) -> u64 {
     let line = log.lines().rev().find(|line| line.contains(words)).expect("a line that says it");
     let before = line.split(words).next().unwrap().trim_end();

@@ -1,4 +1,5 @@
-//! Runs `city` and `triangle` in windows of an X server without a screen, and of a Wayland compositor.
+//! Runs `city` and `triangle` in windows of an X server without a screen, and of a Wayland
+//! compositor.
 
 use std::fs;
 use std::process::Command;

@@ -1,4 +1,5 @@
-//! Runs the window programs as users do: in windows of X and Wayland servers without a screen, and without.
+//! Runs the window programs as users do: in windows of X and Wayland servers without a screen, and
+//! without.
 
 #![allow(
     clippy::expect_used,

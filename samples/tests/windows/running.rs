@@ -74,7 +74,7 @@ impl Drop for Running {
     }
 }
 
-/// The picture of a camera that stands still, drawn without a window.
+/// Returns the picture of a camera that stands still, drawn without a window.
 pub fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
     let all = ["--headless", "--frames", "2", "--objects", "500", "--device", "llvmpipe"];
     let all = [&all[..], arguments, &["--out", "headless"]].concat();

@@ -1,10 +1,11 @@
-//! What pictures of files show that programs made wrong before: points, lines, blended parts of one mesh.
+//! What pictures of files show that programs made wrong before: points, lines, blended parts of one
+//! mesh.
 
 use std::fs;
 
 use harness::{Scratch, pixels, program, scene, stderr};
 
-/// The first frame that `viewer` draws of a file.
+/// Returns the first frame that `viewer` draws of a file.
 fn seen(scratch: &Scratch, device: &str, size: &str, file: &[u8]) -> Vec<[u8; 3]> {
     fs::write(scratch.0.join("file.glb"), file).unwrap();
     let arguments = ["file.glb", "--headless", "--frames", "1", "--out", "out", "--hud", "off"];
@@ -62,7 +63,7 @@ fn parts_of_one_blended_mesh_are_seen_in_their_order_whatever_that_of_the_file()
     }
 }
 
-/// A picture of 64 x 64 pixels, its left half red, its right one blue.
+/// Returns a picture of 64 x 64 pixels, its left half red, its right one blue.
 fn halves() -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, 64, 64);
@@ -73,7 +74,8 @@ fn halves() -> Vec<u8> {
     file
 }
 
-/// At edges of triangles, derivatives are taken beyond them: no mixture of all texels may be seen there.
+/// At edges of triangles, derivatives are taken beyond them: no mixture of all texels may be seen
+/// there.
 #[test]
 fn transformed_textures_have_no_seams_where_triangles_meet() {
     for device in ["llvmpipe", "swiftshader"] {

@@ -101,7 +101,7 @@ fn without_a_display_the_viewer_says_so() {
     assert!(message.contains("no display") && message.contains("--headless"), "{message}");
 }
 
-/// The message of a refusal: one line that names the file.
+/// Returns the message of a refusal: one line that names the file.
 fn refusal(output: &Output) -> String {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(2), "{message}");

@@ -48,8 +48,8 @@ impl Seen {
         self.connection.get_input_focus().unwrap().reply().unwrap();
     }
 
-    /// What is in the window now: red, green, blue; rows from the top. Nothing while it is not all
-    /// on the screen.
+    /// Returns what is in the window now: red, green, blue; rows from the top. Nothing while it is
+    /// not all on the screen.
     pub fn pixels(&self) -> Option<Vec<[u8; 3]>> {
         let geometry = self.connection.get_geometry(self.window).unwrap().reply().ok()?;
         let (width, height) = (geometry.width, geometry.height);

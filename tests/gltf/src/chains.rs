@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 
 use crate::files::{Scene, U8};
 
-/// `chains` chains of `depth` nodes each, and `meshes` nodes whose mesh hangs on the ends of all chains, by
-/// `skins` different skins.
+/// `chains` chains of `depth` nodes each, and `meshes` nodes whose mesh hangs on the ends of all
+/// chains, by `skins` different skins.
 pub fn chains(chains: usize, depth: usize, meshes: usize, skins: usize) -> Scene {
     let mut scene = Scene::triangle();
     let joints = scene.numbers(U8, "VEC4", 3, &[0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]);

@@ -25,7 +25,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// One triangle on one node.
+    /// Returns one triangle on one node.
     pub fn triangle() -> Self {
         let json = json!({
             "asset": { "version": "2.0" },
@@ -157,7 +157,7 @@ impl Scene {
     }
 }
 
-/// A GLB of these chunks.
+/// Returns a GLB of these chunks.
 pub fn glb_of(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     let mut body = Vec::new();
     for (kind, bytes) in chunks {
@@ -174,7 +174,7 @@ pub fn glb_of(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     glb
 }
 
-/// A file that uses everything that is supported.
+/// Returns a file that uses everything that is supported.
 pub fn everything() -> Scene {
     let mut scene = Scene::triangle();
     add_surface(&mut scene);
@@ -289,7 +289,7 @@ fn add_life(scene: &mut Scene) {
     );
 }
 
-/// An accessor of three positions without a base, of which the last is replaced.
+/// Returns an accessor of three positions without a base, of which the last is replaced.
 fn sparse(scene: &mut Scene) -> usize {
     let indices = scene.view(&[2, 0]);
     let values = scene.view(&[1.0f32, 2.0, 3.0].map(f32::to_le_bytes).concat());
@@ -303,7 +303,7 @@ fn sparse(scene: &mut Scene) -> usize {
     )
 }
 
-/// A small image in this format.
+/// Returns a small image in this format.
 pub fn encoded(format: image::ImageFormat) -> Vec<u8> {
     let pixels =
         image::RgbImage::from_fn(16, 8, |x, y| image::Rgb([x as u8 * 16, y as u8 * 32, 77]));

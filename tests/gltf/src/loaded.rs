@@ -1,6 +1,6 @@
 //! What holds for every scene that was loaded, whatever its file was.
 
-use import::{GltfScene, Placed};
+use import::{GltfScene, PlacedNode};
 
 /// Fails where a number is not finite, an index is out of range, or a box is none.
 pub fn check(imported: &GltfScene) {
@@ -62,15 +62,15 @@ fn check_surfaces(imported: &GltfScene) {
         assert!(light.position.is_finite() && light.direction.is_normalized(), "{light:?}");
         assert!(light.intensity.is_finite() && light.intensity >= 0.0, "{light:?}");
     }
-    for deformer in &surfaces.deformers {
-        let vertices = scene.meshes[deformer.mesh.0 as usize].vertices.len();
-        for target in &deformer.targets {
+    for skinned_mesh in &surfaces.skinned_meshes {
+        let vertices = scene.meshes[skinned_mesh.mesh.0 as usize].vertices.len();
+        for target in &skinned_mesh.targets {
             for list in [&target.positions, &target.normals, &target.tangents] {
                 assert!(list.is_empty() || list.len() == vertices);
                 assert!(list.as_flattened().iter().all(|part| part.is_finite()));
             }
         }
-        let Some(skin) = &deformer.skin else { continue };
+        let Some(skin) = &skinned_mesh.skin else { continue };
         let sets = skin.sets as usize;
         assert_eq!((skin.joints.len(), skin.weights.len()), (vertices * sets, vertices * sets));
         assert!(
@@ -86,10 +86,10 @@ fn check_surfaces(imported: &GltfScene) {
 fn check_placements(imported: &GltfScene) {
     let (scene, surfaces) = (&imported.scene, imported.scene.surfaces.as_ref().expect("surfaces"));
     let mut is_deformed = vec![false; scene.meshes.len()];
-    for deformer in &surfaces.deformers {
-        is_deformed[deformer.mesh.0 as usize] = true;
+    for skinned_mesh in &surfaces.skinned_meshes {
+        is_deformed[skinned_mesh.mesh.0 as usize] = true;
     }
-    for object in scene.objects.iter().chain(&surfaces.blended) {
+    for object in scene.objects.iter().chain(&surfaces.transparent) {
         assert!(object.transform.is_finite());
         let bounds = scene.bounds_of(object).expect("its mesh is there");
         assert!(is_deformed[object.mesh.0 as usize] || bounds.is_usable(), "{bounds:?}");
@@ -98,13 +98,13 @@ fn check_placements(imported: &GltfScene) {
         assert!((placement.node.0 as usize) < imported.rig.nodes().len());
         assert!(placement.local.is_finite());
         let count = match placement.placed {
-            Placed::Object(id) => scene.objects.len() > id.0 as usize,
-            Placed::Blended(id) => surfaces.blended.len() > id.0 as usize,
-            Placed::Light(id) => surfaces.lights.len() > id.0 as usize,
+            PlacedNode::Object(id) => scene.objects.len() > id.0 as usize,
+            PlacedNode::Transparent(id) => surfaces.transparent.len() > id.0 as usize,
+            PlacedNode::Light(id) => surfaces.lights.len() > id.0 as usize,
         };
         assert!(count, "{:?}", placement.placed);
-        if let Some((deformer, skin)) = placement.deformer {
-            assert!((deformer.0 as usize) < surfaces.deformers.len());
+        if let Some((skinned_mesh, skin)) = placement.skinned_mesh {
+            assert!((skinned_mesh.0 as usize) < surfaces.skinned_meshes.len());
             assert!(skin.is_none_or(|skin| skin < imported.skins.len()));
             assert!(placement.reach.is_usable() && placement.seen_at_rest.is_usable());
         } else {

@@ -5,7 +5,8 @@ use glam::Affine3A;
 use import::{GltfScene, LevelOptions, SceneAnimator};
 use scene::{LightMove, ObjectChange, PoseBounds, SceneUpdate};
 
-/// Times to look at, in this order: seeks forwards and back, before the beginning, and what is no time.
+/// Times to look at, in this order: seeks forwards and back, before the beginning, and what is no
+/// time.
 const SECONDS: [f64; 7] = [0.0, 0.37, 1.0e9, -3.5, f64::NAN, f64::INFINITY, 0.5];
 /// Clips that are played one after the other.
 const MOST_CLIPS: usize = 4;
@@ -55,16 +56,16 @@ struct Shown<'a> {
 impl<'a> Shown<'a> {
     fn new(scene: &'a scene::Scene) -> Self {
         let surfaces = scene.surfaces.as_ref().expect("surfaces");
-        let objects = scene.objects.iter().chain(&surfaces.blended);
-        let form = |deformer: &scene::Deformer| {
-            PoseBounds::of(&scene.meshes[deformer.mesh.0 as usize], deformer)
+        let objects = scene.objects.iter().chain(&surfaces.transparent);
+        let form = |skinned_mesh: &scene::SkinnedMesh| {
+            PoseBounds::of(&scene.meshes[skinned_mesh.mesh.0 as usize], skinned_mesh)
         };
         Self {
             scene,
             surfaces,
             transforms: objects.map(|object| object.transform).collect(),
             bounds: scene.meshes.iter().map(|mesh| mesh.bounds).collect(),
-            forms: surfaces.deformers.iter().map(form).collect(),
+            forms: surfaces.skinned_meshes.iter().map(form).collect(),
         }
     }
 
@@ -77,8 +78,8 @@ impl<'a> Shown<'a> {
             assert!(transform.is_finite(), "{moved:?}");
             self.transforms[object.0 as usize] = transform;
         }
-        for moved in &changes.blended {
-            let place = self.scene.objects.len() + moved.blended.0 as usize;
+        for moved in &changes.transparent {
+            let place = self.scene.objects.len() + moved.transparent.0 as usize;
             self.transforms[place] = moved.transform;
         }
         for light in &changes.lights {
@@ -86,18 +87,19 @@ impl<'a> Shown<'a> {
             assert!(to.position.is_finite() && to.direction.is_normalized(), "{light:?}");
         }
         for deformed in &changes.deformations {
-            let number = deformed.deformer.0 as usize;
-            let deformer = &self.surfaces.deformers[number];
+            let number = deformed.skinned_mesh.0 as usize;
+            let skinned_mesh = &self.surfaces.skinned_meshes[number];
             let joints = &changes.joints[deformed.joints.clone()];
             let weights = &changes.weights[deformed.weights.clone()];
-            let joint_count = deformer.skin.as_ref().map_or(0, |skin| skin.joint_count as usize);
-            assert_eq!((joints.len(), weights.len()), (joint_count, deformer.targets.len()));
+            let joint_count =
+                skinned_mesh.skin.as_ref().map_or(0, |skin| skin.joint_count as usize);
+            assert_eq!((joints.len(), weights.len()), (joint_count, skinned_mesh.targets.len()));
             assert!(joints.iter().all(|joint| joint.is_finite()));
             assert!(weights.iter().all(|weight| weight.is_finite()));
             let bounds = self.forms[number].bounds(joints, weights);
-            self.bounds[deformer.mesh.0 as usize] = bounds.expect("a pose that has a box");
+            self.bounds[skinned_mesh.mesh.0 as usize] = bounds.expect("a pose that has a box");
         }
-        let objects = self.scene.objects.iter().chain(&self.surfaces.blended);
+        let objects = self.scene.objects.iter().chain(&self.surfaces.transparent);
         for (object, transform) in objects.zip(&self.transforms) {
             let corners = self.bounds[object.mesh.0 as usize].corners();
             let mut corners = corners.map(|corner| transform.transform_point3(corner)).into_iter();

@@ -1,4 +1,5 @@
-//! Runs programs as users do: in folders of their own, in terminals, with scenes that are made here.
+//! Runs programs as users do: in folders of their own, in terminals, with scenes that are made
+//! here.
 // A harness fails by panicking.
 #![allow(clippy::panic, clippy::expect_used)]
 #![forbid(unsafe_code)]

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-/// The pixels of a picture: rows from the top, red, green, blue.
+/// Returns the pixels of a picture: rows from the top, red, green, blue.
 pub fn pixels(path: &Path) -> Vec<[u8; 3]> {
     let file = fs::File::open(path).expect("a picture");
     let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");

@@ -16,7 +16,7 @@ impl Scratch {
         Self(folder)
     }
 
-    /// The names of what is in it, sorted.
+    /// Returns the names of what is in it, sorted.
     pub fn names(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.0.join(folder)).expect("it exists");
         let name = |entry: std::io::Result<fs::DirEntry>| entry.expect("it is read").file_name();
@@ -33,31 +33,33 @@ impl Drop for Scratch {
     }
 }
 
-/// A program in `folder`, with its pipeline cache in the target folder.
+/// Returns a program in `folder`, with its pipeline cache in the target folder.
 pub fn program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(name);
     command.current_dir(folder).args(arguments).env("XDG_CACHE_HOME", cache());
     command
 }
 
-/// The same for a program that is to be sent signals. One that ignored them from its start would go on ignoring
-/// them, as the programs of a background job do where the shell has no job control.
+/// Returns the same for a program that is to be sent signals. One that ignored them from its start
+/// would go on ignoring them, as the programs of a background job do where the shell has no job
+/// control.
 pub fn signalled_program(name: &str, folder: &Path, arguments: &[&str]) -> Command {
     program("env", folder, &[&["--default-signal=INT,TERM,HUP", name], arguments].concat())
 }
 
-/// The folder of pipeline caches: no test may write into the user's own.
+/// Returns the folder of pipeline caches: no test may write into the user's own.
 pub fn cache() -> PathBuf {
     tests_folder().join("cache")
 }
 
-/// Cargo's folder for what tests write: beside that of the profile, in which `deps` has this program.
+/// Cargo's folder for what tests write: beside that of the profile, in which `deps` has this
+/// program.
 fn tests_folder() -> PathBuf {
     let this = std::env::current_exe().expect("a program");
     this.ancestors().nth(3).expect("a target folder").join("tmp")
 }
 
-/// What it wrote to standard error.
+/// Returns what it wrote to standard error.
 pub fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }

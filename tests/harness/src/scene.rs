@@ -46,7 +46,7 @@ impl Bytes {
     }
 }
 
-/// A box from -1 to 1, its faces apart: positions, normals, indices.
+/// Returns a box from -1 to 1, its faces apart: positions, normals, indices.
 fn cube() -> (Vec<f32>, Vec<f32>, Vec<u16>) {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for axis in 0..3 {
@@ -67,23 +67,23 @@ fn cube() -> (Vec<f32>, Vec<f32>, Vec<u16>) {
     (positions, normals, indices)
 }
 
-/// The scene. The camera `walk` goes along the wall for two seconds, `still` stands; the clip `door`
-/// lasts one.
+/// Returns the scene. The camera `walk` goes along the wall for two seconds, `still` stands; the
+/// clip `door` lasts one.
 pub fn small() -> Vec<u8> {
     small_seen_by(&json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}}))
 }
 
-/// The same with other cameras.
+/// Returns the same with other cameras.
 pub fn small_seen_by(camera: &Value) -> Vec<u8> {
     small_with(Some(camera), 7.0)
 }
 
-/// The same with all of its nodes and clips, and no camera.
+/// Returns the same with all of its nodes and clips, and no camera.
 pub fn small_without_cameras() -> Vec<u8> {
     small_with(None, 7.0)
 }
 
-/// The same, and the camera `walk` goes right before the wall.
+/// Returns the same, and the camera `walk` goes right before the wall.
 pub fn small_before_the_wall() -> Vec<u8> {
     let camera = json!({"type": "perspective", "perspective": {"yfov": 0.9, "znear": 0.1}});
     small_with(Some(&camera), 1.0)
@@ -93,7 +93,7 @@ pub fn small_before_the_wall() -> Vec<u8> {
 pub const LAMPS_NOTE: &str =
     "64 objects are reached by more than 16 lights: the weakest of them are left out";
 
-/// The same, and so many lamps that reach everything.
+/// Returns the same, and so many lamps that reach everything.
 pub fn small_with_lamps(lamps: usize) -> Vec<u8> {
     let small = small();
     let length = u32::from_le_bytes(small[12..16].try_into().expect("a length")) as usize;
@@ -181,7 +181,8 @@ fn small_with(camera: Option<&Value>, walk_z: f32) -> Vec<u8> {
     glb(&document, &bytes.all)
 }
 
-/// Red points at the corners of a square, a green loop of lines around it, slightly turned; no camera.
+/// Red points at the corners of a square, a green loop of lines around it, slightly turned; no
+/// camera.
 pub fn thin() -> Vec<u8> {
     let mut bytes = Bytes::default();
     let square = |half: f32, turned: f32| {
@@ -202,7 +203,7 @@ pub fn thin() -> Vec<u8> {
     )
 }
 
-/// One blended mesh of two cards, red before blue, in that order or the other.
+/// Returns one blended mesh of two cards, red before blue, in that order or the other.
 pub fn cards(order: [usize; 2]) -> Vec<u8> {
     let mut bytes = Bytes::default();
     let card = |side: f32, z: f32| {
@@ -223,8 +224,8 @@ pub fn cards(order: [usize; 2]) -> Vec<u8> {
     plain(&[mesh], &[unlit], &bytes)
 }
 
-/// A square that a texture covers twice in each direction by `KHR_texture_transform`. The texture is red on
-/// its left half and blue on its right one, `png` is its file.
+/// Returns a square that a texture covers twice in each direction by `KHR_texture_transform`. The
+/// texture is red on its left half and blue on its right one, `png` is its file.
 pub fn transformed(png: &[u8]) -> Vec<u8> {
     let mut bytes = Bytes::default();
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
@@ -243,7 +244,7 @@ pub fn transformed(png: &[u8]) -> Vec<u8> {
     plain(&[mesh], &[material], &bytes)
 }
 
-/// A node for each mesh, and nothing else.
+/// Returns a node for each mesh, and nothing else.
 fn plain(meshes: &[Value], materials: &[Value], bytes: &Bytes) -> Vec<u8> {
     let nodes: Vec<Value> = (0..meshes.len()).map(|mesh| json!({"mesh": mesh})).collect();
     // What is behind all numbers is an image.
@@ -269,7 +270,7 @@ fn plain(meshes: &[Value], materials: &[Value], bytes: &Bytes) -> Vec<u8> {
     glb(&document, &bytes.all)
 }
 
-/// A GLB of a document and its buffer.
+/// Returns a GLB of a document and its buffer.
 pub fn glb(document: &Value, buffer: &[u8]) -> Vec<u8> {
     let chunk = |kind: &[u8; 4], bytes: &[u8], filler: u8| {
         let mut bytes = bytes.to_vec();

@@ -45,8 +45,9 @@ pub fn assert_readers_may_go(scratch: &Scratch, program: &str) {
     assert_eq!(output.status.code(), Some(1), "{program}");
 }
 
-/// Fails unless a program refuses files in a line that a terminal shows and does not obey: files that
-/// are no scene, no script and no report; after some options, files below which it is to write.
+/// Fails unless a program refuses files in a line that a terminal shows and does not obey: files
+/// that are no scene, no script and no report; after some options, files below which it is to
+/// write.
 pub fn assert_names_give_no_orders(
     scratch: &Scratch,
     path: &str,

@@ -145,7 +145,7 @@ counted! { CALLS_THAT_START calls_that_start {
         callbacks: Callbacks<'_>, made: *mut vk::DebugUtilsMessengerEXT);
 }}
 
-/// All of them.
+/// Returns all of them.
 pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
     // SAFETY: function pointers all; who asks for one knows its type by its name.
     let that_lie = unsafe {

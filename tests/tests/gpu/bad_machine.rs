@@ -16,7 +16,8 @@ use tests::machine::{
 };
 use tests::{Driver, instance_with, take_turn};
 
-/// The error of opening an instance without validation on `machine` and picking a device there.
+/// Returns the error of opening an instance without validation on `machine` and picking a device
+/// there.
 fn refusal(machine: Machine, wanted: Option<&str>) -> Error {
     take_turn();
     let options = gpu::InstanceOptions::default();
@@ -181,7 +182,7 @@ impl Stage {
         Self { instance, adapter, scene, path }
     }
 
-    /// A user's whole program, from the device to its end.
+    /// Runs a user's whole program, from the device to its end.
     fn walk(&self, options: &RendererOptions, goes: Goes) -> Result<(), render::Error> {
         let wait_bound = Duration::from_secs(2);
         let device_options = DeviceOptions { wait_bound, ..Default::default() };
@@ -258,7 +259,7 @@ fn options(predication: Predication) -> RendererOptions {
     }
 }
 
-/// How often a walk that nothing happens to calls each of `names`.
+/// Returns how often a walk that nothing happens to calls each of `names`.
 fn clean_calls(
     stage: &Stage,
     options: &RendererOptions,
@@ -386,7 +387,8 @@ fn prices_that_cannot_be_measured_are_no_reason_to_fail() {
     let (without, with) = (counts(&told), counts(&measured));
     let mut forgiven = 0;
     for (call, (without, with)) in all.iter().zip(without.into_iter().zip(with)) {
-        // What comes after it is a handful of calls; half of those that it makes are surely its own.
+        // What comes after it is a handful of calls; half of those that it makes are surely its
+        // own.
         let own = with.saturating_sub(without) / 2;
         for number in (without..without + own).step_by(own.div_ceil(3).max(1)) {
             let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;

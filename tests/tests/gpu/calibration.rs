@@ -1,5 +1,5 @@
-//! Costs measured on a device: what comes out can be, the validation layer stays silent, and pictures
-//! stay right whatever things are said to cost.
+//! Costs measured on a device: what comes out can be, the validation layer stays silent, and
+//! pictures stay right whatever things are said to cost.
 
 use cull::{CostTable, Strategy};
 use gpu::{Device, Predication, Readback};

@@ -1,5 +1,5 @@
-//! The first frames of a view that knows nothing yet, at standing cameras, in pictures of odd sizes and
-//! scenes of several seeds: every frame is compared, from the first on.
+//! The first frames of a view that knows nothing yet, at standing cameras, in pictures of odd sizes
+//! and scenes of several seeds: every frame is compared, from the first on.
 
 use cull::{Camera, Strategy};
 use gpu::Device;
@@ -11,8 +11,8 @@ use tests::{Driver, run};
 /// Frames in which a camera stands: answers of the first are home before the last.
 const FRAMES: usize = 4;
 
-/// Those that promise the picture and need nothing found beforehand, but the one that waits for each
-/// object.
+/// Returns those that promise the picture and need nothing found beforehand, but the one that waits
+/// for each object.
 fn strategies() -> impl Iterator<Item = Strategy> {
     let left_out = [Strategy::Frustum, Strategy::Naive, Strategy::Ideal];
     Strategy::ALL.into_iter().filter(move |it| it.is_exact() && !left_out.contains(it))

@@ -1,12 +1,12 @@
-//! The compute tester against the rasteriser: it never hides what a query on the proxy shows, and shows
-//! little that the query hides.
+//! The compute tester against the rasteriser: it never hides what a query on the proxy shows, and
+//! shows little that the query hides.
 
 use cull::{Aabb, Camera, View};
 use glam::Vec3;
 use gpu::{
-    Access, Buffer, Device, FrameRing, MemoryBarrier, Place, QueryIndex, QueryRing, Target, vk,
+    Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, QueryIndex, QueryRing, Target, vk,
 };
-use occlusion::{Area, ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ShaderSet};
+use occlusion::{ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, Rect, ShaderSet};
 use tests::shapes::{DepthBoxes, box_at, proxy_pass};
 use tests::{Driver, run};
 
@@ -45,7 +45,7 @@ struct World {
 const TESTS: usize = 150;
 
 impl World {
-    /// A world around `origin`: small numbers round otherwise than large ones.
+    /// Creates a world around `origin`: small numbers round otherwise than large ones.
     fn new(numbers: &mut Numbers, origin: Vec3) -> Self {
         let eye = origin + numbers.vector(-1.0, 1.0);
         let camera = Camera {
@@ -81,8 +81,8 @@ impl World {
         Self { camera, occluders, tested: tested.collect() }
     }
 
-    /// The same boxes, each behind a smaller copy of its proxy seen from the eye, which covers it but
-    /// for less than a pixel: where rounding decides.
+    /// Returns the same boxes, each behind a smaller copy of its proxy seen from the eye, which
+    /// covers it but for less than a pixel: where rounding decides.
     fn close_calls(numbers: &mut Numbers, size: [u32; 2], bits: u32) -> Self {
         let world = Self::new(numbers, Vec3::ZERO);
         let view = View::new(&world.camera, size, bits);
@@ -101,7 +101,8 @@ impl World {
     }
 }
 
-/// What both testers said of each box of each world: samples of the query, word of the tester.
+/// Returns what both testers said of each box of each world: samples of the query, word of the
+/// tester.
 fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)> {
     let (occluder_pass, proxies) = (DepthBoxes::new(device), proxy_pass(device));
     let tester = ComputeTest::new(device, &ShaderSet::embedded().unwrap(), size).unwrap();
@@ -110,9 +111,9 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
     let mut queries = QueryRing::<usize>::new(device, 2, "proxies").unwrap();
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
     let size_bytes = TESTS as u64 * 4;
-    let words = Buffer::new(device, "words", size_bytes, storage, Place::Device).unwrap();
+    let words = Buffer::new(device, "words", size_bytes, storage, MemoryKind::Device).unwrap();
     let to = vk::BufferUsageFlags::TRANSFER_DST;
-    let home = Buffer::new(device, "words home", size_bytes, to, Place::ReadBack).unwrap();
+    let home = Buffer::new(device, "words home", size_bytes, to, MemoryKind::ReadBack).unwrap();
     let mut said = Vec::new();
     for world in worlds {
         let bits = device.adapter().limits.sub_pixel_precision_bits;
@@ -137,7 +138,7 @@ fn compare(device: &Device, size: [u32; 2], worlds: &[World]) -> Vec<(u32, u32)>
                 queries.scope(commands, QueryIndex(test), |c| proxies.draw(c, test));
             }
         });
-        tester.record_grid(commands, &mut target, Area::of(&view));
+        tester.record_grid(commands, &mut target, Rect::of(&view));
         // In two parts, as two rounds would.
         let half = count / 2;
         for (first, count) in [(0, half), (half, count - half)] {

@@ -1,11 +1,11 @@
-//! How much of single objects shows: counted to the pixel, home late and never waited for, and never
-//! taken for another object's.
+//! How much of single objects shows: counted to the pixel, home late and never waited for, and
+//! never taken for another object's.
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, FrameRequest, Renderer, RendererOptions, ViewState, ViewTarget, ViewsRequest,
+    Costs, FrameRequest, Rect, Renderer, RendererOptions, ViewState, ViewTarget, ViewsRequest,
     VisibleSamples,
 };
 use scene::{MeshId, Object, ObjectChange, pack_unorm};
@@ -38,7 +38,7 @@ fn of(view: &ViewState, object: u32) -> Option<VisibleSamples> {
     view.visible_samples().iter().find(|known| known.object == ObjectId(object)).copied()
 }
 
-/// The picture of plain frustum culling.
+/// Returns the picture of plain frustum culling.
 fn picture(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     let mut view = renderer.new_view().unwrap();
     let picture = Readback::new(renderer.device(), SIZE).unwrap();
@@ -49,8 +49,8 @@ fn picture(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     picture.rgba8().unwrap().to_vec()
 }
 
-/// A wall before the left half of what comes third, one before all of what comes fourth, a floor that
-/// reaches behind the eye, and something behind the eye.
+/// A wall before the left half of what comes third, one before all of what comes fourth, a floor
+/// that reaches behind the eye, and something behind the eye.
 const HALF: u32 = 2;
 const HIDDEN: u32 = 3;
 const FLOOR: u32 = 4;
@@ -74,7 +74,7 @@ fn pixels_of(renderer: &mut Renderer, object: u32, camera: Camera) -> u32 {
     pixels_that_differ(&whole, &picture(renderer, camera)) as u32
 }
 
-/// Every strategy that the device has everything for.
+/// Returns every strategy that the device has everything for.
 fn strategies(renderer: &Renderer) -> impl Iterator<Item = Strategy> {
     Strategy::ALL.into_iter().filter(|strategy| renderer.supports(*strategy).is_ok())
 }
@@ -89,7 +89,7 @@ fn counts_are_pixels_with_every_strategy() {
         let mut renderer = renderer(device, &half_covered(), &options());
         for strategy in strategies(&renderer).collect::<Vec<_>>() {
             let mut finder = renderer.new_view().unwrap();
-            let visible = renderer.visible_set(&mut finder, &camera, Area::whole(SIZE)).unwrap();
+            let visible = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
             let mut view = renderer.new_view().unwrap();
             let watched = [HIDDEN, HALF, FLOOR, BEHIND, 99];
             view.watch(&watched.map(ObjectId)).unwrap();
@@ -108,7 +108,7 @@ fn counts_are_pixels_with_every_strategy() {
                 assert!(number <= 2 || known == 4, "{strategy}, frame {number}: {known}");
             }
             let has_waited = device.wait_counts().other > waits;
-            assert!(!has_waited || strategy.is_dialogue(), "{strategy} waited");
+            assert!(!has_waited || strategy.is_blocking(), "{strategy} waited");
 
             let half = of(&view, HALF).unwrap();
             assert_eq!(half.samples, expected, "{strategy}");
@@ -147,7 +147,7 @@ fn counts_of_all_objects_add_up_to_the_picture() {
                     frame(&mut renderer, &mut view, strategy, camera);
                 }
                 renderer.drain(&mut view).unwrap();
-                let set = renderer.visible_set(&mut finder, &camera, Area::whole(SIZE)).unwrap();
+                let set = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
                 let shown = view.visible_samples().iter().filter(|known| known.samples > 0);
                 assert_eq!(shown.count(), set.leaves().len(), "{strategy}");
                 let samples = view.visible_samples().iter().map(|known| known.samples);
@@ -177,7 +177,7 @@ fn each_view_counts_what_it_sees() {
             // The second eye looks past the wall, into an area that overlaps that of the first.
             let camera = square_camera();
             let cameras = [camera, Camera { eye: Vec3::new(5.0, 0.0, 0.0), ..camera }];
-            let areas = [0, 32].map(|x| Area { origin: [x, 0], size: [96, 96] });
+            let areas = [0, 32].map(|x| Rect { origin: [x, 0], size: [96, 96] });
             for _ in 0..4 {
                 let eyes = histories.iter_mut().zip(cameras).zip(areas);
                 let mut eyes: Vec<ViewTarget<'_>> = eyes

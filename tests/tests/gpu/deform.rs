@@ -1,14 +1,14 @@
-//! Meshes that change their form on the GPU: the same form as the formulas of glTF 2.0 give on the CPU,
-//! and exact pictures while they hide and are hidden.
+//! Meshes that change their form on the GPU: the same form as the formulas of glTF 2.0 give on the
+//! CPU, and exact pictures while they hide and are hidden.
 
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scene::{
-    Deformer, DeformerId, Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId,
-    MorphTarget, Object, PunctualLight, Sampler, Scene, SkinWeights, Surfaces, Texture, TextureId,
-    TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
+    DeformerId, Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId,
+    MorphTarget, Object, PunctualLight, Sampler, Scene, SkinWeights, SkinnedMesh, Surfaces,
+    Texture, TextureId, TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
 };
 use tests::run_on_all;
 use tests::shapes::{box_scene, cube, surface_of};
@@ -29,7 +29,7 @@ fn slab(colour: [f32; 4]) -> Mesh {
     mesh
 }
 
-fn deformer(number: u32, mesh: &Mesh) -> Deformer {
+fn skinned_mesh(number: u32, mesh: &Mesh) -> SkinnedMesh {
     let along = |vertex: &scene::Vertex| vertex.position[0] / WIDTH_M;
     let second = |vertex| (along(vertex) * 2.0 - 0.5_f32).clamp(0.0, 1.0);
     // Two groups of joints, of which the second says what the first could have said, too.
@@ -40,7 +40,7 @@ fn deformer(number: u32, mesh: &Mesh) -> Deformer {
         [[(1.0 - second) * rest, second * rest, 0.0, 0.0], [third, 0.0, 0.0, 0.0]]
     });
     let bulge = |vertex: &scene::Vertex| (along(vertex) * std::f32::consts::PI).sin();
-    Deformer {
+    SkinnedMesh {
         mesh: MeshId(number),
         skin: Some(SkinWeights {
             joint_count: 3,
@@ -81,13 +81,13 @@ pub fn pose(turn: f32) -> Pose {
 }
 
 /// Morphs and skins as the specification says: glTF 2.0, "Morph Targets", "Skins".
-fn deformed(mesh: &Mesh, deformer: &Deformer, pose: &Pose) -> Mesh {
+fn deformed(mesh: &Mesh, skinned_mesh: &SkinnedMesh, pose: &Pose) -> Mesh {
     let mut mesh = mesh.clone();
-    let skin = deformer.skin.as_ref().unwrap();
+    let skin = skinned_mesh.skin.as_ref().unwrap();
     for (number, vertex) in mesh.vertices.iter_mut().enumerate() {
         let (mut position, mut normal) =
             (Vec3::from(vertex.position), unpack_normal(vertex.normal));
-        for (target, weight) in deformer.targets.iter().zip(pose.weights) {
+        for (target, weight) in skinned_mesh.targets.iter().zip(pose.weights) {
             position += weight * Vec3::from(target.positions[number]);
             if !target.normals.is_empty() {
                 normal += weight * Vec3::from(target.normals[number]);
@@ -109,7 +109,7 @@ fn deformed(mesh: &Mesh, deformer: &Deformer, pose: &Pose) -> Mesh {
     mesh
 }
 
-/// Two slabs that move before and behind others: as objects 0 and 1, meshes 0 and 1.
+/// Returns two slabs that move before and behind others: as objects 0 and 1, meshes 0 and 1.
 pub fn scene() -> Scene {
     let meshes = vec![
         slab([0.9, 0.3, 0.2, 1.0]),
@@ -132,7 +132,7 @@ pub fn scene() -> Scene {
         let forth = vec3(0.0, 0.0, -3.0 * (number % 3) as f32);
         objects.push(at(2 + number % 2, place + forth, Vec3::splat(0.8)));
     }
-    let deformers = [0, 1].map(|mesh| deformer(mesh, &meshes[mesh as usize]));
+    let skinned_meshes = [0, 1].map(|mesh| skinned_mesh(mesh, &meshes[mesh as usize]));
     let surfaces = Surfaces {
         meshes: meshes.iter().map(|mesh| surface_of(mesh, MaterialId(0))).collect(),
         materials: vec![Material { metallic: 0.0, ..Material::default() }],
@@ -144,7 +144,7 @@ pub fn scene() -> Scene {
             position: Vec3::ZERO,
             direction: vec3(-0.3, -0.8, -0.6).normalize(),
         }],
-        deformers: deformers.to_vec(),
+        skinned_meshes: skinned_meshes.to_vec(),
         ..Surfaces::default()
     };
     Scene { meshes, objects, surfaces: Some(surfaces), ..box_scene(&[]) }
@@ -165,15 +165,15 @@ pub fn options(frames_in_flight: usize) -> RendererOptions {
     }
 }
 
-/// The scene as it is once both slabs took their poses, on the CPU.
+/// Returns the scene as it is once both slabs took their poses, on the CPU.
 fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
     let mut bent = scene.clone();
     for (mesh, turn) in turns.into_iter().enumerate() {
-        let deformers = &scene.surfaces.as_ref().unwrap().deformers;
-        bent.meshes[mesh] = deformed(&scene.meshes[mesh], &deformers[mesh], &pose(turn));
+        let skinned_meshes = &scene.surfaces.as_ref().unwrap().skinned_meshes;
+        bent.meshes[mesh] = deformed(&scene.meshes[mesh], &skinned_meshes[mesh], &pose(turn));
         let surfaces = bent.surfaces.as_mut().unwrap();
         surfaces.meshes[mesh] = surface_of(&bent.meshes[mesh], MaterialId(0));
-        surfaces.deformers.clear();
+        surfaces.skinned_meshes.clear();
     }
     bent
 }
@@ -233,7 +233,7 @@ fn forms_are_those_of_the_specification() {
     });
 }
 
-/// One slab whose normals lean along its bitangents, to be seen mirrored.
+/// Returns one slab whose normals lean along its bitangents, to be seen mirrored.
 fn leaning() -> Scene {
     let mut mesh = slab([0.9, 0.9, 0.9, 1.0]);
     for triangle in mesh.indices.chunks_exact_mut(3) {
@@ -273,7 +273,7 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
 
         let mut skinned = scene.clone();
         let vertices = scene.meshes[0].vertices.len();
-        skinned.surfaces.as_mut().unwrap().deformers = vec![Deformer {
+        skinned.surfaces.as_mut().unwrap().skinned_meshes = vec![SkinnedMesh {
             mesh: MeshId(0),
             skin: Some(SkinWeights {
                 joint_count: 1,
@@ -292,7 +292,7 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
     });
 }
 
-/// All frames with one strategy, in one go.
+/// Returns all frames with one strategy, in one go.
 fn film(device: &Device, strategy: Strategy, frames_in_flight: usize) -> Vec<Readback> {
     let scene = scene();
     let mut renderer = Renderer::new(device, &scene, &options(frames_in_flight)).unwrap();

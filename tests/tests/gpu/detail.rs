@@ -1,18 +1,19 @@
-//! Levels of detail: frames are exact whoever decides what is drawn, and far objects have fewer triangles.
+//! Levels of detail: frames are exact whoever decides what is drawn, and far objects have fewer
+//! triangles.
 
 use cull::{Camera, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{Device, Readback};
-use render::{Area, Costs, FrameRequest, Renderer, RendererOptions, ViewState};
-use scene::{Level, MeshId, Object, Scene};
+use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions, ViewState};
+use scene::{LodLevel, MeshId, Object, Scene};
 use tests::shapes::{coloured_cubes, square_camera};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 160];
 
-/// A wood of cubes before the camera. Their coarser form lacks half of each face, so that nobody can take
-/// one for the other.
+/// Returns a wood of cubes before the camera. Their coarser form lacks half of each face, so that
+/// nobody can take one for the other.
 fn wood() -> Scene {
     let place = |number: u32| {
         let across = (number * 7 % 23) as f32 - 11.0;
@@ -28,7 +29,7 @@ fn wood() -> Scene {
         tint: u32::MAX,
     };
     let mut scene = coloured_cubes(3, (0..200).map(object).collect());
-    let coarser = |indices: &[u32]| Level {
+    let coarser = |indices: &[u32]| LodLevel {
         indices: indices
             .as_chunks::<6>()
             .0
@@ -124,7 +125,7 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
     });
 }
 
-/// The wood with the back of each triangle, of coarser forms too, as a triangle of its own.
+/// Returns the wood with the back of each triangle, of coarser forms too, as a triangle of its own.
 fn wood_from_both_sides() -> Scene {
     let add_backs = |indices: &mut Vec<u32>| {
         let backs: Vec<u32> =
@@ -160,7 +161,7 @@ fn a_triangle_and_its_back_are_counted_as_one() {
             renderer.choose_detail(&[camera(0)], &policy);
             assert_eq!(renderer.triangles_of(ObjectId(7)), of_cube);
             let mut finder = renderer.new_view().unwrap();
-            let whole = Area::whole(SIZE);
+            let whole = Rect::whole(SIZE);
             let visible = renderer.visible_set(&mut finder, &camera(0), whole).unwrap();
             for strategy in
                 [Strategy::Frustum, Strategy::Antumbra, Strategy::Pyramid, Strategy::Ideal]

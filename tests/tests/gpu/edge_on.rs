@@ -1,6 +1,7 @@
-//! Sills at the height of the eye: a rasteriser that takes depth from where vertices were before it snapped
-//! them draws streaks of such faces through the walls before them, wherever a row of samples lies at
-//! that height. With vertices that are on its grid already there is nothing to streak.
+//! Sills at the height of the eye: a rasteriser that takes depth from where vertices were before it
+//! snapped them draws streaks of such faces through the walls before them, wherever a row of
+//! samples lies at that height. With vertices that are on its grid already there is nothing to
+//! streak.
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};

@@ -1,15 +1,16 @@
-//! What explains frames: it is drawn where it belongs, changes nothing of what is decided, and goes.
+//! What explains frames: it is drawn where it belongs, changes nothing of what is decided, and
+//! goes.
 
 use cull::Strategy;
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, DebugOverlay, FrameReport, FrameRequest, Renderer, RendererOptions, ViewState,
+    Costs, DebugOverlay, FrameReport, FrameRequest, Rect, Renderer, RendererOptions, ViewState,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [320, 180];
-const CORNER: Area = Area { origin: [220, 10], size: [90, 60] };
+const CORNER: Rect = Rect { origin: [220, 10], size: [90, 60] };
 
 struct Studio {
     renderer: Renderer,
@@ -51,15 +52,15 @@ impl Studio {
         (report, self.picture.rgba8().unwrap().to_vec())
     }
 
-    /// A frame under an explanation.
+    /// Returns a frame under an explanation.
     fn explained(&mut self, explanation: DebugOverlay) -> Vec<u8> {
         self.renderer.explain(explanation).unwrap();
         self.render(Strategy::Antumbra).1
     }
 }
 
-/// How many pixels differ inside of an area and outside of it.
-fn differences(a: &[u8], b: &[u8], area: Area) -> (usize, usize) {
+/// Returns how many pixels differ inside of an area and outside of it.
+fn differences(a: &[u8], b: &[u8], area: Rect) -> (usize, usize) {
     let (mut inside, mut outside) = (0, 0);
     for (place, (a, b)) in a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0).enumerate() {
         let at = [place as u32 % SIZE[0], place as u32 / SIZE[0]];
@@ -84,15 +85,15 @@ fn explanations_are_drawn_where_they_belong_and_go() {
         }
         let plain = studio.render(Strategy::Antumbra).1;
         let nothing = DebugOverlay::default();
-        let whole = Area { origin: [0, 0], size: SIZE };
+        let whole = Rect { origin: [0, 0], size: SIZE };
 
-        let corner = studio.explained(DebugOverlay { birds_eye: Some(CORNER), ..nothing });
+        let corner = studio.explained(DebugOverlay { top_down: Some(CORNER), ..nothing });
         let (inside, outside) = differences(&plain, &corner, CORNER);
         assert!(inside > 90 * 60 / 2 && outside == 0, "{inside} {outside}");
 
         let boxes = studio.explained(DebugOverlay { has_boxes: true, ..nothing });
-        let wires = studio.explained(DebugOverlay { has_wires: true, ..nothing });
-        for (picture, what) in [(&boxes, "boxes"), (&wires, "wires")] {
+        let wireframe = studio.explained(DebugOverlay { has_wireframe: true, ..nothing });
+        for (picture, what) in [(&boxes, "boxes"), (&wireframe, "wireframe")] {
             let changed = differences(&plain, picture, whole).0;
             let pixels = (SIZE[0] * SIZE[1]) as usize;
             assert!(changed > 200 && changed < pixels / 2, "{what}: {changed}");
@@ -105,7 +106,7 @@ fn explanations_are_drawn_where_they_belong_and_go() {
 fn an_explanation_decides_nothing() {
     run_on_all(|device| {
         let [mut plain, mut explained] = [Studio::new(device), Studio::new(device)];
-        let all = DebugOverlay { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
+        let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(CORNER) };
         explained.renderer.explain(all).unwrap();
         assert_eq!(explained.renderer.explanation(), all);
         for frame in 0..12 {
@@ -115,8 +116,8 @@ fn an_explanation_decides_nothing() {
         for strategy in [Strategy::Frustum, Strategy::Pyramid, Strategy::Coherent] {
             explained.render(strategy);
         }
-        let beyond = Area { origin: [300, 0], size: [30, 20] };
-        let refused = explained.renderer.explain(DebugOverlay { birds_eye: Some(beyond), ..all });
+        let beyond = Rect { origin: [300, 0], size: [30, 20] };
+        let refused = explained.renderer.explain(DebugOverlay { top_down: Some(beyond), ..all });
         assert!(refused.unwrap_err().to_string().contains("is not within the picture"));
         assert_eq!(explained.renderer.explanation(), all, "what was explained before still is");
     });
@@ -125,12 +126,12 @@ fn an_explanation_decides_nothing() {
 #[test]
 fn an_explanation_is_the_same_however_draws_are_skipped() {
     run(Driver::Lavapipe, |device| {
-        let all = DebugOverlay { has_wires: true, has_boxes: true, birds_eye: Some(CORNER) };
+        let all = DebugOverlay { has_wireframe: true, has_boxes: true, top_down: Some(CORNER) };
         let kinds = [Predication::Conditional, Predication::Counts, Predication::Instances];
         let mut studios = kinds.map(|kind| Studio::with(device, Some(kind)));
         for frame in 0..8 {
             let pictures: Vec<_> = studios.iter_mut().map(|it| it.explained(all)).collect();
-            let whole = Area { origin: [0, 0], size: SIZE };
+            let whole = Rect { origin: [0, 0], size: SIZE };
             let wrong = [1, 2].map(|other| differences(&pictures[0], &pictures[other], whole).0);
             assert_eq!(wrong, [0, 0], "frame {frame}: pixels that differ from conditional draws");
         }

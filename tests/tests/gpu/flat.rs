@@ -43,7 +43,7 @@ fn pixel(picture: &[u8], [x, y]: [u32; 2]) -> [u8; 4] {
     picture[start..start + 4].try_into().unwrap()
 }
 
-/// Two triangles over a rectangle of the picture.
+/// Returns two triangles over a rectangle of the picture.
 fn rectangle(from: [f32; 2], to: [f32; 2], colour: [u8; 4]) -> ([FlatVertex; 4], [u32; 6]) {
     let corner = |x: usize, y: usize| FlatVertex {
         position: [[from, to][x][0], [from, to][y][1]],

@@ -121,7 +121,7 @@ fn a_moment_is_all_that_was_decided() {
         assert!(snapshot.hidden.len() as u32 <= view.plan().stats.frontier);
 
         let picture = Readback::new(device, renderer.size()).unwrap();
-        renderer.birds_eye(&snapshot, &picture).unwrap();
+        renderer.top_down(&snapshot, &picture).unwrap();
         let pixels = picture.rgba8().unwrap();
         let background = &pixels[..4];
         let painted = pixels.chunks_exact(4).filter(|pixel| pixel != &background).count();

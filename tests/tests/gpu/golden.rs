@@ -1,8 +1,8 @@
 //! Real scenes look as they did when somebody last looked at them, and are exact while they live.
 //!
-//! The scenes are not part of the project: ANTUMBRA_ASSETS names the folder that has them; without it these
-//! tests say that they were skipped. With ANTUMBRA_GOLDEN=write the pictures are written anew, to be
-//! looked at and committed.
+//! The scenes are not part of the project: ANTUMBRA_ASSETS names the folder that has them; without
+//! it these tests say that they were skipped. With ANTUMBRA_GOLDEN=write the pictures are written
+//! anew, to be looked at and committed.
 
 use std::fs;
 use std::io::Write;
@@ -46,7 +46,7 @@ fn assets() -> Option<PathBuf> {
 struct Stage {
     renderer: Renderer,
     animator: SceneAnimator,
-    camera: Option<import::Camera>,
+    camera: Option<import::SceneCamera>,
     still: Camera,
 }
 
@@ -144,7 +144,8 @@ fn scenes_look_as_they_did() {
     });
 }
 
-/// The share of pixels of which a channel is off by more than 8 of 255, and the mean difference.
+/// Returns the share of pixels of which a channel is off by more than 8 of 255, and the mean
+/// difference.
 fn difference(golden: &[u8], found: &[u8]) -> (f64, f64) {
     assert_eq!(golden.len(), found.len());
     let far = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 8);

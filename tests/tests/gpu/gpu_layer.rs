@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use glam::Vec3;
 use gpu::{
-    Buffer, Device, DeviceOptions, Error, FrameRing, Place, Predicates, Predication, QueryIndex,
-    QueryRing, Target, Tick, Timeline, vk,
+    Buffer, Device, DeviceOptions, Error, FrameRing, MemoryKind, Predicates, Predication,
+    QueryIndex, QueryRing, Target, Tick, Timeline, vk,
 };
 use occlusion::{ProxyBox, ProxyIo};
 use tests::shapes::{DepthBoxes, box_at, proxy_pass, square_view};
@@ -169,8 +169,9 @@ fn upload_memory_holds_what_a_frame_writes() {
         let mut ring = FrameRing::new(device, 2).unwrap();
         let big = 300_000usize;
         for round in 0..5u32 {
-            let home = Buffer::new(device, "home", 4 * big as u64, usage, Place::ReadBack).unwrap();
-            let small = Buffer::new(device, "small", 16, usage, Place::ReadBack).unwrap();
+            let home =
+                Buffer::new(device, "home", 4 * big as u64, usage, MemoryKind::ReadBack).unwrap();
+            let small = Buffer::new(device, "small", 16, usage, MemoryKind::ReadBack).unwrap();
             let mut frame = ring.begin().unwrap();
             let items = (0..big as u32).map(|i| i ^ round);
             let large = frame.uploads().push_iter(items.clone()).unwrap();

@@ -1,9 +1,10 @@
-//! The yardstick is right: the ideal's picture is the whole one, and nothing in it could be left out.
+//! The yardstick is right: the ideal's picture is the whole one, and nothing in it could be left
+//! out.
 
-use cull::{Aabb, Camera, ObjectId, Policy, Strategy};
+use cull::{Aabb, Camera, CullConfig, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::Readback;
-use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::ObjectChange;
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::run_on_all;
@@ -11,7 +12,7 @@ use tests::shapes::{box_at, box_scene, square_camera};
 use tests::walk::{SceneKind, pixels_that_differ};
 
 const SIZE: [u32; 2] = [160, 90];
-const AREA: Area = Area { origin: [0, 0], size: SIZE };
+const AREA: Rect = Rect { origin: [0, 0], size: SIZE };
 
 #[test]
 fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
@@ -72,8 +73,8 @@ fn the_ideal_without_a_set_is_refused() {
     });
 }
 
-/// More boxes show at once than the list of switched-on draws holds, in layers, so that tests answer
-/// for each other: the set is whole all the same.
+/// More boxes show at once than the list of switched-on draws holds, in layers, so that tests
+/// answer for each other: the set is whole all the same.
 #[test]
 fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
     run_on_all(|device| {
@@ -97,19 +98,19 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let scene = box_scene(&[boxes, vec![wall]].concat());
         let size = [384, 216];
         // Any test may answer for any number of leaves, through whose gaps much of these shows.
-        let policy = Policy {
+        let cull_config = CullConfig {
             front_area: 0.0,
             fronts: 1_000,
             leaves_behind: u32::MAX,
             leaves_behind_a_frame: u32::MAX,
             growth_frames_parts: u32::MAX,
-            ..Policy::default()
+            ..CullConfig::default()
         };
         // No price keeps a test from being made.
         let options = RendererOptions {
             methods: methods::ALL,
             size,
-            policy,
+            cull_config,
             costs: Costs::Ignored,
             ..Default::default()
         };
@@ -119,13 +120,13 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
         // Only what was hidden answers for others: seen from behind a wall, all of it was.
         for _ in 0..4 {
-            let set = renderer.visible_set(&mut finder, &hiding, Area::whole(size)).unwrap();
+            let set = renderer.visible_set(&mut finder, &hiding, Rect::whole(size)).unwrap();
             assert_eq!(set.leaves().len(), 1);
         }
-        let set = renderer.visible_set(&mut finder, &camera, Area::whole(size)).unwrap();
+        let set = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
         assert!(set.leaves().len() > gpu::LISTED_DRAWS, "only {} show", set.leaves().len());
-        assert!(finder.plan().stats.behind > 20, "no test answered for another");
-        let again = renderer.visible_set(&mut finder, &camera, Area::whole(size)).unwrap();
+        assert!(finder.plan().stats.shared_proxies > 20, "no test answered for another");
+        let again = renderer.visible_set(&mut finder, &camera, Rect::whole(size)).unwrap();
         assert_eq!(again.leaves().len(), set.leaves().len(), "now most of it is drawn untested");
         for (strategy, picture) in [(Strategy::Frustum, &expected), (Strategy::Ideal, &got)] {
             let request = FrameRequest {

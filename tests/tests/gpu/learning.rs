@@ -1,9 +1,10 @@
-//! What frames take on the GPU reaches the governors, whatever views there are; pictures stay right.
+//! What frames take on the GPU reaches the governors, whatever views there are; pictures stay
+//! right.
 
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
 use render::{
-    Area, Costs, DebugOverlay, FrameRequest, Renderer, RendererOptions, ViewTarget, ViewsRequest,
+    Costs, DebugOverlay, FrameRequest, Rect, Renderer, RendererOptions, ViewTarget, ViewsRequest,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
@@ -77,7 +78,7 @@ fn views_that_are_drawn_together_learn_the_same() {
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         let mut learned = [Corrections::default(); 2];
         for camera in cameras {
-            let areas = Area::side_by_side(SIZE, 2);
+            let areas = Rect::side_by_side(SIZE, 2);
             let mut eyes: Vec<ViewTarget<'_>> = views
                 .iter_mut()
                 .zip(areas)
@@ -167,13 +168,13 @@ fn what_is_drawn_to_explain_is_not_learned_from() {
 fn what_is_not_governed_is_not_learned_from() {
     run_on_all(|device| {
         let (mut ungoverned, cameras) = renderer(device, Costs::Ignored, 2);
-        let (mut governed, _) = renderer(device, Costs::Table(CostTable::default()), 2);
-        let mut views = [ungoverned.new_view().unwrap(), governed.new_view().unwrap()];
+        let (mut cost_driven, _) = renderer(device, Costs::Table(CostTable::default()), 2);
+        let mut views = [ungoverned.new_view().unwrap(), cost_driven.new_view().unwrap()];
         for camera in cameras {
             let request = FrameRequest::new(Strategy::Antumbra, camera);
             assert_eq!(ungoverned.render(&mut views[0], &request).unwrap().corrections, None);
             let request = FrameRequest::new(Strategy::Frustum, camera);
-            let report = governed.render(&mut views[1], &request).unwrap();
+            let report = cost_driven.render(&mut views[1], &request).unwrap();
             assert_eq!(report.corrections, Some(Corrections::default()));
         }
         device.drain().unwrap();

@@ -8,7 +8,6 @@
 )]
 
 mod bad_machine;
-mod blended;
 mod calibration;
 mod cold_starts;
 mod compute_test;
@@ -41,4 +40,5 @@ mod threshold;
 mod ties;
 mod together;
 mod too_much;
+mod transparent;
 mod views;

@@ -1,4 +1,5 @@
-//! What does not belong together is refused before anything is recorded, with a sentence that helps.
+//! What does not belong together is refused before anything is recorded, with a sentence that
+//! helps.
 
 use cull::{Aabb, CostTable, Hierarchy, Strategy};
 use gpu::{Readback, Tick, Timeline};
@@ -53,7 +54,7 @@ fn a_picture_of_another_size_is_refused() {
         assert!(refused.contains("64x37") && refused.contains("64x36"), "{refused}");
         renderer.render(&mut view, &FrameRequest { picture: None, ..request }).unwrap();
         let snapshot = renderer.snapshot(&mut view, renderer.view_of(&path.camera(0))).unwrap();
-        assert!(renderer.birds_eye(&snapshot, &picture).is_err());
+        assert!(renderer.top_down(&snapshot, &picture).is_err());
     });
 }
 
@@ -247,7 +248,8 @@ fn a_picture_whose_frame_was_given_up_is_never_there() {
     });
 }
 
-/// The older of two open frames could be submitted last, and overwrite what is read after the newer one.
+/// The older of two open frames could be submitted last, and overwrite what is read after the newer
+/// one.
 #[test]
 fn of_two_open_frames_one_copies_a_picture_to_the_same_place() {
     run(Driver::Lavapipe, |device| {

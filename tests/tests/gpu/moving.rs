@@ -1,5 +1,5 @@
-//! Scenes that change between frames: exact at every frame, on both drivers, at a cost that is that of
-//! the changes.
+//! Scenes that change between frames: exact at every frame, on both drivers, at a cost that is that
+//! of the changes.
 
 mod updates;
 
@@ -72,7 +72,7 @@ impl Moving {
             pictures.push(picture);
         }
         let waited = renderer.device().wait_counts().other - waits;
-        assert_eq!(waited > 0, strategy.is_dialogue(), "{strategy} waited for {waited} answers");
+        assert_eq!(waited > 0, strategy.is_blocking(), "{strategy} waited for {waited} answers");
         renderer.drain(&mut view).unwrap();
         let draws = view.take_outcomes().map(|outcome| outcome.draws).sum();
         (pictures, draws)
@@ -238,7 +238,7 @@ fn views_that_pause_stay_exact() {
     });
 }
 
-/// A wall before a crowd, and a camera that sees both.
+/// Returns a wall before a crowd, and a camera that sees both.
 fn wall_and_crowd(count: usize) -> Vec<Aabb> {
     let wall = box_at(Vec3::new(0.0, 0.0, -5.0), Vec3::new(20.0, 20.0, 0.1));
     let crowd = (0..count).map(|number| {
@@ -289,7 +289,8 @@ fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
     });
 }
 
-/// Everybody changes seats with somebody far away: parts of the hierarchy are rebuilt, or all of it.
+/// Everybody changes seats with somebody far away: parts of the hierarchy are rebuilt, or all of
+/// it.
 #[test]
 fn objects_that_jump_far_stay_exact() {
     run_on_all(|device| {
@@ -372,7 +373,7 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
                 for frame in 0..4 {
                     let report = renderer.update(&lifted(frame)).unwrap();
                     let levels = u64::from(2 * objects.ilog2());
-                    assert_eq!(report.stale_leaves, moved);
+                    assert_eq!(report.dirty_leaves, moved);
                     assert!(report.refitted_nodes <= moved as u64 * levels, "{report:?}");
                     assert_eq!(report.rebuilt_leaves, 0);
                     assert!(report.added.is_empty() && !report.is_worn);
@@ -380,7 +381,7 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
                 }
             }
             // Nothing changed, nothing is brought.
-            assert_eq!(renderer.update(&[]).unwrap().stale_leaves, 0);
+            assert_eq!(renderer.update(&[]).unwrap().dirty_leaves, 0);
             device.drain().unwrap();
         }
     });

@@ -15,7 +15,8 @@ fn options() -> RendererOptions {
     RendererOptions { size: SIZE, costs: Costs::Ignored, ..RendererOptions::default() }
 }
 
-/// The object of the triangle that a ray meets first (Möller and Trumbore 1997): backs are not drawn.
+/// Returns the object of the triangle that a ray meets first (Möller and Trumbore 1997): backs are
+/// not drawn.
 fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<u32> {
     let mut nearest: Option<(f32, u32)> = None;
     for (number, object) in (0..).zip(&scene.objects) {
@@ -81,8 +82,8 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
     });
 }
 
-/// A square of `half` metres around the ray, far away, and before it more frames than anyone would count: the boxes of
-/// all of them hold the ray, and their corners alone are there.
+/// Returns a square of `half` metres around the ray, far away, and before it more frames than
+/// anyone would count: the boxes of all of them hold the ray, and their corners alone are there.
 fn behind_frames(frames: u32, half: f32) -> Scene {
     let corners = |corners: [[f32; 2]; 3]| corners.map(|[x, y]| ([x, y, 0.0], [1.0; 3]));
     let [low, high] = [
@@ -142,8 +143,8 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
     });
 }
 
-/// Every object of the newest frame, which is waited for, was drawn if and only if that is explained; counts those
-/// drawn, hidden and outside.
+/// Every object of the newest frame, which is waited for, was drawn if and only if that is
+/// explained; counts those drawn, hidden and outside.
 fn check(
     renderer: &mut Renderer,
     view: &mut ViewState,

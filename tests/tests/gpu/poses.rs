@@ -1,5 +1,5 @@
-//! Poses of meshes that change their form: the boxes of their objects follow them, and the GPU gets those alone
-//! that a view may show.
+//! Poses of meshes that change their form: the boxes of their objects follow them, and the GPU gets
+//! those alone that a view may show.
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -13,7 +13,7 @@ use crate::deform::{
     Pose, SIZE, WIDTH_M, camera, draw, options, pixels_far_apart, pose, scene, take, turns,
 };
 
-/// The box of an object in the world.
+/// Returns the box of an object in the world.
 fn bounds(renderer: &Renderer, object: u32) -> Aabb {
     let node = renderer.hierarchy().node_of(ObjectId(object)).unwrap();
     renderer.hierarchy().bounds(node)
@@ -48,7 +48,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
                 transform: scene.objects[0].transform,
             }],
             deformations: vec![Deformation {
-                deformer: DeformerId(0),
+                skinned_mesh: DeformerId(0),
                 joints: 0..3,
                 weights: 0..2,
             }],
@@ -74,7 +74,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
     });
 }
 
-/// What a frame did for poses, seen along `forward`.
+/// Returns what a frame did for poses, seen along `forward`.
 fn skinned(renderer: &mut Renderer, view: &mut ViewState, forward: Vec3) -> (u32, u64) {
     let camera = Camera { forward, ..camera() };
     let report = renderer.render(view, &FrameRequest::new(Strategy::Antumbra, camera)).unwrap();
@@ -112,7 +112,8 @@ fn poses_wait_until_a_view_may_show_them() {
     });
 }
 
-/// All frames of somebody who looks about; if `sees_all`, all poses are brought in each frame.
+/// Returns all frames of somebody who looks about; if `sees_all`, all poses are brought in each
+/// frame.
 fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Readback> {
     let mut renderer = Renderer::new(device, &scene(), &options(2)).unwrap();
     if sees_all {
@@ -155,10 +156,10 @@ fn what_is_blended_is_where_its_pose_brings_it() {
         let mut scene = scene();
         scene.objects.drain(1..2);
         let surfaces = scene.surfaces.as_mut().unwrap();
-        surfaces.deformers.remove(0);
+        surfaces.skinned_meshes.remove(0);
         // Far behind the camera at rest.
         let transform = Affine3A::from_translation(vec3(-1.0, 0.0, 40.0));
-        surfaces.blended = vec![Object { mesh: MeshId(1), transform, tint: u32::MAX }];
+        surfaces.transparent = vec![Object { mesh: MeshId(1), transform, tint: u32::MAX }];
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
         let before = draw(&mut renderer, Strategy::Antumbra);
         let near = Affine3A::from_translation(vec3(0.0, 0.0, -44.0));
@@ -178,8 +179,8 @@ fn bad_poses_are_refused_and_change_nothing() {
         let before = draw(&mut renderer, Strategy::Frustum);
         let Pose { joints, weights } = pose(0.4);
         let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
-        let mut refuse = |deformer, joints: &[Affine3A], weights: &[f32], why: &str| {
-            let error = renderer.set_pose(DeformerId(deformer), joints, weights).unwrap_err();
+        let mut refuse = |skinned_mesh, joints: &[Affine3A], weights: &[f32], why: &str| {
+            let error = renderer.set_pose(DeformerId(skinned_mesh), joints, weights).unwrap_err();
             let text = error.to_string();
             assert!(matches!(error, Error::Deform { .. }) && text.contains(why), "{text}");
         };

@@ -2,9 +2,9 @@
 
 use cull::{Camera, Strategy};
 use glam::Vec3;
-use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, Place, Target, vk};
+use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use methods::{PyramidLevel, PyramidPass, pyramid_levels};
-use occlusion::{Area, ProxyBox, ShaderSet};
+use occlusion::{ProxyBox, Rect, ShaderSet};
 use render::{Renderer, RendererOptions};
 use scene::Scene;
 use scenes::{CameraPath, GeneratedScene, PathKind};
@@ -237,7 +237,7 @@ fn passes_are_timed_by_their_labels() {
     });
 }
 
-/// The farthest of the texels of `below` under texel (x, y) of the level above.
+/// Returns the farthest of the texels of `below` under texel (x, y) of the level above.
 fn farthest(below: &[f32], [width, height]: [u32; 2], x: u32, y: u32) -> f32 {
     let mut farthest = f32::INFINITY;
     for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
@@ -269,7 +269,8 @@ fn every_level_is_the_farthest_of_the_one_below() {
             let all = pyramid.depths();
             let levels: Vec<PyramidLevel> = pyramid_levels(size).collect();
             let usage = vk::BufferUsageFlags::TRANSFER_DST;
-            let home = Buffer::new(device, "home", all.size_bytes, usage, Place::ReadBack).unwrap();
+            let home =
+                Buffer::new(device, "home", all.size_bytes, usage, MemoryKind::ReadBack).unwrap();
             let mut ring = FrameRing::new(device, 2).unwrap();
             // Without boxes in between: nothing of the frame before may stay.
             for count in [boxes.len() as u32, 0, boxes.len() as u32] {
@@ -280,7 +281,7 @@ fn every_level_is_the_farthest_of_the_one_below() {
                 commands.rendering(target.render_target(Some([0.0; 4])), |commands| {
                     (0..count).for_each(|index| boxes_pass.draw(commands, slice, &view, index));
                 });
-                pyramid.record(commands, &mut target, Area { origin: [0, 0], size });
+                pyramid.record(commands, &mut target, Rect { origin: [0, 0], size });
                 commands.copy_buffer(all, home.whole());
                 commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
                 frame.submit(None).unwrap();

@@ -1,12 +1,12 @@
 //! Queries of a frame that is sent off in pieces: every answer is home when its piece is over.
 
 use glam::Vec3;
-use gpu::{Counting, FrameRing, Optional, QueryIndex, QueryPages, Target};
+use gpu::{BlockingQueryPool, Counting, FrameRing, Optional, QueryIndex, Target};
 use occlusion::{ProxyBox, ProxyIo};
 use tests::run_on_all;
 use tests::shapes::{DepthBoxes, box_at, proxy_pass, square_view};
 
-/// A wall, a box before it and one behind it.
+/// Returns a wall, a box before it and one behind it.
 fn boxes() -> [ProxyBox; 3] {
     [
         box_at(Vec3::new(0.0, 0.0, -10.0), Vec3::new(4.0, 4.0, 1.0)),
@@ -23,7 +23,7 @@ fn every_answer_is_home_when_its_piece_is_over() {
         let view = square_view(device, 64);
         let mut target = Target::new(device, [64, 64], "target").unwrap();
         let mut ring = FrameRing::new(device, 2).unwrap();
-        let mut queries = QueryPages::new(device, 2, "test");
+        let mut queries = BlockingQueryPool::new(device, 2, "test");
         let counts_samples = device.capabilities().has(Optional::PreciseQueries);
         for round in 0..5_u32 {
             let mut frame = ring.begin().unwrap();

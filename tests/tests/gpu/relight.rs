@@ -1,4 +1,5 @@
-//! Lights that change and objects that move under them: frames look as if the scene had always been so.
+//! Lights that change and objects that move under them: frames look as if the scene had always been
+//! so.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
@@ -43,7 +44,7 @@ fn room() -> Scene {
         .map(|number| object(0, vec3((number % 8) as f32 * 2.0, 0.0, -2.0 * (number / 8) as f32)));
     scene.objects = cubes.collect();
     let panes = (0..4).map(|number| object(1, vec3(number as f32 * 4.0, 1.2, 0.5)));
-    scene.surfaces.as_mut().unwrap().blended = panes.collect();
+    scene.surfaces.as_mut().unwrap().transparent = panes.collect();
     scene
 }
 

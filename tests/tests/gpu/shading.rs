@@ -1,8 +1,9 @@
-//! Shading: the pictures of the surface pass are what the specification's formulas say, pixel by pixel.
+//! Shading: the pictures of the surface pass are what the specification's formulas say, pixel by
+//! pixel.
 //!
-//! The comparison is exact in where things are: flat patches whose corners lie on corners of pixels, so that
-//! nothing is snapped or covered in part, with normals that turn over them as over a sphere. What
-//! is compared is every pixel that a patch covers.
+//! The comparison is exact in where things are: flat patches whose corners lie on corners of
+//! pixels, so that nothing is snapped or covered in part, with normals that turn over them as over
+//! a sphere. What is compared is every pixel that a patch covers.
 
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec3A, vec3};
 use gpu::Device;
@@ -26,20 +27,21 @@ const CELLS: u32 = PATCH / CELL;
 /// Patches in a row and in a column.
 const PATCHES: u32 = 5;
 
-/// Where a corner of pixels is in the world.
+/// Returns where a corner of pixels is in the world.
 fn place(x: u32, y: u32) -> Vec3 {
     let part = |pixel: u32| pixel as f32 / (SIDE / 2) as f32 - 1.0;
     vec3(part(x) * DISTANCE_M, -part(y) * DISTANCE_M, -DISTANCE_M)
 }
 
-/// The unit normal at a corner of a patch's cells: a sphere's, as far as it faces us.
+/// Returns the unit normal at a corner of a patch's cells: a sphere's, as far as it faces us.
 fn normal(column: u32, row: u32) -> Vec3 {
     let part = |cell: u32| (cell as f32 / CELLS as f32 * 2.0 - 1.0) * 0.68;
     let (x, y) = (part(column), -part(row));
     vec3(x, y, (1.0 - x * x - y * y).sqrt())
 }
 
-/// A patch in a space in which it is `scale` times as large, as the world's is after `scale`'s inverse.
+/// Returns a patch in a space in which it is `scale` times as large, as the world's is after
+/// `scale`'s inverse.
 fn patch(origin: [u32; 2], scale: Vec3, material: u32) -> (Mesh, SurfaceMesh) {
     let mut positions = Vec::new();
     let mut vertices = Vec::new();
@@ -62,8 +64,8 @@ fn patch(origin: [u32; 2], scale: Vec3, material: u32) -> (Mesh, SurfaceMesh) {
     mesh(&positions, vertices, (0..CELLS * CELLS).flat_map(cell).collect(), material)
 }
 
-/// What a surface normal at a pixel of a patch is: turned into the world's space at the corners by `to_world`,
-/// and interpolated over the triangle that the pixel's middle is in.
+/// Returns what a surface normal at a pixel of a patch is: turned into the world's space at the
+/// corners by `to_world`, and interpolated over the triangle that the pixel's middle is in.
 fn normal_at([x, y]: [u32; 2], to_world: DMat3) -> DVec3 {
     let at = |column, row| {
         let [x, y, z, _] = snorm16(normal(column, row), 0).map(|part| f64::from(part) / 32767.0);
@@ -146,7 +148,7 @@ impl Sweep {
         scene
     }
 
-    /// What the specification says of a pixel; `None` where there is no patch.
+    /// Returns what the specification says of a pixel; `None` where there is no patch.
     fn expected(&self, pixel: [u32; 2]) -> Option<[f64; 3]> {
         let number = (0..PATCHES * PATCHES).find(|number| {
             let origin = Self::origin(*number);
@@ -173,8 +175,8 @@ impl Sweep {
         Some(reference::encoded(reference::tone_mapped(light * f64::from(self.exposure))))
     }
 
-    /// Draws and compares every pixel; answers how bright patches are on average, so that a test can see that it
-    /// saw something.
+    /// Draws and compares every pixel; answers how bright patches are on average, so that a test
+    /// can see that it saw something.
     fn compare(&self, device: &Device, what: &str) -> f64 {
         let found =
             picture(device, &self.scene(), &square_camera(), [SIDE; 2], &SurfaceOptions::default());

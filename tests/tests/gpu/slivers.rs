@@ -81,7 +81,7 @@ impl Copies {
     }
 }
 
-/// How many boxes own a sample, and how many of them have a proxy without one.
+/// Returns how many boxes own a sample, and how many of them have a proxy without one.
 fn lost(device: &Device, seeds: u64, proxy_of: impl Fn(&View, &Aabb) -> Aabb) -> (usize, usize) {
     let opaque = OpaquePass::new(device, &ShaderSet::embedded().unwrap()).unwrap();
     let proxies = proxy_pass(device);

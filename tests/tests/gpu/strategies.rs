@@ -1,7 +1,7 @@
 //! The literature's methods on real drivers: exact where they say so, counted where not, and each
 //! waits as it is known to.
 
-use cull::{Camera, CoherentOptions, DialogueOptions, FirstPass, LeafTest, Strategy};
+use cull::{BlockingOptions, Camera, CoherentOptions, FirstPass, LeafTest, Strategy};
 use glam::Vec3;
 use gpu::{Device, FrameRing, Readback, Tick, Timeline};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
@@ -24,8 +24,8 @@ fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
 }
 
 fn coherent(coherent: CoherentOptions) -> RendererOptions {
-    let dialogue = DialogueOptions { coherent, ..Default::default() };
-    RendererOptions { dialogue, ..options([160, 90], 2) }
+    let blocking = BlockingOptions { coherent, ..Default::default() };
+    RendererOptions { blocking, ..options([160, 90], 2) }
 }
 
 fn check(found: &Found, what: &str) {
@@ -45,7 +45,7 @@ fn walk_everything(device: &Device, strategy: Strategy, objects: u32, frames: u3
 }
 
 #[test]
-fn lavapipe_every_dialogue_is_exact() {
+fn lavapipe_every_blocking_method_is_exact() {
     run(Driver::Lavapipe, |device| {
         for (strategy, objects, frames) in [
             (Strategy::Naive, 300, 3),
@@ -59,7 +59,7 @@ fn lavapipe_every_dialogue_is_exact() {
 }
 
 #[test]
-fn swiftshader_every_dialogue_is_exact() {
+fn swiftshader_every_blocking_method_is_exact() {
     run(Driver::SwiftShader, |device| {
         for (strategy, objects, frames) in [
             (Strategy::Naive, 200, 2),
@@ -113,7 +113,8 @@ fn a_depth_only_first_pass_gives_the_same_picture() {
             let first_pass = FirstPass::DepthOnly;
             let options = coherent(CoherentOptions { first_pass, ..Default::default() });
             let found = walk_with(device, &scene, path, 12, &options, Strategy::Coherent);
-            // Faces of one object that have the same depth at a pixel: the last wins, not the first.
+            // Faces of one object that have the same depth at a pixel: the last wins, not the
+            // first.
             assert!(found.pixels_wrong <= 12 * 160 * 90 / 10_000, "{path}: {found:?}");
             assert!(found.draws[1] < found.draws[0], "{path}: {found:?}");
         }
@@ -158,7 +159,7 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
 }
 
 #[test]
-fn a_dialogue_waits_and_says_how_often() {
+fn a_blocking_method_waits_and_says_how_often() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(500);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
@@ -319,7 +320,7 @@ fn a_frame_is_sent_off_in_pieces() {
 }
 
 #[test]
-fn a_host_holds_a_dialogue_back_only_up_to_its_gate() {
+fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(300);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();

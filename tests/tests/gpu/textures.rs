@@ -1,4 +1,5 @@
-//! Textures of the surface pass: every pixel shows the texel that the specification says, in the right light.
+//! Textures of the surface pass: every pixel shows the texel that the specification says, in the
+//! right light.
 
 mod arrays;
 mod covering;
@@ -46,7 +47,7 @@ fn using(texture: u32) -> Option<TextureUse> {
     Some(TextureUse { texture: TextureId(texture), uv_set: 0, transform: Affine2::IDENTITY })
 }
 
-/// What shows its texels and nothing else.
+/// Returns what shows its texels and nothing else.
 fn unlit() -> Material {
     Material { base_colour_texture: using(0), is_unlit: true, ..Material::default() }
 }
@@ -61,7 +62,7 @@ fn one(image: Image, texture: Texture, material: Material) -> Surfaces {
     }
 }
 
-/// A square over the whole picture.
+/// Returns a square over the whole picture.
 fn whole(uv: [[f32; 2]; 2], change: impl Fn(&mut SurfaceVertex)) -> (Mesh, SurfaceMesh) {
     studio::quad(SIDE, [[0, 0], [SIDE, SIDE]], 4.0, uv, 0, change)
 }
@@ -80,7 +81,7 @@ fn draw_with(device: &Device, scene: &Scene, options: &SurfaceOptions) -> Vec<[u
     picture.chunks_exact(4).map(|pixel| pixel.try_into().unwrap()).collect()
 }
 
-/// The texture coordinates at the middle of a pixel of a [`whole`] square.
+/// Returns the texture coordinates at the middle of a pixel of a [`whole`] square.
 fn at(pixel: usize, uv: [[f32; 2]; 2]) -> Vec2 {
     let part = |pixel: usize| (pixel as f32 + 0.5) / SIDE as f32;
     let share = vec2(part(pixel % SIDE as usize), part(pixel / SIDE as usize));
@@ -88,7 +89,7 @@ fn at(pixel: usize, uv: [[f32; 2]; 2]) -> Vec2 {
     from + (to - from) * share
 }
 
-/// The texel of an image of `size` at texture coordinates, sharp.
+/// Returns the texel of an image of `size` at texture coordinates, sharp.
 fn texel_at(uv: Vec2, size: u32, wrap: [Wrap; 2]) -> [u32; 2] {
     std::array::from_fn(|side| {
         let texel = (uv[side] * size as f32).floor() as i32;

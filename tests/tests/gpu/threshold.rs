@@ -1,10 +1,10 @@
-//! A visibility threshold: pictures that are not exact, with an error that is counted and never larger
-//! than what was counted.
+//! A visibility threshold: pictures that are not exact, with an error that is counted and never
+//! larger than what was counted.
 
-use cull::{Aabb, Camera, CoherentOptions, DialogueOptions, Strategy};
+use cull::{Aabb, BlockingOptions, Camera, CoherentOptions, Strategy};
 use glam::Vec3;
 use gpu::{Device, Predication, Readback};
-use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::Scene;
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind, Routes};
 use tests::shapes::{box_at, box_scene, square_camera};
@@ -18,13 +18,13 @@ fn options(threshold_samples: u32) -> RendererOptions {
         visibility_threshold_samples: threshold_samples,
         ..CoherentOptions::default()
     };
-    let dialogue = DialogueOptions { coherent, ..DialogueOptions::default() };
+    let blocking = BlockingOptions { coherent, ..BlockingOptions::default() };
     // Prices that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
         methods: methods::ALL,
         size: SIZE,
         threshold_samples,
-        dialogue,
+        blocking,
         costs: Costs::Ignored,
         ..Default::default()
     }
@@ -192,7 +192,7 @@ fn the_ideal_and_other_methods_stay_exact() {
             let mut view = renderer.new_view().unwrap();
             for number in 0..4 {
                 let camera = path.camera(number);
-                let set = renderer.visible_set(&mut finder, &camera, Area::whole(SIZE)).unwrap();
+                let set = renderer.visible_set(&mut finder, &camera, Rect::whole(SIZE)).unwrap();
                 for (strategy, picture) in [Strategy::Frustum, strategy].into_iter().zip(&pictures)
                 {
                     let request = FrameRequest {

@@ -1,11 +1,12 @@
-//! Scenes full of surfaces that are equally near: side by side with shared faces, in one plane, one in
-//! the other, cutting each other. With surfaces they are drawn depth first, and no order of draws shows.
+//! Scenes full of surfaces that are equally near: side by side with shared faces, in one plane, one
+//! in the other, cutting each other. With surfaces they are drawn depth first, and no order of
+//! draws shows.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, DebugOverlay, FrameRequest, Renderer, RendererOptions, ShaderSet, ViewTarget,
+    Costs, DebugOverlay, FrameRequest, Rect, Renderer, RendererOptions, ShaderSet, ViewTarget,
     ViewsRequest,
 };
 use scene::{
@@ -19,7 +20,7 @@ use tests::{Driver, run, run_on_all};
 const SIZE: [u32; 2] = [160, 90];
 const COLOURS: u32 = 7;
 
-/// What each strategy shows that promises to be exact, whatever stands still or moves.
+/// Returns what each strategy shows that promises to be exact, whatever stands still or moves.
 fn exact() -> impl Iterator<Item = Strategy> {
     Strategy::ALL.into_iter().filter(|it| it.is_exact() && *it != Strategy::Frustum)
 }
@@ -30,8 +31,9 @@ fn object(number: u32, low: Vec3, high: Vec3, turn_rad: f32) -> Object {
     Object { mesh: MeshId(number % COLOURS), transform, tint: u32::MAX }
 }
 
-/// Rows of walls across the way, each three boxes deep in the same place, some turned a little; between
-/// them boxes with corners on a coarse grid; under all of it tiles in one plane that overlap.
+/// Rows of walls across the way, each three boxes deep in the same place, some turned a little;
+/// between them boxes with corners on a coarse grid; under all of it tiles in one plane that
+/// overlap.
 fn ties() -> Scene {
     let mut objects = Vec::new();
     let mut state = 12_345_u32;
@@ -102,7 +104,7 @@ fn pictures(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> 
     let mut finding = renderer.new_view().unwrap();
     let draw = |camera: &Camera| {
         let picture = Readback::new(renderer.device(), SIZE).unwrap();
-        let area = Area::whole(SIZE);
+        let area = Rect::whole(SIZE);
         let visible = renderer.visible_set(&mut finding, camera, area).unwrap();
         let request = FrameRequest {
             visible: Some(&visible),
@@ -175,7 +177,8 @@ fn every_way_to_skip_draws_is_exact_with_ties() {
     });
 }
 
-/// The same with holes: two of the materials cut what is less than half there, by the corners of faces.
+/// Returns the same with holes: two of the materials cut what is less than half there, by the
+/// corners of faces.
 fn with_holes() -> Scene {
     let mut scene = ties();
     let surfaces = scene.surfaces.as_mut().unwrap();
@@ -204,8 +207,8 @@ fn what_is_seen_through_holes_is_exact() {
     });
 }
 
-/// The same with clouds of points and tangles of lines before, behind and in the walls: some turned, some
-/// mirrored, some flat.
+/// Returns the same with clouds of points and tangles of lines before, behind and in the walls:
+/// some turned, some mirrored, some flat.
 fn with_sprites(mut scene: Scene) -> Scene {
     let mut state = 99_u32;
     let mut random = || {
@@ -266,20 +269,20 @@ fn all_else_goes_on_with_surfaces() {
         let mut renderer = Renderer::new(device, &ties(), &options(2)).unwrap();
         let mut left = renderer.new_view().unwrap();
         let mut right = renderer.new_view().unwrap();
-        let has_wires = device.capabilities().has(gpu::Optional::Wires);
-        let corner = Area { origin: [100, 0], size: [60, 40] };
+        let has_wireframe = device.capabilities().has(gpu::Optional::Wireframe);
+        let corner = Rect { origin: [100, 0], size: [60, 40] };
         let cameras = cameras(12);
         left.watch(&[ObjectId(3), ObjectId(30)]).unwrap();
         for (frame, camera) in cameras.iter().enumerate() {
             if frame == 4 {
-                let (has_boxes, birds_eye) = (true, Some(corner));
-                renderer.explain(DebugOverlay { has_wires, has_boxes, birds_eye }).unwrap();
+                let (has_boxes, top_down) = (true, Some(corner));
+                renderer.explain(DebugOverlay { has_wireframe, has_boxes, top_down }).unwrap();
             }
             if frame == 8 {
                 renderer.explain(DebugOverlay::default()).unwrap();
                 renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
             }
-            let mut halves = Area::side_by_side(SIZE, 2);
+            let mut halves = Rect::side_by_side(SIZE, 2);
             let mut eye = |history| ViewTarget {
                 history,
                 camera: *camera,
@@ -292,11 +295,11 @@ fn all_else_goes_on_with_surfaces() {
             let request = ViewsRequest { strategy, picture: None, after: None };
             renderer.render_views(eyes, &request).unwrap();
         }
-        let area = Area { origin: [0, 0], size: [80, 90] };
+        let area = Rect { origin: [0, 0], size: [80, 90] };
         let view = renderer.view_in(&cameras[11], area);
         let snapshot = renderer.snapshot(&mut left, view).unwrap();
         let picture = Readback::new(device, SIZE).unwrap();
-        renderer.birds_eye(&snapshot, &picture).unwrap();
+        renderer.top_down(&snapshot, &picture).unwrap();
         renderer.render_snapshot(&snapshot, cameras[3], Some(&picture)).unwrap();
         renderer.drain(&mut left).unwrap();
         assert!(!left.visible_samples().is_empty());

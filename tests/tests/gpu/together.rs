@@ -1,13 +1,13 @@
-//! All that a scene can have at once: lamps that move, holes, panes, a mesh that changes its form, a door that
-//! opens. Whatever decides what is drawn, the pictures are the same.
+//! All that a scene can have at once: lamps that move, holes, panes, a mesh that changes its form,
+//! a door that opens. Whatever decides what is drawn, the pictures are the same.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Area, Costs, FrameRequest, Renderer, RendererOptions};
+use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::{
-    Alpha, BlendedId, Deformer, DeformerId, LightId, LightKind, Material, MaterialId, MeshId,
-    MorphTarget, Object, ObjectChange, PunctualLight, Scene, pack_unorm,
+    Alpha, DeformerId, LightId, LightKind, Material, MaterialId, MeshId, MorphTarget, Object,
+    ObjectChange, PunctualLight, Scene, SkinnedMesh, TransparentId, pack_unorm,
 };
 use tests::run_on_all;
 use tests::shapes::{coloured_cubes, cube, surface_of};
@@ -41,7 +41,8 @@ fn lamp(number: u32, frame: u32) -> PunctualLight {
     }
 }
 
-/// Walls with doors one behind the other, some with holes, things between them, and a soft one at the side.
+/// Walls with doors one behind the other, some with holes, things between them, and a soft one at
+/// the side.
 fn scene() -> Scene {
     let mut objects = vec![object(SOFT, vec3(1.0, -1.0, -4.0), vec3(2.0, 2.0, 0.5))];
     for wall in 0..4_u32 {
@@ -78,12 +79,12 @@ fn scene() -> Scene {
     }
     let bulge = |vertex: &scene::Vertex| [0.0, vertex.position[0] * 1.5, 0.0];
     let positions = scene.meshes[SOFT as usize].vertices.iter().map(bulge).collect();
-    surfaces.deformers = vec![Deformer {
+    surfaces.skinned_meshes = vec![SkinnedMesh {
         mesh: MeshId(SOFT),
         skin: None,
         targets: vec![MorphTarget { positions, ..MorphTarget::default() }],
     }];
-    surfaces.blended = (0..12).map(pane).collect();
+    surfaces.transparent = (0..12).map(pane).collect();
     surfaces.lights = (0..LAMPS).map(|number| lamp(number, 0)).collect();
     scene
 }
@@ -122,11 +123,11 @@ fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
     for number in (frame % 3..12).step_by(4) {
         let fly = Affine3A::from_translation(vec3(0.2 * frame as f32, 0.0, 0.3));
         let transform = fly * pane(number).transform;
-        renderer.move_blended(BlendedId(number), transform).unwrap();
+        renderer.move_transparent(TransparentId(number), transform).unwrap();
     }
 }
 
-/// All frames in one go, from nothing.
+/// Returns all frames in one go, from nothing.
 fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     let scene = scene();
     let options =
@@ -137,7 +138,7 @@ fn film(device: &Device, strategy: Strategy, costs: Costs) -> Vec<Readback> {
     let frame = |frame: u32| {
         live(&mut renderer, &scene, frame);
         let visible = (strategy == Strategy::Ideal).then(|| {
-            renderer.visible_set(&mut finding, &camera(frame), Area::whole(SIZE)).unwrap()
+            renderer.visible_set(&mut finding, &camera(frame), Rect::whole(SIZE)).unwrap()
         });
         let picture = Readback::new(device, SIZE).unwrap();
         let request = FrameRequest {

@@ -1,5 +1,5 @@
-//! Scenes with more than a renderer takes are refused by name, with the limit and what to do; with more than
-//! it shows, they are shown, and it says what is left out.
+//! Scenes with more than a renderer takes are refused by name, with the limit and what to do; with
+//! more than it shows, they are shown, and it says what is left out.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};
@@ -109,7 +109,8 @@ fn objects_that_too_many_lamps_reach_are_counted_as_things_are_now() {
     run_on_all(|device| {
         let most = MAX_LIGHTS_PER_OBJECT as u32;
         let scene = with(|it| {
-            // One more than fit shine on the first, as many as fit on the second, none on the third.
+            // One more than fit shine on the first, as many as fit on the second, none on the
+            // third.
             let at = |number: u32| lamp(vec3(if number > most { 3.5 } else { 0.5 }, 0.5, 1.2));
             it.lights = (0..=2 * most).map(at).collect();
             let sun = PunctualLight { kind: LightKind::Directional, ..lamp(Vec3::ZERO) };

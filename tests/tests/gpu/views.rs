@@ -1,9 +1,10 @@
-//! Several views in one frame: each exact, with a history of its own, in its own part of the picture.
+//! Several views in one frame: each exact, with a history of its own, in its own part of the
+//! picture.
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Predication, Readback};
 use render::{
-    Area, Costs, FrameReport, FrameRequest, Renderer, RendererOptions, ViewState, ViewTarget,
+    Costs, FrameReport, FrameRequest, Rect, Renderer, RendererOptions, ViewState, ViewTarget,
     ViewsRequest, VisibleSet,
 };
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
@@ -23,7 +24,7 @@ fn options(frames_in_flight: usize) -> RendererOptions {
     }
 }
 
-/// The eyes of a stereo pair.
+/// Returns the eyes of a stereo pair.
 fn pair(camera: Camera) -> [Camera; 2] {
     let right = camera.forward.cross(camera.up).normalize();
     [-0.0325, 0.0325].map(|aside| Camera { eye: camera.eye + right * aside, ..camera })
@@ -35,7 +36,7 @@ fn render(
     histories: &mut [ViewState],
     strategy: Strategy,
     cameras: &[Camera],
-    areas: &[Area],
+    areas: &[Rect],
     picture: &Readback,
 ) -> FrameReport {
     let mut eyes: Vec<ViewTarget<'_>> = histories
@@ -76,7 +77,7 @@ fn check_pair_with(
     let motion = Motion::new(scene, percent, 3).unwrap();
     let mut renderer = Renderer::new(device, scene, options).unwrap();
     let mut cast = Cast::new(&motion);
-    let areas: Vec<Area> = Area::side_by_side(SIZE, 2).collect();
+    let areas: Vec<Rect> = Rect::side_by_side(SIZE, 2).collect();
     let [expected, got] = [Strategy::Frustum, strategy].map(|strategy| {
         let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
         let waits = renderer.device().wait_counts().other;
@@ -90,7 +91,7 @@ fn check_pair_with(
             })
             .collect();
         let waited = renderer.device().wait_counts().other - waits;
-        assert_eq!(waited > 0, strategy.is_dialogue(), "{strategy} waited for {waited} answers");
+        assert_eq!(waited > 0, strategy.is_blocking(), "{strategy} waited for {waited} answers");
         let mut draws = 0;
         for view in &mut views {
             renderer.drain(view).unwrap();
@@ -146,7 +147,7 @@ fn each_eye_has_an_ideal_of_its_own() {
         let size = [321, 100];
         let options = RendererOptions { size, ..options(2) };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
-        let areas: Vec<Area> = Area::side_by_side(size, 2).collect();
+        let areas: Vec<Rect> = Rect::side_by_side(size, 2).collect();
         let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
         let mut ideals = [(); 2].map(|()| renderer.new_view().unwrap());
         let mut plain = [(); 2].map(|()| renderer.new_view().unwrap());
@@ -211,7 +212,7 @@ fn areas_may_be_anywhere() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(900);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
-        let area = |x, y, width, height| Area { origin: [x, y], size: [width, height] };
+        let area = |x, y, width, height| Rect { origin: [x, y], size: [width, height] };
         let areas =
             [area(0, 0, 320, 100), area(5, 3, 77, 41), area(300, 0, 20, 100), area(9, 60, 1, 1)];
         let mut views = [(); 4].map(|()| renderer.new_view().unwrap());
@@ -249,7 +250,7 @@ fn a_view_does_not_notice_the_others() {
         let mut alone = Renderer::new(device, &scene, &alone_options).unwrap();
         let mut views = [(); 2].map(|()| both.new_view().unwrap());
         let mut single = alone.new_view().unwrap();
-        let areas: Vec<Area> = Area::side_by_side(SIZE, 2).collect();
+        let areas: Vec<Rect> = Rect::side_by_side(SIZE, 2).collect();
         let (pair_picture, picture) =
             (Readback::new(device, SIZE).unwrap(), Readback::new(device, half).unwrap());
         for frame in 0..20 {
@@ -286,7 +287,7 @@ fn areas_outside_of_the_picture_are_refused() {
             ([u32::MAX, 0], [1, 1]),
             ([1, 0], [u32::MAX, 1]),
         ] {
-            let area = Area { origin, size };
+            let area = Rect { origin, size };
             let camera = path.camera(0);
             let mut eyes = [ViewTarget { history: &mut view, camera, visible: None, area }];
             let request = ViewsRequest { strategy: Strategy::Antumbra, picture: None, after: None };

@@ -34,13 +34,13 @@ impl Copy {
         std::fs::write(file, text.replace(from, to)).unwrap();
     }
 
-    /// The text of the error of compiling the file `name`.
+    /// Returns the text of the error of compiling the file `name`.
     fn error_of(&self, name: &str) -> String {
         let error = gpu::compile(&self.0.join(name)).err();
         error.unwrap_or_else(|| panic!("{name} compiles")).to_string()
     }
 
-    /// The number of the first line of the file `name` that contains `text`.
+    /// Returns the number of the first line of the file `name` that contains `text`.
     fn line_of(&self, name: &str, text: &str) -> usize {
         let content = std::fs::read_to_string(self.0.join(name)).unwrap();
         1 + content.lines().position(|line| line.contains(text)).unwrap()
@@ -119,7 +119,7 @@ fn a_set_with_one_broken_shader_is_refused() {
     assert!(error.contains("overlay.frag:"), "{error}");
 }
 
-/// One frame of a small city, drawn with `shaders`.
+/// Returns one frame of a small city, drawn with `shaders`.
 fn picture(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let GeneratedScene { scene, routes } = city(200, 1).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();

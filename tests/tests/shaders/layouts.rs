@@ -12,7 +12,8 @@ use crate::{OF_GPU, committed_spirv};
 /// Stride of each storage buffer's array and offsets of its elements' members, by binding.
 type Buffers = Vec<(u32, usize, Vec<usize>)>;
 
-/// What one stage reads: its storage buffers, beside textures, and the bytes of its push constants.
+/// Returns what one stage reads: its storage buffers, beside textures, and the bytes of its push
+/// constants.
 fn interface(name: &str) -> (Buffers, usize) {
     let spirv = committed_spirv(name);
     let entries = ReflectConfig::new().spv(spirv).ref_all_rscs(true).reflect().expect("SPIR-V");
@@ -44,7 +45,7 @@ fn interface(name: &str) -> (Buffers, usize) {
     (buffers, push_bytes)
 }
 
-/// A storage buffer is one structure that holds one array without an end.
+/// Returns a storage buffer is one structure that holds one array without an end.
 fn array_in(name: &str, ty: &Type) -> (usize, Vec<usize>) {
     let Type::Struct(block) = ty else { panic!("{name}: no block but {ty}") };
     let [member] = &block.members[..] else { panic!("{name}: more than an array in {ty}") };

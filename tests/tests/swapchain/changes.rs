@@ -1,6 +1,6 @@
 //! Windows that change in every way that a user can change them, a thousand times.
 
-use gpu::{Acquired, NotShown, PresentMode, Shown, SwapchainOptions};
+use gpu::{Acquired, PresentMode, PresentSkipped, Shown, SwapchainOptions};
 use tests::Driver;
 use tests::xvfb::Xvfb;
 
@@ -143,11 +143,13 @@ fn a_window_that_is_destroyed_says_so_and_takes_nothing_with_it() {
             }
             assert_eq!(
                 outcomes.last(),
-                Some(&NotShown::WindowGone),
+                Some(&PresentSkipped::WindowGone),
                 "{driver:?} {library:?} {mode}"
             );
             assert!(
-                outcomes.iter().all(|o| matches!(o, NotShown::OutOfDate | NotShown::WindowGone))
+                outcomes
+                    .iter()
+                    .all(|o| matches!(o, PresentSkipped::OutOfDate | PresentSkipped::WindowGone))
             );
             let Show { painter, swapchain, .. } = show;
             drop((painter, swapchain));
@@ -183,7 +185,7 @@ fn a_server_that_ends_is_a_window_that_is_gone() {
             (0..6).map(|_| swapchain.show(&painter.target, size).unwrap()).collect();
         assert_eq!(
             outcomes.last(),
-            Some(&Shown::Not(NotShown::WindowGone)),
+            Some(&Shown::Not(PresentSkipped::WindowGone)),
             "{mode}: {outcomes:?}"
         );
         drop((swapchain, painter));

@@ -33,7 +33,7 @@ fn circle(device: &Device) -> Target {
     target
 }
 
-/// The first and the last column and row that have a pixel of this kind.
+/// Returns the first and the last column and row that have a pixel of this kind.
 fn extent(
     pixels: &[[u8; 3]],
     size: [u32; 2],

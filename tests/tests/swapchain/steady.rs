@@ -1,5 +1,5 @@
-//! A window that nothing happens to: no Vulkan object is made, no memory allocated, nobody waited for;
-//! and the renderer's frame in it is the frame without it.
+//! A window that nothing happens to: no Vulkan object is made, no memory allocated, nobody waited
+//! for; and the renderer's frame in it is the frame without it.
 
 use std::time::Duration;
 
@@ -59,7 +59,7 @@ fn the_renderers_picture_in_a_window_is_the_one_without_it() {
         window.resize([512, 300]);
         for _ in 0..3 {
             let shown = renderer.present(&mut swapchain, [512, 300]).unwrap();
-            assert!(!matches!(shown, Shown::Not(gpu::NotShown::Hidden)));
+            assert!(!matches!(shown, Shown::Not(gpu::PresentSkipped::Hidden)));
         }
         drop((windowed, headless, picture, swapchain, renderer));
         stage.end();

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use gpu::{Device, NotShown, PresentMode, Shown, Swapchain, SwapchainOptions};
+use gpu::{Device, PresentMode, PresentSkipped, Shown, Swapchain, SwapchainOptions};
 use tests::Driver;
 use tests::stage::{Painter, Random, Stage};
 use tests::wayland_window::WaylandWindow;
@@ -47,7 +47,7 @@ fn a_window_on_wayland_takes_pictures_of_every_size_in_every_mode() {
         assert_eq!(swapchain.mode(), mode.nearest(&offered));
         assert_eq!(
             (swapchain.replaced(), swapchain.show(&painter.target, [0, 9]).unwrap()),
-            (sizes - 1, Shown::Not(NotShown::NoArea),)
+            (sizes - 1, Shown::Not(PresentSkipped::NoArea),)
         );
     }
     stage.end();
@@ -71,7 +71,7 @@ fn run_loop(
             outcomes.push(swapchain.show(&painter.target, SIZE).unwrap());
         } else {
             outcomes.push(swapchain.show(&painter.target, SIZE).unwrap());
-            assert_eq!(outcomes.last(), Some(&Shown::Not(NotShown::Hidden)));
+            assert_eq!(outcomes.last(), Some(&Shown::Not(PresentSkipped::Hidden)));
         }
         assert!(began.elapsed() < A_WHILE, "frame {frame} took {:?}", began.elapsed());
     }
@@ -88,7 +88,7 @@ fn a_window_that_nobody_sees_holds_nothing_up() {
         let mut painter = Painter::new(&stage.device, SIZE);
         let mut swapchain = stage.swapchain(&options(mode));
         let outcomes = run_loop(&window, &stage.device, &mut painter, &mut swapchain, 12);
-        let is_hidden = |outcome: &Shown| *outcome == Shown::Not(NotShown::Hidden);
+        let is_hidden = |outcome: &Shown| *outcome == Shown::Not(PresentSkipped::Hidden);
         if mode == PresentMode::Fifo {
             assert!(outcomes[4..].iter().all(is_hidden), "{outcomes:?}");
             assert!(!swapchain.is_ready().unwrap());
@@ -99,7 +99,7 @@ fn a_window_that_nobody_sees_holds_nothing_up() {
         // The compositor goes: so does the window.
         compositor.end();
         let gone = (0..20).map(|_| swapchain.show(&painter.target, SIZE).unwrap()).last();
-        assert_eq!(gone, Some(Shown::Not(NotShown::WindowGone)), "{mode}");
+        assert_eq!(gone, Some(Shown::Not(PresentSkipped::WindowGone)), "{mode}");
         drop((swapchain, painter));
         stage.end();
     }
@@ -140,7 +140,7 @@ fn a_compositor_that_stands_still_is_a_window_that_is_hidden_for_a_while() {
         compositor.freeze();
         let frozen = run_loop(&window, &stage.device, &mut painter, &mut swapchain, 12);
         assert!(
-            frozen[8..].iter().all(|o| *o == Shown::Not(NotShown::Hidden)),
+            frozen[8..].iter().all(|o| *o == Shown::Not(PresentSkipped::Hidden)),
             "{mode} {frozen:?}"
         );
         compositor.thaw();

@@ -1,6 +1,6 @@
 //! A look at Rust text that is blind to comments, strings and tests.
 
-/// The text with comments, strings and characters blanked; lines stay where they are.
+/// Returns the text with comments, strings and characters blanked; lines stay where they are.
 pub fn without_comments_and_strings(text: &str) -> String {
     let mut code = String::with_capacity(text.len());
     let mut rest = text;
@@ -63,7 +63,7 @@ fn literal_length(rest: &str, before: &str) -> Option<usize> {
     is_character.then(|| escaped_length(rest, b'\''))
 }
 
-/// The hashes of a raw string whose quote follows this text; none if it is not raw.
+/// Returns the hashes of a raw string whose quote follows this text; none if it is not raw.
 fn raw_hashes(before: &str) -> Option<usize> {
     let without = before.trim_end_matches('#');
     let prefix = without.strip_suffix('r')?;
@@ -116,7 +116,7 @@ fn item_length(item: &str) -> usize {
     item.len()
 }
 
-/// Whether a word stands in a line, not as a part of a longer one.
+/// Returns true if a word stands in a line, not as a part of a longer one.
 pub fn has_word(line: &str, word: &str) -> bool {
     let joins = |character: char| character.is_alphanumeric() || character == '_';
     line.match_indices(word)

@@ -16,7 +16,7 @@ impl SourceFile {
         Self { path: path.to_owned(), text: text.to_owned() }
     }
 
-    /// What follows the last dot of its name, or nothing.
+    /// Returns what follows the last dot of its name, or nothing.
     pub fn extension(&self) -> &str {
         let name = self.path.rsplit('/').next().unwrap_or_default();
         name.rsplit_once('.').map_or("", |(_, extension)| extension)
@@ -26,17 +26,17 @@ impl SourceFile {
         self.extension() == "rs"
     }
 
-    /// A shader of one stage, not an include.
+    /// Returns a shader of one stage, not an include.
     pub fn is_stage(&self) -> bool {
         ["vert", "frag", "comp", "geom", "tesc", "tese"].contains(&self.extension())
     }
 
-    /// A script, or a file that scripts read.
+    /// Returns a script, or a file that scripts read.
     pub fn is_script(&self) -> bool {
         self.path.starts_with("ci/") || self.path.starts_with(".ci/") || self.extension() == "sh"
     }
 
-    /// Whether all of it is compiled for tests and benchmarks alone.
+    /// Returns true if all of it is compiled for tests and benchmarks alone.
     pub fn is_test(&self) -> bool {
         let path = self.path.as_str();
         path.starts_with("tests/")
@@ -46,13 +46,13 @@ impl SourceFile {
             || path.ends_with("_tests.rs")
     }
 
-    /// A finding in a line, counted from 1.
+    /// Returns a finding in a line, counted from 1.
     pub fn finding(&self, line: usize, reason: &str) -> String {
         format!("{}:{line}: {reason}", self.path)
     }
 }
 
-/// Every file but what is built and what git keeps, in the order of their paths.
+/// Returns every file but what is built and what git keeps, in the order of their paths.
 pub fn workspace() -> Vec<SourceFile> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the root");
     let mut files = Vec::new();

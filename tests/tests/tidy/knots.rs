@@ -12,7 +12,8 @@ const MAX_CIRCLE: usize = 3;
 /// that is not here has none, and whoever makes a circle smaller lowers its number.
 const CIRCLES_LEFT: [(&str, &[usize]); 2] = [("samples", &[7]), ("samples/scenes", &[10])];
 
-/// Types whose blocks `impl X` stand in more files than one, and in how many. Numbers here only fall.
+/// Types whose blocks `impl X` stand in more files than one, and in how many. Numbers here only
+/// fall.
 const SCATTERED_LEFT: [(&str, &str, usize); 11] = [
     ("engine/animation", "Clip", 2),
     ("engine/animation", "Rig", 2),
@@ -27,7 +28,7 @@ const SCATTERED_LEFT: [(&str, &str, usize); 11] = [
     ("samples", "Session", 6),
 ];
 
-/// The root of each library and program among the files.
+/// Returns the root of each library and program among the files.
 fn roots<'a>(code: &BTreeMap<&'a str, String>) -> Vec<&'a str> {
     let is_root = |path: &str| {
         let Some((_, inside)) = path.rsplit_once("src/") else { return false };
@@ -38,12 +39,12 @@ fn roots<'a>(code: &BTreeMap<&'a str, String>) -> Vec<&'a str> {
     code.keys().copied().filter(|path| is_root(path)).collect()
 }
 
-/// The folder of the crate that a root belongs to.
+/// Returns the folder of the crate that a root belongs to.
 fn crate_of(root: &str) -> &str {
     root.rsplit_once("/src/").map_or(root, |(folder, _)| folder)
 }
 
-/// The files of a crate import each other in no circle of more than three.
+/// Returns the files of a crate import each other in no circle of more than three.
 pub fn circles(files: &[SourceFile]) -> Vec<String> {
     circles_but(files, &CIRCLES_LEFT)
 }
@@ -77,7 +78,7 @@ pub fn circles_but(files: &[SourceFile], left: &[(&str, &[usize])]) -> Vec<Strin
     findings
 }
 
-/// A circle's arrows, each with the names that are imported.
+/// Returns a circle's arrows, each with the names that are imported.
 fn shown(circle: &[usize], modules: &Modules<'_>, ties: &Ties<'_>) -> String {
     let inside = ties.iter().filter(|((a, b), _)| circle.contains(a) && circle.contains(b));
     let arrows = inside.map(|((from, to), names)| {
@@ -88,7 +89,7 @@ fn shown(circle: &[usize], modules: &Modules<'_>, ties: &Ties<'_>) -> String {
     format!("circle of {}:\n{}", circle.len(), arrows.join("\n"))
 }
 
-/// The strongly connected files, as far as they are too many, the largest first.
+/// Returns the strongly connected files, as far as they are too many, the largest first.
 fn large_circles(count: usize, ties: &Ties<'_>) -> Vec<Vec<usize>> {
     let reached = |from: usize| {
         let mut reached = vec![false; count];
@@ -116,7 +117,7 @@ fn large_circles(count: usize, ties: &Ties<'_>) -> Vec<Vec<usize>> {
     circles
 }
 
-/// The blocks `impl X` stand in one file, or in X's file and in one folder `api/`.
+/// Returns the blocks `impl X` stand in one file, or in X's file and in one folder `api/`.
 pub fn scattered_impls(files: &[SourceFile]) -> Vec<String> {
     scattered_impls_but(files, &SCATTERED_LEFT)
 }

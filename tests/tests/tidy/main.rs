@@ -1,7 +1,7 @@
 //! The rules of the house, as tests: style, arrows between crates, what must appear nowhere.
 //!
-//! Each rule is a function from the files to findings, "file:line: reason". One test runs a rule over
-//! the workspace, another shows it something forbidden and expects a finding.
+//! Each rule is a function from the files to findings, "file:line: reason". One test runs a rule
+//! over the workspace, another shows it something forbidden and expects a finding.
 
 #![allow(clippy::expect_used, reason = "a test fails by panicking")]
 

@@ -159,7 +159,7 @@ impl<'a> Modules<'a> {
     }
 }
 
-/// The paths of more than one name that stand in code outside of `use`.
+/// Returns the paths of more than one name that stand in code outside of `use`.
 fn paths<'a>(tokens: &[Token<'a>]) -> Vec<Vec<&'a str>> {
     let mut paths = Vec::new();
     let mut path = Vec::new();
@@ -239,13 +239,13 @@ fn read_module<'a>(
 /// Words that a definition begins with.
 const DEFINES: [&str; 8] = ["struct", "enum", "union", "trait", "type", "fn", "const", "static"];
 
-/// Whether an item can begin behind these tokens, and not a type.
+/// Returns true if an item can begin behind these tokens, and not a type.
 fn begins_item(before: &[Token<'_>]) -> bool {
     let last = before.last().copied().unwrap_or(Token::Mark(';'));
     matches!(last, Token::Mark('}' | ';' | ']') | Token::Word("unsafe"))
 }
 
-/// The type whose own block begins behind `impl`; none if a trait is implemented.
+/// Returns the type whose own block begins behind `impl`; none if a trait is implemented.
 fn implemented<'a>(tokens: &[Token<'a>]) -> Option<Vec<&'a str>> {
     let mut path = Vec::new();
     let mut angles = 0_usize;

@@ -28,7 +28,7 @@ fn in_code(
     findings
 }
 
-/// A first line, or one after the `#!`, that says what the file is for.
+/// Returns a first line, or one after the `#!`, that says what the file is for.
 pub fn purpose(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files {
@@ -64,7 +64,7 @@ pub fn length(files: &[SourceFile]) -> Vec<String> {
     files.iter().filter(written).filter_map(too_long).collect()
 }
 
-/// A crate includes no file outside of itself, so that each can be packaged.
+/// Returns a crate includes no file outside of itself, so that each can be packaged.
 pub fn own_files(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
@@ -81,7 +81,8 @@ pub fn own_files(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know Vulkan's.
+/// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know
+/// Vulkan's.
 const ARROWS: [(&str, &[&str]); 14] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
@@ -179,7 +180,8 @@ fn dependencies(manifest: &str) -> Vec<(usize, String)> {
     names
 }
 
-/// What measures compiles no window system and no fonts, and charts only where they are asked for.
+/// Returns what measures compiles no window system and no fonts, and charts only where they are
+/// asked for.
 pub fn light_instrument(files: &[SourceFile]) -> Vec<String> {
     const OF_WINDOWS: [&str; 7] =
         ["arboard", "egui", "epaint", "evdev", "renderdoc", "tracy-client", "winit"];
@@ -226,7 +228,7 @@ pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
     silent.map(|file| file.finding(1, "must say #![forbid(unsafe_code)]")).collect()
 }
 
-/// All the unsafe code is in `gpu`; tests may wrap Vulkan calls.
+/// Returns all the unsafe code is in `gpu`; tests may wrap Vulkan calls.
 pub fn unsafe_code(files: &[SourceFile]) -> Vec<String> {
     in_code(
         files,
@@ -236,7 +238,7 @@ pub fn unsafe_code(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// What is left for later goes to an issue.
+/// Returns what is left for later goes to an issue.
 pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
     // Put together, so that this file does not find itself.
     let marks =
@@ -278,7 +280,7 @@ pub fn query_readback(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// A wait without a bound hangs where a bounded one says what went wrong.
+/// Returns a wait without a bound hangs where a bounded one says what went wrong.
 pub fn unbounded_waits(files: &[SourceFile]) -> Vec<String> {
     const WAITS: [&str; 4] =
         ["wait_semaphores", "wait_for_fences", "acquire_next_image", "wait_for_present"];
@@ -346,7 +348,7 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// A map that is longer than this is not read.
+/// Returns a map that is longer than this is not read.
 pub fn architecture(files: &[SourceFile]) -> Vec<String> {
     const MAP: &str = "engine/ARCHITECTURE.md";
     let Some(map) = files.iter().find(|file| file.path == MAP) else {
@@ -357,7 +359,8 @@ pub fn architecture(files: &[SourceFile]) -> Vec<String> {
     if lines > MAX_MAP_LINES { vec![map.finding(lines, &reason)] } else { Vec::new() }
 }
 
-/// The code that the README shows is the example that is compiled with the facade's documentation.
+/// Returns the code that the README shows is the example that is compiled with the facade's
+/// documentation.
 pub fn quoted_example(files: &[SourceFile]) -> Vec<String> {
     const FACADE: &str = "engine/antumbra/src/lib.rs";
     let of = |path: &str| files.iter().find(|file| file.path == path);

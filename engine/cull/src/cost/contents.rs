@@ -31,7 +31,7 @@ pub struct FrameContents {
 }
 
 impl FrameContents {
-    /// What a plan asks for. What is drawn is known when its answers are home.
+    /// Returns what a plan asks for. What is drawn is known when its answers are home.
     #[must_use]
     pub fn of(plan: &FramePlan) -> Self {
         let mut contents = Self {
@@ -47,14 +47,15 @@ impl FrameContents {
                     Tester::Query => contents.queried_boxes += 1,
                     Tester::Flag => contents.flagged_boxes += 1,
                     Tester::Compute => contents.computed_boxes += 1,
-                    Tester::Behind(_) => {}
+                    Tester::SharedProxy(_) => {}
                 }
                 has_computed |= test.tester == Tester::Compute;
-                has_parts |= test.tag.kind == QueryKind::Parts;
+                has_parts |= test.tag.kind == QueryKind::PerLeaf;
                 contents.predicates += u32::from(!test.leaves.is_empty());
             }
             contents.computed_rounds += u32::from(has_computed);
-            // The second level of a round shares its break with the round after it, if there is one.
+            // The second level of a round shares its break with the round after it, if there is
+            // one.
             let is_last = round.end == plan.tests.len();
             contents.breaks += u32::from(has_parts && is_last);
         }
@@ -64,7 +65,7 @@ impl FrameContents {
         contents
     }
 
-    /// What this should take.
+    /// Returns what this should take.
     pub(crate) fn predicted(&self, table: &CostTable) -> Predicted {
         let each = |count: u32, price_ns: f32| f64::from(count) * f64::from(price_ns);
         let draw_ns = self.draws as f64 * f64::from(table.draw_ns)

@@ -1,19 +1,20 @@
-//! How much dearer tests are in proportion to draws than the table says, learned from what frames took.
+//! How much dearer tests are in proportion to draws than the table says, learned from what frames
+//! took.
 //!
-//! Recursive least squares with a prior and forgetting, as a Kalman filter (R. E. Kalman 1960, "A New
-//! Approach to Linear Filtering and Prediction Problems") for
+//! Recursive least squares with a prior and forgetting, as a Kalman filter (R. E. Kalman 1960, "A
+//! New Approach to Linear Filtering and Prediction Problems") for
 //!
 //! ```text
 //! gpu_ns = draws * (draw_ns + test_ns) + excess * test_ns + rest_ns
 //! ```
 //!
 //! where `draw_ns` and `test_ns` are what the table says of the frame, and the rest is what it says
-//! nothing of: above all the shading of pixels. Tests cost `draws + excess` times what the table says.
-//! The prior is that the table is right, and that the excess is 0 whatever `draws` is: a clock that goes
-//! wrong makes all dearer and changes no decision. The rest may
-//! be anything and drifts. So only where frames differ in their tests is anything learned about
-//! tests. What was learned fades back to the prior: where tests ended because they were dear, a few
-//! are tried again after a while.
+//! nothing of: above all the shading of pixels. Tests cost `draws + excess` times what the table
+//! says. The prior is that the table is right, and that the excess is 0 whatever `draws` is: a
+//! clock that goes wrong makes all dearer and changes no decision. The rest may be anything and
+//! drifts. So only where frames differ in their tests is anything learned about tests. What was
+//! learned fades back to the prior: where tests ended because they were dear, a few are tried again
+//! after a while.
 //!
 //! The excess counts only as far as it is sure, so that noise decides nothing. A frame that took
 //! too long to be believed is left out, unless several in a row say the same.
@@ -27,8 +28,8 @@ pub struct Corrections {
     pub draws: f32,
     /// How many times dearer tests seem than the table says (1/8 to 8).
     pub tests: f32,
-    /// By what the prices of tests are multiplied: `tests` over `draws`, as far as that is sure (1/8 to
-    /// 8; 1 as long as it is not).
+    /// By what the prices of tests are multiplied: `tests` over `draws`, as far as that is sure
+    /// (1/8 to 8; 1 as long as it is not).
     pub proportion: f32,
     /// From how many frames that was learned; 0 where the device tells no times.
     pub frames: u64,
@@ -62,7 +63,8 @@ const EXCESS_VARIANCE: f64 = 4.0;
 /// By what share of a frame the rest drifts in each.
 const REST_DRIFT: f64 = 0.01;
 
-/// Errors beyond so many deviations count less (Huber 1964, "Robust Estimation of a Location Parameter").
+/// Errors beyond so many deviations count less (Huber 1964, "Robust Estimation of a Location
+/// Parameter").
 const LARGE_ERROR: f64 = 2.0;
 /// Beyond so many they do not count at all ...
 const ODD_ERROR: f64 = 4.0;
@@ -123,7 +125,7 @@ impl Learner {
         }
     }
 
-    /// A frame took so long. Answers whether the proportion is another one now.
+    /// Returns a frame took so long. Answers whether the proportion is another one now.
     pub(crate) fn note(&mut self, gpu_ns: f64, predicted: Predicted) -> bool {
         let all_ns = predicted.draw_ns + predicted.test_ns;
         let can_be = (SHORTEST_NS..LONGEST_NS).contains(&gpu_ns);
@@ -138,14 +140,14 @@ impl Learner {
         }
         self.frames += 1;
         self.level_ns *= (gpu_ns / self.level_ns).clamp(0.9, 1.1);
-        self.forget();
+        self.reset();
         self.correct(gpu_ns, [all_ns, predicted.test_ns, 1.0]);
         self.settle()
     }
 
-    /// Goes back a step towards the prior: what was learned weighs less, what was known before as much
-    /// as ever.
-    fn forget(&mut self) {
+    /// Goes back a step towards the prior: what was learned weighs less, what was known before as
+    /// much as ever.
+    fn reset(&mut self) {
         let keep = (-std::f64::consts::LN_2 / HALF_LIFE_FRAMES).exp();
         for (place, (mean, prior)) in PRIOR.into_iter().enumerate() {
             let variance = self.covariance[place][place];
@@ -208,7 +210,7 @@ impl Learner {
         self.covariance.map(|row| dot(row, contents))
     }
 
-    /// The proportion follows as far as it is sure. Answers whether it did.
+    /// Returns the proportion follows as far as it is sure. Answers whether it did.
     fn settle(&mut self) -> bool {
         let beyond_doubt = |place: usize, mean: f64| {
             let (learned, variance) = (self.state[place] - mean, self.covariance[place][place]);

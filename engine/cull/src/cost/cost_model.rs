@@ -1,19 +1,18 @@
 //! The governor: whether a test is worth what it costs.
 //!
-//! It counts what tests told and sets prices against it; it reads no clock, but is told what frames took
-//! and corrects its prices by that. What it keeps from being
-//! tested is drawn, so that no image depends on it. Evidence fades, so that what was true once is
-//! tried again, and leaves that were drawn without a test are still asked about on their own draw, now
-//! and then: both together notice within a bounded number of frames when a world changes in which
-//! testing did not pay.
+//! It counts what tests told and sets prices against it; it reads no clock, but is told what frames
+//! took and corrects its prices by that. What it keeps from being tested is drawn, so that no image
+//! depends on it. Evidence fades, so that what was true once is tried again, and leaves that were
+//! drawn without a test are still asked about on their own draw, now and then: both together notice
+//! within a bounded number of frames when a world changes in which testing did not pay.
 
 use crate::cost::contents::FrameContents;
 use crate::cost::corrections::{Corrections, Learner};
-use crate::cost::evidence::{Evidence, HideRate};
+use crate::cost::decaying_rate::{DecayingRate, HideRate};
 use crate::cost::table::{BadCost, CostTable, SceneCosts};
-use crate::history::record::{Doubt, NodeState};
+use crate::history::record::{NodeState, RetestReason};
+use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{QueryKind, Tester};
-use crate::plan::policy::Policy;
 
 /// An interval of own-draw tests from which on there are none.
 const NEVER_FRAMES: u32 = 1 << 20;
@@ -26,7 +25,8 @@ const CALM_SHARE: f32 = 0.01;
 /// Nobody notices a change of the world later than this for the sake of [`CALM_SHARE`].
 const MOST_GATE_FRAMES: u32 = 32;
 
-/// After so many frames in which tests could not pay, it is of little use to learn what they could hide.
+/// After so many frames in which tests could not pay, it is of little use to learn what they could
+/// hide.
 const IDLE_AFTER_FRAMES: u32 = 8;
 
 /// For how many frames it is worth knowing that something is hidden, before its own draw would have
@@ -38,15 +38,15 @@ const HORIZON_FRAMES: f32 = 8.0;
 const LEAF_FILL: f32 = 0.5;
 
 /// Whether unknown nodes turn out hidden is an even bet until some were tested.
-const UNKNOWN_PRIOR: Evidence = Evidence { yes: 2.0, no: 2.0 };
+const UNKNOWN_PRIOR: DecayingRate = DecayingRate { yes: 2.0, no: 2.0 };
 /// What is drawn shows, unless enough tests of own draws told otherwise.
-const DRAWN_PRIOR: Evidence = Evidence { yes: 0.0, no: 8.0 };
+const DRAWN_PRIOR: DecayingRate = DecayingRate { yes: 0.0, no: 8.0 };
 /// What was hidden stays so, nine times of ten.
-const KNOWN_PRIOR: Evidence = Evidence { yes: 7.2, no: 0.8 };
+const KNOWN_PRIOR: DecayingRate = DecayingRate { yes: 7.2, no: 0.8 };
 
 /// A test that could be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Question {
+pub struct TestEstimate {
     /// Leaves that are drawn without it.
     pub leaves: u32,
     /// Pixels that its proxy covers.
@@ -57,7 +57,7 @@ pub struct Question {
 
 /// What speaks for a test and what against it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judgement {
+pub struct CostBenefit {
     /// What it saves on average.
     pub saving_ns: f32,
     /// What of that is saved in this frame.
@@ -66,8 +66,8 @@ pub struct Judgement {
     pub cost_ns: f32,
 }
 
-impl Judgement {
-    /// Whether the test pays.
+impl CostBenefit {
+    /// Returns true if the test pays.
     #[must_use]
     pub fn pays(self) -> bool {
         self.saving_ns >= self.cost_ns
@@ -81,10 +81,10 @@ pub struct CostModel {
     /// The table with what tests are found to cost in proportion to draws.
     prices: CostTable,
     leaf_ns: f32,
-    unknown: Evidence,
-    known: Evidence,
+    unknown: DecayingRate,
+    known: DecayingRate,
     /// Whether a leaf that is drawn is hidden by now.
-    drawn: Evidence,
+    drawn: DecayingRate,
     hides: HideRate,
     learner: Learner,
     /// Frames since tests could have paid for the breaks of rendering that they need.
@@ -92,7 +92,7 @@ pub struct CostModel {
 }
 
 impl CostModel {
-    /// A governor that saw nothing yet.
+    /// Creates a governor that saw nothing yet.
     ///
     /// # Errors
     /// [`BadCost`] if `table` or `scene` cannot be.
@@ -107,44 +107,44 @@ impl CostModel {
             prices: table,
             // Finite prices may have a product that is not.
             leaf_ns: table.leaf_ns(triangles).min(f32::MAX),
-            unknown: Evidence::default(),
-            known: Evidence::default(),
-            drawn: Evidence::default(),
+            unknown: DecayingRate::default(),
+            known: DecayingRate::default(),
+            drawn: DecayingRate::default(),
             hides: HideRate::default(),
             learner: Learner::default(),
             idle_frames: 0,
         })
     }
 
-    /// The prices as they were told.
+    /// Returns the prices as they were told.
     #[must_use]
     pub fn table(&self) -> CostTable {
         self.table
     }
 
-    /// What frames taught about them.
+    /// Returns what frames taught about them.
     #[must_use]
     pub fn corrections(&self) -> Corrections {
         self.learner.corrections()
     }
 
-    /// How likely an unknown node turns out hidden.
+    /// Returns how likely an unknown node turns out hidden.
     #[must_use]
     pub fn unknown_hidden(&self) -> f32 {
         self.unknown.probability(UNKNOWN_PRIOR)
     }
 
-    /// How likely a hidden node is still hidden.
+    /// Returns how likely a hidden node is still hidden.
     #[must_use]
     pub fn still_hidden(&self) -> f32 {
         self.known.probability(KNOWN_PRIOR)
     }
 
     /// Forgets what tests told, not what things cost.
-    pub fn forget(&mut self) {
-        self.unknown = Evidence::default();
-        self.known = Evidence::default();
-        self.drawn = Evidence::default();
+    pub fn reset(&mut self) {
+        self.unknown = DecayingRate::default();
+        self.known = DecayingRate::default();
+        self.drawn = DecayingRate::default();
         self.hides = HideRate::default();
         self.idle_frames = 0;
     }
@@ -168,24 +168,31 @@ impl CostModel {
         }
     }
 
-    /// Whether tests have not paid for a while: what hides is drawn all the same, so to ask which
-    /// leaves those are saves nothing until they are many.
+    /// Returns true if tests have not paid for a while: what hides is drawn all the same, so to ask
+    /// which leaves those are saves nothing until they are many.
     fn is_idle(&self) -> bool {
         self.idle_frames > IDLE_AFTER_FRAMES
     }
 
     /// A test of a node in such a state had an answer.
-    pub(crate) fn learn(&mut self, kind: QueryKind, state: NodeState, doubt: Doubt, showed: bool) {
+    pub(crate) fn learn(
+        &mut self,
+        kind: QueryKind,
+        state: NodeState,
+        retest_reason: RetestReason,
+        showed: bool,
+    ) {
         match (kind, state) {
-            (QueryKind::Proxy | QueryKind::Parts, NodeState::Hidden) => self.known.note(!showed),
-            (QueryKind::Proxy | QueryKind::Parts, _) => self.unknown.note(!showed),
-            (QueryKind::OwnDraw | QueryKind::OwnBox, _) if doubt == Doubt::Edge => {}
-            (QueryKind::OwnDraw, NodeState::Hidden) => self.known.note(!showed),
-            (QueryKind::OwnDraw | QueryKind::OwnBox, NodeState::Visible) => {
-                if doubt == Doubt::Assumed {
+            (QueryKind::Proxy | QueryKind::PerLeaf, NodeState::Hidden) => self.known.note(!showed),
+            (QueryKind::Proxy | QueryKind::PerLeaf, _) => self.unknown.note(!showed),
+            (QueryKind::VisibleDrawQuery | QueryKind::VisibleBoxQuery, _)
+                if retest_reason == RetestReason::Edge => {}
+            (QueryKind::VisibleDrawQuery, NodeState::Hidden) => self.known.note(!showed),
+            (QueryKind::VisibleDrawQuery | QueryKind::VisibleBoxQuery, NodeState::Visible) => {
+                if retest_reason == RetestReason::Assumed {
                     self.unknown.note(!showed);
                 }
-                if kind == QueryKind::OwnDraw {
+                if kind == QueryKind::VisibleDrawQuery {
                     self.drawn.note(!showed);
                 }
                 if !showed {
@@ -199,11 +206,11 @@ impl CostModel {
     /// After how many frames a calm leaf's own draw is tested again: a test costs its price once in
     /// the interval T, a leaf that became hidden is drawn in vain for T / 2 frames on average, and
     /// the sum is least at the square root of twice the price over rate and cost of draws.
-    pub(crate) fn retest_frames(&self, policy: &Policy) -> u32 {
-        let least = policy.retest_max.max(1) as f32;
+    pub(crate) fn retest_frames(&self, config: &CullConfig) -> u32 {
+        let least = config.retest_max.max(1) as f32;
         let price = f64::from(self.prices.query_ns) / f64::from(self.leaf_ns);
         if price.is_nan() {
-            return policy.retest_max;
+            return config.retest_max;
         }
         // Until something was seen, the rate is that to which the policy's interval is the answer.
         let expected = 2.0 * price / f64::from(least * least);
@@ -218,58 +225,58 @@ impl CostModel {
         frames.max(f64::from(least)).min(f64::from(u32::MAX / 4)) as u32
     }
 
-    /// The constants of `policy` as they are best now.
-    pub(crate) fn tuned(&self, policy: &Policy) -> Policy {
-        let frames = self.retest_frames(policy);
+    /// Returns the constants of `config` as they are best now.
+    pub(crate) fn tuned(&self, config: &CullConfig) -> CullConfig {
+        let frames = self.retest_frames(config);
         // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
-        let is_calm = self.is_idle() || frames > policy.retest_max.saturating_mul(2);
-        let own_box_angle = if is_calm { 0.0 } else { policy.own_box_angle };
-        let retest_first = if is_calm { frames / 4 } else { policy.retest_first };
-        let retest_gate = if is_calm { self.gate_frames() } else { policy.retest_gate };
-        Policy {
+        let is_calm = self.is_idle() || frames > config.retest_max.saturating_mul(2);
+        let own_box_angle = if is_calm { 0.0 } else { config.own_box_angle };
+        let retest_first = if is_calm { frames / 4 } else { config.retest_first };
+        let retest_gate = if is_calm { self.gate_frames() } else { config.retest_gate };
+        CullConfig {
             retest_max: frames,
             retest_first,
             retest_spread: frames,
             retest_gate,
             own_box_angle,
-            ..*policy
+            ..*config
         }
     }
 
-    /// In which frames of a calm view questions are asked, so that waiting for answers costs no more
-    /// than [`CALM_SHARE`] of all.
+    /// In which frames of a calm view questions are asked, so that waiting for answers costs no
+    /// more than [`CALM_SHARE`] of all.
     fn gate_frames(&self) -> u32 {
         ((self.prices.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
     }
 
     /// Weighs a test that `tester` answers.
     #[must_use]
-    pub fn judge(&self, question: &Question, tester: Tester) -> Judgement {
-        let (hidden, frames) = match question.is_unknown {
+    pub fn weigh(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
+        let (hidden, frames) = match estimate.is_unknown {
             true => (self.unknown_hidden(), HORIZON_FRAMES),
             false => (self.still_hidden(), 1.0),
         };
-        let fill = LEAF_FILL * question.pixels * self.table.hidden_pixel_ns;
-        let drawing = question.leaves as f32 * self.leaf_ns + fill;
-        let cost_ns = self.box_ns(question.pixels, hidden, tester) + self.prices.predicate_ns;
+        let fill = LEAF_FILL * estimate.pixels * self.table.hidden_pixel_ns;
+        let drawing = estimate.leaves as f32 * self.leaf_ns + fill;
+        let cost_ns = self.box_ns(estimate.pixels, hidden, tester) + self.prices.predicate_ns;
         let saving_now_ns = (hidden * drawing).min(f32::MAX);
         let saving_ns = (frames * saving_now_ns).min(f32::MAX);
-        Judgement { saving_ns, saving_now_ns, cost_ns: cost_ns.min(f32::MAX) }
+        CostBenefit { saving_ns, saving_now_ns, cost_ns: cost_ns.min(f32::MAX) }
     }
 
-    /// Weighs a probe: it saves nothing now, but the parts of its node may be left undrawn at the price
-    /// of one test from then on. Where a test of a single leaf does not pay, one of many may.
+    /// Weighs a probe: it saves nothing now, but the parts of its node may be left undrawn at the
+    /// price of one test from then on. Where a test of a single leaf does not pay, one of many may.
     #[must_use]
-    pub fn judge_probe(&self, question: &Question, tester: Tester) -> Judgement {
-        let judgement = self.judge(question, tester);
-        let saving_ns = HORIZON_FRAMES * (judgement.saving_ns - judgement.cost_ns).max(0.0);
-        Judgement { saving_ns: saving_ns.min(f32::MAX), ..judgement }
+    pub fn weigh_pull_up(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
+        let benefit = self.weigh(estimate, tester);
+        let saving_ns = HORIZON_FRAMES * (benefit.saving_ns - benefit.cost_ns).max(0.0);
+        CostBenefit { saving_ns: saving_ns.min(f32::MAX), ..benefit }
     }
 
-    /// Who of those that there are answers for a box at the least cost.
+    /// Returns who of those that there are answers for a box at the least cost.
     #[must_use]
-    pub fn cheaper(&self, question: &Question, has_flags: bool) -> Tester {
-        let cost = |tester| self.judge(question, tester).cost_ns;
+    pub fn cheaper(&self, estimate: &TestEstimate, has_flags: bool) -> Tester {
+        let cost = |tester| self.weigh(estimate, tester).cost_ns;
         if has_flags && cost(Tester::Flag) <= cost(Tester::Query) {
             Tester::Flag
         } else {
@@ -277,9 +284,9 @@ impl CostModel {
         }
     }
 
-    /// Whether a compute shader answers for a round at the least cost: of `boxes` that cover `pixels`
-    /// together, and of `shared` ones beside that cost the others nothing. It has a fixed price, the
-    /// others are paid by the pixel.
+    /// Returns true if a compute shader answers for a round at the least cost: of `boxes` that
+    /// cover `pixels` together, and of `shared` ones beside that cost the others nothing. It has a
+    /// fixed price, the others are paid by the pixel.
     #[must_use]
     pub fn is_for_compute(&self, boxes: u32, shared: u32, pixels: f32, has_flags: bool) -> bool {
         let count = boxes as f32;
@@ -291,15 +298,15 @@ impl CostModel {
         self.prices.compute_round_ns + computed * self.prices.compute_box_ns < raster
     }
 
-    /// What a break costs in a frame that takes `leaves` as visible: tests that save less together
-    /// are left out.
+    /// Returns what a break costs in a frame that takes `leaves` as visible: tests that save less
+    /// together are left out.
     pub(crate) fn break_ns(&self, leaves: usize) -> f32 {
         let drawn = leaves as f32 * self.leaf_ns;
         (self.prices.break_ns + self.prices.break_wait_share * drawn).min(f32::MAX)
     }
 
-    /// A frame of these contents took so long on the GPU. Where frames that differ agree that tests are
-    /// dearer or cheaper in proportion to draws than the table says, the prices of tests follow
+    /// A frame of these contents took so long on the GPU. Where frames that differ agree that tests
+    /// are dearer or cheaper in proportion to draws than the table says, the prices of tests follow
     /// ([`CostModel::corrections`]). Times that cannot be are ignored.
     pub fn observe(&mut self, gpu_ns: f64, contents: &FrameContents) {
         if self.learner.note(gpu_ns, contents.predicted(&self.table)) {
@@ -318,12 +325,12 @@ impl CostModel {
             // The round's own price is for the whole round.
             Tester::Compute => table.compute_box_ns,
             // Somebody else pays.
-            Tester::Behind(_) => 0.0,
+            Tester::SharedProxy(_) => 0.0,
         }
     }
 }
 
-/// Whether an interval of own-draw tests means that there are none.
+/// Returns true if an interval of own-draw tests means that there are none.
 pub(crate) const fn is_never(retest_frames: u32) -> bool {
     retest_frames >= NEVER_FRAMES
 }
@@ -332,73 +339,83 @@ pub(crate) const fn is_never(retest_frames: u32) -> bool {
 mod tests {
     use super::*;
 
-    fn governor() -> CostModel {
+    fn cost_model() -> CostModel {
         CostModel::new(CostTable::default(), SceneCosts::default()).unwrap()
     }
 
     #[test]
     fn own_draws_are_tested_by_the_square_root_of_the_rate() {
-        let policy = Policy::default();
+        let config = CullConfig::default();
         let interval = |hides_per_frame: f32| {
-            let mut governor = governor();
+            let mut cost_model = cost_model();
             let mut owed = 0.0;
             for _ in 0..2_000 {
-                governor.begin_frame(10_000);
-                governor.note_prospect(1.0, 1.0, 0);
+                cost_model.begin_frame(10_000);
+                cost_model.note_prospect(1.0, 1.0, 0);
                 owed += hides_per_frame;
                 while owed >= 1.0 {
                     owed -= 1.0;
-                    governor.learn(QueryKind::OwnDraw, NodeState::Visible, Doubt::None, false);
+                    cost_model.learn(
+                        QueryKind::VisibleDrawQuery,
+                        NodeState::Visible,
+                        RetestReason::None,
+                        false,
+                    );
                 }
             }
-            governor.retest_frames(&policy) as f32
+            cost_model.retest_frames(&config) as f32
         };
-        assert_eq!(governor().retest_frames(&policy), policy.retest_max);
+        assert_eq!(cost_model().retest_frames(&config), config.retest_max);
         assert_eq!(interval(0.0), CALM_RETEST_FRAMES);
         let (rare, often) = (interval(0.5), interval(2.0));
         assert!((rare / often - 2.0).abs() < 0.1, "{rare} {often}");
-        assert_eq!(interval(10_000.0), policy.retest_max as f32);
+        assert_eq!(interval(10_000.0), config.retest_max as f32);
     }
 
     #[test]
     fn what_nothing_is_made_of_is_asked_seldom_and_in_few_frames() {
-        let policy = Policy::default();
+        let config = CullConfig::default();
         let prices = CostTable { break_wait_share: 0.2, ..CostTable::default() };
-        let mut governor = CostModel::new(prices, SceneCosts::default()).unwrap();
+        let mut cost_model = CostModel::new(prices, SceneCosts::default()).unwrap();
         let mut busy_frame = |is_paid| {
-            governor.begin_frame(100);
+            cost_model.begin_frame(100);
             for number in 0..100 {
                 let showed = number >= 10;
-                governor.learn(QueryKind::OwnDraw, NodeState::Visible, Doubt::None, showed);
+                cost_model.learn(
+                    QueryKind::VisibleDrawQuery,
+                    NodeState::Visible,
+                    RetestReason::None,
+                    showed,
+                );
             }
-            let drawn_ns = 100.0 * governor.leaf_ns;
-            governor.note_prospect(if is_paid { drawn_ns } else { 0.0 }, drawn_ns, 100);
-            governor.tuned(&policy)
+            let drawn_ns = 100.0 * cost_model.leaf_ns;
+            cost_model.note_prospect(if is_paid { drawn_ns } else { 0.0 }, drawn_ns, 100);
+            cost_model.tuned(&config)
         };
         for _ in 0..50 {
             assert_eq!(busy_frame(true).retest_gate, 1);
         }
         let idle = (0..50).map(|_| busy_frame(false)).last().unwrap();
         assert_eq!(idle.retest_gate, 20, "its share of a frame's draws is a fifth");
-        assert!(idle.retest_max > policy.retest_max && idle.own_box_angle == 0.0, "{idle:?}");
+        assert!(idle.retest_max > config.retest_max && idle.own_box_angle == 0.0, "{idle:?}");
         let busy = busy_frame(true);
-        assert_eq!((busy.retest_gate, busy.retest_max), (1, policy.retest_max));
+        assert_eq!((busy.retest_gate, busy.retest_max), (1, config.retest_max));
     }
 
     #[test]
     fn a_test_pays_as_often_as_it_saves() {
-        let mut governor = governor();
-        let question = Question { leaves: 2, pixels: 1_000.0, is_unknown: true };
-        assert!(governor.judge(&question, Tester::Flag).pays());
+        let mut cost_model = cost_model();
+        let estimate = TestEstimate { leaves: 2, pixels: 1_000.0, is_unknown: true };
+        assert!(cost_model.weigh(&estimate, Tester::Flag).pays());
         for _ in 0..400 {
-            governor.learn(QueryKind::Proxy, NodeState::Unknown, Doubt::None, true);
+            cost_model.learn(QueryKind::Proxy, NodeState::Unknown, RetestReason::None, true);
         }
-        assert!(!governor.judge(&question, Tester::Flag).pays());
-        let known = Question { is_unknown: false, ..question };
-        assert!(governor.judge(&known, Tester::Flag).pays(), "that is another matter");
+        assert!(!cost_model.weigh(&estimate, Tester::Flag).pays());
+        let known = TestEstimate { is_unknown: false, ..estimate };
+        assert!(cost_model.weigh(&known, Tester::Flag).pays(), "that is another matter");
         let mut frames = 0;
-        while !governor.judge(&question, Tester::Flag).pays() {
-            governor.begin_frame(0);
+        while !cost_model.weigh(&estimate, Tester::Flag).pays() {
+            cost_model.begin_frame(0);
             frames += 1;
             assert!(frames < 1_000, "evidence fades");
         }
@@ -407,26 +424,26 @@ mod tests {
 
     #[test]
     fn many_pixels_go_to_the_compute_tester() {
-        let governor = governor();
-        assert!(!governor.is_for_compute(50, 0, 10_000.0, true));
-        assert!(governor.is_for_compute(50, 0, 4.0e6, true));
-        assert!(!governor.is_for_compute(50, 5_000, 4.0e6, true), "the others share");
-        let question = Question { leaves: 1, pixels: 100.0, is_unknown: false };
-        assert_eq!(governor.cheaper(&question, true), Tester::Flag);
-        assert_eq!(governor.cheaper(&question, false), Tester::Query);
+        let cost_model = cost_model();
+        assert!(!cost_model.is_for_compute(50, 0, 10_000.0, true));
+        assert!(cost_model.is_for_compute(50, 0, 4.0e6, true));
+        assert!(!cost_model.is_for_compute(50, 5_000, 4.0e6, true), "the others share");
+        let estimate = TestEstimate { leaves: 1, pixels: 100.0, is_unknown: false };
+        assert_eq!(cost_model.cheaper(&estimate, true), Tester::Flag);
+        assert_eq!(cost_model.cheaper(&estimate, false), Tester::Query);
     }
 
     #[test]
     fn extreme_prices_give_decisions_all_the_same() {
-        let question = Question { leaves: u32::MAX, pixels: f32::MAX, is_unknown: true };
+        let estimate = TestEstimate { leaves: u32::MAX, pixels: f32::MAX, is_unknown: true };
         for ns in [0.0, f32::MIN_POSITIVE, f32::MAX] {
             for triangles_per_leaf in [0.0, f32::MAX] {
                 let scene = SceneCosts { triangles_per_leaf };
-                let governor = CostModel::new(CostTable::uniform(ns), scene).unwrap();
-                let judgement = governor.judge(&question, Tester::Query);
-                assert!(judgement.cost_ns.is_finite() && judgement.saving_ns.is_finite());
-                assert!(governor.break_ns(usize::MAX).is_finite());
-                assert!(governor.retest_frames(&Policy::default()) > 0);
+                let cost_model = CostModel::new(CostTable::uniform(ns), scene).unwrap();
+                let benefit = cost_model.weigh(&estimate, Tester::Query);
+                assert!(benefit.cost_ns.is_finite() && benefit.saving_ns.is_finite());
+                assert!(cost_model.break_ns(usize::MAX).is_finite());
+                assert!(cost_model.retest_frames(&CullConfig::default()) > 0);
             }
         }
         assert!(CostModel::new(CostTable::uniform(f32::NAN), SceneCosts::default()).is_err());

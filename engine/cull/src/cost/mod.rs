@@ -3,5 +3,5 @@
 pub(crate) mod contents;
 pub(crate) mod corrections;
 pub(crate) mod cost_model;
-pub(crate) mod evidence;
+pub(crate) mod decaying_rate;
 pub(crate) mod table;

@@ -37,8 +37,9 @@ pub struct CostTable {
 }
 
 impl Default for CostTable {
-    /// As found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720): a fallback where
-    /// nothing can be measured. A GPU is faster in all, but in similar proportions of setup to work.
+    /// As found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720): a fallback
+    /// where nothing can be measured. A GPU is faster in all, but in similar proportions of setup
+    /// to work.
     fn default() -> Self {
         Self {
             query_ns: 8_000.0,
@@ -71,7 +72,7 @@ pub struct BadCost {
 }
 
 impl CostTable {
-    /// A table of nothing but `ns`; nobody waits at breaks.
+    /// Returns a table of nothing but `ns`; nobody waits at breaks.
     #[must_use]
     pub const fn uniform(ns: f32) -> Self {
         Self {
@@ -90,7 +91,7 @@ impl CostTable {
         }
     }
 
-    /// A table of values in the order of [`CostTable::entries`].
+    /// Returns a table of values in the order of [`CostTable::entries`].
     #[must_use]
     pub fn from_values(value: impl Fn(usize) -> f32) -> Self {
         Self {
@@ -109,7 +110,7 @@ impl CostTable {
         }
     }
 
-    /// Every entry with its name, for reports.
+    /// Returns every entry with its name, for reports.
     #[must_use]
     pub const fn entries(&self) -> [(&'static str, f32); 12] {
         [
@@ -128,7 +129,7 @@ impl CostTable {
         ]
     }
 
-    /// The table itself if all its entries can be.
+    /// Returns the table itself if all its entries can be.
     ///
     /// # Errors
     /// [`BadCost`] for the first that is infinite, no number, negative, or a share above 1.
@@ -142,7 +143,8 @@ impl CostTable {
         }
     }
 
-    /// The table with tests, and the breaks that they need, so many times as dear in proportion to draws.
+    /// Creates the table with tests, and the breaks that they need, so many times as dear in
+    /// proportion to draws.
     pub(crate) fn with_tests_at(&self, times: f32) -> Self {
         let at = |price: f32| (price * times).min(f32::MAX);
         Self {
@@ -161,8 +163,8 @@ impl CostTable {
         }
     }
 
-    /// What drawing an object of so many triangles costs, where it is hidden by what was drawn
-    /// before it.
+    /// Returns what drawing an object of so many triangles costs, where it is hidden by what was
+    /// drawn before it.
     #[must_use]
     pub fn leaf_ns(&self, triangles: f32) -> f32 {
         self.draw_ns + triangles * self.triangle_ns

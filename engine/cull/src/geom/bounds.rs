@@ -18,61 +18,62 @@ impl Aabb {
     /// The box of nothing: the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// A box from its two extreme corners.
+    /// Creates a box from its two extreme corners.
     #[must_use]
     pub const fn new(min: Vec3, max: Vec3) -> Self {
         Self { min, max }
     }
 
-    /// The smallest box around both.
+    /// Returns the smallest box around both.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The box grown by `distance` in all six directions.
+    /// Returns the box grown by `distance` in all six directions.
     #[must_use]
     pub fn enlarged(&self, distance: f32) -> Self {
         Self { min: self.min - distance, max: self.max + distance }
     }
 
-    /// The middle.
+    /// Returns the middle.
     #[must_use]
     pub fn centre(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
     }
 
-    /// Half of the size along each axis.
+    /// Returns half of the size along each axis.
     #[must_use]
     pub fn half_extent(&self) -> Vec3 {
         self.max * 0.5 - self.min * 0.5
     }
 
-    /// The squared distance from `point` to the nearest point of the box; 0 inside.
+    /// Returns the squared distance from `point` to the nearest point of the box; 0 inside.
     #[must_use]
     pub fn distance_squared(&self, point: Vec3) -> f32 {
         (self.min - point).max(point - self.max).max(Vec3::ZERO).length_squared()
     }
 
-    /// True if `point` is inside or on the surface.
+    /// Returns true if `point` is inside or on the surface.
     #[must_use]
     pub fn contains_point(&self, point: Vec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
-    /// True if no point of `other` is outside.
+    /// Returns true if no point of `other` is outside.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         other.min.cmpge(self.min).all() && other.max.cmple(self.max).all()
     }
 
-    /// True if there is nothing in it, not even a point: a free leaf, or a node with no others.
+    /// Returns true if there is nothing in it, not even a point: a free leaf, or a node with no
+    /// others.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 
-    /// Half of the surface (square metres); 0 for [`Aabb::EMPTY`].
+    /// Returns half of the surface (square metres); 0 for [`Aabb::EMPTY`].
     #[must_use]
     pub fn half_area(&self) -> f32 {
         if self.is_empty() {
@@ -82,14 +83,14 @@ impl Aabb {
         size.dot(Vec3::new(size.y, size.z, size.x))
     }
 
-    /// True if all six coordinates are numbers and none is infinite.
+    /// Returns true if all six coordinates are numbers and none is infinite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.min.is_finite() && self.max.is_finite()
     }
 
-    /// True if an object can have this box: finite, not [empty](Aabb::is_empty), and no coordinate
-    /// beyond [`MAX_COORDINATE`].
+    /// Returns true if an object can have this box: finite, not [empty](Aabb::is_empty), and no
+    /// coordinate beyond [`MAX_COORDINATE`].
     #[must_use]
     pub fn is_usable(&self) -> bool {
         self.is_finite()
@@ -97,13 +98,14 @@ impl Aabb {
             && self.min.cmple(self.max).all()
     }
 
-    /// The largest coordinate without its sign: what single-precision rounding is relative to.
+    /// Returns the largest coordinate without its sign: what single-precision rounding is relative
+    /// to.
     #[must_use]
     pub fn largest_coordinate(&self) -> f32 {
         self.min.abs().max(self.max.abs()).max_element()
     }
 
-    /// The eight corners.
+    /// Returns the eight corners.
     #[must_use]
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|corner| {

@@ -7,24 +7,27 @@ pub struct DetailLevel(pub u8);
 /// When an object takes another form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetailPolicy {
-    /// How far a surface may be from where it should be (pixels in the middle of the image, above 0).
+    /// How far a surface may be from where it should be (pixels in the middle of the image, above
+    /// 0).
     pub error_pixels: f32,
-    /// A coarser form is taken only if its error is smaller than that by this share (0 to 1), so that an
-    /// object at the limit does not change to and fro.
+    /// A coarser form is taken only if its error is smaller than that by this share (0 to 1), so
+    /// that an object at the limit does not change to and fro.
     pub hysteresis: f32,
 }
 
 impl Default for DetailPolicy {
-    /// Half a pixel; objects take a coarser form a quarter farther away than they take the finer one.
+    /// Returns half a pixel; objects take a coarser form a quarter farther away than they take the
+    /// finer one.
     fn default() -> Self {
         Self { error_pixels: 0.5, hysteresis: 0.2 }
     }
 }
 
 impl DetailPolicy {
-    /// The form of an object whose forms have the errors `errors_m` (metres in the world, ascending;
-    /// the first is that of the finest form), where a metre covers `pixels_per_metre` (as
-    /// [`View::pixels_per_metre`](crate::View::pixels_per_metre) says) and the object has the form `now`.
+    /// Returns the form of an object whose forms have the errors `errors_m` (metres in the world,
+    /// ascending; the first is that of the finest form), where a metre covers `pixels_per_metre`
+    /// (as [`View::pixels_per_metre`](crate::View::pixels_per_metre) says) and the object has the
+    /// form `now`.
     ///
     /// It depends on nothing else, above all not on what is visible: all who draw the same frame
     /// draw the same forms. Without errors, or with numbers that are none, it is the finest.

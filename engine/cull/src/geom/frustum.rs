@@ -25,7 +25,7 @@ impl PlaneMask {
     /// All five planes.
     pub const ALL: Self = Self(0b1_1111);
 
-    /// True if the box that this mask came from is inside of every plane.
+    /// Returns true if the box that this mask came from is inside of every plane.
     #[must_use]
     pub fn is_inside(self) -> bool {
         self.0 == 0

@@ -1,17 +1,19 @@
 //! How much larger than its node a proxy must be, so that no sample is lost to rounding.
 //!
-//! A rasteriser moves every vertex to a grid of `2^-b` pixels (`b` = `subPixelPrecisionBits`) before
-//! it looks which samples a triangle covers. A fragment of the object at sample `s` therefore
-//! stands for a point `p` of the object whose true projection is up to `e = sqrt(2) * 2^-b` pixels
-//! away from `s`, and it carries the depth of `p`: what is drawn must see to that, since some rasterisers
-//! take depth from where the vertices were before ([`View::snap_steps`](crate::View::snap_steps)). In the same way the fragment of the proxy at `s`
-//! stands for the point `q` of the proxy's front that the true ray up to `e` away from `s` meets:
-//! that ray passes `p` in a distance of at most `2e` pixels. A shift by one pixel at view depth `w`
-//! is a shift by `footprint(w) = w * 2 tan(fov_y / 2) / height` in the plane through `p` parallel to
-//! the image. So when the proxy holds a ball of `2e` footprints around `p`, the ray goes through a
-//! point of the proxy that is as deep as `p`, hence enters the proxy, at `q`, no deeper than `p`: the
-//! proxy covers `s` and passes the depth test wherever the object does. The box grown by `d` holds
-//! that ball around every point of the object, with the footprint taken at the farthest corner.
+//! A rasteriser moves every vertex to a grid of `2^-b` pixels (`b` = `subPixelPrecisionBits`)
+//! before it looks which samples a triangle covers. A fragment of the object at sample `s`
+//! therefore stands for a point `p` of the object whose true projection is up to `e = sqrt(2) *
+//! 2^-b` pixels away from `s`, and it carries the depth of `p`: what is drawn must see to that,
+//! since some rasterisers take depth from where the vertices were before
+//! ([`View::snap_steps`](crate::View::snap_steps)). In the same way the fragment of the proxy at
+//! `s` stands for the point `q` of the proxy's front that the true ray up to `e` away from `s`
+//! meets: that ray passes `p` in a distance of at most `2e` pixels. A shift by one pixel at view
+//! depth `w` is a shift by `footprint(w) = w * 2 tan(fov_y / 2) / height` in the plane through `p`
+//! parallel to the image. So when the proxy holds a ball of `2e` footprints around `p`, the ray
+//! goes through a point of the proxy that is as deep as `p`, hence enters the proxy, at `q`, no
+//! deeper than `p`: the proxy covers `s` and passes the depth test wherever the object does. The
+//! box grown by `d` holds that ball around every point of the object, with the footprint taken at
+//! the farthest corner.
 //!
 //! A quarter of a pixel on top pays for the rounding of the depth itself: `q` is nearer than `p` by
 //! about that much of a footprint, some ten thousandths of `w`, where a 32-bit depth resolves ten
@@ -57,20 +59,20 @@ impl Margin {
         }
     }
 
-    /// How far a proxy reaches beyond its box on the screen (pixels).
+    /// Returns how far a proxy reaches beyond its box on the screen (pixels).
     #[must_use]
     pub fn pixels(&self) -> f32 {
         self.pixels
     }
 
-    /// How far a proxy reaches beyond a box at view depth 1 (metres), rounding apart.
+    /// Returns how far a proxy reaches beyond a box at view depth 1 (metres), rounding apart.
     #[must_use]
     pub fn metres_at_depth_1(&self) -> f32 {
         self.pixels * self.footprint
     }
 
-    /// The box to test in place of `bounds`, or `None` if it must count as visible, because the
-    /// eye is inside or some of the proxy is nearer than the near plane. Nobody asks about an
+    /// Returns the box to test in place of `bounds`, or `None` if it must count as visible, because
+    /// the eye is inside or some of the proxy is nearer than the near plane. Nobody asks about an
     /// [empty](Aabb::is_empty) box: it is in no frustum.
     #[must_use]
     pub fn proxy(&self, bounds: &Aabb) -> Option<Aabb> {
@@ -86,7 +88,7 @@ impl Margin {
     }
 }
 
-/// A bound on what single precision loses where `bounds` is seen from `eye` (metres).
+/// Returns a bound on what single precision loses where `bounds` is seen from `eye` (metres).
 pub(crate) fn rounding(bounds: &Aabb, eye: Vec3) -> f32 {
     16.0 * f32::EPSILON * bounds.largest_coordinate().max(eye.abs().max_element())
 }

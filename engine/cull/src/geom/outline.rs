@@ -17,8 +17,8 @@ impl Outline {
     /// Eight corners have six on the outline; each side of the screen can add one.
     const MOST: usize = 12;
 
-    /// The outline of a box that is in front of the eye, and its nearest depth (metres along the line
-    /// of sight). `None` where it is not, or where numbers fail.
+    /// Returns the outline of a box that is in front of the eye, and its nearest depth (metres
+    /// along the line of sight). `None` where it is not, or where numbers fail.
     pub(crate) fn of(bounds: &Aabb, view: &View) -> Option<(Self, f32)> {
         let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
         let mut points = [Vec2::ZERO; 8];
@@ -32,7 +32,7 @@ impl Outline {
         is_sound.then(|| (Self::around(points), nearest))
     }
 
-    /// The convex hull, by Andrew's monotone chain.
+    /// Returns the convex hull, by Andrew's monotone chain.
     fn around(mut points: [Vec2; 8]) -> Self {
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         let mut hull = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
@@ -54,8 +54,8 @@ impl Outline {
         hull
     }
 
-    /// Whether rounding moves it by little where it is computed and where it is drawn; `nearest` is the
-    /// depth of the nearest corner.
+    /// Returns true if rounding moves it by little where it is computed and where it is drawn;
+    /// `nearest` is the depth of the nearest corner.
     pub(crate) fn is_sharp(&self, bounds: &Aabb, nearest: f32, view: &View) -> bool {
         const MOST_PIXELS: f32 = 1.0 / 16.0;
         // Beyond, a pixel's fractions are lost, and a product of two such no longer tells sides.
@@ -78,7 +78,7 @@ impl Outline {
         (0..self.count).map(|at| (self.corners[at], self.corners[(at + 1) % self.count]))
     }
 
-    /// The part on the screen. Empty where nothing is.
+    /// Returns the part on the screen. Empty where nothing is.
     pub(crate) fn clipped(&self, [width, height]: [f32; 2]) -> Self {
         let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
         sides.into_iter().fold(*self, |outline, (normal, offset)| {
@@ -107,7 +107,7 @@ impl Outline {
         0.5 * self.edges().map(|(from, to)| from.perp_dot(to)).sum::<f32>().abs()
     }
 
-    /// Whether a point is inside, with an allowance for rounding far below the margin's.
+    /// Returns true if a point is inside, with an allowance for rounding far below the margin's.
     pub(crate) fn holds(&self, point: Vec2) -> bool {
         const ALLOWED_PIXELS: f32 = 1.0 / 64.0;
         self.count >= 3
@@ -118,8 +118,8 @@ impl Outline {
     }
 }
 
-/// About how many pixels of `view` a box covers, at most all: its silhouette from the eye, as if all
-/// of it were as far away as its centre.
+/// About how many pixels of `view` a box covers, at most all: its silhouette from the eye, as if
+/// all of it were as far away as its centre.
 pub(crate) fn covered_pixels(view: &View, bounds: &Aabb) -> f32 {
     let [width, height] = view.size.map(|pixels| pixels as f32);
     if bounds.distance_squared(view.eye) == 0.0 {

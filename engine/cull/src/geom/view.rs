@@ -26,10 +26,11 @@ pub struct View {
     pub tan_half: [f32; 2],
     /// Size of the image (pixels).
     pub size: [u32; 2],
-    /// Where the image lies in a larger picture: its upper left corner (pixels). Decides nothing here.
+    /// Where the image lies in a larger picture: its upper left corner (pixels). Decides nothing
+    /// here.
     pub origin: [u32; 2],
-    /// Steps of the device's sub-pixel grid from the middle of the image to its edges: vertices that are
-    /// drawn are moved onto it, so that no triangle carries a depth that is not its own.
+    /// Steps of the device's sub-pixel grid from the middle of the image to its edges: vertices
+    /// that are drawn are moved onto it, so that no triangle carries a depth that is not its own.
     pub snap_steps: [f32; 2],
     /// What is seen at all.
     pub frustum: Frustum,
@@ -74,8 +75,8 @@ impl View {
         }
     }
 
-    /// How many pixels a metre covers at the nearest point of `bounds`, in the middle of the image; at
-    /// the near plane where the box is nearer.
+    /// Returns how many pixels a metre covers at the nearest point of `bounds`, in the middle of
+    /// the image; at the near plane where the box is nearer.
     #[must_use]
     pub fn pixels_per_metre(&self, bounds: &Aabb) -> f32 {
         let distance = bounds.distance_squared(self.eye).sqrt().max(self.near);
@@ -89,7 +90,7 @@ fn clamp_or(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
     if value.is_nan() { otherwise } else { value.clamp(low, high) }
 }
 
-/// The unit vector to the right, also for an `up` that is missing or parallel to `forward`.
+/// Returns the unit vector to the right, also for an `up` that is missing or parallel to `forward`.
 fn sideways(forward: Vec3, up: Vec3) -> Vec3 {
     let across = forward.cross(up.normalize_or_zero());
     if across.is_finite() && across.length_squared() > 1.0e-12 {

@@ -20,8 +20,8 @@ const JITTER_OF_SCENE: f32 = 1.0 / (1 << 20) as f32;
 /// The same relative to the box itself, for boxes that are large against their distance.
 const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
 
-/// The shape of a good hierarchy over `boxes`. What is [empty](Aabb::EMPTY) is a free leaf: those lie
-/// together in a balanced subtree beside the rest, the last of the leaves.
+/// Returns the shape of a good hierarchy over `boxes`. What is [empty](Aabb::EMPTY) is a free leaf:
+/// those lie together in a balanced subtree beside the rest, the last of the leaves.
 pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     check_count(boxes.len())?;
     check_memory(boxes.len())?;
@@ -52,7 +52,7 @@ pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     Ok(Topology::linearise(root, boxes.len(), |node| nodes[node as usize]))
 }
 
-/// A balanced tree over leaves that need no order; node 0 is its root.
+/// Returns a balanced tree over leaves that need no order; node 0 is its root.
 fn balanced(objects: &[u32]) -> Vec<Split> {
     let mut nodes = Vec::new();
     let mut waiting = Vec::new();
@@ -115,7 +115,7 @@ fn check_memory(count: usize) -> Result<(), HierarchyError> {
     asked.map_err(|_| HierarchyError::NoMemory { count })
 }
 
-/// The boxes moved into the unit cube and made different from each other.
+/// Returns the boxes moved into the unit cube and made different from each other.
 fn distinct(boxes: &[Aabb]) -> Vec<obvhs::aabb::Aabb> {
     let scene = boxes.iter().fold(Aabb::EMPTY, |sum, next| sum.union(next));
     let origin = scene.min.as_dvec3();

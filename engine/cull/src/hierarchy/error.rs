@@ -15,8 +15,8 @@ pub const BUILD_BYTES_PER_OBJECT: usize = 288;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HierarchyError {
-    /// A box has a coordinate that is infinite, no number, or beyond [`MAX_COORDINATE`](crate::MAX_COORDINATE), or its
-    /// minimum lies above its maximum.
+    /// A box has a coordinate that is infinite, no number, or beyond
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), or its minimum lies above its maximum.
     #[error(
         "object {} has no usable bounding box ({} to {}): \
          check its mesh and its transform for infinities and NaN", object.0, bounds.min, bounds.max
@@ -58,7 +58,7 @@ pub enum HierarchyError {
     NoFreeLeaf,
 }
 
-/// Whether a box can be part of a hierarchy.
+/// Checks that a box can be part of a hierarchy.
 pub(super) fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
     if bounds.is_usable() {
         return Ok(());

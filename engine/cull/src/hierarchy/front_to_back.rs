@@ -11,7 +11,7 @@ use crate::ids::{LeafIndex, NodeId};
 
 /// A scene as one view sees it.
 #[derive(Clone, Copy)]
-pub(crate) struct Sight<'a> {
+pub(crate) struct ViewedHierarchy<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) view: &'a View,
 }
@@ -32,8 +32,8 @@ impl InSight {
     }
 }
 
-impl<'a> Sight<'a> {
-    /// The node, if some of it may be in the frustum; `mask` is that of the node above.
+impl<'a> ViewedHierarchy<'a> {
+    /// Returns the node, if some of it may be in the frustum; `mask` is that of the node above.
     pub(crate) fn look(&self, node: NodeId, mask: PlaneMask) -> Option<InSight> {
         let bounds = self.hierarchy.bounds(node);
         let (containment, mask) = self.view.frustum.classify(&bounds, mask);
@@ -41,12 +41,12 @@ impl<'a> Sight<'a> {
         (containment != Containment::Outside).then_some(InSight { distance_bits, node, mask })
     }
 
-    /// The root, if it is in sight.
+    /// Returns the root, if it is in sight.
     pub(crate) fn root(&self) -> Option<InSight> {
         self.look(self.hierarchy.root()?, PlaneMask::ALL)
     }
 
-    /// The children that are in sight, the nearer first; `None` for a leaf.
+    /// Returns the children that are in sight, the nearer first; `None` for a leaf.
     pub(crate) fn children(
         &self,
         above: &InSight,
@@ -61,7 +61,7 @@ impl<'a> Sight<'a> {
         Some(seen.into_iter().flatten())
     }
 
-    /// The box to test in place of a node; `None` where it must count as visible.
+    /// Returns the box to test in place of a node; `None` where it must count as visible.
     pub(crate) fn proxy(&self, node: NodeId) -> Option<Aabb> {
         self.view.margin.proxy(&self.hierarchy.bounds(node))
     }
@@ -70,7 +70,7 @@ impl<'a> Sight<'a> {
         self.hierarchy.children(node).is_none()
     }
 
-    /// The leaf that a leaf's node is.
+    /// Returns the leaf that a leaf's node is.
     pub(crate) fn leaf(&self, node: NodeId) -> LeafIndex {
         self.hierarchy.leaves(node).first
     }

@@ -71,7 +71,7 @@ impl Journal {
         *self = Self::default();
     }
 
-    /// What changed after `generation`, the oldest first; `None` if not all of it is held.
+    /// Returns what changed after `generation`, the oldest first; `None` if not all of it is held.
     pub(crate) fn since(&self, generation: Generation) -> Option<impl Iterator<Item = &Change>> {
         if self.dropped.is_some_and(|dropped| dropped > generation) {
             return None;

@@ -69,57 +69,58 @@ impl Hierarchy {
         })
     }
 
-    /// How often some node came to stand for something else.
+    /// Returns how often some node came to stand for something else.
     #[must_use]
     pub fn generation(&self) -> Generation {
         self.generation
     }
 
-    /// The node above all others; `None` if there are no objects.
+    /// Returns the node above all others; `None` if there are no objects.
     #[must_use]
     pub fn root(&self) -> Option<NodeId> {
         (!self.nodes.bounds.is_empty()).then_some(NodeId(0))
     }
 
-    /// How many nodes there are: twice the objects less one.
+    /// Returns how many nodes there are: twice the objects less one.
     #[must_use]
     pub fn node_count(&self) -> usize {
         self.nodes.bounds.len()
     }
 
-    /// The object of each leaf, in depth-first order; the id that is free where the leaf is.
+    /// Returns the object of each leaf, in depth-first order; the id that is free where the leaf
+    /// is.
     #[must_use]
     pub fn leaf_objects(&self) -> &[ObjectId] {
         &self.topology.leaf_objects
     }
 
-    /// Where an object's leaf stands in depth-first order.
+    /// Returns where an object's leaf stands in depth-first order.
     #[must_use]
     pub fn leaf_of(&self, object: ObjectId) -> Option<LeafIndex> {
         let node = *self.topology.object_nodes.get(object.0 as usize)?;
         Some(self.leaves(NodeId(node)).first)
     }
 
-    /// True if an object is there.
+    /// Returns true if an object is there.
     #[must_use]
     pub fn contains(&self, object: ObjectId) -> bool {
         refit::occupied(&self.topology, &self.nodes, object).is_ok()
     }
 
-    /// The node of an object's leaf.
+    /// Returns the node of an object's leaf.
     #[must_use]
     pub fn node_of(&self, object: ObjectId) -> Option<NodeId> {
         self.topology.object_nodes.get(object.0 as usize).map(|node| NodeId(*node))
     }
 
-    /// The box around everything under a node; [`Aabb::EMPTY`] if there is nothing, or for a foreign
-    /// id.
+    /// Returns the box around everything under a node; [`Aabb::EMPTY`] if there is nothing, or for
+    /// a foreign id.
     #[must_use]
     pub fn bounds(&self, node: NodeId) -> Aabb {
         self.nodes.bounds.get(node.0 as usize).copied().unwrap_or(Aabb::EMPTY)
     }
 
-    /// The leaves under a node; none for a foreign id.
+    /// Returns the leaves under a node; none for a foreign id.
     #[must_use]
     pub fn leaves(&self, node: NodeId) -> LeafRange {
         match self.topology.nodes.get(node.0 as usize) {
@@ -130,21 +131,21 @@ impl Hierarchy {
         }
     }
 
-    /// The two children of an inner node; `None` for a leaf or a foreign id.
+    /// Returns the two children of an inner node; `None` for a leaf or a foreign id.
     #[must_use]
     pub fn children(&self, node: NodeId) -> Option<[NodeId; 2]> {
         let links = self.topology.nodes.get(node.0 as usize)?;
         (links.leaf_count > 1).then(|| links.children(node.0).map(NodeId))
     }
 
-    /// The node above; `None` for the root or a foreign id.
+    /// Returns the node above; `None` for the root or a foreign id.
     #[must_use]
     pub fn parent(&self, node: NodeId) -> Option<NodeId> {
         let links = self.topology.nodes.get(node.0 as usize)?;
         (links.parent != NO_NODE).then_some(NodeId(links.parent))
     }
 
-    /// How many nodes lie above; 0 for the root or a foreign id.
+    /// Returns how many nodes lie above; 0 for the root or a foreign id.
     #[must_use]
     pub fn level(&self, node: NodeId) -> u32 {
         self.topology.nodes.get(node.0 as usize).map_or(0, |links| links.level)

@@ -50,15 +50,15 @@ pub(super) fn refit_above(
     }
 }
 
-/// Nodes that wait in the search for a free leaf, the one with the least growth above it first; among
-/// equals the deepest, which is nearest to a leaf.
+/// Nodes that wait in the search for a free leaf, the one with the least growth above it first;
+/// among equals the deepest, which is nearest to a leaf.
 pub(super) type Search = BinaryHeap<(Reverse<u32>, u32, u32)>;
 
 /// Nodes that the search looks at before it takes the first leaf that it comes upon.
 const SEARCHED_NODES: u32 = 512;
 
-/// The free leaf in which a box makes the boxes above grow least, all together (after Bittner, Hapala
-/// and Havran 2015, "Incremental BVH construction for ray tracing").
+/// Returns the free leaf in which a box makes the boxes above grow least, all together (after
+/// Bittner, Hapala and Havran 2015, "Incremental BVH construction for ray tracing").
 fn free_leaf(
     topology: &Topology,
     nodes: &Nodes,

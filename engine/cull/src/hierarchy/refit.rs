@@ -112,7 +112,7 @@ fn place(
     Ok(())
 }
 
-/// The node of an object that is there.
+/// Returns the node of an object that is there.
 pub(super) fn occupied(
     topology: &Topology,
     nodes: &Nodes,

@@ -1,5 +1,5 @@
-//! Rebuilds single subtrees in place: n leaves always have 2n - 1 nodes, in depth-first pre-order, so
-//! that a subtree keeps its range of nodes and its range of leaves however it is built.
+//! Rebuilds single subtrees in place: n leaves always have 2n - 1 nodes, in depth-first pre-order,
+//! so that a subtree keeps its range of nodes and its range of leaves however it is built.
 
 use super::build;
 use super::error::HierarchyError;
@@ -72,8 +72,8 @@ impl Worn {
     }
 }
 
-/// Builds the subtree of `root` anew from the boxes of its leaves, and brings the sums above it up to
-/// date.
+/// Builds the subtree of `root` anew from the boxes of its leaves, and brings the sums above it up
+/// to date.
 pub(super) fn rebuild_subtree(
     topology: &mut Topology,
     nodes: &mut Nodes,
@@ -113,8 +113,8 @@ fn moved_from(boxes: &[Aabb], object: ObjectId) -> u32 {
     if is_free { FREE_LEAF } else { object.0 }
 }
 
-/// Replaces the links below `root`, which was `top`, by those of `built`, whose objects are numbered
-/// as in `objects`.
+/// Replaces the links below `root`, which was `top`, by those of `built`, whose objects are
+/// numbered as in `objects`.
 fn splice(topology: &mut Topology, root: u32, top: &Links, built: &Topology, objects: &[ObjectId]) {
     for (node, links) in (root..).zip(&built.nodes) {
         let inside = |local: u32, outside: u32| {

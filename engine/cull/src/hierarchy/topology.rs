@@ -21,12 +21,12 @@ impl Links {
         self.leaf_count == 1
     }
 
-    /// The children of an inner node that is `node`.
+    /// Returns the children of an inner node that is `node`.
     pub(crate) const fn children(&self, node: u32) -> [u32; 2] {
         [node + 1, self.right]
     }
 
-    /// The first node that is not in the subtree of `node`: a binary tree with n leaves has
+    /// Returns the first node that is not in the subtree of `node`: a binary tree with n leaves has
     /// 2n - 1 nodes, and here they are contiguous.
     pub(crate) const fn end(&self, node: u32) -> u32 {
         node + 2 * self.leaf_count - 1

@@ -1,14 +1,14 @@
 //! When a subtree that was refitted again and again is worth building anew.
 //!
 //! The measure is the surface-area cost (Goldsmith and Salmon 1987, "Automatic Creation of Object
-//! Hierarchies for Ray Tracing"): the areas of all inner nodes over that of the topmost. It does not
-//! change when a subtree moves or grows as a whole, and grows when its parts drift apart or one of
-//! them leaves. A subtree is worn when its cost is well above that after its last build.
+//! Hierarchies for Ray Tracing"): the areas of all inner nodes over that of the topmost. It does
+//! not change when a subtree moves or grows as a whole, and grows when its parts drift apart or one
+//! of them leaves. A subtree is worn when its cost is well above that after its last build.
 
 use crate::geom::bounds::Aabb;
 
-/// How much a cost may grow before the subtree counts as worn. Boxes of moving things breathe: below
-/// this a rebuild would come back frame after frame and gain nothing.
+/// How much a cost may grow before the subtree counts as worn. Boxes of moving things breathe:
+/// below this a rebuild would come back frame after frame and gain nothing.
 const GROWTH: f32 = 1.4;
 
 /// The least cost to compare with: that of a node alone. A subtree that was built without objects
@@ -21,8 +21,8 @@ pub(super) const LEAVES_MIN: u32 = 4;
 /// Leaves that one update may rebuild without being asked: a fraction of a millisecond of work.
 pub(super) const LEAVES_PER_UPDATE: u32 = 1024;
 
-/// A whole hierarchy up to this many leaves is rebuilt within an update where that is needed: tens of
-/// milliseconds at worst, and seldom, since a rebuild resets the measure.
+/// A whole hierarchy up to this many leaves is rebuilt within an update where that is needed: tens
+/// of milliseconds at worst, and seldom, since a rebuild resets the measure.
 pub(super) const LEAVES_OF_WHOLE: u32 = 1 << 15;
 
 /// The areas under every node.
@@ -61,8 +61,8 @@ impl Wear {
         if area > 0.0 { self.areas[node as usize] / area } else { 0.0 }
     }
 
-    /// The area (square metres) that a rebuild of the subtree is likely to save; `None` if it is not
-    /// worn.
+    /// Returns the area (square metres) that a rebuild of the subtree is likely to save; `None` if
+    /// it is not worn.
     pub(super) fn excess(&self, node: u32, bounds: &Aabb) -> Option<f32> {
         let built = self.built[node as usize].max(LEAST_COST);
         let is_worn = self.cost(node, bounds) > GROWTH * built;
@@ -76,7 +76,7 @@ mod tests {
 
     use super::*;
 
-    /// Four leaves under nodes 1 and 4 under node 0.
+    /// Returns four leaves under nodes 1 and 4 under node 0.
     fn worn([left, right]: [Aabb; 2], wear: &mut Wear) -> (Aabb, Option<f32>) {
         wear.update(1, &left, [2, 3]);
         wear.update(4, &right, [5, 6]);

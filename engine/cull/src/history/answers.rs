@@ -6,22 +6,22 @@
 //! merged on trust would then be drawn whole.
 
 use crate::hierarchy::{NO_NODE, Topology};
-use crate::history::record::{NodeState, Record, Stamp};
+use crate::history::record::{FrameStamp, NodeRecord, NodeState};
 use crate::history::records::{History, retest_interval};
+use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::QueryKind;
-use crate::plan::policy::Policy;
 use crate::rng::SplitMix64;
 
 /// Takes one answer.
 pub(crate) struct Ingest<'a> {
     pub(crate) history: &'a mut History,
     pub(crate) topology: &'a Topology,
-    pub(crate) policy: &'a Policy,
+    pub(crate) config: &'a CullConfig,
     pub(crate) rng: &'a mut SplitMix64,
     /// The frame planned last.
-    pub(crate) now: Stamp,
+    pub(crate) now: FrameStamp,
     /// The frame that asked.
-    pub(crate) asked: Stamp,
+    pub(crate) asked: FrameStamp,
 }
 
 impl Ingest<'_> {
@@ -31,29 +31,30 @@ impl Ingest<'_> {
         };
         // The answer for a part refines that for its node, which came first.
         let is_old = match kind {
-            QueryKind::Part => record.answered > self.asked,
+            QueryKind::Leaf => record.answered > self.asked,
             _ => record.answered >= self.asked,
         };
         if is_old {
             return;
         }
         record.answered = self.asked;
-        // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place of
-        // its test are asked about and not visited. Then, not now: what comes home very late is stale.
+        // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place
+        // of its test are asked about and not visited. Then, not now: what comes home very late is
+        // stale.
         record.visited = record.visited.max(self.asked);
         match (kind, samples) {
-            (QueryKind::Part, 0) => {}
-            (QueryKind::Part, _) => self.leaf_showed(node),
-            (QueryKind::Parts, 0) => self.proxy_hidden(node),
-            (QueryKind::Parts, _) => self.parts_showed(node),
+            (QueryKind::Leaf, 0) => {}
+            (QueryKind::Leaf, _) => self.leaf_showed(node),
+            (QueryKind::PerLeaf, 0) => self.proxy_hidden(node),
+            (QueryKind::PerLeaf, _) => self.parts_showed(node),
             (QueryKind::Proxy, 0) => self.proxy_hidden(node),
             (QueryKind::Proxy, _) if self.is_leaf(node) => self.leaf_showed(node),
             (QueryKind::Proxy, _) => self.inner_showed(node),
-            (QueryKind::Probe, 0) => self.merge(node),
-            (QueryKind::Probe, _) => self.probe_failed(node),
-            (QueryKind::OwnDraw | QueryKind::OwnBox, 0) => self.set_hidden(node),
-            (QueryKind::OwnBox, _) => self.own_box_showed(node),
-            (QueryKind::OwnDraw, _) => self.own_draw_showed(node),
+            (QueryKind::PullUpQuery, 0) => self.merge(node),
+            (QueryKind::PullUpQuery, _) => self.probe_failed(node),
+            (QueryKind::VisibleDrawQuery | QueryKind::VisibleBoxQuery, 0) => self.set_hidden(node),
+            (QueryKind::VisibleBoxQuery, _) => self.own_box_showed(node),
+            (QueryKind::VisibleDrawQuery, _) => self.own_draw_showed(node),
         }
     }
 
@@ -62,7 +63,7 @@ impl Ingest<'_> {
     }
 
     /// For nodes that are known to exist.
-    fn update(&mut self, node: u32, change: impl FnOnce(&mut Record)) {
+    fn update(&mut self, node: u32, change: impl FnOnce(&mut NodeRecord)) {
         if let Some(record) = self.history.record_mut(node) {
             change(record);
         }
@@ -85,7 +86,7 @@ impl Ingest<'_> {
                 record.state = NodeState::Hidden;
                 record.since = asked;
             }
-            record.streak = 0;
+            record.stable_queries = 0;
         });
     }
 
@@ -93,23 +94,25 @@ impl Ingest<'_> {
         let mut record = self.history.record(node);
         if record.state != NodeState::Visible {
             let was_brief = record.state == NodeState::Hidden
-                && self.asked.since(record.since) <= self.policy.flip_frames;
+                && self.asked.since(record.since) <= self.config.flip_frames;
             // Hidden as of the same answer is no past: that of a part's node came just before.
             if record.since != self.asked {
-                record.flips = if was_brief { record.flips.saturating_add(1) } else { 0 };
+                record.flicker_count =
+                    if was_brief { record.flicker_count.saturating_add(1) } else { 0 };
             }
             record.state = NodeState::Visible;
             record.since = self.asked;
-            record.streak = 0;
-            record.due = self.now.plus(retest_interval(&record, self.policy, self.rng));
+            record.stable_queries = 0;
+            record.due = self.now.plus(retest_interval(&record, self.config, self.rng));
             self.update(node, |slot| *slot = record);
         }
         self.pull_up(node);
     }
 
-    /// Says little: the box may show where its leaf does not. In the end the leaf's own draw is asked.
+    /// Says little: the box may show where its leaf does not. In the end the leaf's own draw is
+    /// asked.
     fn own_box_showed(&mut self, node: u32) {
-        self.update(node, |record| record.streak = record.streak.saturating_add(1));
+        self.update(node, |record| record.stable_queries = record.stable_queries.saturating_add(1));
     }
 
     fn own_draw_showed(&mut self, node: u32) {
@@ -117,11 +120,11 @@ impl Ingest<'_> {
         if record.state != NodeState::Visible {
             record.state = NodeState::Visible;
             record.since = self.asked;
-            record.streak = 0;
+            record.stable_queries = 0;
         }
-        record.flips = 0;
-        record.streak = record.streak.saturating_add(1);
-        record.due = self.now.plus(retest_interval(&record, self.policy, self.rng));
+        record.flicker_count = 0;
+        record.stable_queries = record.stable_queries.saturating_add(1);
+        record.due = self.now.plus(retest_interval(&record, self.config, self.rng));
         self.update(node, |slot| *slot = record);
         self.pull_up(node);
     }
@@ -146,7 +149,7 @@ impl Ingest<'_> {
                         record.state = NodeState::Hidden;
                         record.since = asked;
                     }
-                    record.streak = 0;
+                    record.stable_queries = 0;
                 }
                 // The GPU was here, if not the traversal.
                 record.visited = record.visited.max(asked);
@@ -160,13 +163,13 @@ impl Ingest<'_> {
                 record.since = asked;
             }
             record.due = due;
-            record.streak = failures;
+            record.stable_queries = failures;
         });
         self.pull_up(top);
     }
 
-    /// How often a node that shows was tested as one in vain: its box may show in many places where
-    /// those of its parts, all hidden, do not.
+    /// Returns how often a node that shows was tested as one in vain: its box may show in many
+    /// places where those of its parts, all hidden, do not.
     fn failures_of(&self, node: u32) -> u8 {
         if self.is_leaf(node) {
             return 0;
@@ -174,7 +177,7 @@ impl Ingest<'_> {
         let children = self.topology.nodes[node as usize].children(node);
         let is_hidden = |child| self.history.record(child).state == NodeState::Hidden;
         match children.into_iter().all(is_hidden) {
-            true => self.history.record(node).streak.saturating_add(1),
+            true => self.history.record(node).stable_queries.saturating_add(1),
             false => 0,
         }
     }
@@ -189,9 +192,9 @@ impl Ingest<'_> {
             let links = self.topology.nodes[node as usize];
             let depth = links.level - top_level;
             let is_opened = !links.is_leaf()
-                && (depth < self.policy.open_levels
-                    || (depth < self.policy.open_levels_max
-                        && links.leaf_count > self.policy.open_leaves));
+                && (depth < self.config.open_levels
+                    || (depth < self.config.open_levels_max
+                        && links.leaf_count > self.config.open_leaves));
             if is_opened {
                 let asked = self.asked;
                 let due = self.open_until(0);
@@ -199,7 +202,7 @@ impl Ingest<'_> {
                     record.state = NodeState::Visible;
                     record.since = asked;
                     record.due = due;
-                    record.streak = 0;
+                    record.stable_queries = 0;
                 });
                 node += 1;
                 continue;
@@ -214,10 +217,10 @@ impl Ingest<'_> {
         }
     }
 
-    fn open_until(&mut self, failures: u8) -> Stamp {
-        let exponent = u32::from(failures).min(self.policy.probe_backoff).min(16);
-        let frames = self.policy.open_frames.saturating_mul(1 << exponent);
-        let jitter = self.rng.between(0, self.policy.open_jitter);
+    fn open_until(&mut self, failures: u8) -> FrameStamp {
+        let exponent = u32::from(failures).min(self.config.probe_backoff).min(16);
+        let frames = self.config.open_frames.saturating_mul(1 << exponent);
+        let jitter = self.rng.between(0, self.config.open_jitter);
         self.now.plus(frames.saturating_add(jitter))
     }
 
@@ -240,16 +243,16 @@ impl Ingest<'_> {
                 record.state = NodeState::Hidden;
                 record.since = since;
             }
-            record.streak = 0;
+            record.stable_queries = 0;
         });
     }
 
     fn probe_failed(&mut self, node: u32) {
-        let failures = self.history.record(node).streak;
+        let failures = self.history.record(node).stable_queries;
         let due = self.open_until(failures);
         self.update(node, |record| {
             record.due = due;
-            record.streak = failures.saturating_add(1);
+            record.stable_queries = failures.saturating_add(1);
         });
     }
 
@@ -271,7 +274,7 @@ impl Ingest<'_> {
                 if record.state != NodeState::Visible {
                     record.state = NodeState::Visible;
                     record.since = asked;
-                    record.streak = 0;
+                    record.stable_queries = 0;
                 }
                 record.answered = record.answered.max(asked);
                 record.visited = record.visited.max(asked);

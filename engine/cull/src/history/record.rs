@@ -16,7 +16,7 @@ pub enum NodeState {
 
 /// What an answer to a leaf's own draw says about the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Doubt {
+pub(crate) enum RetestReason {
     /// Whether what was visible still is.
     #[default]
     None,
@@ -28,9 +28,9 @@ pub(crate) enum Doubt {
 
 /// A frame in 32 bits, counted from the culler's epoch; 0 stands for never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Stamp(u32);
+pub(crate) struct FrameStamp(u32);
 
-impl Stamp {
+impl FrameStamp {
     pub(crate) const NEVER: Self = Self(0);
     pub(crate) const FIRST: Self = Self(1);
 
@@ -49,7 +49,7 @@ impl Stamp {
         Self(self.0.saturating_add(frames))
     }
 
-    /// Whether it is a node's turn in this frame, where each has one in `spread` frames.
+    /// Returns true if it is a node's turn in this frame, where each has one in `spread` frames.
     /// Turns come in every frame whose number is a multiple of `gate` only.
     pub(crate) const fn is_turn_of(self, node: u32, spread: u32, gate: u32) -> bool {
         let gate = if gate > 0 { gate } else { 1 };
@@ -73,33 +73,35 @@ impl Stamp {
 
 /// The history of one node.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Record {
+pub(crate) struct NodeRecord {
     pub(crate) state: NodeState,
     /// Leaves: own-draw tests that succeeded one after the other. Inner nodes: probes that failed.
-    pub(crate) streak: u8,
+    pub(crate) stable_queries: u8,
     /// Leaves: how often it showed soon after it did not.
-    pub(crate) flips: u8,
+    pub(crate) flicker_count: u8,
     /// Leaves: how much the next answer to an own draw says.
-    pub(crate) doubt: Doubt,
+    pub(crate) retest_reason: RetestReason,
     /// The frame whose answer brought the state about.
-    pub(crate) since: Stamp,
-    /// The youngest frame in which the traversal is known to have come here, or the GPU to have looked.
-    pub(crate) visited: Stamp,
+    pub(crate) since: FrameStamp,
+    /// The youngest frame in which the traversal is known to have come here, or the GPU to have
+    /// looked.
+    pub(crate) visited: FrameStamp,
     /// The youngest frame that is known to have answered.
-    pub(crate) answered: Stamp,
+    pub(crate) answered: FrameStamp,
     /// Visible leaves: when to test the own draw. Open inner nodes: when to probe.
-    pub(crate) due: Stamp,
+    pub(crate) due: FrameStamp,
 }
 
-impl Record {
-    /// True if that was lately.
-    pub(crate) fn is_fresh(&self, now: Stamp, stale_frames: u32) -> bool {
-        self.visited != Stamp::NEVER && now.since(self.visited) <= stale_frames
+impl NodeRecord {
+    /// Returns true if that was lately.
+    pub(crate) fn is_fresh(&self, now: FrameStamp, stale_frames: u32) -> bool {
+        self.visited != FrameStamp::NEVER && now.since(self.visited) <= stale_frames
     }
 
-    /// Whether a visible leaf's own draw is to be tested. Where it should have been long ago, or is
-    /// not for long, leaves take turns over `spread` frames. Only in every `gate`th frame.
-    pub(crate) fn is_due(&self, node: u32, now: Stamp, spread: u32, gate: u32) -> bool {
+    /// Returns true if a visible leaf's own draw is to be tested. Where it should have been long
+    /// ago, or is not for long, leaves take turns over `spread` frames. Only in every `gate`th
+    /// frame.
+    pub(crate) fn is_due(&self, node: u32, now: FrameStamp, spread: u32, gate: u32) -> bool {
         let is_turn = || now.is_turn_of(node, spread, gate);
         if gate > 1 && !now.0.is_multiple_of(gate) {
             false

@@ -4,22 +4,22 @@ use std::sync::Arc;
 
 use crate::geom::frustum::Containment;
 use crate::hierarchy::{Change, FREE_LEAF, Hierarchy, NEW_LEAF, Restructured, Topology};
-use crate::history::record::{Doubt, NodeState, Record, Stamp};
+use crate::history::record::{FrameStamp, NodeRecord, NodeState, RetestReason};
 use crate::ids::Generation;
-use crate::plan::policy::Policy;
+use crate::plan::config::CullConfig;
 use crate::rng::SplitMix64;
 
 /// One record a node, as the nodes were in the generation that is kept here.
 #[derive(Debug)]
 pub(crate) struct History {
-    records: Vec<Record>,
+    records: Vec<NodeRecord>,
     generation: Generation,
     /// Which hierarchy it is about.
     identity: Option<Arc<()>>,
     /// Records of the leaves of a part that is carried over.
-    leaves: Vec<Record>,
+    leaves: Vec<NodeRecord>,
     /// Records of its nodes; none where there are only free leaves.
-    carried: Vec<Option<Record>>,
+    carried: Vec<Option<NodeRecord>>,
 }
 
 impl Default for History {
@@ -35,20 +35,20 @@ impl Default for History {
 }
 
 impl History {
-    /// What is remembered of a node; nothing of a foreign one.
-    pub(crate) fn record(&self, node: u32) -> Record {
+    /// Returns what is remembered of a node; nothing of a foreign one.
+    pub(crate) fn record(&self, node: u32) -> NodeRecord {
         self.records.get(node as usize).copied().unwrap_or_default()
     }
 
-    pub(crate) fn record_mut(&mut self, node: u32) -> Option<&mut Record> {
+    pub(crate) fn record_mut(&mut self, node: u32) -> Option<&mut NodeRecord> {
         self.records.get_mut(node as usize)
     }
 
-    pub(crate) fn forget(&mut self) {
-        self.records.fill(Record::default());
+    pub(crate) fn reset(&mut self) {
+        self.records.fill(NodeRecord::default());
     }
 
-    pub(crate) fn visit(&mut self, node: u32, now: Stamp) {
+    pub(crate) fn visit(&mut self, node: u32, now: FrameStamp) {
         if let Some(record) = self.record_mut(node) {
             record.visited = now;
         }
@@ -58,12 +58,12 @@ impl History {
     pub(crate) fn asked_own_draw(
         &mut self,
         node: u32,
-        now: Stamp,
-        policy: &Policy,
+        now: FrameStamp,
+        config: &CullConfig,
         rng: &mut SplitMix64,
     ) {
         if let Some(record) = self.record_mut(node) {
-            record.due = now.plus(retest_interval(record, policy, rng));
+            record.due = now.plus(retest_interval(record, config, rng));
         }
     }
 
@@ -74,18 +74,19 @@ impl History {
         topology: &Topology,
         leaf: u32,
         top: u32,
-        now: Stamp,
-        due: Stamp,
-        policy: &Policy,
+        now: FrameStamp,
+        due: FrameStamp,
+        config: &CullConfig,
     ) {
-        // Long streaks make for long intervals, and this one makes the next test one of its own draw.
-        let streak = policy.own_box_streak.saturating_add(1).min(u8::MAX.into()) as u8;
+        // Long streaks make for long intervals, and this one makes the next test one of its own
+        // draw.
+        let stable_queries = config.own_box_streak.saturating_add(1).min(u8::MAX.into()) as u8;
         if let Some(record) = self.record_mut(leaf) {
             if record.state != NodeState::Hidden {
                 record.state = NodeState::Visible;
-                record.doubt = Doubt::Assumed;
+                record.retest_reason = RetestReason::Assumed;
                 record.since = now;
-                record.streak = streak;
+                record.stable_queries = stable_queries;
                 record.due = due;
             }
             record.visited = now;
@@ -101,18 +102,18 @@ impl History {
             record.state = NodeState::Visible;
             record.since = now;
             record.visited = now;
-            record.streak = 0;
+            record.stable_queries = 0;
             record.due = due;
         }
     }
 
     /// Notes what the answer to the test of a leaf by itself will say.
-    pub(crate) fn doubt(&mut self, node: u32, containment: Containment) {
+    pub(crate) fn mark_for_retest(&mut self, node: u32, containment: Containment) {
         if let Some(record) = self.record_mut(node) {
-            record.doubt = match (containment, record.doubt) {
-                (Containment::Inside, Doubt::Assumed) => Doubt::Assumed,
-                (Containment::Inside, _) => Doubt::None,
-                _ => Doubt::Edge,
+            record.retest_reason = match (containment, record.retest_reason) {
+                (Containment::Inside, RetestReason::Assumed) => RetestReason::Assumed,
+                (Containment::Inside, _) => RetestReason::None,
+                _ => RetestReason::Edge,
             };
         }
     }
@@ -120,19 +121,19 @@ impl History {
     /// An answer came for a leaf that had been drawn without a test.
     pub(crate) fn answered_assumed(&mut self, node: u32) {
         if let Some(record) = self.record_mut(node) {
-            record.doubt = Doubt::None;
+            record.retest_reason = RetestReason::None;
         }
     }
 
     /// A node is probed: not again before the answer had time to come.
-    pub(crate) fn asked_probe(&mut self, node: u32, now: Stamp, policy: &Policy) {
+    pub(crate) fn asked_probe(&mut self, node: u32, now: FrameStamp, config: &CullConfig) {
         if let Some(record) = self.record_mut(node) {
-            record.due = now.plus(policy.probe_retry);
+            record.due = now.plus(config.probe_retry);
         }
     }
 
-    /// An open node is tested as one from now on: it counts as hidden for as long as its parts, until
-    /// the answer comes.
+    /// An open node is tested as one from now on: it counts as hidden for as long as its parts,
+    /// until the answer comes.
     pub(crate) fn closed(&mut self, topology: &Topology, node: u32) {
         let Some(links) = topology.nodes.get(node as usize) else {
             return;
@@ -141,7 +142,7 @@ impl History {
             return;
         }
         let parts = links.children(node).map(|child| self.record(child).since);
-        let since = parts.into_iter().max().unwrap_or(Stamp::NEVER);
+        let since = parts.into_iter().max().unwrap_or(FrameStamp::NEVER);
         if let Some(record) = self.record_mut(node) {
             record.state = NodeState::Hidden;
             record.since = since;
@@ -149,11 +150,11 @@ impl History {
     }
 
     /// A node is tested by itself that was hidden with another above it until now.
-    pub(crate) fn inherit(&mut self, node: u32, since: Stamp) {
+    pub(crate) fn inherit(&mut self, node: u32, since: FrameStamp) {
         if let Some(record) = self.record_mut(node) {
             record.state = NodeState::Hidden;
             record.since = since;
-            record.streak = 0;
+            record.stable_queries = 0;
         }
     }
 
@@ -173,7 +174,7 @@ impl History {
         }
         if self.records.len() != hierarchy.node_count() {
             self.records.clear();
-            self.records.resize(hierarchy.node_count(), Record::default());
+            self.records.resize(hierarchy.node_count(), NodeRecord::default());
         }
         self.generation = generation;
         if !is_same {
@@ -185,7 +186,7 @@ impl History {
         match change {
             Change::Recycled(node) => {
                 if let Some(record) = self.record_mut(*node) {
-                    *record = Record::default();
+                    *record = NodeRecord::default();
                 }
             }
             Change::Restructured(change) => self.carry_over(change),
@@ -204,7 +205,7 @@ impl History {
             carried[node] = if *leaf_count == 1 {
                 match moved_from.next() {
                     Some(&FREE_LEAF) => None,
-                    Some(&NEW_LEAF) | None => Some(Record::default()),
+                    Some(&NEW_LEAF) | None => Some(NodeRecord::default()),
                     Some(&leaf) => Some(leaves.get(leaf as usize).copied().unwrap_or_default()),
                 }
             } else {
@@ -245,18 +246,18 @@ impl History {
     }
 }
 
-/// The record of a node that is new above two others.
-fn above(left: &Record, right: &Record) -> Record {
+/// Returns the record of a node that is new above two others.
+fn above(left: &NodeRecord, right: &NodeRecord) -> NodeRecord {
     let state = match (left.state, right.state) {
         (NodeState::Hidden, NodeState::Hidden) => NodeState::Hidden,
         (NodeState::Visible, _) | (_, NodeState::Visible) => NodeState::Visible,
         _ => NodeState::Unknown,
     };
-    Record {
+    NodeRecord {
         state,
-        streak: 0,
-        flips: 0,
-        doubt: Doubt::None,
+        stable_queries: 0,
+        flicker_count: 0,
+        retest_reason: RetestReason::None,
         since: left.since.max(right.since),
         visited: match state {
             NodeState::Visible => left.visited.max(right.visited),
@@ -269,12 +270,16 @@ fn above(left: &Record, right: &Record) -> Record {
 
 /// Frames until a visible leaf's own draw is tested again: longer the longer it has been visible,
 /// and much longer where its proxy promised too much; the upper half of the range at random.
-pub(crate) fn retest_interval(record: &Record, policy: &Policy, rng: &mut SplitMix64) -> u32 {
+pub(crate) fn retest_interval(
+    record: &NodeRecord,
+    config: &CullConfig,
+    rng: &mut SplitMix64,
+) -> u32 {
     let doubled = |exponent: u8| {
-        policy.retest_first.saturating_mul(1_u32.checked_shl(exponent.into()).unwrap_or(u32::MAX))
+        config.retest_first.saturating_mul(1_u32.checked_shl(exponent.into()).unwrap_or(u32::MAX))
     };
-    let calm = doubled(record.streak).min(policy.retest_max);
-    let flipping = doubled(record.flips).min(policy.flip_retest_max);
+    let calm = doubled(record.stable_queries).min(config.retest_max);
+    let flipping = doubled(record.flicker_count).min(config.flip_retest_max);
     let interval = calm.max(flipping).max(1);
     rng.between(interval.div_ceil(2), interval)
 }

@@ -1,5 +1,5 @@
-//! The results of tests as testers leave them in memory, read as answers: who answers for a proxy that
-//! shares another's, and what a list of leaves says of the nodes above them.
+//! The results of tests as testers leave them in memory, read as answers: who answers for a proxy
+//! that shares another's, and what a list of leaves says of the nodes above them.
 
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, Generation, LeafIndex, LeafRange};
@@ -68,7 +68,7 @@ impl<C: Copy> ResultReader<C> {
             let samples = match test.tester {
                 Tester::Flag => word(number),
                 // Where the shared proxy shows, the leaves answer for their node: `read_leaves`.
-                Tester::Behind(front) => word(front as usize).filter(|word| {
+                Tester::SharedProxy(front) => word(front as usize).filter(|word| {
                     self.shared.extend((*word != 0).then_some(*test));
                     *word == 0
                 }),
@@ -85,7 +85,8 @@ impl<C: Copy> ResultReader<C> {
         self.results.extend(computed.map(|(test, word)| result(test, *word)));
     }
 
-    /// Reads the list of leaves of one frame, after its flags. `contents` counts leaves as they are now.
+    /// Reads the list of leaves of one frame, after its flags. `contents` counts leaves as they are
+    /// now.
     pub fn read_leaves(
         &mut self,
         hierarchy: &Hierarchy,
@@ -98,7 +99,7 @@ impl<C: Copy> ResultReader<C> {
             // Nobody knows which of the leaves showed: the nodes answer for all of them.
             self.results.extend(shared.map(|test| result(test, 1)));
             let tags = self.results.iter_mut().map(|result| &mut result.answer.tag);
-            for tag in tags.filter(|tag| tag.frame == frame && tag.kind == QueryKind::Parts) {
+            for tag in tags.filter(|tag| tag.frame == frame && tag.kind == QueryKind::PerLeaf) {
                 tag.kind = QueryKind::Proxy;
             }
             return;
@@ -110,18 +111,19 @@ impl<C: Copy> ResultReader<C> {
         self.results.extend(leaves.iter().filter_map(|leaf| {
             // Where the leaf has another object since, its node is younger than the answer.
             let object = hierarchy.leaf_objects().get(*leaf as usize)?;
-            let (node, kind) = (hierarchy.node_of(*object)?, QueryKind::Part);
+            let (node, kind) = (hierarchy.node_of(*object)?, QueryKind::Leaf);
             let answer = Answer { tag: QueryTag { node, generation, frame, kind }, samples: 1 };
             let leaf = LeafRange { first: LeafIndex(*leaf), count: 1 };
             Some(TestResult { answer, contents: contents(leaf) })
         }));
     }
 
-    /// Ends a reading: sorts the results, those of older frames first, and in a frame those of leaves
-    /// after those of nodes. Fragments list leaves in any order; sorted, equal frames have equal results.
+    /// Ends a reading: sorts the results, those of older frames first, and in a frame those of
+    /// leaves after those of nodes. Fragments list leaves in any order; sorted, equal frames have
+    /// equal results.
     pub fn finish(&mut self) {
         self.results.sort_unstable_by_key(|TestResult { answer: Answer { tag, .. }, .. }| {
-            (tag.frame, tag.kind == QueryKind::Part, tag.node)
+            (tag.frame, tag.kind == QueryKind::Leaf, tag.node)
         });
     }
 
@@ -138,11 +140,11 @@ impl<C> TestResult<C> {
     }
 }
 
-/// Returns true if the subject of an answer shows by more samples than the threshold. Single leaves are
-/// noted by fragments, which do not count.
+/// Returns true if the subject of an answer shows by more samples than the threshold. Single leaves
+/// are noted by fragments, which do not count.
 pub fn shows(answer: &Answer, threshold_samples: u32) -> bool {
     match answer.tag.kind {
-        QueryKind::Part => answer.samples > 0,
+        QueryKind::Leaf => answer.samples > 0,
         _ => answer.samples > threshold_samples,
     }
 }
@@ -169,14 +171,14 @@ mod tests {
         PendingTest { tag, tester, contents: 10 }
     }
 
-    /// The root's flag, and a leaf that shares it; then the list of leaves.
+    /// Returns the root's flag, and a leaf that shares it; then the list of leaves.
     fn read(word: u32, list: Option<LeafList<'_>>) -> Vec<(NodeId, QueryKind, u32)> {
         let hierarchy = hierarchy();
         let root = hierarchy.root().unwrap();
         let first = hierarchy.node_of(hierarchy.leaf_objects()[0]).unwrap();
         let tests = [
-            test(root, Tester::Flag, QueryKind::Parts),
-            test(first, Tester::Behind(0), QueryKind::Parts),
+            test(root, Tester::Flag, QueryKind::PerLeaf),
+            test(first, Tester::SharedProxy(0), QueryKind::PerLeaf),
         ];
         let mut reader = ResultReader::default();
         reader.read_flags(&tests, &[word, 0]);
@@ -194,7 +196,7 @@ mod tests {
         let results = read(0, None);
         assert_eq!(results.len(), 2);
         assert!(
-            results.iter().all(|(_, kind, samples)| (*kind, *samples) == (QueryKind::Parts, 0))
+            results.iter().all(|(_, kind, samples)| (*kind, *samples) == (QueryKind::PerLeaf, 0))
         );
     }
 
@@ -203,14 +205,14 @@ mod tests {
         let hierarchy = hierarchy();
         let node = |leaf: usize| hierarchy.node_of(hierarchy.leaf_objects()[leaf]).unwrap();
         let root = hierarchy.root().unwrap();
-        assert_eq!(read(5, None), [(root, QueryKind::Parts, 5)], "the list is not read yet");
+        assert_eq!(read(5, None), [(root, QueryKind::PerLeaf, 5)], "the list is not read yet");
         let of = |results: &[(NodeId, QueryKind, u32)], node| {
-            let found = results.iter().find(|it| it.0 == node && it.1 == QueryKind::Parts);
+            let found = results.iter().find(|it| it.0 == node && it.1 == QueryKind::PerLeaf);
             found.map(|it| it.2)
         };
         let hidden = read(5, Some(LeafList::These(&[2])));
         assert_eq!(of(&hidden, node(0)), Some(0));
-        assert_eq!(hidden.last(), Some(&(node(2), QueryKind::Part, 1)));
+        assert_eq!(hidden.last(), Some(&(node(2), QueryKind::Leaf, 1)));
         let shown = read(5, Some(LeafList::These(&[0, 2])));
         assert_eq!(of(&shown, node(0)), Some(1));
     }
@@ -228,6 +230,6 @@ mod tests {
         let root = hierarchy.root().unwrap();
         let answer = |kind, samples| Answer { tag: test(root, Tester::Query, kind).tag, samples };
         assert!(!shows(&answer(QueryKind::Proxy, 4), 4) && shows(&answer(QueryKind::Proxy, 5), 4));
-        assert!(shows(&answer(QueryKind::Part, 1), 4) && !shows(&answer(QueryKind::Part, 0), 0));
+        assert!(shows(&answer(QueryKind::Leaf, 1), 4) && !shows(&answer(QueryKind::Leaf, 0), 0));
     }
 }

@@ -3,24 +3,24 @@
 use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
-use crate::history::record::Stamp;
+use crate::history::record::FrameStamp;
 use crate::history::records::History;
 use crate::ids::{FrameId, NodeId};
 use crate::plan::candidates::{Candidate, Scratch};
+use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
-use crate::plan::policy::Policy;
 use crate::rng::SplitMix64;
 
 /// What the questions of one frame go by.
 pub(crate) struct Asking<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) view: &'a View,
-    pub(crate) policy: &'a Policy,
+    pub(crate) config: &'a CullConfig,
     pub(crate) history: &'a mut History,
     pub(crate) rng: &'a mut SplitMix64,
     pub(crate) frame: FrameId,
-    pub(crate) now: Stamp,
+    pub(crate) now: FrameStamp,
     /// Leaves can be tested one by one below a node that shows.
     pub(crate) has_parts: bool,
     /// Answers where nothing is weighed.
@@ -35,15 +35,15 @@ impl Asking<'_> {
         scratch.place_retests();
         for retest in &scratch.retests {
             plan.queried_after.push(retest.after);
-            let asked = self.tag(retest.node, QueryKind::OwnDraw);
+            let asked = self.tag(retest.node, QueryKind::VisibleDrawQuery);
             plan.queried_draws.push((retest.leaf, asked));
-            self.history.doubt(retest.node, self.containment(retest.node));
-            self.history.asked_own_draw(retest.node, self.now, self.policy, self.rng);
+            self.history.mark_for_retest(retest.node, self.containment(retest.node));
+            self.history.asked_own_draw(retest.node, self.now, self.config, self.rng);
         }
         for [leaf, top] in &scratch.assumed {
-            let due = self.now.plus(self.rng.between(1, self.policy.retest_max));
+            let due = self.now.plus(self.rng.between(1, self.config.retest_max));
             let topology = &self.hierarchy.topology;
-            self.history.assume_visible(topology, *leaf, *top, self.now, due, self.policy);
+            self.history.assume_visible(topology, *leaf, *top, self.now, due, self.config);
         }
         for test in &scratch.tests {
             let test = self.test(test, plan);
@@ -56,23 +56,23 @@ impl Asking<'_> {
 
     fn test(&mut self, test: &Candidate, plan: &mut FramePlan) -> ProxyTest {
         let node = NodeId(test.node);
-        let question = self.costs.map(|_| CostFilter::question(self.view, test));
-        plan.stats.proxy_pixels += question.map_or(0, |question| question.pixels as u64);
+        let estimate = self.costs.map(|_| CostFilter::estimate(self.view, test));
+        plan.stats.proxy_pixels += estimate.map_or(0, |estimate| estimate.pixels as u64);
         let mut leaves = self.hierarchy.leaves(node);
         let mut kind = test.kind;
-        if kind == QueryKind::Probe {
+        if kind == QueryKind::PullUpQuery {
             leaves.count = 0;
-            self.history.asked_probe(test.node, self.now, self.policy);
-        } else if kind == QueryKind::OwnBox {
+            self.history.asked_probe(test.node, self.now, self.config);
+        } else if kind == QueryKind::VisibleBoxQuery {
             leaves.count = 0;
-            self.history.doubt(test.node, self.containment(test.node));
+            self.history.mark_for_retest(test.node, self.containment(test.node));
         } else {
             match test.inherited {
                 Some(since) => self.history.inherit(test.node, since),
                 None => self.history.closed(&self.hierarchy.topology, test.node),
             }
-            if self.has_parts && leaves.count >= self.policy.parts_leaves {
-                kind = QueryKind::Parts;
+            if self.has_parts && leaves.count >= self.config.parts_leaves {
+                kind = QueryKind::PerLeaf;
             }
         }
         ProxyTest {
@@ -80,9 +80,11 @@ impl Asking<'_> {
             bounds: test.proxy,
             leaves,
             level: self.hierarchy.level(node),
-            tester: match self.costs.zip(question) {
+            tester: match self.costs.zip(estimate) {
                 // Boxes of visible leaves are not counted as queries, nor asked by them.
-                Some((costs, question)) if kind != QueryKind::OwnBox => costs.tester(&question),
+                Some((costs, estimate)) if kind != QueryKind::VisibleBoxQuery => {
+                    costs.tester(&estimate)
+                }
                 _ => self.tester,
             },
         }

@@ -1,18 +1,18 @@
 //! From what a traversal would like to ask to what the queries allow.
 //!
-//! Tests decide about draws and come first. If there are more of them than queries, the tests with the
-//! most leaves stay and the leaves of the others are drawn. What is left of the queries is shared by
-//! probes, which save tests later on, and own-draw tests, which can as well be draws.
+//! Tests decide about draws and come first. If there are more of them than queries, the tests with
+//! the most leaves stay and the leaves of the others are drawn. What is left of the queries is
+//! shared by probes, which save tests later on, and own-draw tests, which can as well be draws.
 
 use crate::plan::candidates::{Draw, Scratch};
+use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
-use crate::plan::policy::Policy;
 use crate::plan::traverse::Walk;
 
 /// Makes the lists fit into `budget` queries.
 pub(crate) fn fit(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut PlanStats) {
     drop_tests(scratch, walk, budget, stats);
-    drop_optional(scratch, walk.policy, budget, stats);
+    drop_optional(scratch, walk.config, budget, stats);
     scratch.count(stats);
 }
 
@@ -43,17 +43,17 @@ fn drop_tests(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut
 }
 
 /// Leaves out probes and own-draw tests that no queries are left for.
-fn drop_optional(scratch: &mut Scratch, policy: &Policy, budget: usize, stats: &mut PlanStats) {
+fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stats: &mut PlanStats) {
     let frontier = scratch.frontier().count();
     let left = budget.saturating_sub(frontier);
-    let wished = scratch.tests.iter().filter(|test| test.kind == QueryKind::Probe).count();
-    let share = frontier / (policy.tests_per_probe.max(1) as usize);
+    let wished = scratch.tests.iter().filter(|test| test.kind == QueryKind::PullUpQuery).count();
+    let share = frontier / (config.tests_per_probe.max(1) as usize);
     let probes = wished
-        .min(share.max(policy.probes_min as usize))
+        .min(share.max(config.probes_min as usize))
         .min((left / 2).max(left.saturating_sub(scratch.retests.len())));
     let mut remaining = probes;
     for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
-        if test.kind == QueryKind::Probe {
+        if test.kind == QueryKind::PullUpQuery {
             *is_dropped = remaining == 0;
             remaining = remaining.saturating_sub(1);
         }

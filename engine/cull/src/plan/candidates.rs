@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::PlaneMask;
-use crate::history::record::Stamp;
+use crate::history::record::FrameStamp;
 use crate::ids::LeafIndex;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 
@@ -31,7 +31,7 @@ pub(crate) type Waiting = Reverse<(Nearness, u32, Above)>;
 pub(crate) struct Above {
     pub(crate) mask: PlaneMask,
     /// Since when a node above has been hidden, as one, until now.
-    pub(crate) hidden_since: Option<Stamp>,
+    pub(crate) hidden_since: Option<FrameStamp>,
 }
 
 impl PartialEq for Above {
@@ -77,7 +77,7 @@ pub(crate) struct Candidate {
     pub(crate) proxy: Aabb,
     pub(crate) leaf_count: u32,
     /// Since when a node above it was hidden, where nothing newer is known.
-    pub(crate) inherited: Option<Stamp>,
+    pub(crate) inherited: Option<FrameStamp>,
     /// For how long the node has been hidden; `None` where it is not known to be. 0 where nothing
     /// depends on that: probes and own boxes, whose nodes are visible.
     pub(crate) hidden_frames: Option<u32>,
@@ -103,7 +103,8 @@ pub(crate) struct Scratch {
     pub(crate) stack: Vec<(u32, PlaneMask)>,
     pub(crate) by_size: Vec<u32>,
     pub(crate) is_dropped: Vec<bool>,
-    /// What all tests that pay by themselves save together, and what their breaks of rendering cost.
+    /// What all tests that pay by themselves save together, and what their breaks of rendering
+    /// cost.
     pub(crate) prospect_ns: [f32; 2],
 }
 
@@ -126,7 +127,7 @@ impl Scratch {
         self.retests.sort_unstable_by_key(|retest| (retest.nearness, retest.leaf));
     }
 
-    /// The tests that decide about draws.
+    /// Returns the tests that decide about draws.
     pub(crate) fn frontier(&self) -> impl Iterator<Item = &Candidate> {
         self.tests.iter().filter(|test| test.kind == QueryKind::Proxy)
     }
@@ -157,7 +158,7 @@ impl Scratch {
 
     /// Counts what is planned.
     pub(crate) fn count(&self, stats: &mut PlanStats) {
-        let own_boxes = self.tests.iter().filter(|test| test.kind == QueryKind::OwnBox);
+        let own_boxes = self.tests.iter().filter(|test| test.kind == QueryKind::VisibleBoxQuery);
         stats.own_boxes = own_boxes.count() as u32;
         for test in self.frontier() {
             stats.frontier += 1;

@@ -2,17 +2,17 @@
 
 use std::ops::Range;
 
-use crate::cost::cost_model::{CostModel, Question, is_never};
+use crate::cost::cost_model::{CostModel, TestEstimate, is_never};
 use crate::geom::outline::covered_pixels;
 use crate::geom::view::View;
 use crate::plan::candidates::{Candidate, Draw, Scratch};
-use crate::plan::frame_plan::{Abilities, FramePlan, PlanStats, ProxyTest, QueryKind, Tester};
+use crate::plan::frame_plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester, TesterSupport};
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::Walk;
 
 /// What tests are weighed by.
 pub(crate) struct CostFilter<'a> {
-    governor: &'a CostModel,
+    cost_model: &'a CostModel,
     /// Who answers; `None` for whoever is cheaper.
     tester: Option<Tester>,
     has_flags: bool,
@@ -24,28 +24,28 @@ impl<'a> CostFilter<'a> {
     /// Returns none where nothing is weighed. [`Strategy::Antumbra`] takes the cheapest tester, all
     /// others have the given one.
     pub(crate) fn new(
-        governor: Option<&'a CostModel>,
+        cost_model: Option<&'a CostModel>,
         strategy: Strategy,
         tester: Tester,
-        abilities: Abilities,
+        testers: TesterSupport,
     ) -> Option<Self> {
         let is_open = strategy == Strategy::Antumbra;
-        governor.filter(|_| strategy.is_governed()).map(|governor| Self {
-            governor,
+        cost_model.filter(|_| strategy.uses_cost_model()).map(|cost_model| Self {
+            cost_model,
             tester: (!is_open).then_some(tester),
-            has_flags: abilities.flags,
-            has_compute: is_open && abilities.compute,
+            has_flags: testers.flags,
+            has_compute: is_open && testers.compute,
         })
     }
 
-    /// Who answers for a box.
-    pub(crate) fn tester(&self, question: &Question) -> Tester {
-        self.tester.unwrap_or_else(|| self.governor.cheaper(question, self.has_flags))
+    /// Returns who answers for a box.
+    pub(crate) fn tester(&self, estimate: &TestEstimate) -> Tester {
+        self.tester.unwrap_or_else(|| self.cost_model.cheaper(estimate, self.has_flags))
     }
 
-    /// Gives those rounds of `plan` to the compute shader that cost least so, and says how many. A test
-    /// that answers for others does not change without them, so rounds that have such in common go
-    /// together or stay.
+    /// Gives those rounds of `plan` to the compute shader that cost least so, and says how many. A
+    /// test that answers for others does not change without them, so rounds that have such in
+    /// common go together or stay.
     pub(crate) fn hand_to_compute(&self, view: &View, plan: &mut FramePlan) -> u32 {
         if !self.has_compute {
             return 0;
@@ -63,7 +63,7 @@ impl<'a> CostFilter<'a> {
         while handed != 0 {
             let before = handed;
             for (number, test) in plan.tests.iter().enumerate() {
-                let Tester::Behind(front) = test.tester else { continue };
+                let Tester::SharedProxy(front) = test.tester else { continue };
                 let pair: u64 = bit_of(&plan.rounds, number) | bit_of(&plan.rounds, front as usize);
                 if handed & pair != pair {
                     handed &= !pair;
@@ -82,17 +82,17 @@ impl<'a> CostFilter<'a> {
         handed.count_ones()
     }
 
-    /// Whether a round of `tests` costs least by compute shader.
+    /// Returns true if a round of `tests` costs least by compute shader.
     fn is_for_compute(&self, view: &View, tests: &[ProxyTest]) -> bool {
-        let is_own = |test: &&ProxyTest| !matches!(test.tester, Tester::Behind(_));
+        let is_own = |test: &&ProxyTest| !matches!(test.tester, Tester::SharedProxy(_));
         let boxes = tests.iter().filter(is_own).count() as u32;
         let shared = tests.len() as u32 - boxes;
         let covered = tests.iter().filter(is_own).map(|test| covered_pixels(view, &test.bounds));
-        boxes > 0 && self.governor.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
+        boxes > 0 && self.cost_model.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
     }
 
-    pub(crate) fn question(view: &View, test: &Candidate) -> Question {
-        Question {
+    pub(crate) fn estimate(view: &View, test: &Candidate) -> TestEstimate {
+        TestEstimate {
             leaves: test.leaf_count,
             pixels: covered_pixels(view, &test.proxy),
             is_unknown: test.is_unknown(),
@@ -110,18 +110,18 @@ impl<'a> CostFilter<'a> {
         let mut saving_ns = 0.0;
         let mut dropped_leaves = 0;
         for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
-            let question = Self::question(walk.view, test);
-            let tester = self.tester(&question);
-            let judgement = match test.kind {
-                QueryKind::Proxy => self.governor.judge(&question, tester),
-                QueryKind::Probe => self.governor.judge_probe(&question, tester),
+            let estimate = Self::estimate(walk.view, test);
+            let tester = self.tester(&estimate);
+            let benefit = match test.kind {
+                QueryKind::Proxy => self.cost_model.weigh(&estimate, tester),
+                QueryKind::PullUpQuery => self.cost_model.weigh_pull_up(&estimate, tester),
                 // Few, and no reason for a round.
                 _ => continue,
             };
-            if judgement.pays() {
+            if benefit.pays() {
                 // Breaks are paid in every frame, so only what each frame saves pays for them: what
                 // is known for later is worth nothing if later tests do not pay either.
-                saving_ns += judgement.saving_now_ns - judgement.cost_ns;
+                saving_ns += benefit.saving_now_ns - benefit.cost_ns;
                 continue;
             }
             *is_dropped = true;
@@ -130,14 +130,14 @@ impl<'a> CostFilter<'a> {
             }
         }
         let drawn = scratch.draws.len() + scratch.retests.len() + dropped_leaves;
-        scratch.prospect_ns = [saving_ns, self.governor.break_ns(drawn)];
+        scratch.prospect_ns = [saving_ns, self.cost_model.break_ns(drawn)];
         if saving_ns < scratch.prospect_ns[1] {
             scratch.is_dropped.fill(true);
             saving_ns = 0.0;
         }
         stats.expected_saving_ns = saving_ns as u64;
         draw_untested(scratch, walk, stats);
-        if is_never(walk.policy.retest_max) {
+        if is_never(walk.config.retest_max) {
             scratch.draw_unasked(0);
         }
         scratch.discard();

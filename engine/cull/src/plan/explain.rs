@@ -43,14 +43,15 @@ pub enum Decision {
         leaves: u32,
         /// Nodes above the node.
         level: u32,
-        /// [`QueryKind::Parts`] where each leaf is tested by itself if the node shows.
+        /// [`QueryKind::PerLeaf`] where each leaf is tested by itself if the node shows.
         kind: QueryKind,
         /// The tester that answers.
         tester: Tester,
         /// What is known of the node.
         history: NodeHistory,
     },
-    /// In the frustum and not in the plan: a strategy decides elsewhere, or leaves out what was hidden.
+    /// In the frustum and not in the plan: a strategy decides elsewhere, or leaves out what was
+    /// hidden.
     Unplanned,
 }
 
@@ -118,7 +119,7 @@ fn decision(
         return Decision::DrawnAndTested;
     }
     if plan.draws.contains(&leaf) {
-        let is_own = |kind| kind == QueryKind::OwnBox;
+        let is_own = |kind| kind == QueryKind::VisibleBoxQuery;
         let own = plan.tests.iter().find(|test| test.tag.node == node && is_own(test.tag.kind));
         return own
             .map_or(Decision::Drawn, |test| Decision::DrawnAndBoxTested { tester: test.tester });
@@ -139,8 +140,8 @@ fn decision(
 }
 
 impl LeafExplanation {
-    /// Returns what `answers`, all those of one frame, say about the object; `None` if it was not tested
-    /// in that frame. `shows` tells whether an answer counts as seen.
+    /// Returns what `answers`, all those of one frame, say about the object; `None` if it was not
+    /// tested in that frame. `shows` tells whether an answer counts as seen.
     pub fn outcome<'a>(
         &self,
         hierarchy: &Hierarchy,
@@ -150,17 +151,19 @@ impl LeafExplanation {
         let mut outcome = None;
         for answer in answers {
             let decides = match answer.tag.kind {
-                QueryKind::Part => answer.tag.node == self.node,
-                QueryKind::Proxy | QueryKind::Parts => {
+                QueryKind::Leaf => answer.tag.node == self.node,
+                QueryKind::Proxy | QueryKind::PerLeaf => {
                     hierarchy.leaves(answer.tag.node).contains(self.leaf)
                 }
-                QueryKind::Probe | QueryKind::OwnBox | QueryKind::OwnDraw => false,
+                QueryKind::PullUpQuery
+                | QueryKind::VisibleBoxQuery
+                | QueryKind::VisibleDrawQuery => false,
             };
             if !decides {
                 continue;
             }
             // Below a node of parts that showed, the leaf itself must show.
-            let is_revealed = answer.tag.kind != QueryKind::Parts && shows(answer);
+            let is_revealed = answer.tag.kind != QueryKind::PerLeaf && shows(answer);
             if is_revealed {
                 return Some(Outcome::Revealed);
             }

@@ -12,19 +12,20 @@ pub enum QueryKind {
     Proxy,
     /// A node's proxy that nothing hangs on: its parts are tested or drawn on their own, and the
     /// answer says whether they could share one query from now on. Its range of leaves is empty.
-    Probe,
+    PullUpQuery,
     /// A node's proxy; if it shows, the proxies of its leaves decide which of them are drawn.
-    Parts,
-    /// The proxy of a leaf under a node of [`QueryKind::Parts`] that showed. Only leaves that show
-    /// have such an answer, and it comes after the node's.
-    Part,
+    PerLeaf,
+    /// The proxy of a leaf under a node of [`QueryKind::PerLeaf`] that showed. Only leaves that
+    /// show have such an answer, and it comes after the node's.
+    Leaf,
     /// The proxy of a leaf that is taken as visible and drawn. Its range of leaves is empty.
-    OwnBox,
+    VisibleBoxQuery,
     /// The draw of a leaf that is taken as visible.
-    OwnDraw,
+    VisibleDrawQuery,
 }
 
-/// Who answers for a proxy. All give the same answer but for rounding; they differ in what they cost.
+/// Who answers for a proxy. All give the same answer but for rounding; they differ in what they
+/// cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Tester {
     /// The fragments of the proxy set a flag.
@@ -36,18 +37,18 @@ pub enum Tester {
     Compute,
     /// The flag of the test of this number in the plan, which lies in front of all of it: as long
     /// as that stays hidden, so does this. In the same round or an earlier one.
-    Behind(u32),
+    SharedProxy(u32),
 }
 
 /// What the device and the renderer offer to plans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Abilities {
+pub struct TesterSupport {
     /// There are flags ([`Tester::Flag`]).
     pub flags: bool,
     /// There is a compute test ([`Tester::Compute`]).
     pub compute: bool,
     /// Leaves of a node that shows can be tested one by one in the same frame
-    /// ([`QueryKind::Parts`]).
+    /// ([`QueryKind::PerLeaf`]).
     pub parts: bool,
 }
 
@@ -91,11 +92,12 @@ pub struct ProxyTest {
 /// What a frame draws and asks.
 ///
 /// To be executed in this order: `draws` and, each under its query, `queried_draws`, merged as
-/// `queried_after` says; then for every range of `rounds`: test the proxies of the range against the depth so far, front faces only,
-/// without writing; draw the leaves of those that show. Where such a test is of
-/// [`QueryKind::Parts`], test the [proxy](crate::Margin::proxy) of each leaf in the same way first,
-/// and draw those that show. With a threshold ([`Culler::neglect`](crate::Culler::neglect)) a query shows
-/// that counts more samples than that.
+/// `queried_after` says; then for every range of `rounds`: test the proxies of the range against
+/// the depth so far, front faces only, without writing; draw the leaves of those that show. Where
+/// such a test is of [`QueryKind::PerLeaf`], test the [proxy](crate::Margin::proxy) of each leaf in
+/// the same way first, and draw those that show. With a threshold
+/// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold)) a query shows that
+/// counts more samples than that.
 ///
 /// Every leaf whose box meets the frustum is in exactly one place: in `draws`, in `queried_draws`
 /// or in the range of one test.
@@ -168,7 +170,7 @@ pub struct PlanStats {
     /// Boxes of visible leaves that are tested.
     pub own_boxes: u32,
     /// Tests among those of the frontier that another test answers.
-    pub behind: u32,
+    pub shared_proxies: u32,
     /// Leaves drawn because they were visible, queried or not.
     pub visible: u32,
     /// Leaves drawn because their proxy would be cut by the near plane.
@@ -200,7 +202,7 @@ impl std::ops::AddAssign for PlanStats {
         self.unknown += other.unknown;
         self.probes += other.probes;
         self.own_boxes += other.own_boxes;
-        self.behind += other.behind;
+        self.shared_proxies += other.shared_proxies;
         self.visible += other.visible;
         self.too_near += other.too_near;
         self.untested_by_cost += other.untested_by_cost;

@@ -3,12 +3,12 @@
 pub(crate) mod asking;
 pub(crate) mod budget;
 pub(crate) mod candidates;
+pub(crate) mod config;
 pub(crate) mod cost_filter;
 pub(crate) mod explain;
 pub(crate) mod frame_plan;
 pub(crate) mod next_frame;
 pub(crate) mod occluders;
-pub(crate) mod policy;
 pub(crate) mod rounds;
 pub(crate) mod shared_proxies;
 pub(crate) mod strategy;

@@ -1,13 +1,13 @@
 //! A query an object that is read in a later frame, and decides about that one (GPU Gems, 29.4).
 //!
-//! What was visible when it was last asked is drawn, under a query of its own draw; what was hidden is
-//! tested by its box, every frame, and not drawn whatever the answer will be. So an object that comes
-//! into view is missing for as long as its answer takes: the image is not exact. That an object comes
-//! into the frustum is no surprise, so there it counts as visible.
+//! What was visible when it was last asked is drawn, under a query of its own draw; what was hidden
+//! is tested by its box, every frame, and not drawn whatever the answer will be. So an object that
+//! comes into view is missing for as long as its answer takes: the image is not exact. That an
+//! object comes into the frustum is no surprise, so there it counts as visible.
 
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
-use crate::hierarchy::front_to_back::{InSight, Sight};
+use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 use crate::ids::{FrameId, Generation, NodeId};
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
 
@@ -20,7 +20,7 @@ const STALE_FRAMES: u64 = 2;
 
 /// What is known of an object; frame 0 stands for never.
 #[derive(Clone, Copy, Debug)]
-struct Record {
+struct NodeRecord {
     is_visible: bool,
     /// The youngest frame that is known to have answered.
     answered: FrameId,
@@ -30,7 +30,7 @@ struct Record {
     since: Generation,
 }
 
-impl Record {
+impl NodeRecord {
     const NEW: Self =
         Self { is_visible: true, answered: FrameId(0), in_sight: FrameId(0), since: Generation(0) };
 }
@@ -38,7 +38,7 @@ impl Record {
 /// The history of one view, by object.
 #[derive(Debug, Default)]
 pub(crate) struct NextFrame {
-    records: Vec<Record>,
+    records: Vec<NodeRecord>,
     leaves: Vec<InSight>,
 }
 
@@ -56,27 +56,27 @@ impl NextFrame {
     }
 
     /// Nothing is known of anything.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn reset(&mut self) {
         self.records.clear();
     }
 
     /// Plans a frame into `plan`, which is clear.
     pub(crate) fn plan(&mut self, hierarchy: &Hierarchy, view: &View, plan: &mut FramePlan) {
-        let sight = Sight { hierarchy, view };
+        let viewed = ViewedHierarchy { hierarchy, view };
         let mut leaves = std::mem::take(&mut self.leaves);
-        plan.stats.nodes_visited = sight.leaves(&mut leaves);
+        plan.stats.nodes_visited = viewed.leaves(&mut leaves);
         for leaf in &leaves {
-            self.plan_leaf(&sight, leaf.node, plan);
+            self.plan_leaf(&viewed, leaf.node, plan);
         }
         self.leaves = leaves;
         plan.rounds.extend((!plan.tests.is_empty()).then_some(0..plan.tests.len()));
     }
 
-    fn plan_leaf(&mut self, sight: &Sight<'_>, node: NodeId, plan: &mut FramePlan) {
-        let (frame, generation) = (plan.frame, sight.hierarchy.generation());
+    fn plan_leaf(&mut self, viewed: &ViewedHierarchy<'_>, node: NodeId, plan: &mut FramePlan) {
+        let (frame, generation) = (plan.frame, viewed.hierarchy.generation());
         let tag = |kind| QueryTag { node, generation, frame, kind };
-        let leaf = sight.leaf(node);
-        let Some(record) = self.record(sight.hierarchy, node) else {
+        let leaf = viewed.leaf(node);
+        let Some(record) = self.record(viewed.hierarchy, node) else {
             return plan.draws.push(leaf);
         };
         let is_new = record.in_sight.0 + STALE_FRAMES < frame.0;
@@ -86,20 +86,20 @@ impl NextFrame {
             // What was asked before it went away says nothing about it now.
             record.answered = FrameId(frame.0 - 1);
         }
-        let Some(bounds) = sight.proxy(node) else {
+        let Some(bounds) = viewed.proxy(node) else {
             plan.stats.too_near += 1;
             record.is_visible = true;
             return plan.draws.push(leaf);
         };
         if !record.is_visible {
             plan.stats.probes += 1;
-            let mut leaves = sight.hierarchy.leaves(node);
+            let mut leaves = viewed.hierarchy.leaves(node);
             leaves.count = 0;
             return plan.tests.push(ProxyTest {
-                tag: tag(QueryKind::Probe),
+                tag: tag(QueryKind::PullUpQuery),
                 bounds,
                 leaves,
-                level: sight.hierarchy.level(node),
+                level: viewed.hierarchy.level(node),
                 tester: Tester::Query,
             });
         }
@@ -107,23 +107,23 @@ impl NextFrame {
         let is_turn = (frame.0 + u64::from(leaf.0)).is_multiple_of(VISIBLE_INTERVAL_FRAMES);
         if is_new || is_turn || frame.0 - record.answered.0 > 2 * VISIBLE_INTERVAL_FRAMES {
             plan.queried_after.push(plan.draws.len() as u32);
-            plan.queried_draws.push((leaf, tag(QueryKind::OwnDraw)));
+            plan.queried_draws.push((leaf, tag(QueryKind::VisibleDrawQuery)));
         } else {
             plan.draws.push(leaf);
         }
     }
 
-    /// The record of a leaf's object, whatever generation of the hierarchy it is in: a new one for an
-    /// object that came since, under whichever id.
-    fn record(&mut self, hierarchy: &Hierarchy, leaf: NodeId) -> Option<&mut Record> {
+    /// Returns the record of a leaf's object, whatever generation of the hierarchy it is in: a new
+    /// one for an object that came since, under whichever id.
+    fn record(&mut self, hierarchy: &Hierarchy, leaf: NodeId) -> Option<&mut NodeRecord> {
         let objects = hierarchy.leaf_objects();
         if self.records.len() < objects.len() {
-            self.records.resize(objects.len(), Record::NEW);
+            self.records.resize(objects.len(), NodeRecord::NEW);
         }
         let object = objects.get(hierarchy.leaves(leaf).first.0 as usize)?;
         let record = self.records.get_mut(object.0 as usize)?;
         if !hierarchy.is_same_object_since(*object, record.since) {
-            *record = Record { since: hierarchy.generation(), ..Record::NEW };
+            *record = NodeRecord { since: hierarchy.generation(), ..NodeRecord::NEW };
         }
         Some(record)
     }

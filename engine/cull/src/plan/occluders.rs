@@ -1,24 +1,24 @@
-//! After a cut, when most is unknown: what is near is drawn first, so that the tests of all else have
-//! something to be hidden by.
+//! After a cut, when most is unknown: what is near is drawn first, so that the tests of all else
+//! have something to be hidden by.
 
 use crate::plan::candidates::Scratch;
+use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::PlanStats;
-use crate::plan::policy::Policy;
 use crate::plan::traverse::Walk;
 
 /// Returns true if so much is unknown as after a cut.
-pub(crate) fn is_cut(scratch: &Scratch, policy: &Policy) -> bool {
+pub(crate) fn is_cut(scratch: &Scratch, config: &CullConfig) -> bool {
     let unknown = scratch.frontier().filter(|test| test.is_unknown()).count();
-    unknown >= policy.cut_tests as usize
-        && unknown.saturating_mul(policy.cut_share as usize) >= scratch.frontier().count()
+    unknown >= config.cut_tests as usize
+        && unknown.saturating_mul(config.cut_share as usize) >= scratch.frontier().count()
 }
 
 /// Turns the nearest unknown tests into draws, each under its own query so that it is known
 /// afterwards.
 pub(crate) fn draw_occluders(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
-    let mut left = walk.policy.occluders;
+    let mut left = walk.config.occluders;
     for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
-        let is_fit = test.is_unknown() && test.leaf_count <= walk.policy.unknown_leaves;
+        let is_fit = test.is_unknown() && test.leaf_count <= walk.config.unknown_leaves;
         if !is_fit {
             continue;
         }

@@ -3,25 +3,31 @@
 
 use std::ops::Range;
 
+use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, Tester};
-use crate::plan::policy::Policy;
 
 /// Cuts the tests of `plan`, which `tester` answers, into rounds.
-pub(crate) fn schedule(plan: &mut FramePlan, tester: Tester, is_cut: bool, policy: &Policy) {
+pub(crate) fn schedule(plan: &mut FramePlan, tester: Tester, is_cut: bool, config: &CullConfig) {
     let most = match (tester, is_cut) {
-        (Tester::Compute, false) => policy.rounds_compute_calm,
-        (Tester::Compute, true) => policy.rounds_compute_cut,
-        (_, false) => policy.rounds_calm,
-        (_, true) => policy.rounds_cut,
+        (Tester::Compute, false) => config.rounds_compute_calm,
+        (Tester::Compute, true) => config.rounds_compute_cut,
+        (_, false) => config.rounds_calm,
+        (_, true) => config.rounds_cut,
     };
-    split(plan.tests.len(), most, is_cut, policy, &mut plan.rounds);
+    split(plan.tests.len(), most, is_cut, config, &mut plan.rounds);
 }
 
 /// Fills `rounds` with at most `wished` ranges that cover `0..tests`. After a cut each is twice as
 /// long as the one before; in a calm frame they are equal.
-fn split(tests: usize, wished: u32, is_cut: bool, policy: &Policy, rounds: &mut Vec<Range<usize>>) {
+fn split(
+    tests: usize,
+    wished: u32,
+    is_cut: bool,
+    config: &CullConfig,
+    rounds: &mut Vec<Range<usize>>,
+) {
     rounds.clear();
-    let worth = tests / (policy.round_tests_min.max(1) as usize);
+    let worth = tests / (config.round_tests_min.max(1) as usize);
     let count = (wished.min(16) as usize).min(worth).max(1);
     let weight = |round: usize| if is_cut { 1_usize << round } else { 1 };
     let total: usize = (0..count).map(weight).sum();
@@ -60,7 +66,7 @@ pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
         tests[round.clone()].copy_from_slice(&scratch.grouped);
     }
     for test in tests {
-        if let Tester::Behind(front) = &mut test.tester {
+        if let Tester::SharedProxy(front) = &mut test.tester {
             *front = scratch.places[*front as usize];
         }
     }
@@ -88,7 +94,7 @@ impl Answers {
             Tester::Query => Self::Queries,
             Tester::Compute => Self::Compute,
             Tester::Flag => Self::Flags,
-            Tester::Behind(_) => Self::Others,
+            Tester::SharedProxy(_) => Self::Others,
         }
     }
 }
@@ -99,9 +105,9 @@ mod tests {
 
     fn rounds(tests: usize, is_cut: bool) -> Vec<Range<usize>> {
         let mut rounds = Vec::new();
-        let policy = Policy::default();
-        let wished = if is_cut { policy.rounds_cut } else { policy.rounds_calm };
-        split(tests, wished, is_cut, &policy, &mut rounds);
+        let config = CullConfig::default();
+        let wished = if is_cut { config.rounds_cut } else { config.rounds_calm };
+        split(tests, wished, is_cut, &config, &mut rounds);
         rounds
     }
 

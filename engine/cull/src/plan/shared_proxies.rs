@@ -2,11 +2,11 @@
 //!
 //! If no sample of a proxy shows, the depth buffer is nearer than its front at every sample that it
 //! covers. So nothing shows of an object whose samples are all among those and which is all beyond
-//! the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden, so does
-//! what is behind it; if it shows, the leaves behind are tested one by one.
+//! the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden, so
+//! does what is behind it; if it shows, the leaves behind are tested one by one.
 //!
-//! A ray from the eye has entered a box once it has passed the planes of all faces that the eye sees
-//! from outside (the slab method). So what is on the inner side of these planes and within the
+//! A ray from the eye has entered a box once it has passed the planes of all faces that the eye
+//! sees from outside (the slab method). So what is on the inner side of these planes and within the
 //! outline is beyond the front, be it inside of the box or behind it.
 //!
 //! Rounding is paid for by the margin of the proxy behind: its outline is a quarter of a pixel and
@@ -21,12 +21,12 @@ use crate::geom::bounds::Aabb;
 use crate::geom::outline::Outline;
 use crate::geom::view::View;
 use crate::plan::candidates::Candidate;
+use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, Tester};
-use crate::plan::policy::Policy;
 
 /// A proxy that may answer for others.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Front {
+pub(crate) struct SharedProxy {
     test: u32,
     outline: Outline,
     low: Vec2,
@@ -45,29 +45,30 @@ pub(crate) fn share_proxies(
     plan: &mut FramePlan,
     candidates: &[Candidate],
     view: &View,
-    policy: &Policy,
-    fronts: &mut Vec<Front>,
+    config: &CullConfig,
+    fronts: &mut Vec<SharedProxy>,
 ) {
     let hidden_frames = candidates.iter().map(|test| test.hidden_frames);
-    plan.stats.behind = share_answers(&mut plan.tests, hidden_frames, view, policy, fronts);
+    plan.stats.shared_proxies =
+        share_in_order(&mut plan.tests, hidden_frames, view, config, fronts);
 }
 
 /// Makes tests share the answers of others, front to back, and asks for their leaves one by one.
-/// Says how many. `hidden_frames` tells of each test for how long its node has been hidden, if it is
-/// known to be: what was so for n frames is not in the next with a chance of about 1 in n (Laplace's
-/// rule of succession), so what a front may answer for grows with n, and what is expected to be paid
-/// where it shows does not. `fronts` keeps its memory.
-fn share_answers(
+/// Says how many. `hidden_frames` tells of each test for how long its node has been hidden, if it
+/// is known to be: what was so for n frames is not in the next with a chance of about 1 in n
+/// (Laplace's rule of succession), so what a front may answer for grows with n, and what is
+/// expected to be paid where it shows does not. `fronts` keeps its memory.
+fn share_in_order(
     tests: &mut [ProxyTest],
     hidden_frames: impl Iterator<Item = Option<u32>>,
     view: &View,
-    policy: &Policy,
-    fronts: &mut Vec<Front>,
+    config: &CullConfig,
+    fronts: &mut Vec<SharedProxy>,
 ) -> u32 {
     fronts.clear();
     let mut behind = 0;
     let [width, height] = view.size.map(|pixels| pixels as f32);
-    let least_area = policy.front_area * width * height;
+    let least_area = config.front_area * width * height;
     for ((number, test), hidden_frames) in (0..).zip(tests).zip(hidden_frames) {
         if test.tester != Tester::Flag || test.leaves.count == 0 {
             continue;
@@ -84,16 +85,16 @@ fn share_answers(
         });
         if let Some(front) = in_front {
             front.leaves_behind += leaves;
-            test.tester = Tester::Behind(front.test);
-            test.tag.kind = QueryKind::Parts;
+            test.tester = Tester::SharedProxy(front.test);
+            test.tag.kind = QueryKind::PerLeaf;
             behind += 1;
             continue;
         }
-        let known = hidden_frames.unwrap_or(0).saturating_mul(policy.leaves_behind_a_frame);
-        let most_behind = known.min(policy.leaves_behind);
+        let known = hidden_frames.unwrap_or(0).saturating_mul(config.leaves_behind_a_frame);
+        let most_behind = known.min(config.leaves_behind);
         let area = seen.area();
         if most_behind > 0 && area >= least_area && outline.is_sharp(&test.bounds, nearest, view) {
-            let front = Front {
+            let front = SharedProxy {
                 test: number,
                 outline,
                 low: outline.points().fold(Vec2::INFINITY, Vec2::min),
@@ -103,14 +104,14 @@ fn share_answers(
                 leaves_behind: 0,
                 most_behind,
             };
-            keep_largest(fronts, front, policy.fronts as usize);
+            keep_largest(fronts, front, config.fronts as usize);
         }
     }
     behind
 }
 
 /// Adds a front; if there are too many, the smallest goes.
-fn keep_largest(fronts: &mut Vec<Front>, front: Front, most: usize) {
+fn keep_largest(fronts: &mut Vec<SharedProxy>, front: SharedProxy, most: usize) {
     if fronts.len() < most {
         fronts.push(front);
         return;
@@ -121,8 +122,8 @@ fn keep_largest(fronts: &mut Vec<Front>, front: Front, most: usize) {
     }
 }
 
-impl Front {
-    /// Whether a box is all on the inner side of the faces that are seen from `eye`.
+impl SharedProxy {
+    /// Returns true if a box is all on the inner side of the faces that are seen from `eye`.
     fn is_before(&self, behind: &Aabb, eye: Vec3) -> bool {
         let (low, high) = (self.bounds.min, self.bounds.max);
         let beyond_low = eye.cmpge(low) | behind.min.cmpge(low);
@@ -130,7 +131,7 @@ impl Front {
         (beyond_low & beyond_high).all()
     }
 
-    /// Whether all of an outline is within this one.
+    /// Returns true if all of an outline is within this one.
     fn holds(&self, outline: &Outline) -> bool {
         outline.points().all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
             && outline.points().all(|point| self.outline.holds(point))
@@ -147,7 +148,7 @@ mod tests {
     use crate::plan::frame_plan::QueryTag;
     use crate::rng::SplitMix64;
 
-    /// Where a point is on the screen, in pixels, without much rounding.
+    /// Returns where a point is on the screen, in pixels, without much rounding.
     fn exactly(point: Vec3, view: &View) -> DVec2 {
         let offset = point.as_dvec3() - view.eye.as_dvec3();
         let along = |axis: Vec3| offset.dot(axis.as_dvec3());
@@ -193,8 +194,9 @@ mod tests {
         assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
     }
 
-    /// Two tests of four leaves in a row, the first of them hidden for so long and answering for at most so
-    /// many leaves, and whether the second is taken as answered by the first.
+    /// Returns two tests of four leaves in a row, the first of them hidden for so long and
+    /// answering for at most so many leaves, and whether the second is taken as answered by the
+    /// first.
     fn shares_after(
         hidden_frames: Option<u32>,
         leaves_behind: u32,
@@ -215,16 +217,16 @@ mod tests {
             tester: Tester::Flag,
         };
         let mut tests = [test(front), test(behind)];
-        let policy = Policy {
+        let config = CullConfig {
             front_area: 1.0e-6,
             fronts: 4,
             leaves_behind,
             leaves_behind_a_frame: 2,
-            ..Policy::default()
+            ..CullConfig::default()
         };
         let hidden_frames = [hidden_frames, None].into_iter();
-        let behind = share_answers(&mut tests, hidden_frames, view, &policy, &mut Vec::new());
-        assert_eq!(behind == 1, matches!(tests[1].tester, Tester::Behind(0)));
+        let behind = share_in_order(&mut tests, hidden_frames, view, &config, &mut Vec::new());
+        assert_eq!(behind == 1, matches!(tests[1].tester, Tester::SharedProxy(0)));
         behind == 1
     }
 
@@ -245,7 +247,8 @@ mod tests {
         assert!(!after(Some(u32::MAX), 3), "more than any may");
     }
 
-    /// How far along the way from `eye` to `point` the box is entered, if it is on this way.
+    /// Returns how far along the way from `eye` to `point` the box is entered, if it is on this
+    /// way.
     fn entry(bounds: &Aabb, eye: DVec3, point: DVec3) -> Option<f64> {
         let way = point - eye;
         let (low, high) = (bounds.min.as_dvec3() - eye, bounds.max.as_dvec3() - eye);

@@ -23,8 +23,8 @@ pub enum Strategy {
     /// Coherent hierarchical culling as published, with several submits in a frame and answers
     /// that are read between them (GPU Gems 2, 6.4 and 6.5).
     Coherent,
-    /// Two phases against a depth pyramid, all on the GPU: draws what was visible in the last frame,
-    /// then what turns out to be (the way of the engines niagara and Bevy).
+    /// Two phases against a depth pyramid, all on the GPU: draws what was visible in the last
+    /// frame, then what turns out to be (the way of the engines niagara and Bevy).
     Pyramid,
     /// Coherent hierarchical culling whose answers come late, made exact by predicates.
     Antumbra,
@@ -66,7 +66,7 @@ impl Strategy {
         Self::Ideal,
     ];
 
-    /// The name on command lines and in reports.
+    /// Returns the name on command lines and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -85,8 +85,8 @@ impl Strategy {
         }
     }
 
-    /// True if it never misses an object that owns a pixel, and draws what plain frustum culling draws,
-    /// as long as no option takes that from it: a threshold where it [can have
+    /// Returns true if it never misses an object that owns a pixel, and draws what plain frustum
+    /// culling draws, as long as no option takes that from it: a threshold where it [can have
     /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
     /// [`Strategy::Coherent`], under which some devices choose another of two faces of equal depth.
     #[must_use]
@@ -107,33 +107,34 @@ impl Strategy {
         }
     }
 
-    /// True if it goes by a history, asks questions in its plans and is
-    /// [governed](crate::Culler::govern): those called `antumbra`.
+    /// Returns true if it goes by a history, asks questions in its plans and is
+    /// [governed](crate::Culler::set_costs): those called `antumbra`.
     #[must_use]
-    pub const fn is_governed(self) -> bool {
+    pub const fn uses_cost_model(self) -> bool {
         matches!(
             self,
             Self::Antumbra | Self::AntumbraQueries | Self::AntumbraFlags | Self::AntumbraCompute
         )
     }
 
-    /// True if it can be told to take what shows few samples as hidden, and is not exact then
-    /// ([`Culler::neglect`](crate::Culler::neglect),
+    /// Returns true if it can be told to take what shows few samples as hidden, and is not exact
+    /// then ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold),
     /// [`CoherentOptions`](crate::CoherentOptions)).
     #[must_use]
     pub const fn can_neglect(self) -> bool {
         matches!(self, Self::Coherent | Self::Antumbra | Self::AntumbraQueries)
     }
 
-    /// True if it draws what was found beforehand, in a scene that does not change.
+    /// Returns true if it draws what was found beforehand, in a scene that does not change.
     #[must_use]
     pub const fn needs_still_scene(self) -> bool {
         matches!(self, Self::Ideal)
     }
 
-    /// True if it needs answers before a frame can go on: a [`Dialogue`](crate::Dialogue) and no plan.
+    /// Returns true if it needs answers before a frame can go on: a
+    /// [`BlockingCuller`](crate::BlockingCuller) and no plan.
     #[must_use]
-    pub const fn is_dialogue(self) -> bool {
+    pub const fn is_blocking(self) -> bool {
         matches!(self, Self::Naive | Self::Batched | Self::StopAndWait | Self::Coherent)
     }
 }

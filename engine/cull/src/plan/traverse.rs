@@ -7,12 +7,12 @@ use crate::geom::bounds::Aabb;
 use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
-use crate::history::record::{NodeState, Record, Stamp};
+use crate::history::record::{FrameStamp, NodeRecord, NodeState};
 use crate::history::records::History;
 use crate::ids::{LeafIndex, NodeId};
 use crate::plan::candidates::{Above, Candidate, Draw, Nearness, Retest, Scratch};
+use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
-use crate::plan::policy::Policy;
 use crate::plan::strategy::Strategy;
 
 /// Whether a walk looks at the past.
@@ -26,7 +26,7 @@ pub(crate) enum Knowledge<'a> {
 impl<'a> Knowledge<'a> {
     /// Strategies that decide elsewhere get what they start from.
     pub(crate) fn of(history: &'a History, strategy: Strategy) -> Self {
-        if strategy.is_governed() { Self::Used(history) } else { Self::Ignored }
+        if strategy.uses_cost_model() { Self::Used(history) } else { Self::Ignored }
     }
 }
 
@@ -35,9 +35,9 @@ impl<'a> Knowledge<'a> {
 pub(crate) struct Walk<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) view: &'a View,
-    pub(crate) policy: &'a Policy,
+    pub(crate) config: &'a CullConfig,
     pub(crate) knowledge: Knowledge<'a>,
-    pub(crate) now: Stamp,
+    pub(crate) now: FrameStamp,
     pub(crate) is_turning: bool,
     /// Boxes can be tested by flags.
     pub(crate) can_flag: bool,
@@ -48,7 +48,7 @@ pub(crate) struct Walk<'a> {
 }
 
 /// What becomes of a node.
-enum Verdict {
+enum NodeDecision {
     Draw,
     Retest,
     /// Draw, and test the box.
@@ -59,28 +59,28 @@ enum Verdict {
 }
 
 /// A node at its turn.
-struct Turn {
+struct Visit {
     nearness: Nearness,
     node: u32,
     mask: PlaneMask,
     leaf_count: u32,
     bounds: Aabb,
-    record: Record,
+    record: NodeRecord,
     /// If what is known of it is what was known of a node above: since when that was hidden.
-    inherited: Option<Stamp>,
+    inherited: Option<FrameStamp>,
 }
 
 impl Walk<'_> {
-    /// Fills `scratch` with what the past wishes to draw and to test. While those are more tests than
-    /// wished, or than `budget`, larger nodes are allowed and the walk is repeated.
+    /// Fills `scratch` with what the past wishes to draw and to test. While those are more tests
+    /// than wished, or than `budget`, larger nodes are allowed and the walk is repeated.
     pub(crate) fn traverse(&mut self, scratch: &mut Scratch, budget: usize, stats: &mut PlanStats) {
         // Then everything there can be is small enough to be tested as one.
         const MOST_ATTEMPTS: u32 = 16;
         loop {
             self.run(scratch, stats);
             let is_last =
-                budget == 0 || self.coarseness >= self.policy.coarsen_attempts.min(MOST_ATTEMPTS);
-            let wished = budget.min(self.policy.tests_wished as usize);
+                budget == 0 || self.coarseness >= self.config.coarsen_attempts.min(MOST_ATTEMPTS);
+            let wished = budget.min(self.config.tests_wished as usize);
             if is_last || scratch.frontier().count() <= wished {
                 break;
             }
@@ -104,7 +104,7 @@ impl Walk<'_> {
         {
             stats.nodes_visited += 1;
             let (record, inherited) = self.record_below(node, hidden_since);
-            let turn = Turn {
+            let visit = Visit {
                 nearness,
                 node,
                 mask,
@@ -116,140 +116,141 @@ impl Walk<'_> {
             if matches!(self.knowledge, Knowledge::Used(_)) {
                 scratch.visited.push(node);
             }
-            self.settle(&turn, scratch, stats);
+            self.settle(&visit, scratch, stats);
         }
     }
 
-    fn settle(&self, turn: &Turn, scratch: &mut Scratch, stats: &mut PlanStats) {
-        let leaf = self.leaf(turn.node);
-        match self.verdict(turn, stats) {
-            Verdict::Draw => scratch.draws.push(Draw { nearness: turn.nearness, leaf }),
-            Verdict::Retest => scratch.retests.push(Retest {
-                nearness: turn.nearness,
+    fn settle(&self, visit: &Visit, scratch: &mut Scratch, stats: &mut PlanStats) {
+        let leaf = self.leaf(visit.node);
+        match self.verdict(visit, stats) {
+            NodeDecision::Draw => scratch.draws.push(Draw { nearness: visit.nearness, leaf }),
+            NodeDecision::Retest => scratch.retests.push(Retest {
+                nearness: visit.nearness,
                 leaf,
-                node: turn.node,
+                node: visit.node,
                 after: 0,
             }),
-            Verdict::TestOwnBox(proxy) => {
-                scratch.draws.push(Draw { nearness: turn.nearness, leaf });
+            NodeDecision::TestOwnBox(proxy) => {
+                scratch.draws.push(Draw { nearness: visit.nearness, leaf });
                 scratch.tests.push(Candidate {
-                    node: turn.node,
-                    kind: QueryKind::OwnBox,
+                    node: visit.node,
+                    kind: QueryKind::VisibleBoxQuery,
                     proxy,
                     leaf_count: 1,
                     inherited: None,
                     hidden_frames: Some(0),
                 });
             }
-            Verdict::Test(proxy) => scratch.tests.push(Candidate {
-                node: turn.node,
+            NodeDecision::Test(proxy) => scratch.tests.push(Candidate {
+                node: visit.node,
                 kind: QueryKind::Proxy,
                 proxy,
-                leaf_count: turn.leaf_count,
-                inherited: turn.inherited,
-                hidden_frames: self.hidden_frames(&turn.record),
+                leaf_count: visit.leaf_count,
+                inherited: visit.inherited,
+                hidden_frames: self.hidden_frames(&visit.record),
             }),
-            Verdict::Open(proxy) => self.open(turn, proxy, scratch),
+            NodeDecision::Open(proxy) => self.open(visit, proxy, scratch),
         }
     }
 
-    fn verdict(&self, turn: &Turn, stats: &mut PlanStats) -> Verdict {
-        let is_leaf = turn.leaf_count == 1;
+    fn verdict(&self, visit: &Visit, stats: &mut PlanStats) -> NodeDecision {
+        let is_leaf = visit.leaf_count == 1;
         if matches!(self.knowledge, Knowledge::Ignored) {
             stats.visible += u32::from(is_leaf);
-            return if is_leaf { Verdict::Draw } else { Verdict::Open(None) };
+            return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open(None) };
         }
-        let Some(proxy) = self.view.margin.proxy(&turn.bounds) else {
+        let Some(proxy) = self.view.margin.proxy(&visit.bounds) else {
             stats.too_near += u32::from(is_leaf);
-            return if is_leaf { Verdict::Draw } else { Verdict::Open(None) };
+            return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open(None) };
         };
-        let record = &turn.record;
-        let is_fresh = record.is_fresh(self.now, self.policy.stale_frames);
+        let record = &visit.record;
+        let is_fresh = record.is_fresh(self.now, self.config.stale_frames);
         match record.state {
             NodeState::Visible if is_fresh && is_leaf => {
                 stats.visible += 1;
-                match self.is_own_box_enough(turn) {
-                    true if self.is_own_box_due(turn) => Verdict::TestOwnBox(proxy),
-                    false if self.is_own_draw_due(turn) => Verdict::Retest,
-                    _ => Verdict::Draw,
+                match self.is_own_box_enough(visit) {
+                    true if self.is_own_box_due(visit) => NodeDecision::TestOwnBox(proxy),
+                    false if self.is_own_draw_due(visit) => NodeDecision::Retest,
+                    _ => NodeDecision::Draw,
                 }
             }
             NodeState::Visible if is_fresh => {
                 // Not where that was tried and showed: it would again.
                 let is_worth_it =
-                    self.coarseness > 0 && (record.streak == 0 || record.due <= self.now);
-                let hidden = self.parts_hidden_since(turn).filter(|_| is_worth_it);
+                    self.coarseness > 0 && (record.stable_queries == 0 || record.due <= self.now);
+                let hidden = self.parts_hidden_since(visit).filter(|_| is_worth_it);
                 let is_closed =
-                    hidden.is_some_and(|since| self.may_share(turn, self.now.since(since)));
-                if is_closed { Verdict::Test(proxy) } else { Verdict::Open(Some(proxy)) }
+                    hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
+                if is_closed { NodeDecision::Test(proxy) } else { NodeDecision::Open(Some(proxy)) }
             }
-            NodeState::Hidden if is_leaf || self.may_share(turn, record.hidden_frames()) => {
-                Verdict::Test(proxy)
+            NodeState::Hidden if is_leaf || self.may_share(visit, record.hidden_frames()) => {
+                NodeDecision::Test(proxy)
             }
-            _ if is_leaf || self.is_small(turn) => Verdict::Test(proxy),
-            _ => Verdict::Open(Some(proxy)),
+            _ if is_leaf || self.is_small(visit) => NodeDecision::Test(proxy),
+            _ => NodeDecision::Open(Some(proxy)),
         }
     }
 
-    /// Whether the next test of a visible leaf is one of its box rather than of its own draw.
+    /// Returns true if the next test of a visible leaf is one of its box rather than of its own
+    /// draw.
     ///
     /// First the box once more, now that all that is visible can hide it: it showed against less.
     /// Then the draw itself, and from then on the box again for a while if it looks small.
-    fn is_own_box_enough(&self, turn: &Turn) -> bool {
-        let record = &turn.record;
-        if !self.can_flag || record.streak == 0 {
+    fn is_own_box_enough(&self, visit: &Visit) -> bool {
+        let record = &visit.record;
+        if !self.can_flag || record.stable_queries == 0 {
             return self.can_flag;
         }
-        let diagonal = 2.0 * turn.bounds.half_extent().length();
+        let diagonal = 2.0 * visit.bounds.half_extent().length();
         let is_turn_of_draw =
-            u32::from(record.streak) % self.policy.own_box_streak.saturating_add(1) == 1;
+            u32::from(record.stable_queries) % self.config.own_box_streak.saturating_add(1) == 1;
         // Where the box promised too much before, it would again.
-        record.flips == 0
+        record.flicker_count == 0
             && !is_turn_of_draw
-            && diagonal < self.policy.own_box_angle * turn.nearness.distance()
+            && diagonal < self.config.own_box_angle * visit.nearness.distance()
     }
 
-    fn is_own_draw_due(&self, turn: &Turn) -> bool {
-        let Policy { retest_spread, retest_gate, .. } = *self.policy;
-        turn.record.is_due(turn.node, self.now, retest_spread, retest_gate)
+    fn is_own_draw_due(&self, visit: &Visit) -> bool {
+        let CullConfig { retest_spread, retest_gate, .. } = *self.config;
+        visit.record.is_due(visit.node, self.now, retest_spread, retest_gate)
     }
 
-    /// Whether it is a leaf's turn where all take turns.
+    /// Returns true if it is a leaf's turn where all take turns.
     pub(crate) fn is_turn_to_retest(&self, node: u32) -> bool {
-        self.now.is_turn_of(node, self.policy.retest_spread, self.policy.retest_gate)
+        self.now.is_turn_of(node, self.config.retest_spread, self.config.retest_gate)
     }
 
     /// Neighbours take turns. What is on its way may be asked again: that costs little.
-    fn is_own_box_due(&self, turn: &Turn) -> bool {
-        let interval = self.policy.own_box_frames.saturating_add(turn.node & 1);
-        turn.record.streak == 0 || self.now.since(turn.record.answered) >= interval
+    fn is_own_box_due(&self, visit: &Visit) -> bool {
+        let interval = self.config.own_box_frames.saturating_add(visit.node & 1);
+        visit.record.stable_queries == 0 || self.now.since(visit.record.answered) >= interval
     }
 
     /// Puts the children that are in the frustum into the queue, and asks for a probe of the node
     /// if all of them are hidden.
-    fn open(&self, turn: &Turn, proxy: Option<Aabb>, scratch: &mut Scratch) {
-        let Some(children) = self.hierarchy.children(NodeId(turn.node)) else {
+    fn open(&self, visit: &Visit, proxy: Option<Aabb>, scratch: &mut Scratch) {
+        let Some(children) = self.hierarchy.children(NodeId(visit.node)) else {
             return;
         };
-        let record = &turn.record;
+        let record = &visit.record;
         let is_hidden = record.state == NodeState::Hidden
-            && record.is_fresh(self.now, self.policy.stale_frames);
-        let above = Above { mask: turn.mask, hidden_since: is_hidden.then_some(record.since) };
+            && record.is_fresh(self.now, self.config.stale_frames);
+        let above = Above { mask: visit.mask, hidden_since: is_hidden.then_some(record.since) };
         for child in children {
             self.push(child.0, above, scratch);
         }
-        let is_due = turn.record.state != NodeState::Hidden && turn.record.due <= self.now;
+        let is_due = visit.record.state != NodeState::Hidden && visit.record.due <= self.now;
         let (Some(proxy), true) = (proxy, is_due) else {
             return;
         };
-        let hidden = self.parts_hidden_since(turn);
-        let is_probe = hidden.is_some_and(|since| self.may_share(turn, self.now.since(since)));
+        let hidden = self.parts_hidden_since(visit);
+        let is_probe = hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
         if is_probe {
             scratch.tests.push(Candidate {
-                node: turn.node,
-                kind: QueryKind::Probe,
+                node: visit.node,
+                kind: QueryKind::PullUpQuery,
                 proxy,
-                leaf_count: turn.leaf_count,
+                leaf_count: visit.leaf_count,
                 inherited: None,
                 hidden_frames: Some(0),
             });
@@ -258,15 +259,15 @@ impl Walk<'_> {
 
     /// Since when every part of a node that is in the frustum is hidden; `None` if one is not, or
     /// none is there.
-    fn parts_hidden_since(&self, turn: &Turn) -> Option<Stamp> {
+    fn parts_hidden_since(&self, visit: &Visit) -> Option<FrameStamp> {
         let mut since = None;
-        for child in self.hierarchy.children(NodeId(turn.node))? {
+        for child in self.hierarchy.children(NodeId(visit.node))? {
             let record = self.record(child.0);
             let is_hidden = record.state == NodeState::Hidden
-                && record.is_fresh(self.now, self.policy.stale_frames);
+                && record.is_fresh(self.now, self.config.stale_frames);
             if is_hidden {
                 since = since.max(Some(record.since));
-            } else if self.is_in_frustum(child, turn.mask) {
+            } else if self.is_in_frustum(child, visit.mask) {
                 return None;
             }
         }
@@ -278,13 +279,20 @@ impl Walk<'_> {
         self.view.frustum.classify(&bounds, mask).0 != Containment::Outside
     }
 
-    /// What is known of a node, where one above it was hidden: nothing below that was kept up to date.
-    fn record_below(&self, node: u32, hidden_since: Option<Stamp>) -> (Record, Option<Stamp>) {
+    /// Returns what is known of a node, where one above it was hidden: nothing below that was kept
+    /// up to date.
+    fn record_below(
+        &self,
+        node: u32,
+        hidden_since: Option<FrameStamp>,
+    ) -> (NodeRecord, Option<FrameStamp>) {
         let record = self.record(node);
-        let is_stale = !record.is_fresh(self.now, self.policy.stale_frames);
+        let is_stale = !record.is_fresh(self.now, self.config.stale_frames);
         let inherited = hidden_since.filter(|_| is_stale);
         let record = match inherited {
-            Some(since) => Record { state: NodeState::Hidden, since, visited: self.now, ..record },
+            Some(since) => {
+                NodeRecord { state: NodeState::Hidden, since, visited: self.now, ..record }
+            }
             None => record,
         };
         (record, inherited)
@@ -301,45 +309,45 @@ impl Walk<'_> {
     }
 
     /// For how long a node has been hidden; `None` if it is not known to be.
-    fn hidden_frames(&self, record: &Record) -> Option<u32> {
-        let is_fresh = record.is_fresh(self.now, self.policy.stale_frames);
+    fn hidden_frames(&self, record: &NodeRecord) -> Option<u32> {
+        let is_fresh = record.is_fresh(self.now, self.config.stale_frames);
         (is_fresh && record.state == NodeState::Hidden).then(|| record.hidden_frames())
     }
 
-    /// Whether a node that has been hidden for so long may be tested as one.
-    fn may_share(&self, turn: &Turn, hidden_frames: u32) -> bool {
+    /// Returns true if a node that has been hidden for so long may be tested as one.
+    fn may_share(&self, visit: &Visit, hidden_frames: u32) -> bool {
         let growth_frames = match self.has_parts {
-            true => self.policy.growth_frames_parts,
-            false => self.policy.growth_frames,
+            true => self.config.growth_frames_parts,
+            false => self.config.growth_frames,
         };
         let doublings = hidden_frames / growth_frames.max(1);
-        let mut allowed = u64::from(self.policy.unknown_leaves) << doublings.min(32);
-        if self.is_turning && !turn.mask.is_inside() {
-            allowed = allowed.min(self.policy.edge_leaves.into());
+        let mut allowed = u64::from(self.config.unknown_leaves) << doublings.min(32);
+        if self.is_turning && !visit.mask.is_inside() {
+            allowed = allowed.min(self.config.edge_leaves.into());
         }
-        allowed = allowed.min(self.policy.shared_leaves.into());
-        u64::from(turn.leaf_count) <= self.coarse(allowed) || self.is_small(turn)
+        allowed = allowed.min(self.config.shared_leaves.into());
+        u64::from(visit.leaf_count) <= self.coarse(allowed) || self.is_small(visit)
     }
 
-    /// Whether a node of which nothing is known may be tested as one.
-    fn is_small(&self, turn: &Turn) -> bool {
-        let leaves = u64::from(turn.leaf_count);
-        if leaves <= self.coarse(self.policy.unknown_leaves.into()) {
+    /// Returns true if a node of which nothing is known may be tested as one.
+    fn is_small(&self, visit: &Visit) -> bool {
+        let leaves = u64::from(visit.leaf_count);
+        if leaves <= self.coarse(self.config.unknown_leaves.into()) {
             return true;
         }
-        let diagonal = 2.0 * turn.bounds.half_extent().length();
-        let angle = self.policy.unknown_angle * (1 << self.coarseness.min(16)) as f32;
-        leaves <= self.coarse(self.policy.unknown_leaves_far.into())
-            && diagonal < angle * turn.nearness.distance()
+        let diagonal = 2.0 * visit.bounds.half_extent().length();
+        let angle = self.config.unknown_angle * (1 << self.coarseness.min(16)) as f32;
+        leaves <= self.coarse(self.config.unknown_leaves_far.into())
+            && diagonal < angle * visit.nearness.distance()
     }
 
     fn coarse(&self, leaves: u64) -> u64 {
         leaves.saturating_mul(1 << (2 * self.coarseness.min(16)))
     }
 
-    fn record(&self, node: u32) -> Record {
+    fn record(&self, node: u32) -> NodeRecord {
         match self.knowledge {
-            Knowledge::Ignored => Record::default(),
+            Knowledge::Ignored => NodeRecord::default(),
             Knowledge::Used(history) => history.record(node),
         }
     }

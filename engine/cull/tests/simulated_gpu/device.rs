@@ -61,7 +61,7 @@ impl Device {
         }
     }
 
-    /// The answers that are home when frame `next` is planned, in random order.
+    /// Returns the answers that are home when frame `next` is planned, in random order.
     pub fn collect(&mut self, next: u64) -> Vec<Answer> {
         let mut home = Vec::new();
         self.under_way.retain(|(arrival, answer)| {
@@ -77,7 +77,8 @@ impl Device {
         home
     }
 
-    /// The answers to `frame` that are still under way, those of nodes before those of their parts.
+    /// Returns the answers to `frame` that are still under way, those of nodes before those of
+    /// their parts.
     pub fn answers_of(&self, frame: u64) -> Vec<Answer> {
         let all = self.under_way.iter().map(|(_, answer)| *answer);
         all.filter(|answer| answer.tag.frame.0 == frame).collect()
@@ -112,7 +113,7 @@ impl Device {
             let shown: Vec<u32> = tests
                 .iter()
                 .map(|test| {
-                    if let Tester::Behind(_) = test.tester {
+                    if let Tester::SharedProxy(_) = test.tester {
                         return 0;
                     }
                     let step = self.sub_pixel_step;
@@ -125,10 +126,10 @@ impl Device {
             words.extend(shown);
             for (number, test) in round.clone().zip(tests) {
                 let samples = match test.tester {
-                    Tester::Behind(front) => words[front as usize],
+                    Tester::SharedProxy(front) => words[front as usize],
                     _ => words[number],
                 };
-                let is_behind = matches!(test.tester, Tester::Behind(_));
+                let is_behind = matches!(test.tester, Tester::SharedProxy(_));
                 if samples == 0 || !is_behind {
                     self.answer(test.tag, samples);
                 }
@@ -137,7 +138,7 @@ impl Device {
                     continue;
                 }
                 let parts = match test.tag.kind {
-                    QueryKind::Parts => self.parts(view, hierarchy, test),
+                    QueryKind::PerLeaf => self.parts(view, hierarchy, test),
                     _ => test.leaves.iter().collect(),
                 };
                 if is_behind {
@@ -151,7 +152,7 @@ impl Device {
         }
     }
 
-    /// The leaves of a node that show, tested one by one; their answers go with the node's.
+    /// Returns the leaves of a node that show, tested one by one; their answers go with the node's.
     fn parts(&mut self, view: &View, hierarchy: &Hierarchy, test: &ProxyTest) -> Vec<LeafIndex> {
         let mut shown = Vec::new();
         for leaf in test.leaves.iter() {
@@ -164,7 +165,7 @@ impl Device {
             let samples = self.image.test(view, &bounds, shift);
             if samples > 0 {
                 shown.push(leaf);
-                self.answer(QueryTag { node, kind: QueryKind::Part, ..test.tag }, samples);
+                self.answer(QueryTag { node, kind: QueryKind::Leaf, ..test.tag }, samples);
             }
         }
         shown

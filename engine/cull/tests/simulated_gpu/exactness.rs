@@ -1,8 +1,8 @@
 //! Whatever happens to the answers, the image is that of drawing everything.
 
 use antumbra_cull::{
-    Abilities, Camera, CostTable, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Policy,
-    SceneCosts, Strategy, Tester, View,
+    Camera, CostTable, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, SceneCosts,
+    Strategy, Tester, TesterSupport, View,
 };
 
 use crate::device::{Device, Mishaps, Solids};
@@ -64,16 +64,16 @@ impl World {
         let tests_wished = match seed % 8 {
             0 => 4,
             1 => 40,
-            _ => Policy::default().tests_wished,
+            _ => CullConfig::default().tests_wished,
         };
-        let mut policy = Policy { seed, tests_wished, ..Policy::default() };
+        let mut config = CullConfig { seed, tests_wished, ..CullConfig::default() };
         if self.is_extreme {
-            policy = extreme_policy(&mut self.random, policy);
+            config = extreme_policy(&mut self.random, config);
         }
         let is_rough = self.random.chance(0.7);
         let table = self.random.chance(0.3).then(|| random_prices(&mut self.random));
         let mut runs = Vec::new();
-        let abilities = Abilities {
+        let testers = TesterSupport {
             flags: self.random.chance(0.5),
             compute: self.random.chance(0.5),
             parts: self.random.chance(0.6),
@@ -84,9 +84,9 @@ impl World {
                 let calm = Mishaps::none(latency);
                 let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
                 let mishaps = if is_rough { rough } else { calm };
-                let mut culler = Culler::with_abilities(policy, abilities);
+                let mut culler = Culler::with_testers(config, testers);
                 if let Some(table) = table {
-                    culler.govern(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
+                    culler.set_costs(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
                 }
                 runs.push(Run {
                     strategy,
@@ -120,10 +120,10 @@ impl World {
     }
 }
 
-/// A policy in which each constant may be the least or the most there is.
-fn extreme_policy(random: &mut Random, usual: Policy) -> Policy {
-    let mut policy = usual;
-    let Policy {
+/// Returns a policy in which each constant may be the least or the most there is.
+fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
+    let mut config = usual;
+    let CullConfig {
         unknown_leaves,
         unknown_leaves_far,
         unknown_angle,
@@ -168,7 +168,7 @@ fn extreme_policy(random: &mut Random, usual: Policy) -> Policy {
         tests_wished,
         coarsen_attempts,
         seed: _,
-    } = &mut policy;
+    } = &mut config;
     for number in [
         unknown_leaves,
         unknown_leaves_far,
@@ -215,7 +215,7 @@ fn extreme_policy(random: &mut Random, usual: Policy) -> Policy {
     for number in [unknown_angle, turning_sine, own_box_angle, front_area] {
         *number = [0.0, f32::NAN, f32::INFINITY, *number, *number][random.below(5)];
     }
-    policy
+    config
 }
 
 /// Prices from nothing to more than anything is worth, each by itself.
@@ -291,7 +291,7 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             invariants::check(&world.hierarchy, run.strategy, &view, world.budget, &run.plan)
                 .unwrap_or_else(|broken| panic!("{}: {broken}", context()));
             for test in &run.plan.tests {
-                let Tester::Behind(front) = test.tester else { continue };
+                let Tester::SharedProxy(front) = test.tester else { continue };
                 let front = run.plan.tests[front as usize].tag.node;
                 let state = run.culler.state(front);
                 assert_eq!(state, NodeState::Hidden, "{}: what answers for others", context());
@@ -300,7 +300,7 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             // An object that owns a pixel and was not drawn leaves a depth that is not its own.
             assert!(run.device.image.depths == truth.depths, "{}: wrong pixels", context());
             checked.frames += 1;
-            checked.behind += u64::from(run.plan.stats.behind);
+            checked.behind += u64::from(run.plan.stats.shared_proxies);
             checked.untested += u64::from(run.plan.stats.untested_by_cost);
             let which = usize::from(run.strategy != Strategy::Frustum);
             checked.drawn[which] += run.device.drawn.len() as u64;

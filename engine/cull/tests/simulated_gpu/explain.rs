@@ -1,8 +1,8 @@
 //! What is explained is what was drawn.
 
 use antumbra_cull::{
-    Abilities, Camera, Culler, Decision, FrameId, NodeState, ObjectId, Outcome, Policy, QueryKind,
-    Strategy, View,
+    Camera, CullConfig, Culler, Decision, FrameId, NodeState, ObjectId, Outcome, QueryKind,
+    Strategy, TesterSupport, View,
 };
 use glam::Vec3;
 
@@ -24,20 +24,17 @@ fn camera(frame: usize) -> Camera {
 /// Of every object in every frame of a walk: drawn if and only if the explanation says so.
 #[test]
 fn every_object_was_drawn_as_explained() {
-    let parts = Abilities { flags: true, compute: false, parts: true };
-    for abilities in [Abilities::default(), parts] {
+    let parts = TesterSupport { flags: true, compute: false, parts: true };
+    for testers in [TesterSupport::default(), parts] {
         let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
-        walk.culler = Culler::with_abilities(Policy::default(), abilities);
+        walk.culler = Culler::with_testers(CullConfig::default(), testers);
         let seen = explain_walk(&mut walk);
-        assert!(
-            seen.iter().all(|count| *count > 20),
-            "{abilities:?}: every case was met: {seen:?}"
-        );
+        assert!(seen.iter().all(|count| *count > 20), "{testers:?}: every case was met: {seen:?}");
     }
 }
 
-/// Walks, and counts what was explained: outside, drawn, drawn and tested, hidden alone and in a group,
-/// revealed.
+/// Walks, and counts what was explained: outside, drawn, drawn and tested, hidden alone and in a
+/// group, revealed.
 fn explain_walk(walk: &mut Walk) -> [usize; 6] {
     let mut seen = [0_usize; 6];
     for frame in 0..150 {
@@ -105,7 +102,7 @@ fn it_says_since_when_and_when_it_was_asked() {
 fn without_culling_all_is_drawn_or_outside() {
     let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
     let view = View::new(&camera(0), SIZE, 8);
-    let budget = Policy::default().unknown_leaves as usize;
+    let budget = CullConfig::default().unknown_leaves as usize;
     let (hierarchy, strategy) = (&walk.hierarchy, Strategy::Frustum);
     walk.culler.plan(hierarchy, strategy, &view, budget, &mut walk.plan);
     let decision = |object| {

@@ -98,7 +98,7 @@ fn highest(a: DVec3, b: DVec3) -> f64 {
     a.max(b).min_element()
 }
 
-/// The pixels that a box can touch, with some to spare; `None` if it is behind the eye.
+/// Returns the pixels that a box can touch, with some to spare; `None` if it is behind the eye.
 fn rectangle(size: [u32; 2], view: &View, bounds: &Aabb) -> Option<[std::ops::Range<u32>; 2]> {
     let whole = size.map(|pixels| 0..pixels);
     let mut low = [f64::INFINITY; 2];

@@ -1,16 +1,17 @@
 //! The count of objects in the frustum is that of classifying each box.
 
 use antumbra_cull::{
-    Aabb, Containment, Culler, FramePlan, Hierarchy, ObjectId, PlaneMask, Policy, Strategy, View,
+    Aabb, Containment, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, PlaneMask, Strategy,
+    View,
 };
 
 use crate::random::Random;
 use crate::scene::{PATHS, Path, Scene, cube};
 
-/// What frustum culling draws, and the leaves whose box is not outside.
+/// Returns what frustum culling draws, and the leaves whose box is not outside.
 fn brute_force(hierarchy: &Hierarchy, boxes: &[Aabb], view: &View) -> [usize; 2] {
     let mut plan = FramePlan::default();
-    let mut culler = Culler::new(Policy::default());
+    let mut culler = Culler::new(CullConfig::default());
     culler.plan(hierarchy, Strategy::Frustum, view, 0, &mut plan);
     let is_in =
         |bounds: &&Aabb| view.frustum.classify(bounds, PlaneMask::ALL).0 != Containment::Outside;

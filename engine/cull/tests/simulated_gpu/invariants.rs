@@ -82,20 +82,20 @@ impl Answers {
             Tester::Query => Self::Queries,
             Tester::Compute => Self::Compute,
             Tester::Flag => Self::Flags,
-            Tester::Behind(_) => Self::Others,
+            Tester::SharedProxy(_) => Self::Others,
         }
     }
 }
 
-/// Who answers for another has a flag of its own, and early enough.
+/// Checks that a test that answers for another has a flag of its own, and early enough.
 fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
     for round in &plan.rounds {
         for (number, test) in round.clone().zip(&plan.tests[round.clone()]) {
-            let Tester::Behind(front) = test.tester else { continue };
+            let Tester::SharedProxy(front) = test.tester else { continue };
             let in_time = plan.tests[..round.end].get(front as usize);
             let is_right =
                 in_time.is_some_and(|front| front.tester == Tester::Flag && front.leaves.count > 0);
-            if !is_right || test.tag.kind != QueryKind::Parts {
+            if !is_right || test.tag.kind != QueryKind::PerLeaf {
                 return Err(format!("test {number} is behind {front}"));
             }
         }

@@ -1,8 +1,8 @@
 //! What is known, how it survives, and what is not believed.
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, Culler, FrameId, FramePlan, Generation, Hierarchy, NodeId, NodeState,
-    ObjectId, Policy, QueryKind, QueryTag, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, Culler, FrameId, FramePlan, Generation, Hierarchy, NodeId,
+    NodeState, ObjectId, QueryKind, QueryTag, Strategy, View,
 };
 use glam::Vec3;
 
@@ -45,7 +45,7 @@ fn a_rebuild_keeps_what_is_known_of_objects() {
 #[test]
 fn forgetting_makes_everything_unknown() {
     let mut walk = settled_city();
-    walk.culler.forget();
+    walk.culler.reset();
     assert!(
         (0..walk.hierarchy.node_count())
             .all(|node| { walk.culler.state(NodeId(node as u32)) == NodeState::Unknown })
@@ -94,7 +94,7 @@ fn late_answers_do_not_make_what_was_visited_since_look_older() {
     assert!(walk.plan.stats.visible > 2, "{:?}", walk.plan.stats);
 }
 
-/// Every state of every node.
+/// Returns every state of every node.
 fn states(culler: &Culler, hierarchy: &Hierarchy) -> Vec<NodeState> {
     let nodes = 0..hierarchy.node_count() as u32;
     nodes.map(|node| culler.state(NodeId(node))).collect()
@@ -107,12 +107,8 @@ fn answers_that_fit_nothing_are_ignored() {
     let before = states(&walk.culler, &walk.hierarchy);
     let frame = walk.culler.frame();
     let tags = |node, generation, frame| {
-        [QueryKind::Proxy, QueryKind::Probe, QueryKind::OwnDraw].map(|kind| QueryTag {
-            node: NodeId(node),
-            generation,
-            frame,
-            kind,
-        })
+        [QueryKind::Proxy, QueryKind::PullUpQuery, QueryKind::VisibleDrawQuery]
+            .map(|kind| QueryTag { node: NodeId(node), generation, frame, kind })
     };
     let nodes = walk.hierarchy.node_count() as u32;
     for node in [0, 1, nodes / 2, nodes - 1, nodes, u32::MAX] {
@@ -129,12 +125,15 @@ fn answers_that_fit_nothing_are_ignored() {
     assert_eq!(states(&walk.culler, &walk.hierarchy), before);
 }
 
-/// Two boxes side by side, both tested in frame 1.
+/// Returns two boxes side by side, both tested in frame 1.
 fn pair() -> (Culler, Hierarchy, Vec<QueryTag>) {
     let cube = |x| Aabb::new(Vec3::new(x, 0.0, -9.0), Vec3::new(x + 1.0, 1.0, -8.0));
     let hierarchy = Hierarchy::build(&[cube(-1.5), cube(0.5)]).unwrap();
-    let mut culler =
-        Culler::new(Policy { unknown_leaves: 1, unknown_leaves_far: 1, ..Policy::default() });
+    let mut culler = Culler::new(CullConfig {
+        unknown_leaves: 1,
+        unknown_leaves_far: 1,
+        ..CullConfig::default()
+    });
     let tags = frame(&mut culler, &hierarchy);
     (culler, hierarchy, tags)
 }
@@ -179,7 +178,7 @@ fn hidden_siblings_are_probed_before_they_share_a_query() {
         let answers = tags.iter().map(|tag| Answer { tag: *tag, samples: 0 });
         culler.ingest(&hierarchy, answers.collect::<Vec<_>>());
         tags = frame(&mut culler, &hierarchy);
-        if tags.iter().any(|tag| tag.kind == QueryKind::Probe) {
+        if tags.iter().any(|tag| tag.kind == QueryKind::PullUpQuery) {
             assert_eq!(tags.len(), 3, "the parts are tested beside the probe");
             probed = probed.or(Some(culler.frame()));
         }
@@ -217,8 +216,10 @@ fn a_loose_proxy_backs_off() {
         culler.plan(&hierarchy, Strategy::Antumbra, &view, BUDGET, &mut plan);
         let queried = plan.queried_draws.iter().map(|(_, tag)| *tag);
         tags = plan.tests.iter().map(|test| test.tag).chain(queried).collect();
-        own_draws +=
-            tags.iter().filter(|tag| tag.kind == QueryKind::OwnDraw && tag.node == leaf).count();
+        own_draws += tags
+            .iter()
+            .filter(|tag| tag.kind == QueryKind::VisibleDrawQuery && tag.node == leaf)
+            .count();
     }
     assert!((5..25).contains(&own_draws), "{own_draws} own-draw tests in 1000 frames");
 }

@@ -25,7 +25,7 @@ fn table() -> CostTable {
     CostTable { break_ns: 5_000.0, break_wait_share: 0.05, ..queries }
 }
 
-/// The same device if its tests and breaks cost so many times as much.
+/// Returns the same device if its tests and breaks cost so many times as much.
 fn dearer(times: f32) -> CostTable {
     let it = table();
     CostTable {
@@ -59,7 +59,7 @@ impl Clocked {
     fn new(told: CostTable, seed: u64) -> Self {
         let boxes = city(&mut Random::new(3), 24);
         Self {
-            walk: Walk::governed(boxes, LATENCY, told),
+            walk: Walk::cost_driven(boxes, LATENCY, told),
             camera: Camera {
                 eye: Vec3::new(-1.0, 1.7, 0.0),
                 forward: Vec3::NEG_Z,
@@ -101,7 +101,7 @@ impl Clocked {
         self.under_way.push_back((if is_odd { 10.0 * noisy } else { noisy }, contents));
         if self.under_way.len() > LATENCY as usize {
             let (gpu_ns, contents) = self.under_way.pop_front().unwrap();
-            self.walk.culler.governor_mut().unwrap().observe(gpu_ns, &contents);
+            self.walk.culler.cost_model_mut().unwrap().observe(gpu_ns, &contents);
         }
     }
 
@@ -118,7 +118,7 @@ impl Clocked {
     }
 
     fn corrections(&self) -> Corrections {
-        self.walk.culler.governor().unwrap().corrections()
+        self.walk.culler.cost_model().unwrap().corrections()
     }
 
     /// Goes on until the proportion is as wanted; answers after how many frames.
@@ -133,7 +133,7 @@ impl Clocked {
     }
 }
 
-/// What a frame's draws and tests take, reckoned from the plan.
+/// Returns what a frame's draws and tests take, reckoned from the plan.
 fn cost_ns(plan: &FramePlan, draws: u64, prices: &CostTable) -> f64 {
     assert!(plan.tests.iter().all(|test| test.tester == Tester::Query));
     let drawing = draws as f64 * f64::from(prices.leaf_ns(100.0));
@@ -222,11 +222,11 @@ fn nonsense_teaches_nothing() {
         walk.step();
         assert!(walk.walk.is_exact(&walk.camera), "frame {frame}");
         let contents = FrameContents { draws: 100, triangles: 10_000, ..Default::default() };
-        let governor = walk.walk.culler.governor_mut().unwrap();
+        let cost_model = walk.walk.culler.cost_model_mut().unwrap();
         for gpu_ns in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1.0e30, f64::MIN_POSITIVE] {
-            governor.observe(gpu_ns, &contents);
+            cost_model.observe(gpu_ns, &contents);
         }
-        governor.observe(1.0e7, &FrameContents::default());
+        cost_model.observe(1.0e7, &FrameContents::default());
         let endless = FrameContents {
             draws: u64::MAX,
             triangles: u64::MAX,
@@ -234,7 +234,7 @@ fn nonsense_teaches_nothing() {
             proxy_pixels: u64::MAX,
             ..FrameContents::default()
         };
-        governor.observe(1.0e7, &endless);
+        cost_model.observe(1.0e7, &endless);
     }
     assert_eq!(walk.corrections(), Corrections::default());
 }

@@ -7,11 +7,11 @@
     reason = "a test fails by panicking"
 )]
 
+mod blocking;
+mod cost_model;
 mod device;
-mod dialogue;
 mod exactness;
 mod explain;
-mod governor;
 mod image;
 mod in_frustum;
 mod invariants;

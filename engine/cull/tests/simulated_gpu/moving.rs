@@ -1,6 +1,8 @@
 //! Scenes in which everything moves, comes and goes: exact at every frame, in every view.
 
-use antumbra_cull::{Aabb, Camera, Culler, FramePlan, Hierarchy, ObjectId, Policy, Strategy, View};
+use antumbra_cull::{
+    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Strategy, View,
+};
 use glam::Vec3;
 
 use crate::device::{Device, Mishaps, Solids};
@@ -81,7 +83,7 @@ impl World {
                 Eye {
                     camera: Path::start(&mut self.random),
                     path: PATHS[self.random.below(PATHS.len())],
-                    culler: Culler::new(Policy { seed, ..Policy::default() }),
+                    culler: Culler::new(CullConfig { seed, ..CullConfig::default() }),
                     device: Device::new(
                         SIZE,
                         self.sub_pixel_bits,
@@ -95,7 +97,7 @@ impl World {
             .collect()
     }
 
-    /// The objects that are there.
+    /// Returns the objects that are there.
     fn present(&self) -> Vec<usize> {
         (0..self.scene.bounds.len()).filter(|o| !self.scene.bounds[*o].is_empty()).collect()
     }

@@ -1,6 +1,7 @@
-//! Answers of earlier frames that decide about this one: cheap, exact at rest, and wrong in between.
+//! Answers of earlier frames that decide about this one: cheap, exact at rest, and wrong in
+//! between.
 
-use antumbra_cull::{Aabb, Camera, Culler, FramePlan, Hierarchy, Policy, Strategy, View};
+use antumbra_cull::{Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, Strategy, View};
 use glam::{Quat, Vec3};
 
 use crate::device::{Device, Mishaps, Solids};
@@ -30,13 +31,13 @@ impl Walk {
         Self {
             hierarchy: Hierarchy::build(&bounds).unwrap(),
             scene: Scene::solid(bounds),
-            culler: Culler::new(Policy::default()),
+            culler: Culler::new(CullConfig::default()),
             device: Device::new(SIZE, 8, Mishaps::none(latency), 1),
             plan: FramePlan::default(),
         }
     }
 
-    /// A frame; answers how many pixels are wrong.
+    /// Returns a frame; answers how many pixels are wrong.
     fn step(&mut self, camera: &Camera) -> usize {
         let view = View::new(camera, SIZE, 8);
         let answers = self.device.collect(self.culler.frame().0 + 1);

@@ -1,8 +1,8 @@
 //! What survives when nodes come to stand for something else, and what must not.
 
 use antumbra_cull::{
-    Aabb, Answer, Batch, Camera, Culler, Dialogue, DialogueOptions, FramePlan, Hierarchy,
-    LeafRange, NodeId, NodeState, ObjectId, Policy, QueryKind, QueryTag, Step, Strategy,
+    Aabb, Answer, Batch, BlockingCuller, BlockingOptions, Camera, CullConfig, Culler, FramePlan,
+    Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, QueryKind, QueryTag, Strategy,
     TestAnswer, View,
 };
 use glam::Vec3;
@@ -29,7 +29,7 @@ fn leaf_state(culler: &Culler, hierarchy: &Hierarchy, object: ObjectId) -> NodeS
     culler.state(hierarchy.node_of(object).unwrap())
 }
 
-/// An object that the walk has seen, in a state.
+/// Returns an object that the walk has seen, in a state.
 fn an_object(walk: &Walk, state: NodeState) -> ObjectId {
     let objects = walk.hierarchy.leaf_objects().iter().copied();
     let mut found = objects.filter(|o| leaf_state(&walk.culler, &walk.hierarchy, *o) == state);
@@ -52,7 +52,7 @@ fn a_recycled_id_inherits_neither_history_nor_answers() {
             node,
             generation: walk.hierarchy.generation(),
             frame: walk.culler.frame(),
-            kind: QueryKind::OwnDraw,
+            kind: QueryKind::VisibleDrawQuery,
         };
         let far_away = Aabb::new(Vec3::splat(300.0), Vec3::splat(301.0));
         walk.hierarchy.remove(old).unwrap();
@@ -82,7 +82,7 @@ fn answers_about_other_nodes_count_across_a_recycling() {
         node: walk.hierarchy.node_of(other).unwrap(),
         generation: walk.hierarchy.generation(),
         frame: walk.culler.frame(),
-        kind: QueryKind::OwnDraw,
+        kind: QueryKind::VisibleDrawQuery,
     };
     let bounds = walk.hierarchy.bounds(walk.hierarchy.node_of(gone).unwrap());
     walk.hierarchy.remove(gone).unwrap();
@@ -204,12 +204,12 @@ fn another_hierarchy_is_not_taken_for_the_first() {
 }
 
 impl Walk {
-    /// A second view of the same that has seen the same.
+    /// Returns a second view of the same that has seen the same.
     fn culler_clone_that_follows(&self) -> Culler {
         let mut twin = Self {
             scene: crate::scene::Scene::solid(self.scene.bounds.clone()),
             hierarchy: self.hierarchy.clone(),
-            culler: Culler::new(Policy::default()),
+            culler: Culler::new(CullConfig::default()),
             device: crate::device::Device::new(SIZE, 8, crate::device::Mishaps::none(2), 1),
             plan: FramePlan::default(),
         };
@@ -218,7 +218,7 @@ impl Walk {
     }
 }
 
-/// A cube of half a side around a point.
+/// Returns a cube of half a side around a point.
 fn cube(centre: Vec3, half: f32) -> Aabb {
     Aabb::new(centre - Vec3::splat(half), centre + Vec3::splat(half))
 }
@@ -229,7 +229,7 @@ fn next_frame_knows_nothing_of_who_comes_under_an_old_id() {
     let view = View::new(&camera, SIZE, 8);
     let screen = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
     let mut hierarchy = Hierarchy::build(&[screen, cube(Vec3::NEG_Z * 50.0, 1.0)]).unwrap();
-    let (mut culler, mut plan) = (Culler::new(Policy::default()), FramePlan::default());
+    let (mut culler, mut plan) = (Culler::new(CullConfig::default()), FramePlan::default());
     let hidden = hierarchy.node_of(ObjectId(1)).unwrap();
     let is_drawn = |plan: &FramePlan, hierarchy: &Hierarchy| {
         let leaf = hierarchy.leaf_of(ObjectId(1)).unwrap();
@@ -256,12 +256,12 @@ fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
     let view = View::new(&camera, SIZE, 8);
     let near = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
     let mut hierarchy = Hierarchy::build(&[near, cube(Vec3::new(3.0, 0.0, -50.0), 1.0)]).unwrap();
-    let mut dialogue = Dialogue::new(DialogueOptions::default());
+    let mut blocking = BlockingCuller::new(BlockingOptions::default());
     // Everything shows. Answers how many tests a frame takes.
     let mut tests = |hierarchy: &Hierarchy| {
-        let mut conversation = dialogue.begin(hierarchy, Strategy::Coherent, &view).unwrap();
+        let mut conversation = blocking.begin(hierarchy, Strategy::Coherent, &view).unwrap();
         let (mut batch, mut answers) = (Batch::default(), Vec::new());
-        while conversation.next(&answers, &mut batch) != Step::Done {
+        while conversation.next(&answers, &mut batch) != NextAction::Done {
             let drawn = batch.draws.iter().filter_map(|draw| draw.token);
             let tokens = batch.tests.iter().map(|test| test.token).chain(drawn);
             answers = tokens.map(|token| TestAnswer { token, samples: 9 }).collect();

@@ -17,7 +17,7 @@ const STREET: Camera = Camera {
     near: 0.1,
 };
 
-/// What a plan draws for certain and what it tests, less what is scheduled.
+/// Returns what a plan draws for certain and what it tests, less what is scheduled.
 fn essence(walk: &Walk) -> (BTreeSet<u32>, BTreeSet<u32>) {
     let queried = walk.plan.queried_draws.iter().map(|(leaf, _)| leaf.0);
     let draws = walk.plan.draws.iter().map(|leaf| leaf.0).chain(queried);

@@ -103,7 +103,7 @@ fn flat(random: &mut Random, count: usize) -> Vec<Aabb> {
         .collect()
 }
 
-/// What fills a part of a bounding box, or all of it.
+/// Returns what fills a part of a bounding box, or all of it.
 fn shrunken(bounds: &Aabb, random: &mut Random) -> Aabb {
     if random.chance(0.4) {
         return *bounds;
@@ -143,8 +143,8 @@ impl Path {
             Self::Still => {}
             Self::Forward => camera.eye += camera.forward * 0.3,
             Self::Turning => {
-                let turn = glam::Quat::from_rotation_y(random.between(0.02, 0.2));
-                camera.forward = turn * camera.forward;
+                let visit = glam::Quat::from_rotation_y(random.between(0.02, 0.2));
+                camera.forward = visit * camera.forward;
             }
             Self::Cuts => {
                 if frame % 5 == 4 {

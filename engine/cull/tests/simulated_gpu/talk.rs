@@ -1,8 +1,8 @@
-//! The executor of a dialogue: submits, waits and polls as the renderer does, with all mishaps.
+//! The executor of a blocking: submits, waits and polls as the renderer does, with all mishaps.
 
 use antumbra_cull::{
-    Aabb, Batch, Conversation, DialogueStats, Hierarchy, LeafIndex, Step, TestAnswer, TestToken,
-    View,
+    Aabb, Batch, BlockingFrame, BlockingStats, Hierarchy, LeafIndex, NextAction, TestAnswer,
+    TestToken, View,
 };
 
 use crate::device::Solids;
@@ -56,14 +56,14 @@ impl Talk {
         }
     }
 
-    /// A whole frame.
+    /// Returns a whole frame.
     pub fn frame(
         &mut self,
-        conversation: &mut Conversation<'_>,
+        conversation: &mut BlockingFrame<'_>,
         view: &View,
         hierarchy: &Hierarchy,
         solids: &Solids<'_>,
-    ) -> DialogueStats {
+    ) -> BlockingStats {
         self.image.clear();
         self.drawn.clear();
         self.asked.clear();
@@ -74,9 +74,9 @@ impl Talk {
             self.submits += 1;
             self.execute(&batch, view, hierarchy, solids);
             match step {
-                Step::Done => return conversation.stats(),
-                Step::Submit => self.poll(),
-                Step::Wait(token) => self.wait(token),
+                NextAction::Done => return conversation.stats(),
+                NextAction::Submit => self.poll(),
+                NextAction::Wait(token) => self.wait(token),
             }
             home = self.collect();
         }
@@ -132,7 +132,7 @@ impl Talk {
         }
     }
 
-    /// What is home, in random order.
+    /// Returns what is home, in random order.
     fn collect(&mut self) -> Vec<TestAnswer> {
         let is_home = |it: &UnderWay| it.polls == 0;
         let mut home: Vec<_> =

@@ -1,8 +1,8 @@
 //! With a threshold, what is missing is what showed no more than that, and no more of it.
 
 use antumbra_cull::{
-    Aabb, Abilities, Camera, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Policy, Strategy,
-    View,
+    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Strategy,
+    TesterSupport, View,
 };
 use glam::Vec3;
 
@@ -49,9 +49,9 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
     let calm = Mishaps::none(1 + seed % 4);
     let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
     let mishaps = if random.chance(0.5) { rough } else { calm };
-    let abilities = Abilities { parts: random.chance(0.5), ..Abilities::default() };
-    let mut culler = Culler::with_abilities(Policy { seed, ..Policy::default() }, abilities);
-    culler.neglect(threshold_samples);
+    let testers = TesterSupport { parts: random.chance(0.5), ..TesterSupport::default() };
+    let mut culler = Culler::with_testers(CullConfig { seed, ..CullConfig::default() }, testers);
+    culler.set_sample_threshold(threshold_samples);
     let mut device = Device::new(SIZE, SUB_PIXEL_BITS, mishaps, seed);
     device.threshold_samples = threshold_samples;
     let (mut plan, mut truth) = (FramePlan::default(), Image::new(SIZE));
@@ -101,8 +101,8 @@ fn what_is_missing_showed_no_more_than_the_threshold() {
     assert!(many.drawn < few.drawn && few.drawn < exact.drawn, "{exact:?} {few:?} {many:?}");
 }
 
-/// Something peeps out from behind a wall by some pixels: with a threshold it comes to count as hidden
-/// and costs one test a frame, without one it stays visible.
+/// Something peeps out from behind a wall by some pixels: with a threshold it comes to count as
+/// hidden and costs one test a frame, without one it stays visible.
 #[test]
 fn what_shows_little_comes_to_count_as_hidden() {
     let wall = Aabb::new(Vec3::new(-4.0, -4.0, -6.0), Vec3::new(4.0, 0.0, -5.0));
@@ -111,7 +111,7 @@ fn what_shows_little_comes_to_count_as_hidden() {
         Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
     let state = |threshold_samples| {
         let mut walk = Walk::new(vec![wall, peeping], 2);
-        walk.culler.neglect(threshold_samples);
+        walk.culler.set_sample_threshold(threshold_samples);
         walk.device.threshold_samples = threshold_samples;
         walk.steps(&camera, 200);
         let node = walk.hierarchy.node_of(ObjectId(1)).unwrap();

@@ -1,7 +1,7 @@
 //! A culler, a device and a scene that go on frame by frame.
 
 use antumbra_cull::{
-    Aabb, Camera, CostTable, Culler, FramePlan, Hierarchy, Policy, SceneCosts, Strategy, View,
+    Aabb, Camera, CostTable, CullConfig, Culler, FramePlan, Hierarchy, SceneCosts, Strategy, View,
 };
 
 use crate::device::{Device, Mishaps, Solids};
@@ -24,16 +24,16 @@ impl Walk {
         Self {
             hierarchy: Hierarchy::build(&bounds).unwrap(),
             scene: Scene::solid(bounds),
-            culler: Culler::new(Policy::default()),
+            culler: Culler::new(CullConfig::default()),
             device: Device::new(SIZE, 8, Mishaps::none(latency), 1),
             plan: FramePlan::default(),
         }
     }
 
-    /// The same with a governor and objects of 100 triangles.
-    pub fn governed(bounds: Vec<Aabb>, latency: u64, table: CostTable) -> Self {
+    /// Returns the same with a governor and objects of 100 triangles.
+    pub fn cost_driven(bounds: Vec<Aabb>, latency: u64, table: CostTable) -> Self {
         let mut walk = Self::new(bounds, latency);
-        walk.culler.govern(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
+        walk.culler.set_costs(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
         walk
     }
 
@@ -56,12 +56,12 @@ impl Walk {
     pub fn count_in_frustum(&self, camera: &Camera) -> usize {
         let view = View::new(camera, SIZE, 8);
         let mut plan = FramePlan::default();
-        let mut culler = Culler::new(Policy::default());
+        let mut culler = Culler::new(CullConfig::default());
         culler.plan(&self.hierarchy, Strategy::Frustum, &view, 0, &mut plan);
         plan.draws.len()
     }
 
-    /// The last frame's image is that of drawing everything.
+    /// Returns the last frame's image is that of drawing everything.
     pub fn is_exact(&self, camera: &Camera) -> bool {
         let view = View::new(camera, SIZE, 8);
         let mut truth = Image::new(SIZE);

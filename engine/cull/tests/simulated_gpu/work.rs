@@ -1,6 +1,6 @@
 //! The work of a frame is that of the visible and the frontier, however much is hidden.
 
-use antumbra_cull::{Aabb, Camera, PlanStats, Policy};
+use antumbra_cull::{Aabb, Camera, CullConfig, PlanStats};
 use glam::Vec3;
 
 use crate::random::Random;
@@ -70,7 +70,7 @@ fn a_huge_unknown_scene_settles_in_tens_of_frames() {
         assert!(walk.is_exact(&CAMERA), "frame {frame}");
         frontier.push(walk.plan.stats.frontier);
     }
-    let wished = Policy::default().tests_wished;
+    let wished = CullConfig::default().tests_wished;
     assert!(frontier.iter().skip(6).all(|tests| *tests <= wished), "{frontier:?}");
     assert!(frontier[39] * 3 < wished, "{frontier:?}");
 }

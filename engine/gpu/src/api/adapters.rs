@@ -10,7 +10,7 @@ use crate::core::ownership;
 use crate::present::surface::Surface;
 
 impl Instance {
-    /// All devices of this machine in the driver's order, fit or not.
+    /// Returns all devices of this machine in the driver's order, fit or not.
     ///
     /// # Errors
     /// [`Error::NoDriver`] when there is none; a failed call.
@@ -26,7 +26,7 @@ impl Instance {
         Ok(devices.into_iter().map(|physical| self.read_adapter(physical)).collect())
     }
 
-    /// The adapter to use: `wanted` by index or by a part of its name, else the best one.
+    /// Returns the adapter to use: `wanted` by index or by a part of its name, else the best one.
     ///
     /// # Errors
     /// [`Error::UnknownDevice`], [`Error::DeviceLacks`] for the wanted one,
@@ -38,8 +38,8 @@ impl Instance {
     /// Like [`Instance::pick_adapter`], of those that can show pictures in the window of `surface`.
     ///
     /// # Errors
-    /// As there; [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] when
-    /// the one wanted, or none, can present to the window.
+    /// As there; [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`]
+    /// when the one wanted, or none, can present to the window.
     pub fn pick_adapter_for(
         &self,
         surface: &Surface,

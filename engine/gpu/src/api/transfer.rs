@@ -3,10 +3,10 @@
 use ash::vk;
 use bytemuck::Pod;
 
-use crate::core::deletion::{Garbage, Recording};
+use crate::core::deletion::{Recording, Retired};
 use crate::core::device::{Device, Order, WaitFor};
 use crate::core::error::Error;
-use crate::memory::buffer::{Buffer, Place};
+use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
 use crate::record::pools::{
@@ -17,7 +17,8 @@ use crate::record::pools::{
 const STAGING_BYTES: usize = 32 << 20;
 
 impl Device {
-    /// A buffer in GPU memory that holds `items`. Waits for the copy: for loading, not for frames.
+    /// Returns a buffer in GPU memory that holds `items`. Waits for the copy: for loading, not for
+    /// frames.
     ///
     /// # Errors
     /// No memory, or a failed call.
@@ -29,7 +30,7 @@ impl Device {
     ) -> Result<Buffer, Error> {
         let bytes: &[u8] = bytemuck::cast_slice(items);
         let usage = usage | vk::BufferUsageFlags::TRANSFER_DST;
-        let buffer = Buffer::new(self, name, bytes.len() as u64, usage, Place::Device)?;
+        let buffer = Buffer::new(self, name, bytes.len() as u64, usage, MemoryKind::Device)?;
         if bytes.is_empty() {
             return Ok(buffer);
         }
@@ -39,7 +40,7 @@ impl Device {
             "staging",
             piece_bytes as u64,
             vk::BufferUsageFlags::TRANSFER_SRC,
-            Place::Upload,
+            MemoryKind::Upload,
         )?;
         for (piece, data) in bytes.chunks(piece_bytes).enumerate() {
             if let Some(place) = staging.bytes_mut().get_mut(..data.len()) {
@@ -49,7 +50,8 @@ impl Device {
             let to = buffer.whole().part(offset, data.len() as u64);
             self.run_once("upload", |commands| {
                 commands.copy_buffer(staging.whole(), to);
-                // Waiting for the tick shows the GPU nothing: later submits use it without a barrier.
+                // Waiting for the tick shows the GPU nothing: later submits use it without a
+                // barrier.
                 commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
             })?;
         }
@@ -63,7 +65,7 @@ impl Device {
     pub fn run_once(&self, name: &str, record: impl FnOnce(&Commands)) -> Result<(), Error> {
         let pool = create_command_pool(self, name)?;
         let descriptors = create_descriptor_pool(self, name)
-            .inspect_err(|_| self.retire(Garbage::CommandPool(pool)))?;
+            .inspect_err(|_| self.retire(Retired::CommandPool(pool)))?;
         let recording = self.open_recording();
         let recorded = record_once(self, pool, name, recording.number, descriptors, record);
         let submitted = recorded.and_then(|commands| {
@@ -73,8 +75,8 @@ impl Device {
         });
         drop(recording);
         // The commands go with their pool once the tick of the submit is over.
-        self.retire(Garbage::CommandPool(pool));
-        self.retire(Garbage::DescriptorPool(descriptors));
+        self.retire(Retired::CommandPool(pool));
+        self.retire(Retired::DescriptorPool(descriptors));
         self.wait(submitted?, WaitFor::Transfer)?;
         self.free_retired()
     }

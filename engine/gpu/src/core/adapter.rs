@@ -27,7 +27,8 @@ pub struct Adapter {
 }
 
 impl Adapter {
-    /// How much we would like to run on it: a real GPU before a software one, then by capabilities.
+    /// Returns how much we would like to run on it: a real GPU before a software one, then by
+    /// capabilities.
     pub fn score(&self) -> u32 {
         let kind = match self.kind {
             vk::PhysicalDeviceType::DISCRETE_GPU => 4,
@@ -40,17 +41,17 @@ impl Adapter {
         kind * 100 + optional
     }
 
-    /// Whether hidden draws can be skipped by conditional rendering.
+    /// Returns true if hidden draws can be skipped by conditional rendering.
     pub fn has_conditional_rendering(&self) -> bool {
         self.capabilities.has(Optional::ConditionalRendering)
     }
 
-    /// Whether it is a driver that draws on the CPU.
+    /// Returns true if it is a driver that draws on the CPU.
     pub fn is_software(&self) -> bool {
         self.kind == vk::PhysicalDeviceType::CPU
     }
 
-    /// The names of what it lacks of the required, or nothing.
+    /// Returns the names of what it lacks of the required, or nothing.
     pub fn missing(&self) -> Option<String> {
         let names: Vec<_> = self.capabilities.missing.iter().map(|m| m.name()).collect();
         if names.is_empty() { None } else { Some(names.join(", ")) }

@@ -40,7 +40,7 @@ impl Required {
         Required::Depth32,
     ];
 
-    /// What the user reads.
+    /// Returns what the user reads.
     pub fn name(self) -> &'static str {
         match self {
             Required::Vulkan13 => "Vulkan 1.3",
@@ -69,7 +69,7 @@ pub enum Optional {
     /// Fragment shaders that write to storage buffers.
     FragmentStores,
     /// Triangles drawn as their edges.
-    Wires,
+    Wireframe,
     /// Textures that stay sharp where they are seen at a grazing angle.
     Anisotropy,
     /// Reading the GPU's clock and ours at once.
@@ -93,7 +93,7 @@ impl Optional {
         Optional::PreciseQueries,
         Optional::Timestamps,
         Optional::FragmentStores,
-        Optional::Wires,
+        Optional::Wireframe,
         Optional::Anisotropy,
         Optional::CalibratedTimestamps,
         Optional::Swapchain,
@@ -102,7 +102,7 @@ impl Optional {
         Optional::DisplayTiming,
     ];
 
-    /// What the user reads.
+    /// Returns what the user reads.
     pub fn name(self) -> &'static str {
         match self {
             Optional::ConditionalRendering => "VK_EXT_conditional_rendering",
@@ -110,7 +110,7 @@ impl Optional {
             Optional::PreciseQueries => "occlusionQueryPrecise",
             Optional::Timestamps => "timestamps",
             Optional::FragmentStores => "fragmentStoresAndAtomics",
-            Optional::Wires => "fillModeNonSolid",
+            Optional::Wireframe => "fillModeNonSolid",
             Optional::Anisotropy => "samplerAnisotropy",
             Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
             Optional::Swapchain => "VK_KHR_swapchain",
@@ -131,7 +131,7 @@ pub struct Capabilities {
 }
 
 impl Capabilities {
-    /// Whether the device has `optional`.
+    /// Returns true if the device has `optional`.
     pub fn has(&self, optional: Optional) -> bool {
         self.optional.contains(&optional)
     }
@@ -205,7 +205,7 @@ impl Capabilities {
             (yes(core.occlusion_query_precise), Optional::PreciseQueries),
             (timestamps, Optional::Timestamps),
             (yes(core.fragment_stores_and_atomics), Optional::FragmentStores),
-            (yes(core.fill_mode_non_solid), Optional::Wires),
+            (yes(core.fill_mode_non_solid), Optional::Wireframe),
             (yes(core.sampler_anisotropy), Optional::Anisotropy),
             (
                 timestamps && has_extension(ext::calibrated_timestamps::NAME),
@@ -221,7 +221,7 @@ impl Capabilities {
     }
 }
 
-/// The extension that gives a device present fences.
+/// Returns the extension that gives a device present fences.
 pub(crate) fn fences_extension(
     instance: &InstanceShared,
     extensions: &[CString],

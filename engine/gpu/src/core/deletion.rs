@@ -1,5 +1,5 @@
-//! The deletion queue: dropped objects wait here until nothing can use them any more, neither commands
-//! that are being recorded nor the GPU.
+//! The deletion queue: dropped objects wait here until nothing can use them any more, neither
+//! commands that are being recorded nor the GPU.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,7 @@ use gpu_allocator::vulkan::Allocation;
 use crate::core::tick::Tick;
 
 /// The payload of a dropped object.
-pub(crate) enum Garbage {
+pub(crate) enum Retired {
     Buffer(vk::Buffer, Allocation),
     Image(vk::Image, vk::ImageView, Allocation),
     Pipeline(vk::Pipeline),
@@ -21,11 +21,11 @@ pub(crate) enum Garbage {
     Sampler(vk::Sampler),
     Semaphore(vk::Semaphore),
     /// Things of several handles, destroyed together.
-    Other(Box<dyn Retired>),
+    Other(Box<dyn RetiredObject>),
 }
 
 /// A payload that knows how it is destroyed.
-pub(crate) trait Retired: Send {
+pub(crate) trait RetiredObject: Send {
     /// Destroys it. Nothing uses it any more.
     fn destroy(self: Box<Self>, device: &ash::Device);
 }
@@ -87,7 +87,7 @@ impl<T> DeletionQueue<T> {
         }
     }
 
-    /// The next payload that nothing uses once `completed` is over.
+    /// Returns the next payload that nothing uses once `completed` is over.
     pub(crate) fn pop_over(&mut self, completed: Tick) -> Option<T> {
         if self.submitted.front()?.0 <= completed {
             self.submitted.pop_front().map(|(_, payload)| payload)

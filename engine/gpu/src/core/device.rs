@@ -9,26 +9,28 @@ use gpu_allocator::vulkan::Allocator;
 
 use crate::core::adapter::Adapter;
 use crate::core::capabilities::Capabilities;
-use crate::core::deletion::{DeletionQueue, Garbage, Recording};
+use crate::core::deletion::{DeletionQueue, Recording, Retired};
 use crate::core::device_shared::{DeviceShared, wait_bounded};
 use crate::core::error::{Called, Error};
 use crate::core::instance::{Instance, InstanceShared};
 use crate::core::open_device::{DeviceOptions, Extensions, create_raw, equip};
 use crate::core::ownership::{self, OfDevice, OwnerId};
+use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
 use crate::core::timeline::Timeline;
-use crate::core::turns::{Turns, lock};
 
 /// How often the CPU waited for the GPU since the device was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct WaitCounts {
     /// Waits for a frame slot's own tick of N frames ago: what bounds the frames in flight.
     pub slot: u64,
-    /// All others: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is a stall.
+    /// All others: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is a
+    /// stall.
     pub other: u64,
 }
 
-/// What a submit comes after, and what it signals beside its tick. Binary semaphores are a window's.
+/// What a submit comes after, and what it signals beside its tick. Binary semaphores are a
+/// window's.
 #[derive(Default)]
 pub(crate) struct Order<'a> {
     pub(crate) after: Option<(&'a Timeline, Tick)>,
@@ -84,7 +86,7 @@ impl Device {
                 instance: Arc::clone(shared),
                 adapter: adapter.clone(),
                 queue_family,
-                queue: Turns::new(queue),
+                queue: QueueLock::new(queue),
                 allocator: Mutex::new(Some(allocator)),
                 deletion: Mutex::new(DeletionQueue::new()),
                 timeline,
@@ -102,12 +104,12 @@ impl Device {
         Ok(device)
     }
 
-    /// The adapter this device was opened on.
+    /// Returns the adapter this device was opened on.
     pub fn adapter(&self) -> &Adapter {
         &self.shared.adapter
     }
 
-    /// What the device can do.
+    /// Returns what the device can do.
     pub fn capabilities(&self) -> &Capabilities {
         &self.shared.adapter.capabilities
     }
@@ -120,7 +122,7 @@ impl Device {
         ownership::check(thing.device_id(), self.id(), T::KIND, user, "Device")
     }
 
-    /// The newest tick that is over. Never waits.
+    /// Returns the newest tick that is over. Never waits.
     ///
     /// # Errors
     /// A failed call, a lost device among them.
@@ -137,19 +139,19 @@ impl Device {
         completed.min(Tick(self.shared.completed.load(Ordering::Acquire)))
     }
 
-    /// Returns the tick of a frame that was just submitted as `tick`, which may be of another device:
-    /// one that is not before the end of that frame.
+    /// Returns the tick of a frame that was just submitted as `tick`, which may be of another
+    /// device: one that is not before the end of that frame.
     pub(crate) fn not_before(&self, tick: Tick) -> Tick {
         tick.max(self.submitted())
     }
 
-    /// The tick of the newest submit.
+    /// Returns the tick of the newest submit.
     pub fn submitted(&self) -> Tick {
         Tick(self.shared.submitted.load(Ordering::Acquire))
     }
 
-    /// Waits until everything submitted is over. For loading and shutting down, not for a frame loop:
-    /// it counts as [`WaitCounts::other`].
+    /// Waits until everything submitted is over. For loading and shutting down, not for a frame
+    /// loop: it counts as [`WaitCounts::other`].
     ///
     /// # Errors
     /// [`Error::Timeout`], a failed call.
@@ -158,7 +160,7 @@ impl Device {
         self.free_retired()
     }
 
-    /// How often the CPU waited.
+    /// Returns how often the CPU waited.
     pub fn wait_counts(&self) -> WaitCounts {
         WaitCounts {
             slot: self.shared.slot_waits.load(Ordering::Relaxed),
@@ -175,12 +177,13 @@ impl Device {
         })
     }
 
-    /// The number of dropped objects that commands being recorded, or the GPU, may still use.
+    /// Returns the number of dropped objects that commands being recorded, or the GPU, may still
+    /// use.
     pub fn retired(&self) -> usize {
         lock(&self.shared.deletion).len()
     }
 
-    /// The one place where the CPU waits for the GPU; every wait is bounded and counted.
+    /// Waits for the GPU, the only place where the CPU does; every wait is bounded and counted.
     pub(crate) fn wait(&self, tick: Tick, reason: WaitFor) -> Result<(), Error> {
         let (counter, what) = match reason {
             WaitFor::Slot => (&self.shared.slot_waits, "a frame"),
@@ -246,15 +249,15 @@ impl Device {
         Ok(tick)
     }
 
-    /// Hands the queue to `present`, which nobody else uses meanwhile. Others may hold it for longer
-    /// than the bound of every wait.
+    /// Hands the queue to `present`, which nobody else uses meanwhile. Others may hold it for
+    /// longer than the bound of every wait.
     pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
         Some(present(self.shared.queue.take(self.shared.wait_bound)?.value))
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
     /// freed when all of them are over, or given up.
-    pub(crate) fn retire(&self, garbage: Garbage) {
+    pub(crate) fn retire(&self, garbage: Retired) {
         let mut deletion = lock(&self.shared.deletion);
         deletion.retire(self.submitted(), garbage);
     }
@@ -278,7 +281,7 @@ impl Device {
         &self.shared.raw
     }
 
-    /// Whether images of `format` in optimal tiling can do all of `features`.
+    /// Returns true if images of `format` in optimal tiling can do all of `features`.
     pub(crate) fn has_format_feature(
         &self,
         format: vk::Format,
@@ -303,7 +306,7 @@ impl Device {
         self.shared.queue_family
     }
 
-    /// The functions of the extensions that are on.
+    /// Returns the functions of the extensions that are on.
     pub(crate) fn extensions(&self) -> &Extensions {
         &self.shared.extensions
     }
@@ -348,7 +351,7 @@ impl Drop for OpenRecording {
     }
 }
 
-/// Those that are there, in front.
+/// Returns those that are there, in front.
 fn both<T: Copy + Default>(first: Option<T>, second: Option<T>) -> ([T; 2], usize) {
     match (first, second) {
         (Some(first), Some(second)) => ([first, second], 2),

@@ -8,13 +8,13 @@ use ash::vk;
 use gpu_allocator::vulkan::Allocator;
 
 use crate::core::adapter::Adapter;
-use crate::core::deletion::{DeletionQueue, Garbage};
+use crate::core::deletion::{DeletionQueue, Retired};
 use crate::core::instance::InstanceShared;
 use crate::core::open_device::Extensions;
 use crate::core::ownership::OwnerId;
 use crate::core::pipeline_cache::PipelineCache;
+use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
-use crate::core::turns::{Turns, lock};
 
 /// The Vulkan device and all that lives as long as it does.
 pub(super) struct DeviceShared {
@@ -24,10 +24,10 @@ pub(super) struct DeviceShared {
     pub(super) extensions: Extensions,
     pub(super) adapter: Adapter,
     pub(super) queue_family: u32,
-    pub(super) queue: Turns<vk::Queue>,
+    pub(super) queue: QueueLock<vk::Queue>,
     // None only while dropping.
     pub(super) allocator: Mutex<Option<Allocator>>,
-    pub(super) deletion: Mutex<DeletionQueue<Garbage>>,
+    pub(super) deletion: Mutex<DeletionQueue<Retired>>,
     pub(super) timeline: vk::Semaphore,
     pub(super) submitted: AtomicU64,
     /// The newest tick that was seen to be over.
@@ -47,7 +47,7 @@ impl DeviceShared {
     }
 
     /// Destroys the payload of a dropped object that nothing uses any more.
-    pub(super) fn destroy(&self, garbage: Garbage) {
+    pub(super) fn destroy(&self, garbage: Retired) {
         let free = |allocation| {
             if let Some(allocator) = lock(&self.allocator).as_mut()
                 && let Err(error) = allocator.free(allocation)
@@ -59,24 +59,24 @@ impl DeviceShared {
         // use it is over; it was made from this device.
         unsafe {
             match garbage {
-                Garbage::Buffer(buffer, allocation) => {
+                Retired::Buffer(buffer, allocation) => {
                     self.raw.destroy_buffer(buffer, None);
                     free(allocation);
                 }
-                Garbage::Image(image, view, allocation) => {
+                Retired::Image(image, view, allocation) => {
                     self.raw.destroy_image_view(view, None);
                     self.raw.destroy_image(image, None);
                     free(allocation);
                 }
-                Garbage::Pipeline(pipeline) => self.raw.destroy_pipeline(pipeline, None),
-                Garbage::PipelineLayout(layout) => self.raw.destroy_pipeline_layout(layout, None),
-                Garbage::SetLayout(layout) => self.raw.destroy_descriptor_set_layout(layout, None),
-                Garbage::DescriptorPool(pool) => self.raw.destroy_descriptor_pool(pool, None),
-                Garbage::CommandPool(pool) => self.raw.destroy_command_pool(pool, None),
-                Garbage::QueryPool(pool) => self.raw.destroy_query_pool(pool, None),
-                Garbage::Sampler(sampler) => self.raw.destroy_sampler(sampler, None),
-                Garbage::Semaphore(semaphore) => self.raw.destroy_semaphore(semaphore, None),
-                Garbage::Other(retired) => retired.destroy(&self.raw),
+                Retired::Pipeline(pipeline) => self.raw.destroy_pipeline(pipeline, None),
+                Retired::PipelineLayout(layout) => self.raw.destroy_pipeline_layout(layout, None),
+                Retired::SetLayout(layout) => self.raw.destroy_descriptor_set_layout(layout, None),
+                Retired::DescriptorPool(pool) => self.raw.destroy_descriptor_pool(pool, None),
+                Retired::CommandPool(pool) => self.raw.destroy_command_pool(pool, None),
+                Retired::QueryPool(pool) => self.raw.destroy_query_pool(pool, None),
+                Retired::Sampler(sampler) => self.raw.destroy_sampler(sampler, None),
+                Retired::Semaphore(semaphore) => self.raw.destroy_semaphore(semaphore, None),
+                Retired::Other(retired) => retired.destroy(&self.raw),
             }
         }
     }

@@ -120,8 +120,8 @@ pub enum Error {
         /// The type that both have to be made from.
         owner: &'static str,
     },
-    /// A picture was read that is not there: its frame is not over, was never submitted, or there was
-    /// none yet.
+    /// A picture was read that is not there: its frame is not over, was never submitted, or there
+    /// was none yet.
     #[error(
         "the picture is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::drain`"
     )]
@@ -179,7 +179,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whether the device is lost: nothing made from it works any more. Make all of it anew, or end.
+    /// Returns true if the device is lost: nothing made from it works any more. Make all of it
+    /// anew, or end.
     pub fn is_device_lost(&self) -> bool {
         matches!(self, Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. })
     }

@@ -140,12 +140,12 @@ impl Instance {
         Ok(Self { shared: Arc::new(shared) })
     }
 
-    /// What the validation layers said. Empty for ever when validation is off.
+    /// Returns what the validation layers said. Empty for ever when validation is off.
     pub fn validation_log(&self) -> &ValidationLog {
         &self.shared.log
     }
 
-    /// What is being checked.
+    /// Returns what is being checked.
     pub fn validation(&self) -> Validation {
         self.shared.validation
     }
@@ -206,8 +206,8 @@ fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
     Ok(names.map(Into::into).collect())
 }
 
-/// Returns what a loader means that cannot begin. It says that it is out of memory where a manifest of
-/// a driver or a layer is not whole, long before memory matters.
+/// Returns what a loader means that cannot begin. It says that it is out of memory where a manifest
+/// of a driver or a layer is not whole, long before memory matters.
 fn refusal(call: &'static str, code: vk::Result) -> Error {
     match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {

@@ -10,9 +10,9 @@ pub(crate) mod instance;
 pub(crate) mod open_device;
 pub(crate) mod ownership;
 pub(crate) mod pipeline_cache;
+pub(crate) mod queue_lock;
 pub(crate) mod tick;
 pub(crate) mod timeline;
-pub(crate) mod turns;
 pub(crate) mod validation;
 pub(crate) mod window_system;
 #[cfg(feature = "loaded")]

@@ -62,7 +62,7 @@ impl Extensions {
     }
 }
 
-/// What a device cannot be without. Failing, it leaves nothing behind.
+/// Returns what a device cannot be without. Failing, it leaves nothing behind.
 pub(crate) fn equip(
     instance: &InstanceShared,
     adapter: &Adapter,
@@ -109,7 +109,7 @@ pub(crate) fn create_raw(
         .draw_indirect_first_instance(true)
         .occlusion_query_precise(has(Optional::PreciseQueries))
         .fragment_stores_and_atomics(has(Optional::FragmentStores))
-        .fill_mode_non_solid(has(Optional::Wires))
+        .fill_mode_non_solid(has(Optional::Wireframe))
         .sampler_anisotropy(has(Optional::Anisotropy));
     let mut features = vk::PhysicalDeviceFeatures2::default()
         .features(core)

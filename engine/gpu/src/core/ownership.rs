@@ -2,13 +2,15 @@
 //!
 //! Handles mean something to the device (or instance) that gave them away and to no other: drivers
 //! follow them as pointers. Whatever owns handles says by [`OfDevice`] where they come from;
-//! [`Commands`](crate::Commands) ask before they record it, everything else by [`Device::check`](crate::Device::check).
+//! [`Commands`](crate::Commands) ask before they record it, everything else by
+//! [`Device::check`](crate::Device::check).
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::core::error::Error;
 
-/// Tells a [`Device`](crate::Device) or an [`Instance`](crate::Instance) from all others of the process.
+/// Tells a [`Device`](crate::Device) or an [`Instance`](crate::Instance) from all others of the
+/// process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct OwnerId(u64);
 

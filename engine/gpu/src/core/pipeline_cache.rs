@@ -1,8 +1,9 @@
 //! The pipeline cache on disk: what the driver compiled last time need not be compiled again.
 //!
-//! Drivers look at little more than the header of what they once gave away, and may crash on the rest
-//! if it is damaged (VUID-VkPipelineCacheCreateInfo-initialDataSize-00769). So the file has a header
-//! of its own, and data reaches a driver only if it is whole and of this very driver and device.
+//! Drivers look at little more than the header of what they once gave away, and may crash on the
+//! rest if it is damaged (VUID-VkPipelineCacheCreateInfo-initialDataSize-00769). So the file has a
+//! header of its own, and data reaches a driver only if it is whole and of this very driver and
+//! device.
 
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -107,13 +108,13 @@ impl PipelineCache {
     }
 }
 
-/// The file that holds `data`.
+/// Returns the file that holds `data`.
 fn seal(identity: Identity, data: &[u8]) -> Vec<u8> {
     let (length, hash) = (data.len() as u64, fnv_1a(data));
     [MAGIC, &identity.0[..], &length.to_le_bytes(), &hash.to_le_bytes(), data].concat()
 }
 
-/// What [`seal`] put into `file`, if that is whole and of the same identity.
+/// Returns what [`seal`] put into `file`, if that is whole and of the same identity.
 fn unseal(identity: Identity, file: &[u8]) -> Option<&[u8]> {
     let rest = file.strip_prefix(MAGIC)?.strip_prefix(&identity.0)?;
     let (length, rest) = rest.split_first_chunk()?;

@@ -12,7 +12,7 @@ impl Tick {
     /// Before all work.
     pub const ZERO: Tick = Tick(0);
 
-    /// The tick after this one.
+    /// Returns the tick after this one.
     pub fn next(self) -> Tick {
         Tick(self.0 + 1)
     }

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::deletion::Garbage;
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
@@ -16,7 +16,7 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// A timeline at tick 0.
+    /// Creates a timeline at tick 0.
     ///
     /// # Errors
     /// A failed call.
@@ -41,6 +41,6 @@ of_device!(Timeline: "a timeline (`Timeline`)");
 
 impl Drop for Timeline {
     fn drop(&mut self) {
-        self.device.retire(Garbage::Semaphore(self.raw));
+        self.device.retire(Retired::Semaphore(self.raw));
     }
 }

@@ -29,12 +29,12 @@ impl ValidationLog {
         std::mem::take(&mut *self.lock())
     }
 
-    /// The number of messages waiting.
+    /// Returns the number of messages waiting.
     pub fn len(&self) -> usize {
         self.lock().len()
     }
 
-    /// Whether no message waits.
+    /// Returns true if no message waits.
     pub fn is_empty(&self) -> bool {
         self.lock().is_empty()
     }
@@ -50,7 +50,7 @@ impl ValidationLog {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What the messenger needs: the callback and, as its user data, this log.
+    /// Returns what the messenger needs: the callback and, as its user data, this log.
     /// The log must outlive the messenger; [`crate::Instance`] holds it in a box for that.
     pub(crate) fn messenger_info(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'_> {
         vk::DebugUtilsMessengerCreateInfoEXT::default()

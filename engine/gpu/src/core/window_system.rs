@@ -28,7 +28,8 @@ const MAINTENANCE: [(&CStr, &CStr); 2] = [
 ];
 
 impl WindowSystem {
-    /// The window system that `display` belongs to: a window, or an event loop that has none yet.
+    /// Returns the window system that `display` belongs to: a window, or an event loop that has
+    /// none yet.
     ///
     /// # Errors
     /// [`Error::NoDisplay`] where the connection is gone, or nothing Vulkan knows.
@@ -45,12 +46,13 @@ impl WindowSystem {
         }
     }
 
-    /// Is it Wayland, where no error tells of a resize, and a hidden window may show nothing for ever?
+    /// Is it Wayland, where no error tells of a resize, and a hidden window may show nothing for
+    /// ever?
     pub(crate) fn is_wayland(self) -> bool {
         self.0 == khr::wayland_surface::NAME
     }
 
-    /// What to ask an instance for, given what is there.
+    /// Returns what to ask an instance for, given what is there.
     ///
     /// Also the extensions by which devices have present fences then: each has a half of its own in
     /// the instance. The younger has the structures of the elder.
@@ -75,14 +77,14 @@ impl WindowSystem {
     }
 }
 
-/// The display by which drivers find it.
+/// Returns the display by which drivers find it.
 pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle {
     #[cfg(feature = "loaded")]
     let handle = crate::core::xcb::display(handle);
     handle
 }
 
-/// The window by which drivers find it, on the display of [`display_for_drivers`].
+/// Returns the window by which drivers find it, on the display of [`display_for_drivers`].
 pub(crate) fn window_for_drivers(
     handle: RawWindowHandle,
     display: RawDisplayHandle,

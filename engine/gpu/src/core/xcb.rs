@@ -1,8 +1,9 @@
 //! Windows of Xlib as windows of XCB: every driver for X11 knows these, and some know only these.
 //!
-//! The loader takes a surface of Xlib for one that any driver understands. Google's SwiftShader has none
-//! of Xlib, says all the same that it can present to it, and crashes when it is asked how large it is.
-//! Both libraries share one connection, and drivers that take windows of Xlib ask for it, too.
+//! The loader takes a surface of Xlib for one that any driver understands. Google's SwiftShader has
+//! none of Xlib, says all the same that it can present to it, and crashes when it is asked how
+//! large it is. Both libraries share one connection, and drivers that take windows of Xlib ask for
+//! it, too.
 
 use std::ffi::c_void;
 use std::num::NonZeroU32;
@@ -17,7 +18,7 @@ use raw_window_handle::{
 /// `XGetXCBConnection`.
 type ConnectionOf = unsafe extern "C" fn(display: *mut c_void) -> *mut c_void;
 
-/// The same display as XCB calls it, where it is one of Xlib and the library is there.
+/// Returns the same display as XCB calls it, where it is one of Xlib and the library is there.
 pub(crate) fn display(handle: RawDisplayHandle) -> RawDisplayHandle {
     let RawDisplayHandle::Xlib(XlibDisplayHandle { display: Some(display), screen, .. }) = handle
     else {
@@ -32,7 +33,7 @@ pub(crate) fn display(handle: RawDisplayHandle) -> RawDisplayHandle {
     }
 }
 
-/// The same window as XCB calls it, where its display is one of XCB by now.
+/// Returns the same window as XCB calls it, where its display is one of XCB by now.
 pub(crate) fn window(handle: RawWindowHandle, display: RawDisplayHandle) -> RawWindowHandle {
     let (RawWindowHandle::Xlib(window), RawDisplayHandle::Xcb(_)) = (handle, display) else {
         return handle;

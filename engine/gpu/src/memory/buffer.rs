@@ -7,14 +7,14 @@ use bytemuck::Pod;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 
-use crate::core::deletion::Garbage;
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::{OfDevice, OwnerId};
 
 /// Where a buffer lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum MemoryKind {
     /// GPU memory the CPU does not see.
     Device,
     /// Mapped memory the CPU writes.
@@ -52,7 +52,7 @@ impl OfDevice for BufferSlice {
 }
 
 impl BufferSlice {
-    /// The part from `offset_bytes` on, `size_bytes` long, cut to what is there.
+    /// Returns the part from `offset_bytes` on, `size_bytes` long, cut to what is there.
     #[must_use]
     pub fn part(self, offset_bytes: u64, size_bytes: u64) -> Self {
         let offset = offset_bytes.min(self.size_bytes);
@@ -65,7 +65,7 @@ impl BufferSlice {
 }
 
 impl Buffer {
-    /// A buffer of `size_bytes` (at least 4, so that an empty scene still binds something).
+    /// Creates a buffer of `size_bytes` (at least 4, so that an empty scene still binds something).
     ///
     /// # Errors
     /// No memory, or a failed call.
@@ -74,7 +74,7 @@ impl Buffer {
         name: &str,
         size_bytes: u64,
         usage: vk::BufferUsageFlags,
-        place: Place,
+        place: MemoryKind,
     ) -> Result<Self, Error> {
         let size_bytes = size_bytes.max(4);
         let info = vk::BufferCreateInfo::default().size(size_bytes).usage(usage);
@@ -84,9 +84,9 @@ impl Buffer {
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_buffer_memory_requirements(raw) };
         let location = match place {
-            Place::Device => MemoryLocation::GpuOnly,
-            Place::Upload => MemoryLocation::CpuToGpu,
-            Place::ReadBack => MemoryLocation::GpuToCpu,
+            MemoryKind::Device => MemoryLocation::GpuOnly,
+            MemoryKind::Upload => MemoryLocation::CpuToGpu,
+            MemoryKind::ReadBack => MemoryLocation::GpuToCpu,
         };
         let allocation = allocate(device, name, requirements, location, true).and_then(|memory| {
             // SAFETY: fresh memory that fits the buffer's requirements.
@@ -116,13 +116,13 @@ impl Buffer {
         self.size_bytes
     }
 
-    /// All of it.
+    /// Returns all of it.
     pub fn whole(&self) -> BufferSlice {
         let (raw, device) = (self.raw, self.device.id());
         BufferSlice { raw, device, offset_bytes: 0, size_bytes: self.size_bytes }
     }
 
-    /// What mapped memory holds now, as elements `range` of `T`; empty where there is none.
+    /// Returns what mapped memory holds now, as elements `range` of `T`; empty where there is none.
     /// The caller knows by a tick that the GPU is done writing.
     pub fn read<T: Pod>(&self, range: Range<usize>) -> &[T] {
         let size = size_of::<T>();
@@ -131,7 +131,7 @@ impl Buffer {
         bytemuck::try_cast_slice(bytes).unwrap_or(&[])
     }
 
-    /// The mapped bytes, for the upload arena.
+    /// Returns the mapped bytes, for the upload arena.
     pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
         self.allocation.as_mut().and_then(Allocation::mapped_slice_mut).unwrap_or(&mut [])
     }
@@ -140,7 +140,7 @@ impl Buffer {
 impl Drop for Buffer {
     fn drop(&mut self) {
         if let Some(allocation) = self.allocation.take() {
-            self.device.retire(Garbage::Buffer(self.raw, allocation));
+            self.device.retire(Retired::Buffer(self.raw, allocation));
         }
     }
 }

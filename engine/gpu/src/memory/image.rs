@@ -3,7 +3,7 @@
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 
-use crate::core::deletion::Garbage;
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::memory::buffer::{allocate, free};
@@ -18,8 +18,8 @@ pub(crate) struct Image {
 }
 
 impl Image {
-    /// An image of this size. The formats are that of its memory and that of its view; the size is
-    /// within the device's limits.
+    /// Creates an image of this size. The formats are that of its memory and that of its view; the
+    /// size is within the device's limits.
     pub(crate) fn new(
         device: &Device,
         name: &str,
@@ -38,7 +38,7 @@ impl Image {
         Self::with_view(device, name, &info, view)
     }
 
-    /// A 2D array of so many levels and layers, all within the device's limits, of colours.
+    /// Returns a 2D array of so many levels and layers, all within the device's limits, of colours.
     pub(crate) fn array(
         device: &Device,
         name: &str,
@@ -141,7 +141,7 @@ fn bind_and_view(
 impl Drop for Image {
     fn drop(&mut self) {
         if let Some(allocation) = self.allocation.take() {
-            self.device.retire(Garbage::Image(self.raw, self.view, allocation));
+            self.device.retire(Retired::Image(self.raw, self.view, allocation));
         }
     }
 }

@@ -1,9 +1,10 @@
-//! Pictures on their way to the CPU: mapped memory that is read only while the GPU does not write it.
+//! Pictures on their way to the CPU: mapped memory that is read only while the GPU does not write
+//! it.
 //!
 //! The commands that copy a picture leave a [`Ticket`], which learns their tick when they are
 //! submitted. Until that tick is over nothing can be read, and while somebody reads nothing can be
-//! recorded that writes: no thread ever sees half a picture. Of the frames that are open at once, one
-//! may copy a picture to the same place.
+//! recorded that writes: no thread ever sees half a picture. Of the frames that are open at once,
+//! one may copy a picture to the same place.
 
 use std::ops::Deref;
 use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard};
@@ -13,7 +14,7 @@ use ash::vk;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::of_device;
-use crate::memory::buffer::{Buffer, BufferSlice, Place};
+use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::commands::{Commands, Failure};
 use crate::record::ticket::Ticket;
 
@@ -50,7 +51,7 @@ impl Readback {
     pub fn new(device: &Device, size: [u32; 2]) -> Result<Self, Error> {
         let size_bytes = u64::from(size[0]) * u64::from(size[1]) * 4;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let buffer = Buffer::new(device, "picture", size_bytes, usage, Place::ReadBack)?;
+        let buffer = Buffer::new(device, "picture", size_bytes, usage, MemoryKind::ReadBack)?;
         Ok(Self { device: device.clone(), buffer, size, newest: RwLock::new(None) })
     }
 
@@ -59,14 +60,14 @@ impl Readback {
         self.size
     }
 
-    /// Returns the picture of the newest frame that was recorded to copy one here: rows from the top,
-    /// four bytes a pixel, sRGB. Never waits. As long as the pixels are held, a frame that would copy
-    /// another picture here fails.
+    /// Returns the picture of the newest frame that was recorded to copy one here: rows from the
+    /// top, four bytes a pixel, sRGB. Never waits. As long as the pixels are held, a frame that
+    /// would copy another picture here fails.
     ///
     /// # Errors
-    /// [`Error::NoPicture`] as long as that frame is not over, for ever if it is never submitted, and
-    /// before the first; a lost device. [`Device::completed`] tells when the tick of a frame is over,
-    /// [`Device::drain`] waits for it.
+    /// [`Error::NoPicture`] as long as that frame is not over, for ever if it is never submitted,
+    /// and before the first; a lost device. [`Device::completed`] tells when the tick of a frame is
+    /// over, [`Device::drain`] waits for it.
     pub fn rgba8(&self) -> Result<Pixels<'_>, Error> {
         let newest = self.newest.read().unwrap_or_else(PoisonError::into_inner);
         let tick = newest.as_ref().and_then(|ticket| ticket.tick()).ok_or(Error::NoPicture)?;
@@ -86,8 +87,8 @@ impl Readback {
             return None;
         };
         let ticket = commands.ticket();
-        // Frames may be submitted in another order than they were recorded in: of two that copy here,
-        // the older one could overwrite what is read after the newer one.
+        // Frames may be submitted in another order than they were recorded in: of two that copy
+        // here, the older one could overwrite what is read after the newer one.
         let is_pending = |older: &Arc<Ticket>| !Arc::ptr_eq(older, &ticket) && older.is_pending();
         if newest.as_ref().is_some_and(is_pending) {
             commands.fail(Failure::Wrong("a picture is copied by two frames that are both open"));

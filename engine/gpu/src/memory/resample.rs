@@ -3,10 +3,10 @@
 
 use ash::vk;
 
-/// `rgba8` (rows from the top, four bytes a pixel, `from` pixels) at the size `to`: what is made smaller is
-/// the mean of the area that each pixel covers, what is enlarged is interpolated linearly between the
-/// middles of pixels. Colours of an sRGB `format` are mixed as light, all other numbers as they are.
-/// Empty where there is nothing to read or to write, or too few bytes.
+/// `rgba8` (rows from the top, four bytes a pixel, `from` pixels) at the size `to`: what is made
+/// smaller is the mean of the area that each pixel covers, what is enlarged is interpolated
+/// linearly between the middles of pixels. Colours of an sRGB `format` are mixed as light, all
+/// other numbers as they are. Empty where there is nothing to read or to write, or too few bytes.
 #[must_use]
 pub fn resampled(rgba8: &[u8], from: [u32; 2], to: [u32; 2], format: vk::Format) -> Vec<u8> {
     let [from_width, from_height] = from.map(|side| side as usize);
@@ -59,7 +59,7 @@ impl Span {
     }
 }
 
-/// What each of `to` elements is made of, out of `from` in a row; neither is 0.
+/// Returns what each of `to` elements is made of, out of `from` in a row; neither is 0.
 fn spans(from: usize, to: usize) -> Vec<Span> {
     let scale = from as f32 / to as f32;
     let larger = |place: usize| {
@@ -85,7 +85,7 @@ fn spans(from: usize, to: usize) -> Vec<Span> {
     }
 }
 
-/// The light that each byte of a colour stands for.
+/// Returns the light that each byte of a colour stands for.
 fn decoding(format: vk::Format) -> [f32; 256] {
     std::array::from_fn(|byte| {
         let value = byte as f32 / 255.0;

@@ -1,14 +1,14 @@
-//! Texture arrays: images of one size and one sampler with all their mip maps, filled layer by layer
-//! while a scene is loaded, on whatever thread.
+//! Texture arrays: images of one size and one sampler with all their mip maps, filled layer by
+//! layer while a scene is loaded, on whatever thread.
 
 use ash::vk;
 
 use crate::core::capabilities::Optional;
-use crate::core::deletion::Garbage;
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
-use crate::memory::buffer::{Buffer, Place};
+use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::memory::image::Image;
 use crate::memory::resample::resampled;
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
@@ -45,8 +45,8 @@ pub struct TextureArrayInfo<'a> {
     pub minified: vk::Filter,
     /// How its mip maps are mixed; `None` makes none.
     pub between_levels: Option<vk::SamplerMipmapMode>,
-    /// The most samples along the direction in which a surface is seen at a grazing angle; from 1 on,
-    /// cut to what the device has, 1 without [`Optional::Anisotropy`] or linear filters.
+    /// The most samples along the direction in which a surface is seen at a grazing angle; from 1
+    /// on, cut to what the device has, 1 without [`Optional::Anisotropy`] or linear filters.
     pub anisotropy: f32,
     /// Who makes the mip maps.
     pub mip_making: MipMaking,
@@ -72,8 +72,8 @@ struct Layer {
     kept: Vec<u8>,
 }
 
-/// Brings images to texture arrays through memory of bounded size. Each call waits for its copy, on the
-/// thread that makes it: a loading thread may fill arrays while another one draws frames.
+/// Brings images to texture arrays through memory of bounded size. Each call waits for its copy, on
+/// the thread that makes it: a loading thread may fill arrays while another one draws frames.
 pub struct TextureUploads {
     device: Device,
     staging: Buffer,
@@ -134,12 +134,12 @@ impl TextureArray {
         self.size
     }
 
-    /// How many layers it has.
+    /// Returns how many layers it has.
     pub fn layers(&self) -> u32 {
         self.layers.len() as u32
     }
 
-    /// Whether all layers were written.
+    /// Returns true if all layers were written.
     pub fn is_filled(&self) -> bool {
         self.layers.iter().all(|layer| layer.rows == self.size[1])
     }
@@ -217,8 +217,8 @@ impl TextureArray {
                 .src_offsets(corner(level - 1))
                 .dst_subresource(level_of(layer, level))
                 .dst_offsets(corner(level));
-            // SAFETY: the format can be blitted linearly, checked when the array was made; both levels
-            // are in the layouts named.
+            // SAFETY: the format can be blitted linearly, checked when the array was made; both
+            // levels are in the layouts named.
             unsafe {
                 commands.device().raw().cmd_blit_image(
                     commands.raw(),
@@ -254,17 +254,18 @@ impl TextureUploads {
     /// No memory.
     pub fn new(device: &Device) -> Result<Self, Error> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
-        let staging = Buffer::new(device, "texture staging", STAGING_BYTES, usage, Place::Upload)?;
+        let staging =
+            Buffer::new(device, "texture staging", STAGING_BYTES, usage, MemoryKind::Upload)?;
         Ok(Self { device: device.clone(), staging })
     }
 
-    /// Writes the next rows of a layer, from its top on: four bytes a pixel, whole rows. With the last of
-    /// them the layer's mip maps are made. So a loader can bring images a piece at a time.
+    /// Writes the next rows of a layer, from its top on: four bytes a pixel, whole rows. With the
+    /// last of them the layer's mip maps are made. So a loader can bring images a piece at a time.
     ///
     /// # Errors
-    /// [`Error::WrongCommands`] for a layer that is not there, for bytes that are no whole rows or more than
-    /// are left; [`Error::Foreign`] for an array of another device; a failed call. What was written
-    /// before stays.
+    /// [`Error::WrongCommands`] for a layer that is not there, for bytes that are no whole rows or
+    /// more than are left; [`Error::Foreign`] for an array of another device; a failed call. What
+    /// was written before stays.
     pub fn write_rows(
         &mut self,
         array: &mut TextureArray,
@@ -429,6 +430,6 @@ fn create_sampler(device: &Device, info: &TextureArrayInfo<'_>) -> Result<vk::Sa
 
 impl Drop for TextureArray {
     fn drop(&mut self) {
-        self.device.retire(Garbage::Sampler(self.sampler));
+        self.device.retire(Retired::Sampler(self.sampler));
     }
 }

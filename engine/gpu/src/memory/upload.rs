@@ -1,11 +1,12 @@
-//! Per-frame upload memory: written by the CPU while a frame is recorded, forgotten when it is over.
+//! Per-frame upload memory: written by the CPU while a frame is recorded, forgotten when it is
+//! over.
 
 use ash::vk;
 use bytemuck::Pod;
 
 use crate::core::device::Device;
 use crate::core::error::Error;
-use crate::memory::buffer::{Buffer, BufferSlice, Place};
+use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 
 /// A linear arena in mapped memory. After the first frames it is one chunk and allocates nothing.
 pub struct Uploads {
@@ -85,7 +86,7 @@ impl Uploads {
             | vk::BufferUsageFlags::VERTEX_BUFFER
             | vk::BufferUsageFlags::INDEX_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC;
-        let chunk = Buffer::new(&self.device, &self.name, size_bytes, usage, Place::Upload)?;
+        let chunk = Buffer::new(&self.device, &self.name, size_bytes, usage, MemoryKind::Upload)?;
         self.chunks.push(chunk);
         self.used_bytes = 0;
         Ok(())

@@ -19,9 +19,9 @@ type SetExitHandler =
 
 /// The connection of a window to its display.
 ///
-/// A connection of Xlib that breaks ends the process with everything that it has not written yet. With
-/// a link it does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] says so, and the program
-/// ends by itself.
+/// A connection of Xlib that breaks ends the process with everything that it has not written yet.
+/// With a link it does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] says so, and
+/// the program ends by itself.
 #[derive(Clone, Copy, Debug)]
 pub struct DisplayLink(&'static AtomicBool);
 
@@ -29,8 +29,9 @@ impl DisplayLink {
     /// Watches the connection of `display`: of a window, or of an event loop. Connections of other
     /// systems, and of an Xlib before 1.7, are not watched: the link is never lost.
     ///
-    /// Replaces Xlib's handler of broken connections, of which the process has one: that of a host is not
-    /// called any more. Connections that are not watched still end the process, without Xlib's message.
+    /// Replaces Xlib's handler of broken connections, of which the process has one: that of a host
+    /// is not called any more. Connections that are not watched still end the process, without
+    /// Xlib's message.
     pub fn watch(display: &impl HasDisplayHandle) -> Self {
         // Never freed: the display keeps the pointer until its owner closes it.
         let is_lost: &'static AtomicBool = Box::leak(Box::default());
@@ -42,8 +43,9 @@ impl DisplayLink {
         if let Some((set_error_handler, set_exit_handler)) = loaded() {
             let pointer = std::ptr::from_ref(is_lost).cast_mut().cast();
             // SAFETY: a display that is open, as who has the handle promises; `note_loss` takes the
-            // pointer for what it is, which lives as long as the program. Xlib's own error handler ends
-            // the process before the exit handler is called; connections without a link still end it.
+            // pointer for what it is, which lives as long as the program. Xlib's own error handler
+            // ends the process before the exit handler is called; connections without a link still
+            // end it.
             unsafe {
                 set_exit_handler(display.as_ptr(), note_loss, pointer);
                 set_error_handler(go_on);

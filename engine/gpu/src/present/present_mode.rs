@@ -1,4 +1,5 @@
-//! How pictures follow each other on the screen, and what comes nearest where a driver has not all ways.
+//! How pictures follow each other on the screen, and what comes nearest where a driver has not all
+//! ways.
 
 use ash::vk;
 
@@ -40,7 +41,7 @@ impl PresentMode {
         }
     }
 
-    /// The mode of that name.
+    /// Returns the mode of that name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|mode| mode.name() == name)
     }
@@ -57,7 +58,8 @@ impl PresentMode {
         order.iter().copied().find(|mode| offered.contains(mode)).unwrap_or(PresentMode::Fifo)
     }
 
-    /// Whether each picture waits for its refresh, so that presenting may have to wait for the screen.
+    /// Returns true if each picture waits for its refresh, so that presenting may have to wait for
+    /// the screen.
     pub fn is_queued(self) -> bool {
         matches!(self, PresentMode::Fifo | PresentMode::FifoRelaxed)
     }

@@ -40,7 +40,8 @@ pub(crate) struct SurfaceShared {
 }
 
 impl Surface {
-    /// A surface for `window`, which belongs to the window system that the instance was made for.
+    /// Creates a surface for `window`, which belongs to the window system that the instance was
+    /// made for.
     ///
     /// # Errors
     /// [`Error::NoDisplay`] where the window or its connection is gone; [`Error::NoWindows`] for an
@@ -80,13 +81,13 @@ impl Surface {
         &self.shared.instance
     }
 
-    /// How many hold it, and with it the window: clones, swapchains, and what those left that GPU and
-    /// presentation engine are not done with.
+    /// Returns how many hold it, and with it the window: clones, swapchains, and what those left
+    /// that GPU and presentation engine are not done with.
     pub fn holders(&self) -> usize {
         Arc::strong_count(&self.shared)
     }
 
-    /// The present modes that `device` has for this window.
+    /// Returns the present modes that `device` has for this window.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a device of another instance; a failed call; among them a window that
@@ -124,7 +125,8 @@ impl Surface {
         }
     }
 
-    /// Whether `device` can show anything in the window, which it cannot once the window is gone.
+    /// Returns whether `device` can show anything in the window, which it cannot once the window is
+    /// gone.
     pub(crate) fn is_there(&self, device: &Device) -> Result<bool, Error> {
         let (physical, family) = (device.adapter().physical, device.queue_family());
         // SAFETY: device and surface are of one instance, the family is the device's own.
@@ -137,7 +139,8 @@ impl Surface {
         }
     }
 
-    /// Whether presenting in a queued mode may wait for a compositor that shows the window to nobody.
+    /// Returns true if presenting in a queued mode may wait for a compositor that shows the window
+    /// to nobody.
     pub(crate) fn may_hold_presents(&self) -> bool {
         self.shared.is_wayland
     }
@@ -146,8 +149,8 @@ impl Surface {
         self.shared.raw
     }
 
-    /// The first queue family of `adapter` that draws, computes and presents to this surface, and how
-    /// many bits its timestamps have.
+    /// Returns the first queue family of `adapter` that draws, computes and presents to this
+    /// surface, and how many bits its timestamps have.
     fn presenting_family(&self, adapter: &Adapter) -> Result<Option<(u32, u32)>, Error> {
         let raw = &self.shared.instance.raw;
         // SAFETY: an adapter of this instance.
@@ -194,7 +197,8 @@ fn functions(instance: &InstanceShared) -> Result<&WindowFunctions, Error> {
 
 impl Drop for SurfaceShared {
     fn drop(&mut self) {
-        // SAFETY: every swapchain of the surface holds it, so none is left; window and instance are.
+        // SAFETY: every swapchain of the surface holds it, so none is left; window and instance
+        // are.
         unsafe { self.functions.destroy_surface(self.raw, None) };
     }
 }

@@ -6,9 +6,9 @@ use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::commands::Commands;
 use crate::record::target::Target;
 
-/// Copies the picture of `target` to an image of a window, byte for byte where their sizes are equal. A picture
-/// of another shape keeps its proportions, in the middle between black borders. Leaves the target
-/// as it was, since these commands may never be submitted.
+/// Copies the picture of `target` to an image of a window, byte for byte where their sizes are
+/// equal. A picture of another shape keeps its proportions, in the middle between black borders.
+/// Leaves the target as it was, since these commands may never be submitted.
 pub(crate) fn copy_to_window(
     target: &Target,
     commands: &Commands,

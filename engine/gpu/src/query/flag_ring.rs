@@ -9,9 +9,9 @@ use crate::core::error::Error;
 use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::tick::Tick;
 use crate::memory::buffer::BufferSlice;
-use crate::query::predicates::WordSource;
+use crate::query::predicates::ResultSource;
+use crate::query::result_buffer::ResultBuffer;
 use crate::query::ring::Ring;
-use crate::query::words::Words;
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
 
@@ -19,8 +19,8 @@ use crate::record::frames::Frame;
 /// ring does not look into it.
 pub struct FlagRing<T> {
     device: Device,
-    ring: Ring<T, Option<Words>>,
-    source: WordSource,
+    ring: Ring<T, Option<ResultBuffer>>,
+    source: ResultSource,
     name: String,
 }
 
@@ -34,7 +34,7 @@ impl<T> OfDevice for FlagRing<T> {
 
 impl<T: Copy> FlagRing<T> {
     /// Makes a ring for `frames_in_flight` frames whose words `source` writes.
-    pub fn new(device: &Device, frames_in_flight: usize, source: WordSource, name: &str) -> Self {
+    pub fn new(device: &Device, frames_in_flight: usize, source: ResultSource, name: &str) -> Self {
         let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
         Self { device, ring, source, name: name.to_owned() }
     }
@@ -70,7 +70,8 @@ impl<T: Copy> FlagRing<T> {
         if slot.memory.as_ref().is_none_or(|words| !words.holds(wanted)) {
             let name = format!("{} {}", self.name, slot.number);
             slot.memory = None; // retired: the slot's own tick is over
-            slot.memory = Some(Words::new(&self.device, &name, Words::roomy(wanted))?);
+            slot.memory =
+                Some(ResultBuffer::new(&self.device, &name, ResultBuffer::roomy(wanted))?);
         }
         if let Some(words) = &slot.memory {
             frame.commands().fill(words.first(wanted), 0);
@@ -78,7 +79,8 @@ impl<T: Copy> FlagRing<T> {
         Ok(())
     }
 
-    /// Returns the words that shaders set, one per tag of the frame being recorded; none without tags.
+    /// Returns the words that shaders set, one per tag of the frame being recorded; none without
+    /// tags.
     pub fn words(&self) -> Option<BufferSlice> {
         let slot = self.ring.current();
         let words = slot.memory.as_ref().filter(|_| !slot.tags.is_empty())?;

@@ -1,11 +1,11 @@
 //! Rings that ask the GPU and get answers frames later, and draws that hang on what it says.
 
+pub(crate) mod blocking_query_pool;
 pub(crate) mod flag_ring;
+pub(crate) mod leaf_draw_ring;
 pub(crate) mod occlusion_pool;
-pub(crate) mod part_draws;
 pub(crate) mod predicates;
-pub(crate) mod query_pages;
 pub(crate) mod query_ring;
-pub(crate) mod recorded;
+pub(crate) mod recorded_queries;
+pub(crate) mod result_buffer;
 pub(crate) mod ring;
-pub(crate) mod words;

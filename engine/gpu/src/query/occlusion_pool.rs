@@ -5,12 +5,12 @@ use std::ops::Range;
 use ash::vk;
 
 use crate::core::capabilities::Optional;
-use crate::core::deletion::Garbage;
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::memory::buffer::BufferSlice;
-use crate::query::recorded::Recorded;
-use crate::query::words::WORD_BYTES;
+use crate::query::recorded_queries::RecordedQueries;
+use crate::query::result_buffer::WORD_BYTES;
 use crate::record::commands::{Commands, Failure};
 
 /// A query of the frame being recorded.
@@ -45,8 +45,8 @@ impl OcclusionPool {
         Ok(Self { device: device.clone(), raw, capacity })
     }
 
-    /// Makes the first `count` queries ready to be begun. Outside of rendering; the tick of the frame
-    /// that used them before is over.
+    /// Makes the first `count` queries ready to be begun. Outside of rendering; the tick of the
+    /// frame that used them before is over.
     pub(crate) fn reset(&self, commands: &Commands, count: u32) {
         let count = count.min(self.capacity);
         if count > 0 {
@@ -62,7 +62,7 @@ impl OcclusionPool {
         commands: &Commands,
         query: u32,
         counting: Counting,
-        (recorded, number): (&Recorded, u32),
+        (recorded, number): (&RecordedQueries, u32),
         record: impl FnOnce(&Commands),
     ) {
         if !recorded.note(number) {
@@ -84,8 +84,8 @@ impl OcclusionPool {
         unsafe { raw.cmd_end_query(commands.raw(), self.raw, query) };
     }
 
-    /// Copies the results of `queries`, all of which were recorded, on the GPU to `to`, one word each.
-    /// Outside of rendering.
+    /// Copies the results of `queries`, all of which were recorded, on the GPU to `to`, one word
+    /// each. Outside of rendering.
     pub(crate) fn copy_results(&self, commands: &Commands, queries: Range<u32>, to: BufferSlice) {
         // WAIT is the GPU's own wait for its earlier commands, not the CPU's.
         let flags = vk::QueryResultFlags::WAIT;
@@ -109,7 +109,7 @@ impl OcclusionPool {
 /// Makes the recording fail unless all of `queries` were recorded: the GPU would wait for ever.
 pub(crate) fn check_recorded(
     commands: &Commands,
-    recorded: &Recorded,
+    recorded: &RecordedQueries,
     queries: Range<u32>,
 ) -> bool {
     let are_recorded = recorded.has_all(queries);
@@ -121,6 +121,6 @@ pub(crate) fn check_recorded(
 
 impl Drop for OcclusionPool {
     fn drop(&mut self) {
-        self.device.retire(Garbage::QueryPool(self.raw));
+        self.device.retire(Retired::QueryPool(self.raw));
     }
 }

@@ -1,10 +1,10 @@
 //! The query ring: occlusion queries over N frames in flight whose answers never make anyone wait.
 //!
 //! A slot belongs to one frame until its tick is over. While the frame runs, the GPU itself copies
-//! the results: to a buffer that predicates read in the same frame, and from there to mapped memory,
-//! where the CPU picks them up in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The results are
-//! believed because of the tick, not because of an availability word: SwiftShader may write that
-//! word too early.
+//! the results: to a buffer that predicates read in the same frame, and from there to mapped
+//! memory, where the CPU picks them up in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The
+//! results are believed because of the tick, not because of an availability word: SwiftShader may
+//! write that word too early.
 
 use std::ops::Range;
 
@@ -14,9 +14,9 @@ use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::tick::Tick;
 use crate::memory::buffer::BufferSlice;
 use crate::query::occlusion_pool::{Counting, OcclusionPool, QueryIndex, check_recorded};
-use crate::query::recorded::Recorded;
+use crate::query::recorded_queries::RecordedQueries;
+use crate::query::result_buffer::{ResultBuffer, WORD_BYTES};
 use crate::query::ring::Ring;
-use crate::query::words::{WORD_BYTES, Words};
 use crate::record::access::Access;
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
@@ -27,7 +27,7 @@ pub struct QueryRing<T> {
     device: Device,
     ring: Ring<T, Option<Queries>>,
     /// Those of the frame being recorded.
-    recorded: Recorded,
+    recorded: RecordedQueries,
     name: String,
     counting: Counting,
 }
@@ -35,7 +35,7 @@ pub struct QueryRing<T> {
 /// The Vulkan side of a slot.
 struct Queries {
     pool: OcclusionPool,
-    results: Words,
+    results: ResultBuffer,
 }
 
 impl<T> OfDevice for QueryRing<T> {
@@ -55,7 +55,7 @@ impl<T: Copy> QueryRing<T> {
         Ok(Self {
             device: device.clone(),
             ring: Ring::new(frames_in_flight),
-            recorded: Recorded::default(),
+            recorded: RecordedQueries::default(),
             name: name.to_owned(),
             counting: Counting::Some,
         })
@@ -92,7 +92,7 @@ impl<T: Copy> QueryRing<T> {
         if slot.memory.as_ref().is_none_or(|queries| !queries.results.holds(tags.len())) {
             let name = format!("{} {}", self.name, slot.number);
             slot.memory = None; // retired: the slot's own tick is over
-            slot.memory = Some(Queries::new(&self.device, Words::roomy(tags.len()), &name)?);
+            slot.memory = Some(Queries::new(&self.device, ResultBuffer::roomy(tags.len()), &name)?);
         }
         let wanted = u32::try_from(tags.len()).unwrap_or(u32::MAX);
         self.recorded.restart(wanted);
@@ -116,8 +116,8 @@ impl<T: Copy> QueryRing<T> {
     }
 
     /// Copies the results of queries `range` on the GPU to [`QueryRing::results`], one 32-bit word
-    /// each. All of them have been recorded, or the recording fails; outside of rendering. A barrier
-    /// from [`Access::CopyWrite`] to the use must follow.
+    /// each. All of them have been recorded, or the recording fails; outside of rendering. A
+    /// barrier from [`Access::CopyWrite`] to the use must follow.
     pub fn resolve(&self, commands: &Commands, range: Range<u32>) {
         let Some(queries) = self.begun(commands) else {
             return;
@@ -159,7 +159,7 @@ impl<T: Copy> QueryRing<T> {
 
 impl Queries {
     fn new(device: &Device, capacity: usize, name: &str) -> Result<Self, Error> {
-        let results = Words::new(device, &format!("{name} results"), capacity)?;
+        let results = ResultBuffer::new(device, &format!("{name} results"), capacity)?;
         let capacity = u32::try_from(capacity).unwrap_or(u32::MAX);
         Ok(Self { pool: OcclusionPool::new(device, capacity, name)?, results })
     }

@@ -45,8 +45,8 @@ impl<T, M: Default> Ring<T, M> {
         self.slots.iter_mut()
     }
 
-    /// Gives `answer` every slot whose frame is over, once, oldest first: a history should see answers
-    /// in the order of their frames.
+    /// Gives `answer` every slot whose frame is over, once, oldest first: a history should see
+    /// answers in the order of their frames.
     pub(crate) fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&Slot<T, M>)) {
         loop {
             let is_over = |slot: &&mut Slot<T, M>| slot.in_flight.is_some_and(|it| it <= completed);

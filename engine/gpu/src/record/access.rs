@@ -63,7 +63,7 @@ impl Access {
         Access::Any,
     ];
 
-    /// The row of the table: stages, reads, writes, and the layout an image must have.
+    /// Returns the row of the table: stages, reads, writes, and the layout an image must have.
     fn row(self) -> Row {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
         let none = A::NONE;
@@ -120,7 +120,7 @@ impl Access {
         Row { stages, reads, writes, layout }
     }
 
-    /// The layout an image has during this access.
+    /// Returns the layout an image has during this access.
     pub fn layout(self) -> vk::ImageLayout {
         self.row().layout
     }
@@ -147,8 +147,8 @@ pub struct MemoryBarrier {
 }
 
 impl MemoryBarrier {
-    /// The barrier between two lists of accesses. Reads need no flush, so a read before a write
-    /// costs only an execution dependency (Vulkan specification, "Access Types").
+    /// Returns the barrier between two lists of accesses. Reads need no flush, so a read before a
+    /// write costs only an execution dependency (Vulkan specification, "Access Types").
     pub fn between(from: &[Access], to: &[Access]) -> Self {
         let mut barrier = Self {
             from_stages: vk::PipelineStageFlags2::NONE,

@@ -66,7 +66,7 @@ impl Commands {
         self.raw
     }
 
-    /// Where the sets that these commands bind are taken from.
+    /// Returns where the sets that these commands bind are taken from.
     pub(crate) fn descriptors(&self) -> vk::DescriptorPool {
         self.descriptors
     }
@@ -91,7 +91,7 @@ impl Commands {
         }
     }
 
-    /// The first failure while recording, which [`crate::Frame::submit`] reports.
+    /// Keeps the first failure while recording, which [`crate::Frame::submit`] reports.
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self.failed.get() {
             None => Ok(()),
@@ -126,8 +126,8 @@ impl Commands {
         }
     }
 
-    /// Whether nothing has failed. What could not be bound must not be drawn with; the recording goes
-    /// nowhere then, [`Commands::check`] sees to that.
+    /// Returns true if nothing has failed. What could not be bound must not be drawn with; the
+    /// recording goes nowhere then, [`Commands::check`] sees to that.
     pub(crate) fn is_sound(&self) -> bool {
         self.failed.get().is_none()
     }
@@ -242,8 +242,8 @@ impl Commands {
         unsafe { raw.cmd_end_rendering(self.raw) };
     }
 
-    /// Draws nothing outside of `size` pixels from `origin` on, within the target, until the rendering
-    /// ends or this is said again.
+    /// Draws nothing outside of `size` pixels from `origin` on, within the target, until the
+    /// rendering ends or this is said again.
     pub fn clip(&self, origin: [u32; 2], size: [u32; 2]) {
         let offset = vk::Offset2D { x: origin[0] as i32, y: origin[1] as i32 };
         let area = vk::Rect2D { offset, extent: vk::Extent2D { width: size[0], height: size[1] } };
@@ -294,7 +294,7 @@ fn foreign(thing: &'static str) -> Error {
     Error::Foreign { thing, user: "commands (`Commands`)", owner: "Device" }
 }
 
-/// How a rendering begins and ends for an image, and what it is cleared to.
+/// Returns how a rendering begins and ends for an image, and what it is cleared to.
 fn load_ops<T: Default>(load: Load<T>) -> (vk::AttachmentLoadOp, vk::AttachmentStoreOp, T) {
     use vk::{AttachmentLoadOp as L, AttachmentStoreOp as S};
     match load {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use crate::core::deletion::{Garbage, Recording};
+use crate::core::deletion::{Recording, Retired};
 use crate::core::device::{Device, Order};
 use crate::core::error::{Called, Error};
 use crate::core::tick::Tick;
@@ -17,7 +17,7 @@ use crate::record::timing::{FrameTimer, PassTime, PassTimer};
 
 /// Whether the passes of a frame are timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Turn {
+pub(super) enum SlotTiming {
     Timed,
     Untimed,
 }
@@ -37,7 +37,7 @@ pub(super) struct Slot {
     pub(super) pass_times: Vec<PassTime>,
     /// Whether the timer holds the times of a whole frame: one that was given up leaves none.
     pub(super) is_timed: bool,
-    pub(super) turn: Turn,
+    pub(super) timing: SlotTiming,
     pub(super) whole: FrameTimer,
     pub(super) tick: Tick,
 }
@@ -52,7 +52,7 @@ impl Slot {
         let buffer = allocate_commands(device, pool, &name);
         let made = buffer.and_then(|buffer| Ok((buffer, create_descriptor_pool(device, &name)?)));
         let (buffer, descriptors) =
-            made.inspect_err(|_| device.retire(Garbage::CommandPool(pool)))?;
+            made.inspect_err(|_| device.retire(Retired::CommandPool(pool)))?;
         Ok(Self {
             device: device.clone(),
             pool,
@@ -65,14 +65,18 @@ impl Slot {
             timer: None,
             pass_times: Vec::new(),
             is_timed: false,
-            turn: Turn::Timed,
+            timing: SlotTiming::Timed,
             whole: FrameTimer::default(),
             tick: Tick::ZERO,
         })
     }
 
     /// Makes the slot ready to record; its tick is over.
-    pub(super) fn restart(&mut self, recording: Recording, turn: Turn) -> Result<(), Error> {
+    pub(super) fn restart(
+        &mut self,
+        recording: Recording,
+        timing: SlotTiming,
+    ) -> Result<(), Error> {
         let raw = self.device.raw();
         // SAFETY: the slot's tick is over, so nothing of it is in use.
         unsafe {
@@ -87,15 +91,15 @@ impl Slot {
             && std::mem::take(&mut self.is_timed)
         {
             timer.read(&mut self.pass_times);
-        } else if self.turn == Turn::Untimed {
+        } else if self.timing == SlotTiming::Untimed {
             self.pass_times.clear();
         }
-        self.turn = turn;
+        self.timing = timing;
         self.whole.read(self.tick);
         self.uploads.reset()?;
         self.piece = 0;
         let (buffer, descriptors) = self.begin_piece()?;
-        let timer = self.timer.clone().filter(|_| self.turn == Turn::Timed);
+        let timer = self.timer.clone().filter(|_| self.timing == SlotTiming::Timed);
         self.commands = Commands::new(&self.device, buffer, recording, descriptors, timer.clone());
         if let Some(timer) = &timer {
             timer.reset(self.commands.raw());
@@ -132,8 +136,8 @@ impl Slot {
 impl Drop for Slot {
     fn drop(&mut self) {
         for pool in &self.descriptors {
-            self.device.retire(Garbage::DescriptorPool(*pool));
+            self.device.retire(Retired::DescriptorPool(*pool));
         }
-        self.device.retire(Garbage::CommandPool(self.pool));
+        self.device.retire(Retired::CommandPool(self.pool));
     }
 }

@@ -11,7 +11,7 @@ use crate::core::timeline::Timeline;
 use crate::memory::upload::Uploads;
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
-use crate::record::frame_slot::{Slot, Turn};
+use crate::record::frame_slot::{Slot, SlotTiming};
 use crate::record::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
 
 /// A slot of the ring: what one frame in flight holds.
@@ -39,7 +39,7 @@ pub struct Frame<'ring> {
 }
 
 impl FrameRing {
-    /// A ring of `frames_in_flight` slots (at least one), without timing.
+    /// Creates a ring of `frames_in_flight` slots (at least one), without timing.
     ///
     /// # Errors
     /// A failed call.
@@ -87,8 +87,8 @@ impl FrameRing {
         is_timing.then_some(self.timed_interval)
     }
 
-    /// Lets frames be timed as a whole from now on, by two timestamps each: those that ask for it with
-    /// [`Frame::begin_timing`].
+    /// Lets frames be timed as a whole from now on, by two timestamps each: those that ask for it
+    /// with [`Frame::begin_timing`].
     ///
     /// # Errors
     /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
@@ -112,12 +112,12 @@ impl FrameRing {
         })
     }
 
-    /// The number of slots.
+    /// Returns the number of slots.
     pub fn frames_in_flight(&self) -> usize {
         self.slots.len()
     }
 
-    /// The slot of the next frame.
+    /// Returns the slot of the next frame.
     pub(crate) fn next_slot(&self) -> SlotIndex {
         SlotIndex(self.next)
     }
@@ -150,34 +150,34 @@ impl FrameRing {
         let waited = began.elapsed();
         self.device.free_retired()?;
         let recording = self.device.open_recording();
-        let turn = match self.begun.is_multiple_of(self.timed_interval) {
-            true => Turn::Timed,
-            false => Turn::Untimed,
+        let timing = match self.begun.is_multiple_of(self.timed_interval) {
+            true => SlotTiming::Timed,
+            false => SlotTiming::Untimed,
         };
         self.begun += 1;
-        slot.restart(recording.number, turn)?;
+        slot.restart(recording.number, timing)?;
         Ok(Frame { ring: self, slot: SlotIndex(index), waited, waits: 0, _recording: recording })
     }
 }
 
 impl Frame<'_> {
-    /// The slot of this frame. What belongs to the slot is free to use again.
+    /// Returns the slot of this frame. What belongs to the slot is free to use again.
     pub fn slot(&self) -> SlotIndex {
         self.slot
     }
 
-    /// How long [`FrameRing::begin`] waited for the frame that used this slot before, and
+    /// Returns how long [`FrameRing::begin`] waited for the frame that used this slot before, and
     /// [`Frame::wait`] for this one.
     pub fn waited(&self) -> Duration {
         self.waited
     }
 
-    /// How often [`Frame::wait`] had to wait.
+    /// Returns how often [`Frame::wait`] had to wait.
     pub fn waits(&self) -> u32 {
         self.waits
     }
 
-    /// What this frame records into.
+    /// Returns what this frame records into.
     pub fn commands(&self) -> &Commands {
         &self.ring.slots[self.slot.0].commands
     }
@@ -187,20 +187,21 @@ impl Frame<'_> {
         &mut self.ring.slots[self.slot.0].uploads
     }
 
-    /// The GPU times of the last whole frame that used this slot, N frames ago unless frames were given
-    /// up since. Empty without timing, and of a frame whose turn it was not.
+    /// Returns the GPU times of the last whole frame that used this slot, N frames ago unless
+    /// frames were given up since. Empty without timing, and of a frame whose turn it was not.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.ring.slots[self.slot.0].pass_times
     }
 
-    /// Times the rest of this frame, if its ring [times frames](FrameRing::time_frames); else, and if it
-    /// was begun already, nothing happens. Not inside of a pass.
+    /// Times the rest of this frame, if its ring [times frames](FrameRing::time_frames); else, and
+    /// if it was begun already, nothing happens. Not inside of a pass.
     pub fn begin_timing(&mut self) {
         let slot = &mut self.ring.slots[self.slot.0];
         slot.whole.begin(slot.commands.raw());
     }
 
-    /// The GPU time of the last frame that used this slot, if it was timed and not given up.
+    /// Returns the GPU time of the last frame that used this slot, if it was timed and not given
+    /// up.
     pub fn last_time(&self) -> Option<FrameTime> {
         self.ring.slots[self.slot.0].whole.newest()
     }
@@ -219,8 +220,8 @@ impl Frame<'_> {
         Ok(tick)
     }
 
-    /// Waits until `tick` of a piece that was flushed is over, within the device's bound. For methods
-    /// that cannot go on without an answer: it counts as [`crate::WaitCounts::other`].
+    /// Waits until `tick` of a piece that was flushed is over, within the device's bound. For
+    /// methods that cannot go on without an answer: it counts as [`crate::WaitCounts::other`].
     ///
     /// # Errors
     /// [`Error::Timeout`], a failed call.
@@ -250,7 +251,7 @@ impl Frame<'_> {
     pub(crate) fn submit_in_order(self, order: &Order<'_>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
         let mut has_stamps = slot.whole.end(slot.commands.raw());
-        let timer = slot.timer.as_ref().filter(|_| slot.turn == Turn::Timed);
+        let timer = slot.timer.as_ref().filter(|_| slot.timing == SlotTiming::Timed);
         if let Some(timer) = timer {
             timer.read_back(slot.commands.raw());
             has_stamps = true;

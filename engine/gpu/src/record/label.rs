@@ -15,7 +15,7 @@ impl Default for LabelName {
 }
 
 impl LabelName {
-    /// The label as a string that ends with a zero, or with the first zero in it.
+    /// Returns the label as a string that ends with a zero, or with the first zero in it.
     pub(crate) fn hold(&mut self, label: &str) -> &CStr {
         let length = label.len().min(BYTES - 1);
         self.0 = [0; BYTES];

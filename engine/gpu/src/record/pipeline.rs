@@ -3,7 +3,7 @@
 use ash::vk;
 
 use crate::core::capabilities::Optional;
-use crate::core::deletion::Garbage;
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
@@ -15,8 +15,8 @@ use crate::record::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 pub enum DepthMode {
     /// Nearer wins, and is stored.
     TestAndWrite,
-    /// As near or nearer passes, and is stored: the same depth in the end, but whoever is as near as it
-    /// counts as visible, whoever was first.
+    /// As near or nearer passes, and is stored: the same depth in the end, but whoever is as near
+    /// as it counts as visible, whoever was first.
     TestEqualAndWrite,
     /// As near or nearer passes; nothing is stored. Proxies use it: equal depth counts as visible.
     TestOnly,
@@ -47,8 +47,8 @@ pub enum Polygon {
     /// All of it.
     Filled,
     /// Its edges, a little nearer than it is. For devices with
-    /// [`Optional::Wires`](crate::Optional::Wires).
-    Wires,
+    /// [`Optional::Wireframe`](crate::Optional::Wireframe).
+    Wireframe,
 }
 
 /// How vertices lie in their buffer. An empty layout is for shaders that make up their vertices.
@@ -69,7 +69,8 @@ pub struct StorageLayout {
     pub buffers: u32,
     /// Sampled textures at the bindings after those.
     pub textures: u32,
-    /// Sampled [`TextureArray`](crate::TextureArray)s, an array of so many at the binding after those.
+    /// Sampled [`TextureArray`](crate::TextureArray)s, an array of so many at the binding after
+    /// those.
     pub texture_arrays: u32,
     /// Bytes of push constants.
     pub push_bytes: u32,
@@ -126,11 +127,11 @@ impl GraphicsPipeline {
     /// # Errors
     /// A failed call.
     pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
-        if info.polygon == Polygon::Wires && !device.capabilities().has(Optional::Wires) {
+        if info.polygon == Polygon::Wireframe && !device.capabilities().has(Optional::Wireframe) {
             return Err(Error::Unsupported {
                 device: device.adapter().name.clone(),
-                missing: Optional::Wires.name(),
-                wanted: "drawing wires",
+                missing: Optional::Wireframe.name(),
+                wanted: "drawing a wireframe",
             });
         }
         let stages = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
@@ -216,9 +217,9 @@ impl PipelineKind {
 
 impl Drop for PipelineKind {
     fn drop(&mut self) {
-        self.device.retire(Garbage::Pipeline(self.raw));
-        self.device.retire(Garbage::PipelineLayout(self.layout));
-        self.device.retire(Garbage::SetLayout(self.storage));
+        self.device.retire(Retired::Pipeline(self.raw));
+        self.device.retire(Retired::PipelineLayout(self.layout));
+        self.device.retire(Retired::SetLayout(self.storage));
     }
 }
 
@@ -265,7 +266,7 @@ fn create_graphics(
         vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let (mode, is_nearer) = match info.polygon {
         Polygon::Filled => (vk::PolygonMode::FILL, false),
-        Polygon::Wires => (vk::PolygonMode::LINE, true),
+        Polygon::Wireframe => (vk::PolygonMode::LINE, true),
     };
     let raster = vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(mode)
@@ -315,7 +316,7 @@ fn create_graphics(
         .map(|pipelines| pipelines.first().copied().unwrap_or_default())
 }
 
-/// The buffers of vertices and the attributes in them.
+/// Returns the buffers of vertices and the attributes in them.
 fn vertex_input(
     layout: &VertexLayout<'_>,
 ) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {

@@ -39,16 +39,16 @@ impl Spirv {
         self.words.iter().flat_map(|word| word.to_le_bytes()).collect()
     }
 
-    /// Returns the shader with these values, too, for specialisation constants of 32 bits, each id once.
-    /// Pipelines are compiled for them: what they switch off costs nothing. An id that the shader lacks
-    /// has no effect.
+    /// Returns the shader with these values, too, for specialisation constants of 32 bits, each id
+    /// once. Pipelines are compiled for them: what they switch off costs nothing. An id that the
+    /// shader lacks has no effect.
     #[must_use]
     pub fn specialised(&self, constants: &[(u32, u32)]) -> Self {
         Self { constants: [&self.constants, constants].concat(), ..self.clone() }
     }
 
-    /// Hands the module, with its constants, to `make` and destroys it after: pipelines do not need it
-    /// once made.
+    /// Hands the module, with its constants, to `make` and destroys it after: pipelines do not need
+    /// it once made.
     pub(crate) fn with_stage<R>(
         &self,
         device: &Device,

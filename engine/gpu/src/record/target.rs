@@ -15,8 +15,8 @@ use crate::record::render_target::{Load, RenderTarget};
 
 /// Colour: eight bits a channel, sRGB-encoded by the hardware.
 pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
-/// How colour lies in memory: the same bytes without a meaning, so that a window gets them unchanged
-/// in whichever order of channels it wants them.
+/// How colour lies in memory: the same bytes without a meaning, so that a window gets them
+/// unchanged in whichever order of channels it wants them.
 pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Depth: 32-bit float, reversed, so that precision is even over all distances.
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
@@ -38,7 +38,7 @@ pub struct Target {
 of_device!(Target: "a target (`Target`)");
 
 impl Target {
-    /// A target of `size` pixels.
+    /// Creates a target of `size` pixels.
     ///
     /// # Errors
     /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; no memory.
@@ -119,7 +119,7 @@ impl Target {
         self.depth_access = Access::Depth;
     }
 
-    /// What to draw to, starting from a colour and the far depth, or from what is there.
+    /// Returns what to draw to, starting from a colour and the far depth, or from what is there.
     pub fn render_target(&self, clear: Option<[f32; 4]>) -> RenderTarget {
         const FAR: f32 = 0.0; // reversed depth
         RenderTarget {
@@ -135,8 +135,8 @@ impl Target {
 
     /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`: 32-bit
     /// floats, rows from the top without gaps, an [`Access::CopyWrite`]. Too small a slice gets
-    /// nothing, and nothing is copied of an area that is not within the image. To draw on, prepare the
-    /// target again.
+    /// nothing, and nothing is copied of an area that is not within the image. To draw on, prepare
+    /// the target again.
     pub fn copy_depth_to(
         &mut self,
         commands: &Commands,
@@ -181,8 +181,8 @@ impl Target {
         }
     }
 
-    /// Copies the colour image to `readback`, of the same size, or the recording fails. The last use
-    /// of the target in a frame.
+    /// Copies the colour image to `readback`, of the same size, or the recording fails. The last
+    /// use of the target in a frame.
     pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
         if commands.admit(self).is_err() {
             return;
@@ -228,7 +228,7 @@ impl Target {
         self.is_submitted = self.recording.is_some();
     }
 
-    /// Whether the GPU has, or will have, a picture here.
+    /// Returns true if the GPU has, or will have, a picture here.
     pub(crate) fn has_picture(&self) -> bool {
         self.is_submitted
     }

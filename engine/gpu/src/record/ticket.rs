@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::core::tick::Tick;
 
-/// The tick of commands, known once they are submitted; 0 until then, and for ever if they never are.
+/// The tick of commands, known once they are submitted; 0 until then, and for ever if they never
+/// are.
 #[derive(Debug, Default)]
 pub(crate) struct Ticket(AtomicU64);
 

@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use ash::vk;
 
-use crate::core::deletion::Garbage;
+use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
+use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
-use crate::core::turns::lock;
-use crate::memory::buffer::{Buffer, Place};
+use crate::memory::buffer::{Buffer, MemoryKind};
 
 /// How long a pass took on the GPU.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +23,8 @@ pub struct PassTime {
     pub began_ns: u64,
 }
 
-/// How long a frame took on the GPU, from [`Frame::begin_timing`](crate::Frame::begin_timing) to its end.
+/// How long a frame took on the GPU, from [`Frame::begin_timing`](crate::Frame::begin_timing) to
+/// its end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameTime {
     /// Which frame.
@@ -55,7 +56,7 @@ impl PassTimer {
     pub(crate) fn new(device: &Device, name: &str, passes: u32) -> Result<Self, Error> {
         let size_bytes = u64::from(2 * passes) * 8;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let results = Buffer::new(device, name, size_bytes, usage, Place::ReadBack)?;
+        let results = Buffer::new(device, name, size_bytes, usage, MemoryKind::ReadBack)?;
         let info = vk::QueryPoolCreateInfo::default()
             .query_type(vk::QueryType::TIMESTAMP)
             .query_count(2 * passes);
@@ -87,7 +88,7 @@ impl PassTimer {
         }
     }
 
-    /// The time from the first stamp to the last of one pass, of a frame that is over.
+    /// Returns the time from the first stamp to the last of one pass, of a frame that is over.
     pub(crate) fn span_ms(&self) -> Option<f64> {
         let stamps = self.results.read::<u64>(0..2);
         let pair = stamps.first_chunk::<2>().filter(|_| !lock(&self.labels).is_empty())?;
@@ -198,12 +199,12 @@ enum Stage {
 }
 
 impl FrameTimer {
-    /// One that can: by a timer with room for one pass.
+    /// Returns one that can: by a timer with room for one pass.
     pub(crate) fn new(timer: PassTimer) -> Self {
         Self { timer: Some(timer), ..Self::default() }
     }
 
-    /// The time of the slot's last frame, if it was timed.
+    /// Returns the time of the slot's last frame, if it was timed.
     pub(crate) fn newest(&self) -> Option<FrameTime> {
         self.newest
     }
@@ -247,6 +248,6 @@ impl FrameTimer {
 
 impl Drop for PassTimer {
     fn drop(&mut self) {
-        self.device.retire(Garbage::QueryPool(self.pool));
+        self.device.retire(Retired::QueryPool(self.pool));
     }
 }

@@ -1,4 +1,5 @@
-//! Which types the attributes of primitives may have (glTF 2.0, section 3.7.2; `KHR_mesh_quantization`).
+//! Which types the attributes of primitives may have (glTF 2.0, section 3.7.2;
+//! `KHR_mesh_quantization`).
 
 use gltf::Semantic;
 use gltf::json::Accessor;

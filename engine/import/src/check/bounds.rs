@@ -1,4 +1,5 @@
-//! The bounds that accessors say of their elements: those that do not hold them are replaced by those that do.
+//! The bounds that accessors say of their elements: those that do not hold them are replaced by
+//! those that do.
 
 use gltf::Semantic;
 use gltf::json::validation::Checked;
@@ -11,8 +12,8 @@ use crate::verdict::Verdict;
 /// How far elements may be out of their bounds, as a share of the bounds: exporters round them.
 const TOLERANCE: f32 = 1e-5;
 
-/// Checks the bounds of all accessors that are used, and notes and replaces those that are wrong, or missing where
-/// they must be.
+/// Checks the bounds of all accessors that are used, and notes and replaces those that are wrong,
+/// or missing where they must be.
 pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
     for (index, is_needed) in needed(root, verdict).into_iter().enumerate() {
         let element = Kind::Accessor.at(index);
@@ -37,8 +38,8 @@ pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
     }
 }
 
-/// Returns for each accessor whether something that is shown has its positions or times in it, which must have
-/// bounds.
+/// Returns for each accessor whether something that is shown has its positions or times in it,
+/// which must have bounds.
 fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
     let mut needed = vec![false; root.accessors.len()];
     let meshes = root.meshes.iter().enumerate();
@@ -61,8 +62,8 @@ fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
     needed
 }
 
-/// Returns the least and the greatest of each component, integers as they are. Numbers that are not finite have
-/// none.
+/// Returns the least and the greatest of each component, integers as they are. Numbers that are not
+/// finite have none.
 fn extents(root: &Root, store: &Store, accessor: usize) -> Option<[Vec<f32>; 2]> {
     extents_of::<1>(root, store, accessor)
         .or_else(|| extents_of::<2>(root, store, accessor))

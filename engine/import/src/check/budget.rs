@@ -1,4 +1,5 @@
-//! What a scene of this file would be made of, against the limits: a short file can name a large mesh often.
+//! What a scene of this file would be made of, against the limits: a short file can name a large
+//! mesh often.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +16,8 @@ use crate::error::{Fault, Reason};
 use crate::layout::Layout;
 use crate::verdict::Verdict;
 
-/// A point or a segment of a line that changes its form becomes a box; others have two ends at most.
+/// A point or a segment of a line that changes its form becomes a box; others have two ends at
+/// most.
 const SPRITE_VERTICES: u64 = 2;
 const BOX_VERTICES: u64 = 8;
 const BOX_CORNERS: u64 = 36;
@@ -54,8 +56,8 @@ impl Cost {
     }
 }
 
-/// Fails at the first object that is shown with which a limit is exceeded. Everything else of the JSON was
-/// checked.
+/// Fails at the first object that is shown with which a limit is exceeded. Everything else of the
+/// JSON was checked.
 pub(super) fn check(
     root: &Root,
     instancing: &BTreeMap<usize, Instancing>,
@@ -107,7 +109,7 @@ fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), F
     Ok(())
 }
 
-/// What a node adds: objects, and where it is deformed, meshes of its own.
+/// Returns what a node adds: objects, and where it is deformed, meshes of its own.
 fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
     let mesh = node.mesh.and_then(|mesh| root.get(mesh));
     let is_deformed =
@@ -169,7 +171,7 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
     Cost { primitives: 1, vertices, listed_vertices, corners, morph_values }
 }
 
-/// Whether joints or targets may move its vertices.
+/// Returns true if joints or targets may move its vertices.
 fn is_deformed(primitive: &Primitive) -> bool {
     let has_joints = primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)));
     has_joints || primitive.targets.as_ref().is_some_and(|targets| !targets.is_empty())

@@ -79,7 +79,7 @@ pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What a picture lacks without an extension, for people.
+/// Returns what a picture lacks without an extension, for people.
 fn lacking(name: &str) -> String {
     match LACKING.binary_search_by_key(&name, |(known, _)| known) {
         Ok(place) => {

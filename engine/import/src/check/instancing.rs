@@ -21,7 +21,8 @@ pub struct Instancing {
     pub count: usize,
     /// The accessor of translations: three floats.
     pub translation: Option<usize>,
-    /// The accessor of rotations: four floats or signed normalised integers, a quaternion x, y, z, w.
+    /// The accessor of rotations: four floats or signed normalised integers, a quaternion x, y, z,
+    /// w.
     pub rotation: Option<usize>,
     /// The accessor of scales: three floats.
     pub scale: Option<usize>,
@@ -70,7 +71,7 @@ fn of_node(root: &Root, node: &Node) -> Result<Option<Instancing>, Reason> {
     }))
 }
 
-/// How many instances there are: all attributes have as many, those of unknown name too.
+/// Returns how many instances there are: all attributes have as many, those of unknown name too.
 fn same_count(root: &Root, attributes: &Map<String, Value>) -> Result<usize, Reason> {
     let mut count = None;
     for (name, value) in attributes {

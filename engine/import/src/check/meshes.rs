@@ -48,7 +48,7 @@ fn check_mesh(root: &Root, number: usize, mesh: &Mesh, is_quantised: bool) -> Re
     check_targets(mesh).at(|| format!("mesh {number}"))
 }
 
-/// How many morph targets a mesh has.
+/// Returns how many morph targets a mesh has.
 pub(super) fn target_count(mesh: &Mesh) -> usize {
     mesh.primitives.first().and_then(|first| first.targets.as_ref()).map_or(0, Vec::len)
 }
@@ -118,7 +118,7 @@ impl Checker<'_> {
         Ok(())
     }
 
-    /// All attributes have as many elements as the first.
+    /// Checks that all attributes have as many elements as the first.
     fn check_count(&self, accessor: &Accessor) -> Result<(), Reason> {
         let first =
             self.primitive.attributes.values().next().and_then(|&first| self.root.get(first));

@@ -10,7 +10,8 @@ use crate::error::{At, Fault, Reason};
 use crate::extensions::lights;
 use crate::verdict::Verdict;
 
-/// Checks all nodes and scenes. Returns the parents of the nodes that are shown, which are a forest.
+/// Checks all nodes and scenes. Returns the parents of the nodes that are shown, which are a
+/// forest.
 pub(super) fn check(
     root: &Root,
     limits: &Limits,
@@ -93,7 +94,8 @@ fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Res
     Ok(())
 }
 
-/// Where each node has one parent at most, those that lead to no root are on a circle or hang on one.
+/// Checks, where each node has one parent at most, for nodes that hang on no root: those that lead to no root are on a circle or
+/// hang on one.
 fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
     let mut leads_to_root = vec![false; parents.len()];
     for start in 0..parents.len() {

@@ -18,7 +18,7 @@ pub(super) fn finite(what: &str, numbers: &[f32]) -> Result<(), Reason> {
     Err(Reason::malformed(format!("its {what} is beyond what 32 bits can hold")))
 }
 
-/// How many vertices a primitive has: as many as any of its attributes, if it has one.
+/// Returns how many vertices a primitive has: as many as any of its attributes, if it has one.
 pub(super) fn vertex_count(root: &Root, primitive: &Primitive) -> Option<u64> {
     let first = primitive.attributes.values().next().and_then(|&first| root.get(first));
     first.map(|first| first.count.0)

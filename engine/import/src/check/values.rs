@@ -1,4 +1,5 @@
-//! The values in buffers that are indices of something: sparse indices, indices of primitives, joints.
+//! The values in buffers that are indices of something: sparse indices, indices of primitives,
+//! joints.
 
 use std::collections::HashMap;
 
@@ -134,7 +135,7 @@ impl Greatest<'_> {
         joints.map(|accessor| self.of::<4>(accessor)).max()
     }
 
-    /// The greatest joint that a vertex follows by some weight.
+    /// Returns the greatest joint that a vertex follows by some weight.
     fn followed_joint(&mut self, primitive: &Primitive) -> Option<u32> {
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
         let set =

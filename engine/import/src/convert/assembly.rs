@@ -2,14 +2,15 @@
 
 use std::collections::HashMap;
 
-use animation::NodeId;
+use animation::RigNodeId;
 use cull::{Aabb, ObjectId};
 use glam::Affine3A;
-use scene::{BlendedId, Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces};
+use scene::{Mesh, MeshId, Object, Scene, Sprites, SurfaceMesh, Surfaces, TransparentId};
 
 use super::budget::Budget;
-use super::forms::Forms;
+use super::deformations::Deformations;
 use super::geometry::Geometry;
+use super::initial_view::InitialView;
 use super::instancing;
 use super::materials::{MaterialUse, Materials};
 use super::nodes::Tree;
@@ -17,9 +18,8 @@ use super::numbers::keeps_areas;
 use super::pack::pack;
 use super::primitives::Primitive;
 use super::shared::Plan;
-use super::sight::Sight;
 use super::skins::Skins;
-use crate::gltf_scene::{Placed, Placement};
+use crate::gltf_scene::{NodeAttachment, PlacedNode};
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
@@ -35,8 +35,8 @@ pub(super) struct Assembly<'a> {
     pub(super) surfaces: Surfaces,
     pub(super) materials: Materials,
     pub(super) skins: Skins,
-    pub(super) placements: Vec<Placement>,
-    pub(super) forms: Forms,
+    pub(super) placements: Vec<NodeAttachment>,
+    pub(super) deformations: Deformations,
     /// Of each node whether it mirrors at one time what it does not at another.
     pub(super) turns: Vec<bool>,
     /// Of skins whether one of their joints does.
@@ -51,9 +51,9 @@ pub(super) struct Assembly<'a> {
     /// What was placed since that was told.
     pub(super) untold: usize,
     /// From where points and lines are seen.
-    pub(super) sight: Sight<'a>,
+    pub(super) sight: InitialView<'a>,
     /// How many objects more there are because blended meshes were taken apart.
-    pub(super) blended_parts: usize,
+    pub(super) transparent_parts: usize,
 }
 
 /// Tells how much is done.
@@ -76,8 +76,8 @@ impl<'a> Assembly<'a> {
         (self.listener)(self.done)
     }
 
-    /// Whether clips turn inside out what a node has. That is told.
-    pub(super) fn may_turn(&mut self, node: NodeId) -> bool {
+    /// Returns true if clips turn inside out what a node has. That is told.
+    pub(super) fn may_turn(&mut self, node: RigNodeId) -> bool {
         let may_turn = self.turns.get(node.0 as usize) == Some(&true);
         if may_turn {
             self.note_turning(node);
@@ -85,18 +85,18 @@ impl<'a> Assembly<'a> {
         may_turn
     }
 
-    pub(super) fn note_turning(&mut self, node: NodeId) {
+    pub(super) fn note_turning(&mut self, node: RigNodeId) {
         let what = "objects that clips mirror at one time and not at another, seen from both sides";
         self.notes.count(what, 1, || self.tree.name(node));
     }
 
-    /// A primitive of the file.
+    /// Returns a primitive of the file.
     pub(super) fn primitive(&self, mesh: usize, number: usize) -> Option<Primitive<'a>> {
         let given = self.source.document.as_json().meshes.get(mesh)?;
         Some(Primitive { source: self.source, json: given.primitives.get(number)?, mesh, number })
     }
 
-    /// What people call a mesh that is made of a primitive.
+    /// Returns what people call a mesh that is made of a primitive.
     pub(super) fn name_of(&self, mesh: usize, number: usize) -> String {
         let given = self.source.document.as_json().meshes.get(mesh);
         let name = given.and_then(|given| given.name.clone()).filter(|name| !name.is_empty());
@@ -111,7 +111,7 @@ impl<'a> Assembly<'a> {
     ///
     /// # Errors
     /// What [`Primitive::build`] refuses.
-    pub(super) fn place(&mut self, plan: &mut Plan, node: NodeId) -> Result<(), ImportError> {
+    pub(super) fn place(&mut self, plan: &mut Plan, node: RigNodeId) -> Result<(), ImportError> {
         let Some(mesh) = self.tree.meshes.get(node.0 as usize).copied().flatten() else {
             return Ok(());
         };
@@ -145,8 +145,8 @@ impl<'a> Assembly<'a> {
         node.skin.map(|skin| skin.value())
     }
 
-    /// Whether morph targets change a primitive of a node, at rest or while a clip plays.
-    fn is_morphed(&self, node: NodeId, primitive: &Primitive<'_>) -> bool {
+    /// Returns true if morph targets change a primitive of a node, at rest or while a clip plays.
+    fn is_morphed(&self, node: RigNodeId, primitive: &Primitive<'_>) -> bool {
         let weights = self.tree.node(node).map(|node| node.weights.as_slice()).unwrap_or_default();
         let is_animated = self.tree.morphs.get(node.0 as usize) == Some(&true);
         !primitive.targets().is_empty() && (is_animated || weights.iter().any(|it| *it != 0.0))
@@ -184,8 +184,8 @@ impl<'a> Assembly<'a> {
         MeshId(self.scene.meshes.len() as u32 - 1)
     }
 
-    /// Whether something can be seen there. What moves can be seen somewhere else.
-    pub(super) fn can_be_seen(&mut self, node: NodeId, transform: &Affine3A) -> bool {
+    /// Returns true if something can be seen there. What moves can be seen somewhere else.
+    pub(super) fn can_be_seen(&mut self, node: RigNodeId, transform: &Affine3A) -> bool {
         let (tree, at_rest) = (self.tree, !self.tree.moves(node));
         if !transform.is_finite() {
             let what = "objects whose place is beyond all numbers, left out";
@@ -201,7 +201,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Says that an object is too far away or too large for its box.
-    pub(super) fn leave_out_huge(&mut self, node: NodeId) {
+    pub(super) fn leave_out_huge(&mut self, node: RigNodeId) {
         let tree = self.tree;
         let what = "objects that reach beyond all numbers, left out";
         self.notes.count(what, 1, || tree.name(node));
@@ -215,23 +215,33 @@ impl<'a> Assembly<'a> {
         &mut self,
         object: Object,
         material: &MaterialUse,
-    ) -> Result<Placed, ImportError> {
-        let list =
-            if material.is_blended { &mut self.surfaces.blended } else { &mut self.scene.objects };
+    ) -> Result<PlacedNode, ImportError> {
+        let list = if material.is_transparent {
+            &mut self.surfaces.transparent
+        } else {
+            &mut self.scene.objects
+        };
         let Ok(number) = u32::try_from(list.len()) else {
             let reason = "it has more objects than can be counted".to_owned();
             return Err(self.source.error(Cause::TooLarge, "scene".to_owned(), reason));
         };
         list.push(object);
-        Ok(if material.is_blended {
-            Placed::Blended(BlendedId(number))
+        Ok(if material.is_transparent {
+            PlacedNode::Transparent(TransparentId(number))
         } else {
-            Placed::Object(ObjectId(number))
+            PlacedNode::Object(ObjectId(number))
         })
     }
 }
 
-/// A placement of what does not change its form.
-pub(super) fn rigid(node: NodeId, placed: Placed, local: Affine3A) -> Placement {
-    Placement { node, placed, local, deformer: None, seen_at_rest: Aabb::EMPTY, reach: Aabb::EMPTY }
+/// Returns a placement of what does not change its form.
+pub(super) fn rigid(node: RigNodeId, placed: PlacedNode, local: Affine3A) -> NodeAttachment {
+    NodeAttachment {
+        node,
+        placed,
+        local,
+        skinned_mesh: None,
+        seen_at_rest: Aabb::EMPTY,
+        reach: Aabb::EMPTY,
+    }
 }

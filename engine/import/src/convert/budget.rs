@@ -1,5 +1,6 @@
-//! The budget: how many vertices and corners of triangles the scene may still have. Flat normals, backs and
-//! solid lines make more of them than the file has, so they are counted again as they are made.
+//! The budget: how many vertices and corners of triangles the scene may still have. Flat normals,
+//! backs and solid lines make more of them than the file has, so they are counted again as they are
+//! made.
 
 use std::fmt;
 
@@ -38,7 +39,7 @@ impl Budget {
         }
     }
 
-    /// Whether so much more would do.
+    /// Checks that so much more would do.
     pub(super) fn check(&self, vertices: u64, corners: u64) -> Result<(), Over> {
         let names = ["vertices", "corners of triangles"];
         for (place, more) in [vertices, corners].into_iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Cameras of the file.
 //!
-//! All that is culled and drawn goes out from an eye, so an orthographic camera is shown from far behind it,
-//! by a narrow view that shows as much as it does at the middle of the scene.
+//! All that is culled and drawn goes out from an eye, so an orthographic camera is shown from far
+//! behind it, by a narrow view that shows as much as it does at the middle of the scene.
 
 use std::f32::consts::PI;
 
@@ -13,7 +13,7 @@ use gltf::json::validation::Checked;
 use super::nodes::Tree;
 use crate::Source;
 use crate::error::quoted;
-use crate::gltf_scene::Camera;
+use crate::gltf_scene::SceneCamera;
 use crate::notes::Notes;
 
 /// The narrowest and the widest angle of sight, in radians.
@@ -59,8 +59,13 @@ mod faults {
     pub(super) const NEAR: &str = "cameras whose zfar is not beyond znear or whose znear is not above 0, shown from the nearer one on";
 }
 
-/// All cameras of the scene's nodes in the order of the file's list of cameras, each with its lens.
-pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<Camera>, Vec<Lens>) {
+/// Returns all cameras of the scene's nodes in the order of the file's list of cameras, each with
+/// its lens.
+pub(super) fn cameras(
+    source: &Source,
+    tree: &Tree,
+    notes: &mut Notes,
+) -> (Vec<SceneCamera>, Vec<Lens>) {
     let json = source.document.as_json();
     let (mut cameras, mut lenses) = (Vec::new(), Vec::new());
     let mut in_order = tree.cameras.clone();
@@ -73,7 +78,7 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<C
         let name = name.unwrap_or_else(|| format!("camera {camera}"));
         let (lens, fov_y_rad, near_m) = lens(given, &name, notes);
         let aspect_ratio = aspect_ratio(given, &name, notes);
-        cameras.push(Camera {
+        cameras.push(SceneCamera {
             name,
             node,
             fov_y_rad: fov_y_rad.clamp(ANGLES_RAD[0], ANGLES_RAD[1]),
@@ -86,7 +91,7 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> (Vec<C
     (cameras, lenses)
 }
 
-/// How it sees, its vertical angle of sight in radians, and the distance of the near plane.
+/// Returns how it sees, its vertical angle of sight in radians, and the distance of the near plane.
 fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32) {
     let from = |angle_rad: f32, near_m| (Lens::Perspective { angle_rad }, angle_rad, near_m);
     let place = || format!("camera {}", quoted(name));
@@ -113,7 +118,7 @@ fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32)
     (Lens::Parallel { half_height_m, near_m }, ANGLES_RAD[0], near_m)
 }
 
-/// How much wider than high a camera's picture is, where the file says that.
+/// Returns how much wider than high a camera's picture is, where the file says that.
 fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f32> {
     let ratio = match (perspective(given), &given.orthographic) {
         (Some(perspective), _) => perspective.aspect_ratio,
@@ -128,7 +133,7 @@ fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f
     is_shape.then_some(ratio)
 }
 
-/// The values of a perspective camera: it may have those of the other type, too.
+/// Returns the values of a perspective camera: it may have those of the other type, too.
 fn perspective(given: &json::Camera) -> Option<&json::camera::Perspective> {
     let is_parallel = given.type_ == Checked::Valid(json::camera::Type::Orthographic);
     given.perspective.as_ref().filter(|_| !is_parallel)
@@ -137,13 +142,14 @@ fn perspective(given: &json::Camera) -> Option<&json::camera::Perspective> {
 /// Where a camera is at rest.
 pub(super) struct Place {
     pub(super) world: Affine3A,
-    /// Whether it is wrong to see nothing from there: there is something, and no clip moves the camera.
+    /// Whether it is wrong to see nothing from there: there is something, and no clip moves the
+    /// camera.
     pub(super) should_see: bool,
 }
 
 /// Puts cameras where they see the scene as they should. Those that see nothing of it are noted.
 pub(super) fn settle(
-    cameras: &mut [Camera],
+    cameras: &mut [SceneCamera],
     lenses: &[Lens],
     places: &[Place],
     scene: &Aabb,
@@ -160,7 +166,7 @@ pub(super) fn settle(
 }
 
 /// Puts the eye of an orthographic camera, which is at a node, as far behind that as it must be.
-fn step_back(camera: &mut Camera, lens: Lens, at: &Affine3A, scene: &Aabb) {
+fn step_back(camera: &mut SceneCamera, lens: Lens, at: &Affine3A, scene: &Aabb) {
     let Lens::Parallel { half_height_m, near_m } = lens else { return };
     let away_m = half_height_m / (ANGLES_RAD[0] * 0.5).tan();
     let forward = Vec3::from(-at.matrix3.z_axis).normalize_or(Vec3::NEG_Z);
@@ -175,7 +181,7 @@ fn step_back(camera: &mut Camera, lens: Lens, at: &Affine3A, scene: &Aabb) {
 
 #[cfg(test)]
 mod tests {
-    use animation::NodeId;
+    use animation::RigNodeId;
 
     use super::*;
 
@@ -213,9 +219,9 @@ mod tests {
         assert_eq!(texts, [note]);
         let at = Affine3A::from_translation(Vec3::new(0.0, 2.0, 12.0));
         let scene = Aabb::new(Vec3::splat(-4.0), Vec3::splat(4.0));
-        let mut camera = Camera {
+        let mut camera = SceneCamera {
             name: String::new(),
-            node: NodeId(0),
+            node: RigNodeId(0),
             fov_y_rad: angle_rad,
             aspect_ratio: Some(0.6),
             near_m: 1.0,

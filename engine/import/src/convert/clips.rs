@@ -1,6 +1,6 @@
 //! Clips: the animations of the file, as tracks that can be sampled without further questions.
 
-use animation::{Channel, Clip, Interpolation, NodeId, Track, TrackError, Values};
+use animation::{Channel, Clip, Interpolation, RigNodeId, Track, TrackError, Values};
 use glam::{Quat, Vec3};
 use gltf::animation::Property;
 use gltf::json;
@@ -12,8 +12,8 @@ use crate::Source;
 use crate::error::quoted;
 use crate::notes::{Note, Notes};
 
-/// Returns all animations of the file that do anything in the scene. Those with times that are not finite or not
-/// strictly ascending, or with values that are not finite, are left out and noted.
+/// Returns all animations of the file that do anything in the scene. Those with times that are not
+/// finite or not strictly ascending, or with values that are not finite, are left out and noted.
 pub(super) fn clips(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Clip> {
     let mut clips = Vec::new();
     for (number, animation) in source.document.as_json().animations.iter().enumerate() {
@@ -76,7 +76,7 @@ impl Reader<'_> {
         &self,
         sampler: usize,
         property: Property,
-        node: NodeId,
+        node: RigNodeId,
         notes: &mut Notes,
     ) -> Result<Option<Track>, TrackError> {
         let Some(sampler) = self.animation.samplers.get(sampler) else {
@@ -124,7 +124,8 @@ impl Reader<'_> {
         values.into_iter().map(Vec3::from_array).collect()
     }
 
-    /// Keys become rotations whatever their length; what is no number is left for [`Track::new`] to find.
+    /// Keys become rotations whatever their length; what is no number is left for [`Track::new`] to
+    /// find.
     fn rotations(
         &self,
         accessor: usize,

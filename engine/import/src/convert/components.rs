@@ -9,9 +9,9 @@ use scene::{ENCLOSING, outwardness};
 use super::geometry::Geometry;
 use super::pieces;
 
-/// Takes geometry apart into what hangs together (by the places of its vertices), in at most `most` parts:
-/// where there are more, those that lie near each other stay together. Within a part, triangles keep
-/// their order. Backs stay with their fronts.
+/// Takes geometry apart into what hangs together (by the places of its vertices), in at most `most`
+/// parts: where there are more, those that lie near each other stay together. Within a part,
+/// triangles keep their order. Backs stay with their fronts.
 pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let parts = components(&geometry);
     if parts.len() < 2 || most < 2 {
@@ -44,8 +44,9 @@ pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
     pieces
 }
 
-/// Takes a part that comes with the backs of its triangles, and encloses something, apart into the backs and
-/// the fronts: what is inside is seen before the ones and behind the others. All else stays whole.
+/// Takes a part that comes with the backs of its triangles, and encloses something, apart into the
+/// backs and the fronts: what is inside is seen before the ones and behind the others. All else
+/// stays whole.
 pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
     let (backs, fronts) = part.triangles.split_at(part.triangles.len() / 2);
     let places = |corners: &[u32; 3]| {
@@ -68,7 +69,7 @@ pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
         .into()
 }
 
-/// The triangles that hang together, by their numbers, in the order of the first of each.
+/// Returns the triangles that hang together, by their numbers, in the order of the first of each.
 fn components(geometry: &Geometry) -> Vec<Vec<u32>> {
     // Vertices in one place are one, however different they are otherwise.
     let mut places: HashMap<[u32; 3], u32> = HashMap::new();
@@ -100,7 +101,7 @@ fn components(geometry: &Geometry) -> Vec<Vec<u32>> {
     parts
 }
 
-/// The vertex that stands for all that hangs together with one.
+/// Returns the vertex that stands for all that hangs together with one.
 fn root(above: &mut [u32], mut vertex: u32) -> u32 {
     while let Some(&next) = above.get(vertex as usize)
         && next != vertex

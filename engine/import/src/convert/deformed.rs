@@ -1,16 +1,17 @@
-//! Meshes that change their form: each node that has one gets its own, with the box that it stays in.
+//! Meshes that change their form: each node that has one gets its own, with the box that it stays
+//! in.
 
-use animation::NodeId;
+use animation::RigNodeId;
 use glam::Affine3A;
-use scene::{Deformer, DeformerId, Object};
+use scene::{DeformerId, Object, SkinnedMesh};
 
 use super::assembly::{Assembly, NO_TINT};
-use super::forms::{Form, Formed};
+use super::deformations::{Deformed, DeformedExtent};
 use super::geometry::Geometry;
 use super::materials::MaterialUse;
 use super::primitives::{Facing, Primitive, Variant};
 use super::skins::Used;
-use crate::gltf_scene::Placement;
+use crate::gltf_scene::NodeAttachment;
 use crate::{Cause, ImportError};
 
 impl Assembly<'_> {
@@ -21,7 +22,7 @@ impl Assembly<'_> {
     pub(super) fn place_deformed(
         &mut self,
         (primitive, material, name): (&Primitive<'_>, MaterialUse, String),
-        node: NodeId,
+        node: RigNodeId,
         skin: Option<usize>,
         locals: &[Affine3A],
     ) -> Result<(), ImportError> {
@@ -36,7 +37,7 @@ impl Assembly<'_> {
         let once = [Affine3A::IDENTITY];
         let locals = if skin.is_some() { &once } else { locals };
         // Instances of a mesh have one form.
-        let mut known: Option<Option<Form>> = None;
+        let mut known: Option<Option<DeformedExtent>> = None;
         for local in locals {
             self.tell()?;
             let place = self.tree.world(node) * *local;
@@ -85,10 +86,10 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Which way what hangs on a skin is to be seen.
-    fn facing_of(&mut self, skin: Used, node: NodeId) -> Facing {
+    /// Returns which way what hangs on a skin is to be seen.
+    fn facing_of(&mut self, skin: Used, node: RigNodeId) -> Facing {
         let joints = self.skins.list.get(skin.skin).map_or(&[][..], |skin| &skin.joints);
-        let turns = |joint: &NodeId| self.turns.get(joint.0 as usize) == Some(&true);
+        let turns = |joint: &RigNodeId| self.turns.get(joint.0 as usize) == Some(&true);
         if *self.turning_skins.entry(skin.skin).or_insert_with(|| joints.iter().any(turns)) {
             self.note_turning(node);
             return Facing::Both;
@@ -99,8 +100,8 @@ impl Assembly<'_> {
     fn add_deformed(
         &mut self,
         (mut geometry, material, name): (Geometry, &MaterialUse, String),
-        node: NodeId,
-        (skin, form): (Option<Used>, Form),
+        node: RigNodeId,
+        (skin, form): (Option<Used>, DeformedExtent),
         (transform, local): (Affine3A, Affine3A),
     ) -> Result<(), ImportError> {
         self.budget.take_deformed(geometry.positions.len() as u64).map_err(|over| {
@@ -109,34 +110,34 @@ impl Assembly<'_> {
         let used = skin.and_then(|used| self.skins.list.get(used.skin));
         let seen_at_rest = form.seen_at_rest(&geometry, (node, used), self.tree, &transform);
         let mesh = self.add_mesh(&geometry, material, name);
-        let deformer = DeformerId(self.surfaces.deformers.len() as u32);
-        self.surfaces.deformers.push(Deformer {
+        let skinned_mesh = DeformerId(self.surfaces.skinned_meshes.len() as u32);
+        self.surfaces.skinned_meshes.push(SkinnedMesh {
             mesh,
             skin: geometry.skin.take(),
             targets: std::mem::take(&mut geometry.targets),
         });
         let placed = self.add_object(Object { mesh, transform, tint: NO_TINT }, material)?;
-        self.placements.push(Placement {
+        self.placements.push(NodeAttachment {
             node,
             placed,
             local,
-            deformer: Some((deformer, skin.map(|skin| skin.skin))),
+            skinned_mesh: Some((skinned_mesh, skin.map(|skin| skin.skin))),
             seen_at_rest,
             reach: form.reach,
         });
         Ok(())
     }
 
-    /// Where the mesh is and how far it reaches; `None` if it has no skeleton.
+    /// Returns where the mesh is and how far it reaches; `None` if it has no skeleton.
     fn form(
         &mut self,
         primitive: &Primitive<'_>,
         geometry: &Geometry,
-        node: NodeId,
+        node: RigNodeId,
         skin: Option<Used>,
-    ) -> Result<Option<Form>, ImportError> {
+    ) -> Result<Option<DeformedExtent>, ImportError> {
         let skin = skin.and_then(|used| Some((used.skin, self.skins.list.get(used.skin)?)));
-        let formed = Formed { primitive, geometry, node, skin };
-        self.forms.form(&self.tree.rig, &formed)
+        let formed = Deformed { primitive, geometry, node, skin };
+        self.deformations.form(&self.tree.rig, &formed)
     }
 }

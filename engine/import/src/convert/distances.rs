@@ -1,9 +1,10 @@
-//! What clips take too far: a box beyond all that can be drawn would end the show in the middle of it, so
-//! whether one may come to be is found when loading, and clips that could do it are not played.
+//! What clips take too far: a box beyond all that can be drawn would end the show in the middle of
+//! it, so whether one may come to be is found when loading, and clips that could do it are not
+//! played.
 //!
-//! How far each node goes is bounded for all clips at once, mixed or not ([`Extents`]), so that no fade can do
-//! what no clip does. Only where that is too far, clips are tried one after the other, each with those
-//! that were taken before it.
+//! How far each node goes is bounded for all clips at once, mixed or not ([`Extents`]), so that no
+//! fade can do what no clip does. Only where that is too far, clips are tried one after the other,
+//! each with those that were taken before it.
 
 use std::collections::HashMap;
 
@@ -14,7 +15,7 @@ use scene::{Scene, Surfaces};
 use super::nodes::Tree;
 use super::skins::used_joints;
 use crate::error::quoted;
-use crate::gltf_scene::{Camera, Placed, Placement};
+use crate::gltf_scene::{NodeAttachment, PlacedNode, SceneCamera};
 use crate::notes::Notes;
 
 /// Nodes that are looked at to find which clips go too far; what was not tried then is not played.
@@ -22,14 +23,14 @@ const MOST_STEPS: usize = 1 << 26;
 /// How many clips are tried however many nodes there are.
 const LEAST_TRIES: usize = 8;
 
-/// Takes from `clips` those that could take something farther than anything can be, and tells. `extents` are those
-/// of all of them.
+/// Takes from `clips` those that could take something farther than anything can be, and tells.
+/// `extents` are those of all of them.
 pub(super) fn refuse_far(
     (tree, extents): (&Tree, &Extents),
     clips: &mut Vec<Clip>,
-    placements: &[Placement],
+    placements: &[NodeAttachment],
     (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
-    cameras: &[Camera],
+    cameras: &[SceneCamera],
     notes: &mut Notes,
 ) {
     let rig = &tree.rig;
@@ -63,12 +64,12 @@ pub(super) fn refuse_far(
     clips.retain(|_| is_taken.next() == Some(true));
 }
 
-/// How far what hangs on each node reaches from its origin; -1 where nothing does.
+/// Returns how far what hangs on each node reaches from its origin; -1 where nothing does.
 fn distances(
     rig: &Rig,
-    placements: &[Placement],
+    placements: &[NodeAttachment],
     (scene, surfaces, skins): (&Scene, &Surfaces, &[Skin]),
-    cameras: &[Camera],
+    cameras: &[SceneCamera],
 ) -> Vec<f32> {
     let mut distances = vec![-1.0_f32; rig.nodes().len()];
     let mut spaces = HashMap::new();
@@ -84,9 +85,9 @@ fn distances(
     for placement in placements {
         let mut node = Some(placement.node);
         let mut bounds = placement.reach;
-        if let Some((deformer, skin)) = placement.deformer {
-            let deformer = surfaces.deformers.get(deformer.0 as usize);
-            let weights = deformer.and_then(|it| it.skin.as_ref());
+        if let Some((skinned_mesh, skin)) = placement.skinned_mesh {
+            let skinned_mesh = surfaces.skinned_meshes.get(skinned_mesh.0 as usize);
+            let weights = skinned_mesh.and_then(|it| it.skin.as_ref());
             if let Some((skin, weights)) = skin.zip(weights) {
                 let key = (skin, used_joints(weights));
                 let space = |(skin, used): &(usize, Vec<bool>)| {
@@ -96,9 +97,11 @@ fn distances(
             }
         } else {
             let object = match placement.placed {
-                Placed::Object(object) => scene.objects.get(object.0 as usize),
-                Placed::Blended(blended) => surfaces.blended.get(blended.0 as usize),
-                Placed::Light(_) => None,
+                PlacedNode::Object(object) => scene.objects.get(object.0 as usize),
+                PlacedNode::Transparent(transparent) => {
+                    surfaces.transparent.get(transparent.0 as usize)
+                }
+                PlacedNode::Light(_) => None,
             };
             let mesh = object.and_then(|object| scene.mesh_of(object));
             bounds = mesh.map_or(Aabb::EMPTY, |mesh| mesh.bounds);

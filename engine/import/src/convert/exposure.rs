@@ -1,8 +1,9 @@
-//! Exposure: files give lights in lux and candela, and no camera's exposure. Where lights of physical
-//! strength would leave nothing but white, all of them are dimmed by one factor.
+//! Exposure: files give lights in lux and candela, and no camera's exposure. Where lights of
+//! physical strength would leave nothing but white, all of them are dimmed by one factor.
 //!
-//! The factor is a function of the scene at rest, so that every frame has the same. Lights are dimmed and
-//! not the whole picture: emission and the light from everywhere mean what they mean without a camera.
+//! The factor is a function of the scene at rest, so that every frame has the same. Lights are
+//! dimmed and not the whole picture: emission and the light from everywhere mean what they mean
+//! without a camera.
 
 use std::f32::consts::PI;
 
@@ -11,8 +12,8 @@ use scene::{LightKind, PunctualLight, Scene, Surfaces};
 
 use crate::notes::Notes;
 
-/// The illuminance of most of what is lit up to which lights stay what they are, in lux: four times that under
-/// which a white surface is white.
+/// The illuminance of most of what is lit up to which lights stay what they are, in lux: four times
+/// that under which a white surface is white.
 const MOST_LX: f32 = 4.0 * PI;
 
 /// The illuminance to which lights are dimmed that are brighter, in lux.
@@ -26,8 +27,8 @@ const MOST_PAIRS: usize = 1 << 22;
 
 /// Dims the lights of a scene where most of what they shine on would be white. That is noted.
 pub(super) fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
-    let objects = scene.objects.iter().chain(&surfaces.blended);
-    let count = scene.objects.len() + surfaces.blended.len();
+    let objects = scene.objects.iter().chain(&surfaces.transparent);
+    let count = scene.objects.len() + surfaces.transparent.len();
     let most = (MOST_PAIRS / surfaces.lights.len().max(1)).clamp(1, MOST_OBJECTS);
     let boxes: Vec<Aabb> = objects
         .step_by(count.div_ceil(most).max(1))
@@ -43,7 +44,7 @@ pub(super) fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     ));
 }
 
-/// The factor for lights that shine on boxes; `None` where they may stay.
+/// Returns the factor for lights that shine on boxes; `None` where they may stay.
 fn factor(lights: &[PunctualLight], boxes: &[Aabb]) -> Option<f32> {
     let of_box = |bounds: &Aabb| lights.iter().map(|light| illuminance_lx(light, bounds)).sum();
     let mut lit: Vec<f32> = boxes.iter().map(of_box).filter(|lux: &f32| *lux > 0.0).collect();
@@ -52,7 +53,8 @@ fn factor(lights: &[PunctualLight], boxes: &[Aabb]) -> Option<f32> {
     (median_lx > MOST_LX).then_some(DIMMED_LX / median_lx)
 }
 
-/// The illuminance by one light at the mean distance of a box's inside, on a surface that faces the light.
+/// Returns the illuminance by one light at the mean distance of a box's inside, on a surface that
+/// faces the light.
 fn illuminance_lx(light: &PunctualLight, bounds: &Aabb) -> f32 {
     let strongest = light.colour.into_iter().fold(0.0, f32::max) * light.intensity;
     let to = bounds.centre() - light.position;

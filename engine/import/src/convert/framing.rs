@@ -10,7 +10,7 @@ const ASPECT: f32 = 4.0 / 3.0;
 /// The share of the picture that the scene takes.
 const FILLED: f32 = 0.9;
 
-/// Three quarters from the front, somewhat from above, with everything in sight.
+/// Returns three quarters from the front, somewhat from above, with everything in sight.
 pub(crate) fn overview(bounds: &Aabb) -> Camera {
     let forward = vec3(-0.6, -0.45, -0.66).normalize_or(Vec3::NEG_Z);
     let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);

@@ -1,11 +1,12 @@
-//! Geometry: a primitive's attributes as lists of numbers that are all finite, before they are packed.
+//! Geometry: a primitive's attributes as lists of numbers that are all finite, before they are
+//! packed.
 
 use cull::Aabb;
 use glam::{Vec2, Vec3, Vec4};
 use scene::{MorphTarget, SkinWeights};
 
-/// Attributes of vertices, and the triangles between them. A list of an attribute is empty or has one
-/// element a vertex.
+/// Attributes of vertices, and the triangles between them. A list of an attribute is empty or has
+/// one element a vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<Vec3>,
@@ -22,12 +23,13 @@ pub(super) struct Geometry {
     pub(super) triangles: Vec<[u32; 3]>,
     /// Whether each triangle is there from both sides, so that it may be mirrored at any time.
     pub(super) has_both_sides: bool,
-    /// Whether the second half of the triangles are the backs of the first, or the first of the second.
+    /// Whether the second half of the triangles are the backs of the first, or the first of the
+    /// second.
     pub(super) has_backs: bool,
 }
 
 impl Geometry {
-    /// The box around all vertices.
+    /// Returns the box around all vertices.
     pub(super) fn bounds(&self) -> Aabb {
         let at = |position: &Vec3| Aabb::new(*position, *position);
         self.positions.iter().fold(Aabb::EMPTY, |all, position| all.union(&at(position)))
@@ -65,8 +67,8 @@ impl Geometry {
         }
     }
 
-    /// Gives each corner of a triangle a vertex of its own, unless corners that `key` says are alike
-    /// were there before: they share one. `key` gets the triangle's and the corner's number.
+    /// Gives each corner of a triangle a vertex of its own, unless corners that `key` says are
+    /// alike were there before: they share one. `key` gets the triangle's and the corner's number.
     pub(super) fn split<K: std::hash::Hash + Eq>(
         &self,
         mut key: impl FnMut(usize, usize) -> K,
@@ -95,7 +97,8 @@ fn pick<T: Copy>(list: &[T], picks: &[u32]) -> Vec<T> {
     if list.is_empty() { Vec::new() } else { pick_groups(list, picks, 1) }
 }
 
-/// Every index of a pick is below the number of groups: they come from this geometry's triangles.
+/// Returns every index of a pick is below the number of groups: they come from this geometry's
+/// triangles.
 fn pick_groups<T: Copy>(list: &[T], picks: &[u32], size: usize) -> Vec<T> {
     let mut picked = Vec::with_capacity(picks.len() * size);
     for &vertex in picks {

@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use animation::NodeId;
+use animation::RigNodeId;
 use glam::{Affine3A, Vec3, vec3};
 use gltf::json::extensions::scene::khr_lights_punctual as khr;
 use gltf::json::validation::Checked;
@@ -51,7 +51,7 @@ fn is_cone(spot: &khr::Spot) -> bool {
         && spot.outer_cone_angle <= most_rad
 }
 
-/// What comes from everywhere in a scene out of a file, which says nothing about it.
+/// Returns what comes from everywhere in a scene out of a file, which says nothing about it.
 pub(super) fn surroundings() -> Light {
     Light {
         ambient_above: [0.23, 0.25, 0.28],
@@ -61,12 +61,13 @@ pub(super) fn surroundings() -> Light {
     }
 }
 
-/// All lights of the scene's nodes, and on which nodes they hang. If there are none, one from above.
+/// Returns all lights of the scene's nodes, and on which nodes they hang. If there are none, one
+/// from above.
 pub(super) fn lights(
     source: &Source,
     tree: &Tree,
     notes: &mut Notes,
-) -> Vec<(PunctualLight, Option<NodeId>)> {
+) -> Vec<(PunctualLight, Option<RigNodeId>)> {
     let json = source.document.as_json();
     let given = json.extensions.as_ref().and_then(|it| it.khr_lights_punctual.as_ref());
     let given = given.map(|it| it.lights.as_slice()).unwrap_or_default();
@@ -100,7 +101,8 @@ fn from_above() -> PunctualLight {
     }
 }
 
-/// A light where a node is. It shines along the node's -z; the node's scale changes nothing else.
+/// Returns a light where a node is. It shines along the node's -z; the node's scale changes nothing
+/// else.
 fn placed(given: &khr::Light, world: &Affine3A) -> PunctualLight {
     let kind = match (&given.type_, &given.spot) {
         (Checked::Valid(khr::Type::Spot), Some(spot)) => {

@@ -1,4 +1,5 @@
-//! Materials: metallic-roughness with its extensions, in safe numbers, and what they want of geometry.
+//! Materials: metallic-roughness with its extensions, in safe numbers, and what they want of
+//! geometry.
 
 use std::collections::HashMap;
 
@@ -35,7 +36,7 @@ pub(super) struct MaterialUse {
     /// Where its normal texture is looked at, if it has one.
     pub(super) normal: Option<NormalUvs>,
     pub(super) backs: Backs,
-    pub(super) is_blended: bool,
+    pub(super) is_transparent: bool,
     /// Whether it is neither blended nor masked, and has no textures.
     pub(super) is_plain: bool,
     pub(super) base_colour: [f32; 4],
@@ -50,7 +51,7 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// What a material of the file is here; `None` is the default one.
+    /// Returns what a material of the file is here; `None` is the default one.
     pub(super) fn use_of(
         &mut self,
         source: &Source,
@@ -81,19 +82,19 @@ impl Materials {
             slots.homeless,
             || format!("material {}", quoted(&material.name)),
         );
-        let is_blended = material.alpha == Alpha::Blend;
+        let is_transparent = material.alpha == Alpha::Blend;
         let found = MaterialUse {
             id: MaterialId(self.list.len() as u32),
             sets: slots.sets,
             normal: material
                 .normal_texture
                 .map(|normal| NormalUvs { set: normal.uv_set, transform: normal.transform }),
-            backs: match (material.is_double_sided, is_blended) {
+            backs: match (material.is_double_sided, is_transparent) {
                 (false, _) => Backs::None,
                 (true, false) => Backs::Last,
                 (true, true) => Backs::First,
             },
-            is_blended,
+            is_transparent,
             is_plain: material.alpha == Alpha::Opaque && slots.sets == [None, None],
             base_colour: material.base_colour,
         };
@@ -102,15 +103,16 @@ impl Materials {
         found
     }
 
-    /// All that were used, with their textures and those's images, which are taken out of the file.
+    /// Returns all that were used, with their textures and those's images, which are taken out of
+    /// the file.
     pub(super) fn finish(self, source: &mut Source) -> (Vec<Material>, Vec<Texture>, Vec<Image>) {
         let (textures, images) = self.textures.finish(source);
         (self.list, textures, images)
     }
 }
 
-/// The two sets of texture coordinates that a material looks at. If it is content with the first two of the
-/// file they are those, so that most meshes keep theirs.
+/// The two sets of texture coordinates that a material looks at. If it is content with the first
+/// two of the file they are those, so that most meshes keep theirs.
 #[derive(Debug, Default)]
 struct Slots {
     sets: [Option<u32>; 2],

@@ -1,16 +1,18 @@
-//! From a file that was read and checked to a scene and its life. One job a file; this one says the order.
+//! From a file that was read and checked to a scene and its life. One job a file; this one says the
+//! order.
 
 mod assembly;
 mod budget;
 mod cameras;
 mod clips;
 mod components;
+mod deformations;
 mod deformed;
 mod distances;
 mod exposure;
-mod forms;
 mod framing;
 mod geometry;
+mod initial_view;
 mod instancing;
 mod lights;
 mod materials;
@@ -23,7 +25,6 @@ mod primitives;
 mod renderable;
 mod shared;
 mod sidedness;
-mod sight;
 mod skins;
 mod solids;
 mod sprites;
@@ -34,42 +35,42 @@ mod vertices;
 
 use std::collections::HashMap;
 
-use animation::NodeId;
+use animation::RigNodeId;
 use glam::Affine3A;
 use scene::{LightId, Scene, Surfaces};
 
 use self::assembly::{Assembly, rigid};
 use self::budget::Budget;
 use self::cameras::Place;
+use self::initial_view::InitialView;
 use self::materials::Materials;
 use self::nodes::Tree;
-use self::sight::Sight;
 use self::skins::Skins;
-use crate::gltf_scene::{GltfScene, Placed};
+use crate::gltf_scene::{GltfScene, PlacedNode};
 use crate::load_options::LoadOptions;
 use crate::notes::Notes;
-use crate::progress::{Stage, Teller};
+use crate::progress::{ProgressSender, Stage};
 use crate::{ImportError, Source};
 
 pub(crate) use self::framing::overview;
 pub(crate) use self::skins::used_joints;
 
-/// A scene made of a file.
+/// Returns a scene made of a file.
 pub(crate) fn convert(
     mut source: Source,
     name: String,
     options: &LoadOptions,
-    teller: &mut Teller<'_>,
+    teller: &mut ProgressSender<'_>,
 ) -> Result<GltfScene, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let tree = Tree::of(&mut source, &mut notes)?;
     let mut clips = clips::clips(&source, &tree, &mut notes);
     let (mut cameras, lenses) = cameras::cameras(&source, &tree, &mut notes);
     let first = cameras.first().map(|camera| camera.node).zip(lenses.first().copied());
-    let sight = Sight::of(&source, &tree, first);
+    let sight = InitialView::of(&source, &tree, first);
     let lights = lights::lights(&source, &tree, &mut notes);
     renderable::check_lights(&source, &tree, &lights, &options.limits)?;
-    let forms = forms::Forms::new(&tree.rig, &clips, &options.limits);
+    let deformations = deformations::Deformations::new(&tree.rig, &clips, &options.limits);
     let mut assembly = Assembly {
         source: &source,
         tree: &tree,
@@ -79,41 +80,48 @@ pub(crate) fn convert(
         materials: Materials::default(),
         skins: Skins::default(),
         placements: Vec::new(),
-        turns: forms.turning(&tree.rig),
+        turns: deformations.turning(&tree.rig),
         turning_skins: HashMap::new(),
-        forms,
+        deformations,
         budget: Budget::new(&options.limits),
         cut_above: options.cut_above_triangles,
         done: 0.0,
         listener: &mut |done| teller.tell(Stage::Meshes, done),
         untold: assembly::TOLD_PARTS,
         sight,
-        blended_parts: 0,
+        transparent_parts: 0,
     };
     for (light, node) in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);
         assembly.surfaces.lights.push(light);
         if let Some(node) = node.filter(|node| tree.moves(*node)) {
-            assembly.placements.push(rigid(node, Placed::Light(id), Affine3A::IDENTITY));
+            assembly.placements.push(rigid(node, PlacedNode::Light(id), Affine3A::IDENTITY));
         }
     }
     let mut plan = assembly.plan();
     assembly.scene.objects.reserve_exact(plan.objects());
     let count = tree.in_file.len();
-    for (place, node) in (0..count).zip((0..).map(NodeId)) {
+    for (place, node) in (0..count).zip((0..).map(RigNodeId)) {
         assembly.done = place as f32 / count as f32;
         assembly.tell()?;
         assembly.place(&mut plan, node)?;
     }
     let Assembly {
-        mut notes, mut scene, mut surfaces, materials, skins, placements, forms, ..
+        mut notes,
+        mut scene,
+        mut surfaces,
+        materials,
+        skins,
+        placements,
+        deformations,
+        ..
     } = assembly;
     (surfaces.materials, surfaces.textures, surfaces.images) = materials.finish(&mut source);
     renderable::check_textures(&source, &surfaces)?;
     let made = (&scene, &surfaces, skins.list.as_slice());
-    let moved = (&tree, &forms.into_extents());
+    let moved = (&tree, &deformations.into_extents());
     distances::refuse_far(moved, &mut clips, &placements, made, &cameras, &mut notes);
-    let is_empty = scene.objects.is_empty() && surfaces.blended.is_empty();
+    let is_empty = scene.objects.is_empty() && surfaces.transparent.is_empty();
     if is_empty {
         notes.say("there is nothing to see in the scene");
     }
@@ -137,7 +145,7 @@ pub(crate) fn convert(
     Ok(imported)
 }
 
-/// A scene with nothing in it yet.
+/// Returns a scene with nothing in it yet.
 fn empty(name: String) -> Scene {
     Scene {
         name,

@@ -1,6 +1,6 @@
 //! Nodes: those of one scene of the file, parents before children, and where they are at rest.
 
-use animation::{Node, NodeId, Rest, Rig, Trs};
+use animation::{Rest, Rig, RigNode, RigNodeId, Trs};
 use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
 use gltf::animation::Property;
 use gltf::json;
@@ -22,11 +22,11 @@ pub(super) struct Tree {
     /// For each of them, the mesh of the file that it has.
     pub(super) meshes: Vec<Option<u32>>,
     /// Those that have a camera of the file, and which.
-    pub(super) cameras: Vec<(NodeId, usize)>,
+    pub(super) cameras: Vec<(RigNodeId, usize)>,
     /// Those that have a light of the file, and which.
-    pub(super) lights: Vec<(NodeId, usize)>,
+    pub(super) lights: Vec<(RigNodeId, usize)>,
     /// For each node of the file, what it is here, if it is.
-    pub(super) ids: Vec<Option<NodeId>>,
+    pub(super) ids: Vec<Option<RigNodeId>>,
     /// For each of them, where it is in the world at rest.
     pub(super) worlds: Vec<Affine3A>,
     /// For each of them, whether a clip moves it or what it hangs on.
@@ -36,8 +36,8 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// The scene that the file says, else its first one, else all nodes without a parent. The names of its
-    /// nodes are taken out of the file.
+    /// Returns the scene that the file says, else its first one, else all nodes without a parent.
+    /// The names of its nodes are taken out of the file.
     ///
     /// # Errors
     /// Nodes that are their own ancestors.
@@ -46,20 +46,20 @@ impl Tree {
         let mut json = std::mem::replace(&mut source.document, empty).into_json();
         let (moved, morphed) = animated(&json);
         let count = json.nodes.len();
-        let mut nodes: Vec<Node> = Vec::with_capacity(count);
+        let mut nodes: Vec<RigNode> = Vec::with_capacity(count);
         let mut ids = vec![None; count];
         let (mut in_file, mut worlds) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut meshes = Vec::with_capacity(count);
         let (mut cameras, mut lights) = (Vec::new(), Vec::new());
         let (mut moves, mut morphs) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut pending: Vec<(usize, Option<NodeId>)> =
+        let mut pending: Vec<(usize, Option<RigNodeId>)> =
             roots(&json, notes).into_iter().rev().map(|root| (root, None)).collect();
         while let Some((index, parent)) = pending.pop() {
             let (Some(given), Some(slot @ None)) = (json.nodes.get_mut(index), ids.get_mut(index))
             else {
                 continue;
             };
-            let id = NodeId(nodes.len() as u32);
+            let id = RigNodeId(nodes.len() as u32);
             *slot = Some(id);
             let is_moved = moved.get(index).copied().unwrap_or_default();
             let rest = rest(index, given, is_moved, notes);
@@ -69,7 +69,7 @@ impl Tree {
             moves.push(is_moved || above.is_some_and(|above| moves.get(above) == Some(&true)));
             morphs.push(morphed.get(index).copied().unwrap_or_default());
             let name = given.name.take().unwrap_or_default();
-            nodes.push(Node { name, parent, rest, weights: weights(&json.meshes, given) });
+            nodes.push(RigNode { name, parent, rest, weights: weights(&json.meshes, given) });
             in_file.push(index);
             meshes.push(given.mesh.and_then(|mesh| u32::try_from(mesh.value()).ok()));
             cameras.extend(given.camera.map(|camera| (id, camera.value())));
@@ -84,28 +84,28 @@ impl Tree {
         Ok(Self { rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
     }
 
-    /// What a node of the file is here, if it is.
-    pub(super) fn id_of(&self, in_file: usize) -> Option<NodeId> {
+    /// Returns what a node of the file is here, if it is.
+    pub(super) fn id_of(&self, in_file: usize) -> Option<RigNodeId> {
         self.ids.get(in_file).copied().flatten()
     }
 
-    /// Where a node is in the world at rest.
-    pub(super) fn world(&self, node: NodeId) -> Affine3A {
+    /// Returns where a node is in the world at rest.
+    pub(super) fn world(&self, node: RigNodeId) -> Affine3A {
         self.worlds.get(node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY)
     }
 
-    /// Whether a clip moves a node or what it hangs on.
-    pub(super) fn moves(&self, node: NodeId) -> bool {
+    /// Returns true if a clip moves a node or what it hangs on.
+    pub(super) fn moves(&self, node: RigNodeId) -> bool {
         self.moves.get(node.0 as usize) == Some(&true)
     }
 
-    /// A node.
-    pub(super) fn node(&self, node: NodeId) -> Option<&Node> {
+    /// Returns a node.
+    pub(super) fn node(&self, node: RigNodeId) -> Option<&RigNode> {
         self.rig.nodes().get(node.0 as usize)
     }
 
-    /// What people call a node.
-    pub(super) fn name(&self, node: NodeId) -> String {
+    /// Returns what people call a node.
+    pub(super) fn name(&self, node: RigNodeId) -> String {
         let name = self.node(node).map(|node| node.name.as_str()).unwrap_or_default();
         let in_file = self.in_file.get(node.0 as usize).copied().unwrap_or_default();
         match name {
@@ -115,7 +115,7 @@ impl Tree {
     }
 }
 
-fn rig_of(nodes: Vec<Node>, source: &Source) -> Result<Rig, ImportError> {
+fn rig_of(nodes: Vec<RigNode>, source: &Source) -> Result<Rig, ImportError> {
     Rig::new(nodes)
         .map_err(|error| source.error(Cause::Malformed, "nodes".to_owned(), error.to_string()))
 }
@@ -189,7 +189,8 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
     })
 }
 
-/// Returns whether the axes of a matrix are not at right angles, so that it has no rotation and scale.
+/// Returns whether the axes of a matrix are not at right angles, so that it has no rotation and
+/// scale.
 fn shears(matrix: &Affine3A) -> bool {
     let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|it| it.normalize_or_zero());
     [x.dot(y), y.dot(z), z.dot(x)].iter().any(|cosine| cosine.abs() > 1e-3)
@@ -205,7 +206,7 @@ pub(super) fn local(rest: &Rest) -> Affine3A {
     }
 }
 
-/// The weights of a node's morph targets: its own, else its mesh's, else zeros.
+/// Returns the weights of a node's morph targets: its own, else its mesh's, else zeros.
 fn weights(meshes: &[json::Mesh], given: &json::Node) -> Vec<f32> {
     let Some(mesh) = given.mesh.and_then(|mesh| meshes.get(mesh.value())) else {
         return Vec::new();

@@ -7,7 +7,7 @@ use super::geometry::Geometry;
 use super::numbers::{direction, triangle_normal};
 use super::pack::snorm16;
 
-/// The normal of a triangle; any if it has no area.
+/// Returns the normal of a triangle; any if it has no area.
 fn flat(corners: [Vec3; 3]) -> Vec3 {
     triangle_normal(corners).unwrap_or_else(|| {
         let [a, b, c] = corners;
@@ -16,11 +16,11 @@ fn flat(corners: [Vec3; 3]) -> Vec3 {
     })
 }
 
-/// Gives every triangle its own flat normals and drops tangents (3.7.2.1: those of the file are ignored
-/// then). Triangles in one plane go on sharing vertices, unless morph targets bend it.
+/// Gives every triangle its own flat normals and drops tangents (3.7.2.1: those of the file are
+/// ignored then). Triangles in one plane go on sharing vertices, unless morph targets bend it.
 ///
-/// A morph target gets the difference between the flat normals with it in full and without it: exact at
-/// both ends and a mix between them.
+/// A morph target gets the difference between the flat normals with it in full and without it:
+/// exact at both ends and a mix between them.
 pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     let corners = |triangle: &[u32; 3], moved: Option<&MorphTarget>| {
         triangle.map(|vertex| {
@@ -57,8 +57,8 @@ pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     split
 }
 
-/// Makes all normals unit vectors, in place. What has no direction gets that of a triangle it is in.
-/// Returns how many those were.
+/// Makes all normals unit vectors, in place. What has no direction gets that of a triangle it is
+/// in. Returns how many those were.
 pub(super) fn repair(geometry: &mut Geometry) -> usize {
     let mut broken = vec![];
     for (place, normal) in geometry.normals.iter_mut().enumerate() {
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use glam::vec3;
 
-    /// Two triangles of a square in z = 0, and one that stands on its edge along x.
+    /// Returns two triangles of a square in z = 0, and one that stands on its edge along x.
     fn step() -> Geometry {
         Geometry {
             positions: vec![

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
-/// The direction of a vector; `None` if it has none. Huge and tiny ones have one.
+/// Returns the direction of a vector; `None` if it has none. Huge and tiny ones have one.
 pub(super) fn direction(vector: Vec3) -> Option<Vec3> {
     let largest = vector.abs().max_element();
     if !vector.is_finite() || largest == 0.0 {
@@ -14,7 +14,7 @@ pub(super) fn direction(vector: Vec3) -> Option<Vec3> {
     unit.is_finite().then_some(unit)
 }
 
-/// The rotation that a quaternion of any length means; `None` if it means none.
+/// Returns the rotation that a quaternion of any length means; `None` if it means none.
 pub(super) fn rotation(parts: [f32; 4]) -> Option<Quat> {
     let precise = glam::DQuat::from_array(parts.map(f64::from));
     let length = precise.length();
@@ -29,7 +29,7 @@ pub(super) fn rotation(parts: [f32; 4]) -> Option<Quat> {
     Some(unit.as_quat())
 }
 
-/// The normal of a triangle by the right-hand rule; `None` if it has no area.
+/// Returns the normal of a triangle by the right-hand rule; `None` if it has no area.
 pub(super) fn triangle_normal(corners: [Vec3; 3]) -> Option<Vec3> {
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());
     let cross = (b - a).cross(c - a);
@@ -42,19 +42,19 @@ fn columns(transform: &Affine3A) -> [DVec3; 3] {
     [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.as_dvec3())
 }
 
-/// Whether it turns right hands into left ones.
+/// Returns true if it turns right hands into left ones.
 pub(super) fn mirrors(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     x.cross(y).dot(z) < 0.0
 }
 
-/// Whether anything with an area keeps one.
+/// Returns true if anything with an area keeps one.
 pub(super) fn keeps_areas(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     [x.cross(y), y.cross(z), z.cross(x)].iter().any(|area| area.length_squared() > 0.0)
 }
 
-/// Whether anything with a volume keeps one.
+/// Returns true if anything with a volume keeps one.
 pub(super) fn has_volume(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     x.cross(y).dot(z) != 0.0

@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use super::geometry::Geometry;
 
-/// Cuts geometry into pieces of at most `most` triangles: the triangles are halved by their middles along the
-/// longest side of the box around these, again and again. Within a piece they keep their order, and backs are
-/// in that of their fronts. What fits is one piece.
+/// Cuts geometry into pieces of at most `most` triangles: the triangles are halved by their middles
+/// along the longest side of the box around these, again and again. Within a piece they keep their
+/// order, and backs are in that of their fronts. What fits is one piece.
 pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let most = most.max(1);
     if geometry.triangles.len() <= most {
@@ -55,8 +55,8 @@ pub(super) fn longest_side(points: impl Iterator<Item = Vec3>) -> usize {
     (high * 0.5 - low * 0.5).max_position()
 }
 
-/// Some triangles by their numbers, and their vertices. `names` are as many as vertices, all `u32::MAX`, and
-/// are so again afterwards.
+/// Returns some triangles by their numbers, and their vertices. `names` are as many as vertices,
+/// all `u32::MAX`, and are so again afterwards.
 pub(super) fn piece(geometry: &Geometry, part: &[u32], names: &mut [u32]) -> Geometry {
     let mut picks = Vec::new();
     let mut name = |vertex: u32| match names.get_mut(vertex as usize) {
@@ -84,7 +84,7 @@ mod tests {
     use super::super::sidedness::{Backs, with_backs};
     use super::*;
 
-    /// A strip of squares along x, each of two triangles.
+    /// Returns a strip of squares along x, each of two triangles.
     fn strip(squares: u32) -> Geometry {
         let corner = |place: u32| Vec3::new((place / 2) as f32, (place % 2) as f32, 0.0);
         let square = |place: u32| {
@@ -126,7 +126,8 @@ mod tests {
 
     #[test]
     fn backs_are_in_the_piece_of_their_fronts() {
-        // Sums of three numbers depend on their order, so that the middles of both sides may differ.
+        // Sums of three numbers depend on their order, so that the middles of both sides may
+        // differ.
         let mut both = strip(333);
         for (number, at) in (0..).zip(&mut both.positions) {
             *at = Vec3::new(at.x * 0.37, (number * 7 % 13) as f32 / 13.0, 1e-3 / (at.x + 0.1));

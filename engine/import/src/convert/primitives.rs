@@ -7,10 +7,10 @@ use gltf::mesh::{Mode, Semantic};
 
 use super::budget::Budget;
 use super::geometry::Geometry;
+use super::initial_view::InitialView;
 use super::materials::MaterialUse;
 use super::numbers::mirrors;
 use super::sidedness::{Backs, mirror, with_backs};
-use super::sight::Sight;
 use super::topology::Elements;
 use super::vertices::Vertices;
 use super::{normals, solids, tangents};
@@ -19,8 +19,8 @@ use crate::memory;
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
-/// Memory that a vertex, and a corner of a triangle, take at the most while they are made (bytes): their numbers as
-/// they are read, split at edges, and packed.
+/// Memory that a vertex, and a corner of a triangle, take at the most while they are made (bytes):
+/// their numbers as they are read, split at edges, and packed.
 const VERTEX_BYTES: u64 = 256;
 const CORNER_BYTES: u64 = 32;
 
@@ -82,7 +82,7 @@ impl Primitive<'_> {
         format!("mesh {}{name}, primitive {}", self.mesh, self.number)
     }
 
-    /// The accessor of an attribute.
+    /// Returns the accessor of an attribute.
     pub(super) fn attribute(&self, semantic: Semantic) -> Option<usize> {
         self.json.attributes.get(&Checked::Valid(semantic)).map(json::Index::value)
     }
@@ -94,13 +94,13 @@ impl Primitive<'_> {
         }
     }
 
-    /// Whether lines or points are drawn that no light can fall on: they are their own colour
-    /// (3.9.1, as for `KHR_materials_unlit`).
+    /// Returns true if lines or points are drawn that no light can fall on: they are their own
+    /// colour (3.9.1, as for `KHR_materials_unlit`).
     pub(super) fn is_unlit(&self) -> bool {
         self.is_thin() && self.attribute(Semantic::Normals).is_none()
     }
 
-    /// Whether it is points or lines.
+    /// Returns true if it is points or lines.
     pub(super) fn is_thin(&self) -> bool {
         matches!(self.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
     }
@@ -118,8 +118,8 @@ impl Primitive<'_> {
         self.source.error(cause, self.place(), reason)
     }
 
-    /// The primitive as triangles, in full: normals, tangents, backs. `None` if there is nothing to draw. Points and
-    /// lines are as large as they are to be seen from `sight`.
+    /// Returns the primitive as triangles, in full: normals, tangents, backs. `None` if there is
+    /// nothing to draw. Points and lines are as large as they are to be seen from `sight`.
     ///
     /// # Errors
     /// Positions that are not finite; more vertices or triangles than the limits allow.
@@ -127,14 +127,14 @@ impl Primitive<'_> {
         &self,
         variant: Variant,
         material: &MaterialUse,
-        (sight, to_world): (&Sight<'_>, &Affine3A),
+        (sight, to_world): (&InitialView<'_>, &Affine3A),
         budget: &mut Budget,
         notes: &mut Notes,
     ) -> Result<Option<Geometry>, ImportError> {
         let Some((geometry, elements)) = self.read(variant, material, notes)? else {
             return Ok(None);
         };
-        let own_backs = match (material.backs, variant.facing, material.is_blended) {
+        let own_backs = match (material.backs, variant.facing, material.is_transparent) {
             (Backs::None, Facing::Both, false) => Backs::Last,
             (Backs::None, Facing::Both, true) => Backs::First,
             (backs, ..) => backs,
@@ -200,7 +200,7 @@ impl Primitive<'_> {
         self.error(Cause::TooLarge, over.to_string())
     }
 
-    /// All attributes that count, of the vertices that something is drawn with.
+    /// Returns all attributes that count, of the vertices that something is drawn with.
     pub(super) fn read(
         &self,
         variant: Variant,

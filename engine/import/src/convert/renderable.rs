@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use animation::NodeId;
+use animation::RigNodeId;
 use scene::limits::{MAX_LAYERS, MAX_LIGHTS, MAX_PAGES, MAX_TEXTURE_TRANSFORMS};
 use scene::{Encoding, Material, PunctualLight, Sampler, Surfaces, TextureUse};
 
@@ -18,7 +18,7 @@ fn too_many(source: &Source, object: String, what: &str, count: usize, limit: u6
 pub(super) fn check_lights(
     source: &Source,
     tree: &Tree,
-    lights: &[(PunctualLight, Option<NodeId>)],
+    lights: &[(PunctualLight, Option<RigNodeId>)],
     limits: &Limits,
 ) -> Result<(), ImportError> {
     let limit = limits.lights.min(MAX_LIGHTS as u64);

@@ -1,8 +1,9 @@
-//! Meshes that keep their form: made once for all nodes that have them, and once more for those that mirror.
+//! Meshes that keep their form: made once for all nodes that have them, and once more for those
+//! that mirror.
 
 use std::collections::HashMap;
 
-use animation::NodeId;
+use animation::RigNodeId;
 use glam::Affine3A;
 use gltf::json;
 use gltf::json::validation::Checked;
@@ -16,8 +17,8 @@ use super::primitives::{Facing, Primitive, Variant};
 use super::{components, pieces};
 use crate::ImportError;
 
-/// Parts of one blended mesh, and objects more because of all such parts, at most: each is sorted in each frame.
-/// Parts that enclose something are two.
+/// Parts of one blended mesh, and objects more because of all such parts, at most: each is sorted
+/// in each frame. Parts that enclose something are two.
 const MOST_PARTS: usize = 256;
 const MOST_PART_OBJECTS: usize = 16_384;
 
@@ -71,14 +72,14 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// How many primitives a mesh of the scene has.
+    /// Returns how many primitives a mesh of the scene has.
     pub(super) fn primitives(&self, mesh: usize) -> usize {
         self.of_meshes.get(mesh).map_or(0, Vec::len)
     }
 
-    /// How many objects there will probably be, without what is blended: to make room for.
+    /// Returns how many objects there will probably be, without what is blended: to make room for.
     pub(super) fn objects(&self) -> usize {
-        let opaque = self.kinds.iter().filter(|kind| !kind.material.is_blended);
+        let opaque = self.kinds.iter().filter(|kind| !kind.material.is_transparent);
         opaque.map(|kind| kind.uses).fold(0, u64::saturating_add).min(1 << 20) as usize
     }
 
@@ -139,7 +140,7 @@ impl Assembly<'_> {
         &mut self,
         kind: &mut Kind,
         primitive: &Primitive<'_>,
-        node: NodeId,
+        node: RigNodeId,
         locals: &[Affine3A],
     ) -> Result<(), ImportError> {
         for local in locals {
@@ -175,8 +176,8 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Makes the sprites of a primitive when they are first needed. Crowds have a plain material whatever the
-    /// file says, which is noted.
+    /// Makes the sprites of a primitive when they are first needed. Crowds have a plain material
+    /// whatever the file says, which is noted.
     fn make_sprites(
         &mut self,
         kind: &mut Kind,
@@ -245,14 +246,14 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// What is large and seen once, and what is blended, in pieces; all else whole.
+    /// Returns what is large and seen once, and what is blended, in pieces; all else whole.
     fn pieces(&mut self, geometry: Geometry, kind: &Kind) -> Vec<Geometry> {
         let uses = usize::try_from(kind.uses).unwrap_or(usize::MAX).max(1);
-        if kind.material.is_blended {
-            let left = MOST_PART_OBJECTS.saturating_sub(self.blended_parts);
+        if kind.material.is_transparent {
+            let left = MOST_PART_OBJECTS.saturating_sub(self.transparent_parts);
             let parts = components::apart(geometry, (left / uses).min(MOST_PARTS));
             let parts: Vec<Geometry> = parts.into_iter().flat_map(components::sides).collect();
-            self.blended_parts += parts.len().saturating_sub(1) * uses;
+            self.transparent_parts += parts.len().saturating_sub(1) * uses;
             return parts;
         }
         match self.cut_above {

@@ -1,4 +1,5 @@
-//! Sides: the backs of double-sided materials as triangles of their own, and meshes for mirrored places.
+//! Sides: the backs of double-sided materials as triangles of their own, and meshes for mirrored
+//! places.
 
 use super::geometry::Geometry;
 
@@ -9,7 +10,8 @@ pub(super) enum Backs {
     None,
     /// After the fronts.
     Last,
-    /// Before the fronts: where the material is blended, the far side is more often drawn first then.
+    /// Before the fronts: where the material is blended, the far side is more often drawn first
+    /// then.
     First,
 }
 
@@ -56,8 +58,9 @@ pub(super) fn with_backs(geometry: &mut Geometry, backs: Backs) {
     };
 }
 
-/// Turns it into what it must be where the world is mirrored: triangles that were clockwise from outside
-/// are counter-clockwise in the mirror. Normals and bitangents are turned by who transforms them.
+/// Turns it into what it must be where the world is mirrored: triangles that were clockwise from
+/// outside are counter-clockwise in the mirror. Normals and bitangents are turned by who transforms
+/// them.
 pub(super) fn mirror(geometry: &mut Geometry) {
     for [_, second, third] in &mut geometry.triangles {
         std::mem::swap(second, third);

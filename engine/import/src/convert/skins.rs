@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use animation::{NodeId, Skin};
+use animation::{RigNodeId, Skin};
 use glam::{Affine3A, Mat4};
 use scene::SkinWeights;
 
@@ -30,8 +30,8 @@ pub(super) struct Skins {
 }
 
 impl Skins {
-    /// A skin of the file. `None`, with a note, if nothing can hang on it: joints are not in the scene,
-    /// or matrices are not finite.
+    /// Returns a skin of the file. `None`, with a note, if nothing can hang on it: joints are not
+    /// in the scene, or matrices are not finite.
     pub(super) fn used(
         &mut self,
         source: &Source,
@@ -76,7 +76,7 @@ pub(crate) fn used_joints(weights: &SkinWeights) -> Vec<bool> {
 
 fn read(source: &Source, tree: &Tree, index: usize) -> Option<Skin> {
     let given = source.document.as_json().skins.get(index)?;
-    let joints: Vec<NodeId> =
+    let joints: Vec<RigNodeId> =
         given.joints.iter().map(|joint| tree.id_of(joint.value())).collect::<Option<_>>()?;
     let inverse_bind = match given.inverse_bind_matrices {
         Some(accessor) => source.floats::<16>(accessor.value())?,

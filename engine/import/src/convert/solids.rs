@@ -1,13 +1,15 @@
-//! Points and lines as solids, where [sprites](super::sprites) cannot stand for them: where they are blended or
-//! masked, have textures, or change their form. A point is a cube, a line a prism with three sides, closed at
-//! both ends.
+//! Points and lines as solids, where [sprites](super::sprites) cannot stand for them: where they
+//! are blended or masked, have textures, or change their form. A point is a cube, a line a prism
+//! with three sides, closed at both ends.
 //!
-//! They are to be a few pixels wide where they are first seen ([`Sight`](super::sight::Sight)), and keep that
-//! size in the world: points are [`POINT_SIZE`] of the picture's height, lines [`LINE_SIZE`] (6 and 4 pixels of
-//! 720). Where they are close to each other they are thinner, down to [`LEAST_SIZE`], so that what they show
-//! is still seen: points do not reach the middle between most of them and their neighbours, and lines
-//! side by side fill no more than half of their box. All attributes, skins and morph targets go along; where the primitive has
-//! normals they are kept, so that it is lit as the file says, else they point outwards.
+//! They are to be a few pixels wide where they are first seen
+//! ([`InitialView`](super::initial_view::InitialView)), and keep that size in the world: points are
+//! [`POINT_SIZE`] of the picture's height, lines [`LINE_SIZE`] (6 and 4 pixels of 720). Where they
+//! are close to each other they are thinner, down to [`LEAST_SIZE`], so that what they show is
+//! still seen: points do not reach the middle between most of them and their neighbours, and lines
+//! side by side fill no more than half of their box. All attributes, skins and morph targets go
+//! along; where the primitive has normals they are kept, so that it is lit as the file says, else
+//! they point outwards.
 
 use glam::Vec3;
 
@@ -67,13 +69,15 @@ impl Growth {
     }
 }
 
-/// A size that is wanted, no larger than that where it is crowded, no smaller than can be seen.
+/// Returns a size that is wanted, no larger than that where it is crowded, no smaller than can be
+/// seen.
 fn size_of(wanted: f32, most: f32, height: f32) -> f32 {
     let least = height * LEAST_SIZE;
     if most.is_finite() { wanted.min(most.max(least)) } else { wanted }
 }
 
-/// How far most points are from their neighbours: the median of some of them. Infinite where there is one alone.
+/// Returns how far most points are from their neighbours: the median of some of them. Infinite
+/// where there is one alone.
 fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let step = points.len().div_ceil(ASKED_POINTS).max(1);
@@ -88,12 +92,12 @@ fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     distances.get(distances.len() / 2).copied().unwrap_or(f32::INFINITY)
 }
 
-/// How wide points are, where the picture is so high.
+/// Returns how wide points are, where the picture is so high.
 pub(super) fn point_size(geometry: &Geometry, points: &[u32], height: f32) -> f32 {
     size_of(height * POINT_SIZE, spacing(geometry, points), height)
 }
 
-/// How wide lines are, where the picture is so high.
+/// Returns how wide lines are, where the picture is so high.
 pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> f32 {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let lengths = lines.iter().map(|&[from, to]| f64::from(at(from).distance(at(to))));
@@ -103,7 +107,7 @@ pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) ->
     size_of(height * LINE_SIZE, (across * across * 0.5 / length) as f32, height)
 }
 
-/// A cube around each of these vertices, where the picture is so high.
+/// Returns a cube around each of these vertices, where the picture is so high.
 pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geometry {
     // The corners, by their sides along x, y and z: each is one of eight numbers.
     let directions: [Vec3; 8] = std::array::from_fn(|corner| {
@@ -122,14 +126,15 @@ pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geomet
     growth.finish(geometry, size * 0.5 * 3.0_f32.sqrt())
 }
 
-/// A prism around each of these lines, where the picture is so high.
+/// Returns a prism around each of these lines, where the picture is so high.
 pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geometry {
     let triangles =
         [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5], [0, 2, 1], [3, 4, 5]];
     let mut growth = Growth::default();
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     for &[from, to] in lines {
-        // A line without length gets some direction: others may go along with its ends, and move them.
+        // A line without length gets some direction: others may go along with its ends, and move
+        // them.
         let along = direction(at(to) * 0.5 - at(from) * 0.5).unwrap_or(Vec3::Z);
         let across = along.any_orthonormal_vector();
         let third = along.cross(across);
@@ -149,7 +154,8 @@ mod tests {
     use crate::convert::numbers::triangle_normal;
     use glam::vec3;
 
-    /// Every triangle faces away from the middle of its solid, and every edge is met from both sides.
+    /// Every triangle faces away from the middle of its solid, and every edge is met from both
+    /// sides.
     fn assert_closed(solid: &Geometry, vertices: usize) {
         let mut edges = std::collections::HashSet::new();
         for triangle in &solid.triangles {

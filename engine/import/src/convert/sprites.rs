@@ -1,5 +1,5 @@
-//! Points and lines as sprites: identical ones once, in chunks that lie side by side, so that culling has
-//! something to cull.
+//! Points and lines as sprites: identical ones once, in chunks that lie side by side, so that
+//! culling has something to cull.
 
 use glam::{Affine3A, Vec3};
 use gltf::mesh::Semantic;
@@ -7,17 +7,18 @@ use scene::{MAX_SPRITES, MeshId, SpriteEnd, SpriteShape, Sprites, pack_sprite_co
 
 use super::budget::Budget;
 use super::geometry::Geometry;
+use super::initial_view::InitialView;
 use super::materials::MaterialUse;
 use super::numbers::direction;
 use super::pieces::longest_side;
 use super::primitives::{Facing, Primitive, Variant};
-use super::sight::Sight;
 use super::solids;
 use super::topology::Elements;
 use crate::ImportError;
 use crate::notes::Notes;
 
-/// Points or lines of one primitive that are solids, at most: each takes as much memory as fifty sprites.
+/// Points or lines of one primitive that are solids, at most: each takes as much memory as fifty
+/// sprites.
 const MOST_SOLIDS: u64 = 1 << 16;
 
 /// How many sprites a chunk has at most that is seen once.
@@ -38,7 +39,7 @@ struct Look {
 }
 
 impl Primitive<'_> {
-    /// Whether it is more points or lines than may be solids.
+    /// Returns true if it is more points or lines than may be solids.
     pub(super) fn is_crowd(&self) -> bool {
         let accessors = &self.source.document.as_json().accessors;
         let indices = self.json.indices.map(|indices| indices.value());
@@ -47,7 +48,8 @@ impl Primitive<'_> {
         self.is_thin() && count > MOST_SOLIDS
     }
 
-    /// The primitive as sprites, if it is points or lines, as large as they are to be seen from `sight`.
+    /// Returns the primitive as sprites, if it is points or lines, as large as they are to be seen
+    /// from `sight`.
     ///
     /// # Errors
     /// Positions that are not finite; more vertices than the limits allow.
@@ -55,7 +57,7 @@ impl Primitive<'_> {
         &self,
         material: &MaterialUse,
         (tint, is_seen_once): ([f32; 4], bool),
-        (sight, to_world): (&Sight<'_>, &Affine3A),
+        (sight, to_world): (&InitialView<'_>, &Affine3A),
         budget: &mut Budget,
         notes: &mut Notes,
     ) -> Result<Vec<Sprites>, ImportError> {

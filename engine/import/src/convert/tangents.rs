@@ -1,5 +1,5 @@
-//! Tangents: those of the file made unit vectors, or MikkTSpace's where the file has none and the material
-//! has a normal texture, or any where nobody looks at them.
+//! Tangents: those of the file made unit vectors, or MikkTSpace's where the file has none and the
+//! material has a normal texture, or any where nobody looks at them.
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
 
@@ -16,15 +16,15 @@ pub(super) struct NormalUvs {
     pub(super) transform: Affine2,
 }
 
-/// The most triangles that may share a corner for MikkTSpace: it goes from neighbour to neighbour by
-/// recursion, and compares each with each.
+/// The most triangles that may share a corner for MikkTSpace: it goes from neighbour to neighbour
+/// by recursion, and compares each with each.
 const MOST_AROUND: u32 = 1024;
 
 /// The most such comparisons in a mesh.
 const MOST_COMPARISONS: u64 = 1 << 30;
 
-/// Gives every vertex a tangent. Returns the geometry, whose vertices may be split, and how many tangents
-/// of the file had no direction.
+/// Gives every vertex a tangent. Returns the geometry, whose vertices may be split, and how many
+/// tangents of the file had no direction.
 pub(super) fn complete(mut geometry: Geometry, wanted: Option<NormalUvs>) -> (Geometry, usize) {
     if !geometry.tangents.is_empty() {
         let broken = repair(&mut geometry);
@@ -72,8 +72,8 @@ fn finite(uv: Vec2) -> Vec2 {
     if uv.is_finite() { uv } else { Vec2::ZERO }
 }
 
-/// Makes all tangents unit vectors, in place. What has no direction gets one across its normal. Returns
-/// how many those were.
+/// Makes all tangents unit vectors, in place. What has no direction gets one across its normal.
+/// Returns how many those were.
 fn repair(geometry: &mut Geometry) -> usize {
     let mut broken = 0;
     for (tangent, normal) in geometry.tangents.iter_mut().zip(&geometry.normals) {
@@ -87,7 +87,7 @@ fn repair(geometry: &mut Geometry) -> usize {
     broken
 }
 
-/// Everything that MikkTSpace takes for one vertex has the same bits.
+/// Returns everything that MikkTSpace takes for one vertex has the same bits.
 fn welded(geometry: &Geometry, uvs: &[Vec2], vertex: u32) -> [u32; 8] {
     let vertex = vertex as usize;
     let position = geometry.positions.get(vertex).copied().unwrap_or_default().to_array();
@@ -99,7 +99,8 @@ fn welded(geometry: &Geometry, uvs: &[Vec2], vertex: u32) -> [u32; 8] {
     [x, y, z, nx, ny, nz, u, v]
 }
 
-/// Whether MikkTSpace gets through it: hostile files have a million triangles around one vertex.
+/// Returns true if MikkTSpace gets through it: hostile files have a million triangles around one
+/// vertex.
 fn is_tame(geometry: &Geometry, uvs: &[Vec2]) -> bool {
     let mut around: std::collections::HashMap<[u32; 8], u32> = std::collections::HashMap::new();
     for &vertex in geometry.triangles.as_flattened() {
@@ -162,7 +163,7 @@ impl bevy_mikktspace::Geometry for Faces<'_> {
     }
 }
 
-/// The tangents of all corners by MikkTSpace; zeros where it finds none.
+/// Returns the tangents of all corners by MikkTSpace; zeros where it finds none.
 fn mikkelsen(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let is_proper = |triangle: &[u32; 3]| {
@@ -180,8 +181,8 @@ fn mikkelsen(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     }
 }
 
-/// The tangents of all corners as each vertex's sum over the triangles around it of the direction in which
-/// u grows (E. Lengyel, Foundations of Game Engine Development, volume 2, 7.5).
+/// Returns the tangents of all corners as each vertex's sum over the triangles around it of the
+/// direction in which u grows (E. Lengyel, Foundations of Game Engine Development, volume 2, 7.5).
 fn accumulated(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); geometry.positions.len()];
     for triangle in &geometry.triangles {
@@ -214,7 +215,7 @@ mod tests {
     use super::*;
     use glam::vec3;
 
-    /// A square in z = 0 that shows a whole texture upright: u to the right, v down.
+    /// Returns a square in z = 0 that shows a whole texture upright: u to the right, v down.
     fn square() -> Geometry {
         let positions = vec![Vec3::ZERO, Vec3::X, vec3(1.0, 1.0, 0.0), Vec3::Y];
         Geometry {

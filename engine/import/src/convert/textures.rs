@@ -64,8 +64,8 @@ impl Named {
     }
 }
 
-/// Scaled, then turned, then moved. A positive angle turns counter-clockwise as one sees the image, whose v
-/// goes down. Identity if it is too large for any number.
+/// Scaled, then turned, then moved. A positive angle turns counter-clockwise as one sees the image,
+/// whose v goes down. Identity if it is too large for any number.
 fn transform(scale: [f32; 2], rotation_rad: f32, offset: [f32; 2]) -> Affine2 {
     let transform = Affine2::from_scale_angle_translation(
         Vec2::from_array(scale),
@@ -86,7 +86,8 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// The id of a texture of the file, read in this way. `None` if its image is none that can be read.
+    /// Returns the id of a texture of the file, read in this way. `None` if its image is none that
+    /// can be read.
     pub(super) fn id_of(
         &mut self,
         source: &Source,
@@ -110,7 +111,7 @@ impl Textures {
         }))
     }
 
-    /// All of them, and their images, which are taken out of the file.
+    /// Returns all of them, and their images, which are taken out of the file.
     pub(super) fn finish(self, source: &mut Source) -> (Vec<Texture>, Vec<Image>) {
         let mut take = |image: usize| source.images.get_mut(image).and_then(Option::take);
         // Each was there when its id was given, and each is asked for once.

@@ -3,8 +3,8 @@
 
 use gltf::mesh::Mode;
 
-/// As large a part of its vertices as this has to be used by a primitive before all are looked at: about what
-/// sorting costs more than marking.
+/// As large a part of its vertices as this has to be used by a primitive before all are looked at:
+/// about what sorting costs more than marking.
 const FEW: usize = 16;
 
 /// What a list of vertices means.
@@ -52,7 +52,7 @@ impl Elements {
         }
     }
 
-    /// All vertices that are named.
+    /// Returns all vertices that are named.
     pub(super) fn vertices(&self) -> &[u32] {
         match self {
             Self::Triangles(triangles) => triangles.as_flattened(),
@@ -61,7 +61,8 @@ impl Elements {
         }
     }
 
-    /// Names only vertices that are used, by their order. Returns which those are, `None` if all of `count`.
+    /// Names only vertices that are used, by their order. Returns which those are, `None` if all of
+    /// `count`.
     ///
     /// # Errors
     /// A vertex that is not there.

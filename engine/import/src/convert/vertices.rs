@@ -11,7 +11,8 @@ use super::primitives::{Primitive, Variant};
 use crate::notes::Notes;
 use crate::{Cause, ImportError};
 
-/// Texture coordinates beyond this are cut off: no number left between two of them is a texture's part.
+/// Texture coordinates beyond this are cut off: no number left between two of them is a texture's
+/// part.
 const LARGEST_UV: f32 = 1e6;
 
 /// The vertices of a primitive that something is drawn with: no other is read.
@@ -26,7 +27,7 @@ impl<'a> Vertices<'a> {
         Self { primitive, picks }
     }
 
-    /// All attributes that count.
+    /// Returns all attributes that count.
     pub(super) fn read(
         &self,
         positions: usize,
@@ -71,7 +72,7 @@ impl<'a> Vertices<'a> {
         Ok(geometry)
     }
 
-    /// The number in the file of the vertex that is read at this place.
+    /// Returns the number in the file of the vertex that is read at this place.
     fn vertex(&self, place: usize) -> usize {
         self.picks.and_then(|it| it.get(place)).map_or(place, |&vertex| vertex as usize)
     }
@@ -129,7 +130,7 @@ impl<'a> Vertices<'a> {
         colours
     }
 
-    /// All sets of joints and weights, which are 1 together for each vertex.
+    /// Returns all sets of joints and weights, which are 1 together for each vertex.
     fn skin(&self, joint_count: u32, vertices: usize, notes: &mut Notes) -> SkinWeights {
         let (source, attribute) =
             (self.primitive.source, |semantic| self.primitive.attribute(semantic));

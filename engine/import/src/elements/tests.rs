@@ -25,13 +25,14 @@ impl Random {
         (self.next() % end.max(1) as u64) as usize
     }
 
-    /// Each number below `end` by a chance of one in `rare`, in order.
+    /// Returns each number below `end` by a chance of one in `rare`, in order.
     fn some_below(&mut self, end: usize, rare: usize) -> Vec<u32> {
         (0..end as u32).filter(|_| self.below(rare) == 0).collect()
     }
 }
 
-/// A file of any bytes whose first accessor has any layout, and whose second has the same elements, packed.
+/// Returns a file of any bytes whose first accessor has any layout, and whose second has the same
+/// elements, packed.
 fn any_accessor(random: &mut Random) -> (Root, Store) {
     const TYPES: [(u32, usize); 6] =
         [(5120, 1), (5121, 1), (5122, 2), (5123, 2), (5125, 4), (5126, 4)];
@@ -154,7 +155,8 @@ fn primitives_that_share_vertices_read_those_that_they_use() {
     );
     let read = READ.get() - before;
     assert_eq!(loaded.map(|it| it.scene.objects.len()), Ok(PRIMITIVES));
-    // Three indices, checked and read, and three vertices of three attributes; what is shared is checked once.
+    // Three indices, checked and read, and three vertices of three attributes; what is shared is
+    // checked once.
     let most = (PRIMITIVES * 3 * 5 + VERTICES * 2) as u64;
     assert!((most / 2..=most).contains(&read), "{read} elements read, not {most} at most");
 }

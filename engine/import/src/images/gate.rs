@@ -13,8 +13,8 @@ impl Gate {
         Self { left: Mutex::new(amount), given_back: Condvar::new() }
     }
 
-    /// Calls `work` while it holds `amount`, which must be no more than there is at all: it would wait for
-    /// ever. `work` must not panic.
+    /// Calls `work` while it holds `amount`, which must be no more than there is at all: it would
+    /// wait for ever. `work` must not panic.
     pub(super) fn with<T>(&self, amount: u64, work: impl FnOnce() -> T) -> T {
         let left = self.left.lock().unwrap_or_else(PoisonError::into_inner);
         let mut left = self

@@ -40,8 +40,8 @@ fn has_end(scans: &[u8]) -> bool {
     scans.windows(2).rev().any(|pair| pair == [0xFF, 0xD9])
 }
 
-/// A file without its last marker, with that, and with other coefficients before it: the pictures differ
-/// if any of its own are missing.
+/// Returns a file without its last marker, with that, and with other coefficients before it: the
+/// pictures differ if any of its own are missing.
 pub(super) fn endings(bytes: &[u8]) -> [Vec<u8>; 2] {
     const END: [u8; 2] = [0xFF, 0xD9];
     // Half of a marker is none, but for a byte that was stuffed.

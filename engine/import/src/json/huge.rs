@@ -1,17 +1,19 @@
-//! Numbers that are greater than any of 64 bits. Readers refuse all of a file for one of them, wherever it is.
+//! Numbers that are greater than any of 64 bits. Readers refuse all of a file for one of them,
+//! wherever it is.
 
 use std::ops::Range;
 
-/// What stands for such a number: it is as short as the shortest of them, and beyond 32 bits as they are.
+/// What stands for such a number: it is as short as the shortest of them, and beyond 32 bits as
+/// they are.
 const STAND_IN: &[u8] = b"1e300";
 
-/// Whether an error is about such a number.
+/// Returns true if an error is about such a number.
 pub(super) fn is_cause(error: &serde_json::Error) -> bool {
     error.to_string().starts_with("number out of range")
 }
 
-/// Returns the JSON with a number beyond 32 bits, but not beyond 64, in place of each that is; `None` if there is
-/// none. All else stays where it is.
+/// Returns the JSON with a number beyond 32 bits, but not beyond 64, in place of each that is;
+/// `None` if there is none. All else stays where it is.
 pub(super) fn bounded(json: &[u8]) -> Option<Vec<u8>> {
     let mut bounded: Option<Vec<u8>> = None;
     for number in numbers(json) {

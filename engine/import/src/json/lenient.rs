@@ -1,5 +1,5 @@
-//! JSON that `gltf` does not take as it is: each element of its lists is read by itself. What is wrong with one
-//! is its own fault, so that it refuses the file only if it is shown.
+//! JSON that `gltf` does not take as it is: each element of its lists is read by itself. What is
+//! wrong with one is its own fault, so that it refuses the file only if it is shown.
 
 use gltf::json::Root;
 use gltf::json::extensions::scene::khr_lights_punctual::Light;
@@ -22,7 +22,8 @@ pub(crate) struct Parsed {
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
-/// Elements that cannot be read, at most: a blank takes more memory than the two characters of a broken one.
+/// Elements that cannot be read, at most: a blank takes more memory than the two characters of a
+/// broken one.
 const MOST_FAULTS: usize = 4096;
 
 /// Reads the root object of a file.
@@ -130,8 +131,8 @@ fn read<T: DeserializeOwned>(mut value: Value, element: Element) -> Result<T, Fa
     })
 }
 
-/// Turns numbers like `1.0` into whole ones, which some fields must be; a number is no other for that. Depth was
-/// limited by the reader of the JSON.
+/// Turns numbers like `1.0` into whole ones, which some fields must be; a number is no other for
+/// that. Depth was limited by the reader of the JSON.
 fn make_whole(value: &mut Value) {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     match value {

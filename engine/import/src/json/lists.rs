@@ -5,7 +5,8 @@ use serde_json::Value;
 use super::names::shown_key;
 use crate::error::{Fault, Reason};
 
-/// Returns whether a list may be an element of a list in the JSON: outside of extensions, glTF has no such thing.
+/// Returns whether a list may be an element of a list in the JSON: outside of extensions, glTF has
+/// no such thing.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
     // Within an object a list follows a colon.
     let mut before = 0;
@@ -16,7 +17,8 @@ pub(super) fn may_be_in(json: &[u8]) -> bool {
     })
 }
 
-/// Fails at the first list that is an element of another one. Depth was limited by the reader of the JSON.
+/// Fails at the first list that is an element of another one. Depth was limited by the reader of
+/// the JSON.
 pub(super) fn check(value: &Value) -> Result<(), Fault> {
     match value {
         Value::Object(entries) => {

@@ -1,4 +1,5 @@
-//! Versions of the format: MAJOR.MINOR (glTF 2.0, 3.2). A reader of 2.0 reads each 2.x that does not demand more.
+//! Versions of the format: MAJOR.MINOR (glTF 2.0, 3.2). A reader of 2.0 reads each 2.x that does
+//! not demand more.
 
 use gltf::json::Asset;
 
@@ -16,7 +17,8 @@ struct Version {
 }
 
 impl Version {
-    /// Reads a version of any number of parts, of which the first two count. A part that is missing or empty is 0.
+    /// Reads a version of any number of parts, of which the first two count. A part that is missing
+    /// or empty is 0.
     fn of(text: &str) -> Option<Self> {
         let mut parts = text.split('.');
         let major = number(parts.next()?)?;
@@ -30,8 +32,8 @@ fn number(text: &str) -> Option<u32> {
     text.bytes().all(|byte| byte.is_ascii_digit()).then(|| text.parse().ok()).flatten()
 }
 
-/// Checks the version that a file has, and the one that its reader must know at least. Other spellings than
-/// MAJOR.MINOR are noted.
+/// Checks the version that a file has, and the one that its reader must know at least. Other
+/// spellings than MAJOR.MINOR are noted.
 ///
 /// # Errors
 /// A version that is not known, or is none.

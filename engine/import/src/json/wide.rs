@@ -40,8 +40,8 @@ const LISTS: &[&str] = &["attributes", "children", "joints", "nodes", "targets"]
 /// The digits of the least number beyond 32 bits.
 const WIDE_DIGITS: usize = 10;
 
-/// Whether a whole number of more than 32 bits may be in the JSON: so many digits in a row that follow no
-/// decimal point. Whoever has such a row has a digit at some multiple of its length.
+/// Returns true if a whole number of more than 32 bits may be in the JSON: so many digits in a row
+/// that follow no decimal point. Whoever has such a row has a digit at some multiple of its length.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
     let is_digit = |byte: &u8| byte.is_ascii_digit();
     let starts_wide = |at: usize| {
@@ -75,7 +75,8 @@ pub(super) fn check(value: &Value) -> Result<(), Fault> {
     }
 }
 
-/// A number beyond 32 bits: this value, or one in it, `levels` deep at most (attributes of targets in a list).
+/// Returns a number beyond 32 bits: this value, or one in it, `levels` deep at most (attributes of
+/// targets in a list).
 fn wide_number(value: &Value, levels: u32) -> Option<u64> {
     match value {
         Value::Number(number) => number.as_u64().filter(|&number| number > u64::from(u32::MAX)),

@@ -79,7 +79,7 @@ fn decode_words<const COUNT: usize>(encoded: &[u8], count: usize) -> ::meshopt::
     Ok(words)
 }
 
-/// What elements of `stride` bytes stand for.
+/// Returns what elements of `stride` bytes stand for.
 fn filtered(mut words: Vec<u32>, filter: Filter, stride: usize) -> Vec<u8> {
     let list = words.as_mut_slice();
     match (filter, stride) {

@@ -5,7 +5,7 @@ use glam::Vec3;
 use scene::{Object, PoseBounds, Scene};
 
 use super::SceneAnimator;
-use crate::gltf_scene::Placed;
+use crate::gltf_scene::PlacedNode;
 
 /// How often a clip is looked at from its beginning to its end, at most.
 const MOST_LOOKS_A_CLIP: usize = 32;
@@ -13,21 +13,24 @@ const MOST_LOOKS_A_CLIP: usize = 32;
 /// How often all clips together are looked at, at most.
 const MOST_LOOKS: usize = 256;
 
-/// How many places of nodes and of what moves are looked at, at most; but each clip is looked at once.
+/// How many places of nodes and of what moves are looked at, at most; but each clip is looked at
+/// once.
 const MOST_PLACES: usize = 1 << 22;
 
 impl SceneAnimator {
-    /// Returns a box around everything that is seen while the clips play that play now, found by looking at
-    /// a bounded number of moments; the origin alone if there is nothing. `scene` is the one that came with it.
+    /// Returns a box around everything that is seen while the clips play that play now, found by
+    /// looking at a bounded number of moments; the origin alone if there is nothing. `scene` is the
+    /// one that came with it.
     ///
-    /// Everything is as if nothing had been shown yet afterwards: for use before a renderer shows a moment.
+    /// Everything is as if nothing had been shown yet afterwards: for use before a renderer shows a
+    /// moment.
     pub fn bounds_playing(&mut self, scene: &Scene) -> Aabb {
-        let blended = scene.surfaces.iter().flat_map(|surfaces| &surfaces.blended);
-        let objects: Vec<&Object> = scene.objects.iter().chain(blended).collect();
-        let place = |(placed, _): (Placed, _)| match placed {
-            Placed::Object(id) => Some(id.0 as usize),
-            Placed::Blended(id) => Some(scene.objects.len() + id.0 as usize),
-            Placed::Light(_) => None,
+        let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
+        let objects: Vec<&Object> = scene.objects.iter().chain(transparent).collect();
+        let place = |(placed, _): (PlacedNode, _)| match placed {
+            PlacedNode::Object(id) => Some(id.0 as usize),
+            PlacedNode::Transparent(id) => Some(scene.objects.len() + id.0 as usize),
+            PlacedNode::Light(_) => None,
         };
         let mut is_part = vec![false; objects.len()];
         let mut all = Aabb::EMPTY;
@@ -41,11 +44,11 @@ impl SceneAnimator {
         for bounds in still.filter_map(|(object, _)| scene.bounds_of(object)) {
             all = all.union(&bounds);
         }
-        let deformers = scene.surfaces.as_ref().map_or(&[][..], |it| &it.deformers);
+        let skinned_meshes = scene.surfaces.as_ref().map_or(&[][..], |it| &it.skinned_meshes);
         let form = |part| {
-            let (_, deformer) = self.parts.placed(part)?;
-            let deformer = deformers.get(deformer?.0 as usize)?;
-            Some(PoseBounds::of(scene.meshes.get(deformer.mesh.0 as usize)?, deformer))
+            let (_, skinned_mesh) = self.parts.placed(part)?;
+            let skinned_mesh = skinned_meshes.get(skinned_mesh?.0 as usize)?;
+            Some(PoseBounds::of(scene.meshes.get(skinned_mesh.mesh.0 as usize)?, skinned_mesh))
         };
         let forms: Vec<Option<PoseBounds>> = parts.clone().map(form).collect();
         for seconds in self.looks() {
@@ -64,7 +67,7 @@ impl SceneAnimator {
         if all.is_usable() { all } else { Aabb::new(Vec3::ZERO, Vec3::ZERO) }
     }
 
-    /// The moments that are looked at, in seconds.
+    /// Returns the moments that are looked at, in seconds.
     fn looks(&self) -> Vec<f64> {
         let durations: Vec<f32> =
             self.playing.to().iter().filter_map(|clip| self.duration_s(*clip)).collect();

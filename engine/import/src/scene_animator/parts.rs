@@ -1,19 +1,19 @@
-//! What hangs on nodes: how it was shown last, and how it is to be shown. What several hang on is looked at
-//! once a moment.
+//! What hangs on nodes: how it was shown last, and how it is to be shown. What several hang on is
+//! looked at once a moment.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-use animation::{Clip, NodeId, Pose, Rig, Skeleton, Skin};
+use animation::{Clip, Pose, Rig, RigNodeId, Skeleton, Skin};
 use cull::{Aabb, Containment, PlaneMask, View};
 use glam::{Affine3A, Vec3};
 use scene::{
-    BlendedMove, Deformation, Deformer, DeformerId, LightMove, ObjectChange, PoseBounds,
-    PunctualLight, SceneUpdate, bounds_of_transformed,
+    Deformation, DeformerId, LightMove, ObjectChange, PoseBounds, PunctualLight, SceneUpdate,
+    SkinnedMesh, TransparentMove, bounds_of_transformed,
 };
 
 use crate::convert::used_joints;
-use crate::gltf_scene::{Placed, Placement};
+use crate::gltf_scene::{NodeAttachment, PlacedNode};
 
 /// All that moves or changes its form.
 #[derive(Debug, Default)]
@@ -40,11 +40,11 @@ struct Hung {
 /// Something that hangs on a node, and how it was shown last.
 #[derive(Debug)]
 struct Part {
-    placement: Placement,
+    placement: NodeAttachment,
     /// What it hangs on, if it has a skin.
     skeleton: Option<usize>,
     /// The node in whose space it is; `None` in the world's.
-    node: Option<NodeId>,
+    node: Option<RigNodeId>,
     shown: Affine3A,
     /// The version of its skeleton and the weights that were shown last; `None` before.
     shown_version: Option<u64>,
@@ -57,9 +57,9 @@ struct Part {
 #[derive(Debug, Default)]
 pub(super) struct Touched {
     /// Those whose place in their parent changes.
-    moved: HashSet<NodeId>,
+    moved: HashSet<RigNodeId>,
     /// Those whose morph targets' weights change.
-    weighed: HashSet<NodeId>,
+    weighed: HashSet<RigNodeId>,
 }
 
 impl Touched {
@@ -89,15 +89,15 @@ impl Parts {
     pub(super) fn new(
         rig: &Rig,
         skins: &[Skin],
-        deformers: &[Deformer],
-        placements: Vec<Placement>,
+        skinned_meshes: &[SkinnedMesh],
+        placements: Vec<NodeAttachment>,
         world: &[Affine3A],
     ) -> Self {
         let mut known: HashMap<(usize, Vec<bool>), Option<usize>> = HashMap::new();
         let mut parts = Self::default();
         for placement in placements {
-            let skeleton = placement.deformer.and_then(|(deformer, skin)| {
-                let weights = deformers.get(deformer.0 as usize)?.skin.as_ref()?;
+            let skeleton = placement.skinned_mesh.and_then(|(skinned_mesh, skin)| {
+                let weights = skinned_meshes.get(skinned_mesh.0 as usize)?.skin.as_ref()?;
                 let key = (skin?, used_joints(weights));
                 if let Some(known) = known.get(&key) {
                     return *known;
@@ -124,7 +124,7 @@ impl Parts {
         parts
     }
 
-    /// Where a part was shown last, on which joints, and with which weights.
+    /// Returns where a part was shown last, on which joints, and with which weights.
     #[cfg(test)]
     pub(super) fn shown(&self, part: usize) -> (Affine3A, Vec<Affine3A>, Vec<f32>) {
         let part = &self.parts[part];
@@ -132,7 +132,7 @@ impl Parts {
         (part.shown, joints.unwrap_or_default(), part.shown_weights.clone())
     }
 
-    /// How many skeletons there are.
+    /// Returns how many skeletons there are.
     #[cfg(test)]
     pub(super) fn skeletons(&self) -> usize {
         self.skeletons.len()
@@ -149,13 +149,14 @@ impl Parts {
         self.skeletons.len() - 1
     }
 
-    /// How many parts there are.
+    /// Returns how many parts there are.
     pub(super) fn len(&self) -> usize {
         self.parts.len()
     }
 
-    /// Returns the box in the world of a part as it was shown last. `mesh` are the bounds of its mesh, which hold for
-    /// what does not change its form; `form` are those of its poses, if it does.
+    /// Returns the box in the world of a part as it was shown last. `mesh` are the bounds of its
+    /// mesh, which hold for what does not change its form; `form` are those of its poses, if it
+    /// does.
     pub(super) fn seen_in(
         &self,
         part: usize,
@@ -185,21 +186,21 @@ impl Parts {
         }
     }
 
-    /// What a part is, and what changes its form.
-    pub(super) fn placed(&self, part: usize) -> Option<(Placed, Option<DeformerId>)> {
+    /// Returns what a part is, and what changes its form.
+    pub(super) fn placed(&self, part: usize) -> Option<(PlacedNode, Option<DeformerId>)> {
         let placement = &self.parts.get(part)?.placement;
-        Some((placement.placed, placement.deformer.map(|(deformer, _)| deformer)))
+        Some((placement.placed, placement.skinned_mesh.map(|(skinned_mesh, _)| skinned_mesh)))
     }
 
-    /// Returns the parts that change while clips play that do this to nodes, and move these. Takes as long as
-    /// there are parts and bones.
+    /// Returns the parts that change while clips play that do this to nodes, and move these. Takes
+    /// as long as there are parts and bones.
     pub(super) fn movers(&self, touched: &Touched, is_moving: &[bool], is_new: bool) -> Movers {
         let is_bent = |hung: &Hung| hung.skeleton.bones().any(|bone| touched.moved.contains(&bone));
         let bent: Vec<bool> = self.skeletons.iter().map(is_bent).collect();
         let mut movers = Movers::default();
         for (place, part) in self.parts.iter().enumerate() {
             let node = part.node.and_then(|node| is_moving.get(node.0 as usize));
-            let is_deformed = part.placement.deformer.is_some();
+            let is_deformed = part.placement.skinned_mesh.is_some();
             let is_formed = part.skeleton.is_some_and(|skeleton| bent.get(skeleton) == Some(&true))
                 || touched.weighed.contains(&part.placement.node);
             if node == Some(&true) || is_deformed && (is_formed || is_new) {
@@ -218,8 +219,8 @@ impl Parts {
         }
     }
 
-    /// Notes the form of a part if it is another, and if one of the `views` may show it or it never had a form.
-    /// Its place must be that of the moment.
+    /// Notes the form of a part if it is another, and if one of the `views` may show it or it never
+    /// had a form. Its place must be that of the moment.
     pub(super) fn change(
         &mut self,
         part: usize,
@@ -228,7 +229,7 @@ impl Parts {
         changes: &mut SceneUpdate,
     ) {
         let Some(part) = self.parts.get_mut(part) else { return };
-        let Some((deformer, _)) = part.placement.deformer else { return };
+        let Some((skinned_mesh, _)) = part.placement.skinned_mesh else { return };
         part.is_behind =
             part.shown_version.is_some() && views.is_some_and(|it| !part.may_be_in(it));
         if part.is_behind {
@@ -250,7 +251,7 @@ impl Parts {
         changes.weights.extend_from_slice(weights);
         let joints = hung.map_or(0..0, |hung| hung.bring(changes));
         let weights = first..changes.weights.len();
-        changes.deformations.push(Deformation { deformer, joints, weights });
+        changes.deformations.push(Deformation { skinned_mesh, joints, weights });
     }
 
     /// Notes where a part is if that is elsewhere.
@@ -278,7 +279,7 @@ impl Hung {
         }
     }
 
-    /// Where its matrices are among the changes.
+    /// Returns where its matrices are among the changes.
     fn bring(&mut self, changes: &mut SceneUpdate) -> Range<usize> {
         let matrices = &self.matrices;
         let now = self.now.get_or_insert_with(|| {
@@ -291,7 +292,7 @@ impl Hung {
 }
 
 impl Part {
-    /// Where it is.
+    /// Returns where it is.
     fn place(&self, world: &[Affine3A]) -> Affine3A {
         let node = self.node.and_then(|node| world.get(node.0 as usize));
         node.map_or(self.placement.local, |node| *node * self.placement.local)
@@ -317,13 +318,13 @@ impl Part {
         }
         self.shown = transform;
         match self.placement.placed {
-            Placed::Object(object) => {
+            PlacedNode::Object(object) => {
                 changes.objects.push(ObjectChange::Move { object, transform });
             }
-            Placed::Blended(blended) => {
-                changes.blended.push(BlendedMove { blended, transform });
+            PlacedNode::Transparent(transparent) => {
+                changes.transparent.push(TransparentMove { transparent, transform });
             }
-            Placed::Light(light) => {
+            PlacedNode::Light(light) => {
                 let Some(to) = lights.get_mut(light.0 as usize) else { return };
                 let along = Vec3::from(-transform.matrix3.z_axis);
                 to.position = transform.translation.into();

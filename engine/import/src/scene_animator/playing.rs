@@ -27,7 +27,7 @@ impl Playing {
         (self.began_s, self.fade_s) = (seconds, fade_s);
     }
 
-    /// Whether what is faded from is the pose in which the last fade was broken off.
+    /// Returns true if what is faded from is the pose in which the last fade was broken off.
     pub(super) fn is_from_mix(&self) -> bool {
         self.is_from_mix
     }
@@ -40,19 +40,20 @@ impl Playing {
         &self.to
     }
 
-    /// How much of the change is done, 0 to 1.
+    /// Returns how much of the change is done, 0 to 1.
     pub(super) fn weight(&self, seconds: f64) -> f32 {
         let is_over = self.lingering.is_empty() || self.fade_s <= 0.0;
         let done = if is_over { 1.0 } else { (seconds - self.began_s) / self.fade_s };
         if done.is_nan() { 1.0 } else { done.clamp(0.0, 1.0) as f32 }
     }
 
-    /// All whose nodes are to be looked at.
+    /// Returns all whose nodes are to be looked at.
     pub(super) fn concerned(&self) -> impl Iterator<Item = usize> {
         self.lingering.iter().chain(&self.to).copied()
     }
 
-    /// Forgets those that were replaced, once they were put to rest; answers whether there were any.
+    /// Forgets those that were replaced, once they were put to rest; answers whether there were
+    /// any.
     pub(super) fn settles(&mut self, seconds: f64) -> bool {
         if self.lingering.is_empty() || self.weight(seconds) < 1.0 {
             return false;
@@ -69,8 +70,8 @@ pub(super) fn sample(pose: &mut Pose, clips: &[Clip], playing: &[usize], seconds
     }
 }
 
-/// The time in a clip that is played again and again. Where one round ends and the next begins it is at
-/// its end: who walks a clip once from end to end arrives.
+/// Returns the time in a clip that is played again and again. Where one round ends and the next
+/// begins it is at its end: who walks a clip once from end to end arrives.
 fn looped_s(duration_s: f32, seconds: f64) -> f32 {
     let duration = f64::from(duration_s);
     if !(duration > 0.0 && seconds.is_finite()) {

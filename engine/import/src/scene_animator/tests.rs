@@ -1,22 +1,24 @@
 //! Tests of a performance: what changes when, without a device.
 
-use animation::{Channel, Clip, Interpolation, Node, NodeId, Rest, Rig, Skin, Track, Trs, Values};
+use animation::{
+    Channel, Clip, Interpolation, Rest, Rig, RigNode, RigNodeId, Skin, Track, Trs, Values,
+};
 use cull::{Aabb, ObjectId, View};
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use scene::{
-    BlendedId, Deformer, DeformerId, LightId, LightKind, Mesh, MeshId, MorphTarget, Object,
-    ObjectChange, PunctualLight, Scene, SkinWeights, SurfaceMesh, Surfaces,
+    DeformerId, LightId, LightKind, Mesh, MeshId, MorphTarget, Object, ObjectChange, PunctualLight,
+    Scene, SkinWeights, SkinnedMesh, SurfaceMesh, Surfaces, TransparentId,
 };
 
 use super::*;
-use crate::gltf_scene::Placement;
+use crate::gltf_scene::NodeAttachment;
 
 const REST: Trs = Trs { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
 
-fn node(name: &str, parent: Option<u32>, translation: Vec3, weights: &[f32]) -> Node {
-    Node {
+fn node(name: &str, parent: Option<u32>, translation: Vec3, weights: &[f32]) -> RigNode {
+    RigNode {
         name: name.to_owned(),
-        parent: parent.map(NodeId),
+        parent: parent.map(RigNodeId),
         rest: Rest::Parts(Trs { translation, ..REST }),
         weights: weights.to_vec(),
     }
@@ -24,7 +26,10 @@ fn node(name: &str, parent: Option<u32>, translation: Vec3, weights: &[f32]) -> 
 
 fn track(node: u32, values: Values) -> Channel {
     let interpolation = Interpolation::Linear;
-    Channel { node: NodeId(node), track: Track { interpolation, times_s: vec![0.0, 1.0], values } }
+    Channel {
+        node: RigNodeId(node),
+        track: Track { interpolation, times_s: vec![0.0, 1.0], values },
+    }
 }
 
 fn clip(name: &str, channels: Vec<Channel>) -> Clip {
@@ -39,20 +44,20 @@ fn unit_box(scale: f32) -> Aabb {
     Aabb { min: Vec3::splat(-scale), max: Vec3::splat(scale) }
 }
 
-/// Something rigid on a node.
-fn rigid(node: u32, placed: Placed) -> Placement {
-    Placement {
-        node: NodeId(node),
+/// Returns something rigid on a node.
+fn rigid(node: u32, placed: PlacedNode) -> NodeAttachment {
+    NodeAttachment {
+        node: RigNodeId(node),
         placed,
         local: Affine3A::from_translation(Vec3::Y),
-        deformer: None,
+        skinned_mesh: None,
         seen_at_rest: Aabb::EMPTY,
         reach: Aabb::EMPTY,
     }
 }
 
-/// A pivot (0) with an arm (1) that has a camera (2); a joint (3) with another below it (4); a face (5)
-/// that is morphed; something that nothing moves (6).
+/// Returns a pivot (0) with an arm (1) that has a camera (2); a joint (3) with another below it
+/// (4); a face (5) that is morphed; something that nothing moves (6).
 fn imported() -> GltfScene {
     let nodes = vec![
         node("pivot", None, Vec3::ZERO, &[]),
@@ -86,20 +91,20 @@ fn imported() -> GltfScene {
     };
     scene.surfaces = Some(Surfaces {
         meshes: vec![look; 3],
-        deformers: vec![
-            Deformer { mesh: MeshId(1), skin: Some(weights), targets: Vec::new() },
-            Deformer { mesh: MeshId(2), skin: None, targets: vec![target] },
+        skinned_meshes: vec![
+            SkinnedMesh { mesh: MeshId(1), skin: Some(weights), targets: Vec::new() },
+            SkinnedMesh { mesh: MeshId(2), skin: None, targets: vec![target] },
         ],
         lights: vec![lamp],
-        blended: vec![object(0)],
+        transparent: vec![object(0)],
         ..Surfaces::default()
     });
-    let formed = |node, object, deformer, skin| Placement {
+    let formed = |node, object, skinned_mesh, skin| NodeAttachment {
         local: Affine3A::IDENTITY,
-        deformer: Some((DeformerId(deformer), skin)),
+        skinned_mesh: Some((DeformerId(skinned_mesh), skin)),
         seen_at_rest: unit_box(1.0),
         reach: unit_box(3.0),
-        ..rigid(node, Placed::Object(ObjectId(object)))
+        ..rigid(node, PlacedNode::Object(ObjectId(object)))
     };
     let clips = vec![
         clip("swing", vec![along(0, Vec3::X * 4.0)]),
@@ -113,20 +118,20 @@ fn imported() -> GltfScene {
         rig: Rig::new(nodes).unwrap(),
         clips,
         skins: vec![Skin {
-            joints: vec![NodeId(3), NodeId(4)],
+            joints: vec![RigNodeId(3), RigNodeId(4)],
             inverse_bind: vec![Affine3A::IDENTITY; 2],
         }],
         placements: vec![
-            rigid(1, Placed::Object(ObjectId(0))),
+            rigid(1, PlacedNode::Object(ObjectId(0))),
             formed(6, 1, 0, Some(0)),
             formed(5, 2, 1, None),
-            rigid(6, Placed::Object(ObjectId(3))),
-            rigid(1, Placed::Light(LightId(0))),
-            rigid(0, Placed::Blended(BlendedId(0))),
+            rigid(6, PlacedNode::Object(ObjectId(3))),
+            rigid(1, PlacedNode::Light(LightId(0))),
+            rigid(0, PlacedNode::Transparent(TransparentId(0))),
         ],
-        cameras: vec![Camera {
+        cameras: vec![SceneCamera {
             name: "camera".to_owned(),
-            node: NodeId(2),
+            node: RigNodeId(2),
             fov_y_rad: 1.0,
             aspect_ratio: None,
             near_m: 0.1,
@@ -142,7 +147,7 @@ fn animator() -> SceneAnimator {
     animator
 }
 
-/// The object of a change, and where it is then.
+/// Returns the object of a change, and where it is then.
 fn parts(change: &ObjectChange) -> (ObjectId, Affine3A) {
     match *change {
         ObjectChange::Move { object, transform } => (object, transform),
@@ -150,7 +155,7 @@ fn parts(change: &ObjectChange) -> (ObjectId, Affine3A) {
     }
 }
 
-/// The objects that change at a time.
+/// Returns the objects that change at a time.
 fn moved(animator: &mut SceneAnimator, seconds: f64) -> Vec<u32> {
     animator.changes(seconds).objects.iter().map(|moved| parts(moved).0.0).collect()
 }
@@ -159,11 +164,12 @@ fn moved(animator: &mut SceneAnimator, seconds: f64) -> Vec<u32> {
 fn at_first_only_what_has_no_form_yet_gets_one() {
     let mut animator = animator();
     let changes = animator.changes(0.0).clone();
-    let deformers: Vec<u32> = changes.deformations.iter().map(|it| it.deformer.0).collect();
-    assert_eq!(deformers, [0, 1]);
+    let skinned_meshes: Vec<u32> =
+        changes.deformations.iter().map(|it| it.skinned_mesh.0).collect();
+    assert_eq!(skinned_meshes, [0, 1]);
     assert_eq!((changes.joints.len(), changes.weights.as_slice()), (2, &[0.0][..]));
     assert!(changes.objects.is_empty(), "they are where the scene has them");
-    assert!(changes.lights.is_empty() && changes.blended.is_empty());
+    assert!(changes.lights.is_empty() && changes.transparent.is_empty());
     assert!(animator.changes(0.5).is_empty(), "nothing plays");
     assert_eq!(animator.moving_objects(), 0);
 }
@@ -182,8 +188,8 @@ fn what_hangs_on_a_node_goes_where_it_goes() {
     assert_eq!(Vec3::from(transform.translation), at);
     let [light] = changes.lights.as_slice() else { panic!("{changes:?}") };
     assert_eq!((light.to.position, light.to.intensity), (at, 7.0));
-    let [blended] = changes.blended.as_slice() else { panic!("{changes:?}") };
-    assert_eq!(blended.transform.translation.x, 2.0);
+    let [transparent] = changes.transparent.as_slice() else { panic!("{changes:?}") };
+    assert_eq!(transparent.transform.translation.x, 2.0);
     assert!(changes.deformations.is_empty());
     assert!(animator.changes(0.5).is_empty(), "it is there already");
     let (_, _, cameras, _) = SceneAnimator::of(imported());
@@ -218,7 +224,7 @@ fn the_way_of_a_topmost_joint_is_in_the_transform_and_its_form_below_it() {
     assert_eq!(changes.joints[1].translation.z, 0.5);
 }
 
-/// What somebody at x = `eye` sees who looks along x.
+/// Returns what somebody at x = `eye` sees who looks along x.
 fn view_from(eye: f32) -> View {
     let camera =
         cull::Camera { eye: Vec3::X * eye, forward: Vec3::X, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
@@ -231,7 +237,7 @@ fn who_is_in_no_view_goes_on_and_takes_no_pose_until_it_is() {
     let mut animator = animator();
     animator.play(&[1, 2], 0.0, 0.0);
     let posed = |changes: &SceneUpdate| {
-        changes.deformations.iter().map(|it| it.deformer.0).collect::<Vec<_>>()
+        changes.deformations.iter().map(|it| it.skinned_mesh.0).collect::<Vec<_>>()
     };
     assert_eq!(posed(animator.changes_in(0.0, &away)), [0, 1], "what had no pose gets one");
     assert!(posed(animator.changes_in(0.25, &[])).is_empty(), "nobody looks");
@@ -271,7 +277,7 @@ fn clips_fade_into_each_other_and_the_old_one_comes_to_rest() {
     assert!((half - 0.5 * 4.0 * 0.7).abs() < 1e-4, "{half}");
     assert_eq!(moved(&mut animator, 0.95), [1]);
     assert_eq!(animator.parts.shown(1).0.translation.z, 0.0);
-    assert_eq!(animator.moving, [NodeId(4)], "who is at rest is not looked at");
+    assert_eq!(animator.moving, [RigNodeId(4)], "who is at rest is not looked at");
 }
 
 #[test]
@@ -305,11 +311,11 @@ fn what_hangs_on_the_same_joints_is_looked_at_once() {
     let skinned = imported.placements[1].clone();
     let surfaces = imported.scene.surfaces.as_mut().unwrap();
     for object in 4..104 {
-        let deformer = DeformerId(surfaces.deformers.len() as u32);
-        surfaces.deformers.push(surfaces.deformers[0].clone());
-        imported.placements.push(Placement {
-            placed: Placed::Object(ObjectId(object)),
-            deformer: Some((deformer, Some(0))),
+        let skinned_mesh = DeformerId(surfaces.skinned_meshes.len() as u32);
+        surfaces.skinned_meshes.push(surfaces.skinned_meshes[0].clone());
+        imported.placements.push(NodeAttachment {
+            placed: PlacedNode::Object(ObjectId(object)),
+            skinned_mesh: Some((skinned_mesh, Some(0))),
             ..skinned.clone()
         });
     }
@@ -335,9 +341,9 @@ fn clips_that_move_the_same_do_not_play_together() {
 fn the_clip_of_a_camera_is_the_one_with_its_name() {
     let (_, animator, cameras, _) = SceneAnimator::of(imported());
     assert_eq!(animator.clip_of(&cameras[0]), Some(3));
-    let other = Camera { name: "other".to_owned(), ..cameras[0].clone() };
+    let other = SceneCamera { name: "other".to_owned(), ..cameras[0].clone() };
     assert_eq!(animator.clip_of(&other), Some(0), "the first that moves it, by its ancestors too");
-    let still = Camera { node: NodeId(6), ..other };
+    let still = SceneCamera { node: RigNodeId(6), ..other };
     assert_eq!(animator.clip_of(&still), None);
     assert_eq!((animator.duration_s(0), animator.duration_s(9)), (Some(1.0), None));
 }

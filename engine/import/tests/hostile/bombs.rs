@@ -1,4 +1,5 @@
-//! Short files that ask for much: refused quickly, before the memory is taken (`memory.rs` measures that).
+//! Short files that ask for much: refused quickly, before the memory is taken (`memory.rs` measures
+//! that).
 
 use std::time::{Duration, Instant};
 
@@ -123,7 +124,7 @@ fn large_images_are_refused_by_their_heads() {
     too_large(scene.glb(), &["image 2", "bytes of pixels up to it"]);
 }
 
-/// A PNG that says it is this large, and has almost nothing in it.
+/// Returns a PNG that says it is this large, and has almost nothing in it.
 pub fn png_head(width: u32, height: u32) -> Vec<u8> {
     let chunk = |kind: &[u8; 4], data: &[u8]| {
         let mut body = kind.to_vec();

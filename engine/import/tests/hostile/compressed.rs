@@ -1,5 +1,5 @@
-//! Views that `EXT_meshopt_compression` compresses. The bytes were made by meshoptimizer 1.3's encoders,
-//! what they stand for by its decoders.
+//! Views that `EXT_meshopt_compression` compresses. The bytes were made by meshoptimizer 1.3's
+//! encoders, what they stand for by its decoders.
 
 use antumbra_import::{ImportError, Limits, read};
 use base64::Engine;
@@ -43,7 +43,7 @@ const OF_ATTRIBUTES: View = view("ATTRIBUTES", "NONE", 20, 8);
 const OF_TRIANGLES: View = view("TRIANGLES", "NONE", 24, 4);
 const OF_INDICES: View = view("INDICES", "NONE", 24, 2);
 
-/// A file whose second buffer is what these bytes become.
+/// Returns a file whose second buffer is what these bytes become.
 fn scene(encoded: &[u8], view: View) -> Scene {
     let mut scene = Scene::triangle();
     let at = scene.binary.len();
@@ -79,7 +79,7 @@ fn decoded(encoded: &[u8], view: View) -> Result<Vec<u8>, ImportError> {
         .map(|source| source.buffer(1).to_vec())
 }
 
-/// A file that the fuzzer begins with.
+/// Returns a file that the fuzzer begins with.
 pub fn seeds() -> Vec<(String, Vec<u8>)> {
     [
         ("attributes", ATTRIBUTES[0], OF_ATTRIBUTES),
@@ -101,7 +101,7 @@ fn all_modes_are_decompressed() {
     }
 }
 
-/// The same file by the name of the newer extension.
+/// Returns the same file by the name of the newer extension.
 fn renamed(scene: &Scene) -> Scene {
     let text = scene.json.to_string().replace("EXT_meshopt", "KHR_meshopt");
     Scene { json: serde_json::from_str(&text).expect("it is JSON"), ..scene.clone() }

@@ -55,7 +55,8 @@ fn what_is_no_json_is_named() {
         "[".repeat(500_000),
         "]".repeat(500_000)
     );
-    // Extras mean nothing, so that their depth is no harm; in an extension that is kept it would be.
+    // Extras mean nothing, so that their depth is no harm; in an extension that is kept it would
+    // be.
     let _ = try_bytes(deep.as_bytes());
     let deep = deep.replace("\"extras\":", "\"extensions\":{\"X\":").replace("1]", "1}]");
     assert!(try_bytes(deep.as_bytes()).is_err());

@@ -23,7 +23,7 @@ fn load(scene: &Scene) -> GltfScene {
     imported
 }
 
-/// A clip that moves or scales one node between these values.
+/// Returns a clip that moves or scales one node between these values.
 fn clip(scene: &mut Scene, name: &str, channels: &[(usize, &str, [f32; 6])]) -> Value {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let mut samplers = Vec::new();
@@ -39,7 +39,7 @@ fn clip(scene: &mut Scene, name: &str, channels: &[(usize, &str, [f32; 6])]) -> 
 const GROWS: [f32; 6] = [1.0, 1.0, 1.0, 1e9, 1e9, 1e9];
 const LEAVES: [f32; 6] = [0.0, 0.0, 0.0, 1e9, 0.0, 0.0];
 
-/// A triangle on a node (1) that hangs on another (0).
+/// Returns a triangle on a node (1) that hangs on another (0).
 fn arm() -> Scene {
     let mut scene = Scene::triangle();
     scene.set("/nodes", json!([{ "children": [1] }, { "mesh": 0, "name": "hand" }, { "mesh": 0 }]));
@@ -184,7 +184,7 @@ fn joints_without_weight_may_be_any_and_others_must_be_there() {
         scene
     };
     let imported = load(&skinned([0, 255, 255, 255, 0, 9, 1, 7, 0, 0, 0, 1]));
-    assert_eq!(imported.scene.surfaces.expect("surfaces").deformers.len(), 1);
+    assert_eq!(imported.scene.surfaces.expect("surfaces").skinned_meshes.len(), 1);
     let error = load_with(&skinned([0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0]), Limits::default());
     let error = error.map(drop).expect_err("there is no joint 1").to_string();
     assert!(error.contains("node 0: mesh 0 hangs on joint 1, but skin 0 has 1 joints"), "{error}");

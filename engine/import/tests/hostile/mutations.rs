@@ -1,4 +1,5 @@
-//! Many small changes of valid files, the same each time: nothing panics, whatever they make of them.
+//! Many small changes of valid files, the same each time: nothing panics, whatever they make of
+//! them.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -28,7 +29,7 @@ impl Random {
     }
 }
 
-/// The seeds that `cargo fuzz` begins with too.
+/// Returns the seeds that `cargo fuzz` begins with too.
 fn corpus() -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/read");
     let mut files: Vec<_> = std::fs::read_dir(&folder)
@@ -72,7 +73,8 @@ fn random_bytes_are_refused() {
     }
 }
 
-/// A changed file: its bytes, or its JSON and binary chunk each for itself, so that it stays a container.
+/// Returns a changed file: its bytes, or its JSON and binary chunk each for itself, so that it
+/// stays a container.
 fn mutant(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let mut bytes = corpus[random.below(corpus.len())].clone();
     let changes = 1 + random.below(4);
@@ -90,7 +92,7 @@ fn mutant(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     glb_of(&[(b"JSON", json.to_string().as_bytes()), (b"BIN\0", &binary)])
 }
 
-/// The JSON and the binary chunk of a GLB.
+/// Returns the JSON and the binary chunk of a GLB.
 fn split(bytes: &[u8]) -> Option<(Value, Vec<u8>)> {
     let length = bytes.get(12..16)?.first_chunk().map(|&word| u32::from_le_bytes(word))?;
     let (json, binary) = bytes.get(20..)?.split_at_checked(length as usize)?;

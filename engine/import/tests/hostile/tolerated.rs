@@ -1,4 +1,5 @@
-//! What a file is opened with although it is wrong, and what it is refused for: what is shown decides.
+//! What a file is opened with although it is wrong, and what it is refused for: what is shown
+//! decides.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -33,7 +34,7 @@ fn load(bytes: Vec<u8>) -> Result<GltfScene, ImportError> {
     load_bytes(bytes, None, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()))
 }
 
-/// The notes, but for those of what is no deviation.
+/// Returns the notes, but for those of what is no deviation.
 fn texts(imported: &GltfScene) -> Vec<String> {
     let is_plain = |text: &String| {
         text.contains("scenes, only scene") || text.contains("the file has no light")
@@ -112,7 +113,7 @@ pub fn matrix(scene: &mut Scene, place: usize, number: f32) {
     scene.set("/nodes/0/matrix", json!(matrix));
 }
 
-/// The accessor of the keys of an animation that nothing else uses.
+/// Returns the accessor of the keys of an animation that nothing else uses.
 pub fn keys(scene: &mut Scene) -> usize {
     let at = scene.floats("SCALAR", &[0.0, 1.0]);
     scene.set("/animations/0/samplers/1/input", json!(at));

@@ -24,7 +24,8 @@ impl Posed {
         bounds.bounds(&self.joints, &self.weights)
     }
 
-    /// Where a vertex is, in single precision as `deform.comp` has it, or with fused multiplication.
+    /// Returns where a vertex is, in single precision as `deform.comp` has it, or with fused
+    /// multiplication.
     fn vertex(&self, number: usize, is_fused: bool) -> Vec3 {
         let add = |sum: f32, a: f32, b: f32| if is_fused { a.mul_add(b, sum) } else { sum + a * b };
         let mut at = self.positions[number].to_array();
@@ -58,7 +59,7 @@ fn vector(size: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-size..size).prop_map(Vec3::from)
 }
 
-/// Any matrix: it turns, shears, mirrors, flattens, near by or from far away.
+/// Returns any matrix: it turns, shears, mirrors, flattens, near by or from far away.
 fn joint(far: Vec3) -> impl Strategy<Value = Affine3A> {
     (prop::array::uniform3(vector(2.0)), vector(3.0)).prop_map(move |(axes, translation)| {
         let matrix3 = Mat3A::from_cols(axes[0].into(), axes[1].into(), axes[2].into());
@@ -123,7 +124,7 @@ proptest! {
     }
 }
 
-/// Four corners, each lifted by a target of its own.
+/// Returns four corners, each lifted by a target of its own.
 fn bumps() -> (Vec<Vec3>, Vec<MorphTarget>) {
     let corners: Vec<Vec3> = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::X + Vec3::Z].into();
     let lift = |target: usize| {
@@ -157,7 +158,7 @@ fn boxes_are_as_large_as_poses() {
     }
 }
 
-/// The size of the box of a pose relative to the tight box of its vertices.
+/// Returns the size of the box of a pose relative to the tight box of its vertices.
 fn ratio(posed: &Posed) -> Vec3 {
     let vertices = (0..posed.positions.len()).map(|vertex| posed.vertex(vertex, false));
     let tight = vertices.fold(Aabb::EMPTY, |all, at| all.union(&Aabb::new(at, at)));

@@ -1,5 +1,5 @@
-//! The fox of the shared assets: the boxes of its poses hold and are not much too large. Skipped, and says so,
-//! without `ANTUMBRA_ASSETS`, the folder that has `fox.glb`.
+//! The fox of the shared assets: the boxes of its poses hold and are not much too large. Skipped,
+//! and says so, without `ANTUMBRA_ASSETS`, the folder that has `fox.glb`.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -9,7 +9,7 @@ use animation::{Pose, Skeleton};
 use antumbra_import::{GltfScene, LoadOptions, load};
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
-use scene::{Deformer, Mesh, PoseBounds};
+use scene::{Mesh, PoseBounds, SkinnedMesh};
 
 fn fox() -> Option<GltfScene> {
     let Ok(folder) = std::env::var("ANTUMBRA_ASSETS") else {
@@ -23,9 +23,9 @@ fn fox() -> Option<GltfScene> {
     Some(fox.unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// The box of all vertices in a pose.
-fn tight(mesh: &Mesh, deformer: &Deformer, matrices: &[Affine3A]) -> Aabb {
-    let skin = deformer.skin.as_ref().unwrap();
+/// Returns the box of all vertices in a pose.
+fn tight(mesh: &Mesh, skinned_mesh: &SkinnedMesh, matrices: &[Affine3A]) -> Aabb {
+    let skin = skinned_mesh.skin.as_ref().unwrap();
     let rows = skin.joints.iter().zip(&skin.weights);
     mesh.vertices.iter().zip(rows).fold(Aabb::EMPTY, |all, (vertex, (joints, weights))| {
         let at =
@@ -49,11 +49,11 @@ struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     fn new(fox: &'a GltfScene) -> Self {
-        let (mesh, deformer) = Self::mesh(fox);
+        let (mesh, skinned_mesh) = Self::mesh(fox);
         Self {
             fox,
             skeleton: Skeleton::new(&fox.rig, &fox.skins[0], &[]).unwrap(),
-            bounds: PoseBounds::of(mesh, deformer),
+            bounds: PoseBounds::of(mesh, skinned_mesh),
             poses: [Pose::new(&fox.rig), Pose::new(&fox.rig)],
             matrices: Vec::new(),
             surfaces: [0.0; 2],
@@ -61,9 +61,9 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn mesh(fox: &GltfScene) -> (&Mesh, &Deformer) {
-        let deformer = &fox.scene.surfaces.as_ref().unwrap().deformers[0];
-        (&fox.scene.meshes[deformer.mesh.0 as usize], deformer)
+    fn mesh(fox: &GltfScene) -> (&Mesh, &SkinnedMesh) {
+        let skinned_mesh = &fox.scene.surfaces.as_ref().unwrap().skinned_meshes[0];
+        (&fox.scene.meshes[skinned_mesh.mesh.0 as usize], skinned_mesh)
     }
 
     fn look(&mut self, clips: [(usize, f32); 2], weight: f32) {
@@ -76,8 +76,8 @@ impl<'a> Watch<'a> {
         let [pose, other] = &mut self.poses;
         pose.blend(other, weight);
         self.skeleton.joint_matrices(rig, pose, &mut self.matrices);
-        let (mesh, deformer) = Self::mesh(self.fox);
-        let tight = tight(mesh, deformer, &self.matrices);
+        let (mesh, skinned_mesh) = Self::mesh(self.fox);
+        let tight = tight(mesh, skinned_mesh, &self.matrices);
         let bounds = self.bounds.bounds(&self.matrices, &[]).unwrap();
         assert!(bounds.contains(&tight), "{clips:?}, {weight}: {bounds:?} and {tight:?}");
         assert!(self.fox.placements[0].reach.contains(&bounds), "{clips:?}, {weight}: {bounds:?}");

@@ -1,5 +1,5 @@
-//! The box of a pose holds: for rigs, clips and meshes of all kinds, sampled densely, alone, mixed and faded, and
-//! for poses that no clip has, nothing is outside.
+//! The box of a pose holds: for rigs, clips and meshes of all kinds, sampled densely, alone, mixed
+//! and faded, and for poses that no clip has, nothing is outside.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod any_pose;
@@ -7,7 +7,7 @@ mod fox;
 mod rigs;
 
 use animation::{
-    Clip, ClipId, Extents, NodeId, Playback, Player, Pose, Skeleton, WeightRanges, Workspace,
+    Clip, ClipId, Extents, Playback, Player, Pose, RigNodeId, Skeleton, WeightRanges, Workspace,
 };
 use cull::Aabb;
 use glam::{Affine3A, Vec3};
@@ -31,7 +31,7 @@ impl<'a> Mover<'a> {
         let skeleton = is_skinned.then(|| animated.skeleton());
         let bounds = animated.bounds(is_skinned);
         let weights = WeightRanges::new(&animated.rig, clips.iter().copied());
-        let weights = weights.of(&animated.rig, NodeId(0));
+        let weights = weights.of(&animated.rig, RigNodeId(0));
         let parts: Vec<_> = bounds.parts(&weights).collect();
         let reach = match &skeleton {
             Some(skeleton) => {
@@ -43,13 +43,13 @@ impl<'a> Mover<'a> {
         Self { animated, skeleton, bounds, reach, matrices: Vec::new() }
     }
 
-    /// A vertex that is outside of the box of its pose, or of what it reaches.
+    /// Returns a vertex that is outside of the box of its pose, or of what it reaches.
     fn outside(&mut self, pose: &Pose) -> Option<(Vec3, Aabb)> {
         let matrices = self.skeleton.as_ref().map(|skeleton| {
             skeleton.joint_matrices(&self.animated.rig, pose, &mut self.matrices);
             self.matrices.as_slice()
         });
-        let weights = pose.weights(NodeId(0));
+        let weights = pose.weights(RigNodeId(0));
         let bounds = self.bounds.bounds(matrices.unwrap_or_default(), weights).unwrap();
         let vertices = self.animated.vertices(matrices, pose);
         let holds = |at: &Vec3| bounds.contains_point(*at) && self.reach.contains_point(*at);
@@ -136,7 +136,7 @@ proptest! {
         pose.sample(&animated.clips[0], time_s);
         rig.world(&pose, &mut world);
         skeleton.joint_matrices(rig, &pose, &mut matrices);
-        let at = |node: NodeId| world[node.0 as usize];
+        let at = |node: RigNodeId| world[node.0 as usize];
         let object = skeleton.space().map_or(Affine3A::IDENTITY, at);
         let joints = animated.skin.joints.iter().zip(&animated.skin.inverse_bind);
         for ((joint, bind), matrix) in joints.zip(&matrices) {

@@ -1,7 +1,8 @@
 //! Small scenes of all kinds: trees of nodes, tracks of all kinds, meshes that hang on them.
 
 use animation::{
-    Channel, Clip, Interpolation, Node, NodeId, Pose, Rest, Rig, Skeleton, Skin, Track, Trs, Values,
+    Channel, Clip, Interpolation, Pose, Rest, Rig, RigNode, RigNodeId, Skeleton, Skin, Track, Trs,
+    Values,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
@@ -26,7 +27,7 @@ impl Animated {
         Skeleton::new(&self.rig, &self.skin, &[]).unwrap()
     }
 
-    /// The boxes of its mesh, with a skin or without.
+    /// Returns the boxes of its mesh, with a skin or without.
     pub fn bounds(&self, is_skinned: bool) -> PoseBounds {
         let skin = SkinWeights {
             joint_count: self.skin.joints.len() as u32,
@@ -43,11 +44,11 @@ impl Animated {
         PoseBounds::new(positions, is_skinned.then_some(&skin), &targets)
     }
 
-    /// Where all vertices are, in the object's space, as a GPU would find it.
+    /// Returns where all vertices are, in the object's space, as a GPU would find it.
     pub fn vertices(&self, matrices: Option<&[Affine3A]>, pose: &Pose) -> Vec<Vec3> {
         let vertex = |index: usize| {
             let mut place = Vec3::from(self.positions[index]);
-            for (target, weight) in self.targets.iter().zip(pose.weights(NodeId(0))) {
+            for (target, weight) in self.targets.iter().zip(pose.weights(RigNodeId(0))) {
                 place += Vec3::from(target[index]) * *weight;
             }
             let Some(matrices) = matrices else { return place };
@@ -85,9 +86,9 @@ fn parts() -> impl Strategy<Value = Trs> {
     })
 }
 
-fn node() -> impl Strategy<Value = Node> {
+fn node() -> impl Strategy<Value = RigNode> {
     let matrix = parts().prop_map(|parts| Rest::Matrix(parts.to_affine()));
-    (prop_oneof![5 => parts().prop_map(Rest::Parts), 1 => matrix]).prop_map(|rest| Node {
+    (prop_oneof![5 => parts().prop_map(Rest::Parts), 1 => matrix]).prop_map(|rest| RigNode {
         name: String::new(),
         parent: None,
         rest,
@@ -129,7 +130,7 @@ fn clip(rig: &Rig, channels: Vec<(prop::sample::Index, Track)>) -> Clip {
         } else {
             node.index(rig.nodes().len())
         };
-        let channel = Channel { node: NodeId(node as u32), track };
+        let channel = Channel { node: RigNodeId(node as u32), track };
         let with = [kept.as_slice(), std::slice::from_ref(&channel)].concat();
         if Clip::new(String::new(), with, rig).is_ok() {
             kept.push(channel);
@@ -153,17 +154,17 @@ pub fn animated() -> impl Strategy<Value = Animated> {
     let joints = prop::collection::vec((any::<prop::sample::Index>(), parts()), 1..5);
     (nodes, clips, joints, prop::collection::vec(vertex, 1..6), any::<bool>()).prop_map(
         |(nodes, clips, joints, vertices, has_targets)| {
-            let node = |(id, (node, parent)): (usize, (Node, prop::sample::Index))| {
+            let node = |(id, (node, parent)): (usize, (RigNode, prop::sample::Index))| {
                 // One in five or so hangs on nothing; all others on one before them.
                 let parent = parent.index(id + 1).checked_sub(usize::from(id > 3));
-                Node { parent: parent.filter(|p| *p < id).map(|p| NodeId(p as u32)), ..node }
+                RigNode { parent: parent.filter(|p| *p < id).map(|p| RigNodeId(p as u32)), ..node }
             };
             let rig = Rig::new(nodes.into_iter().enumerate().map(node).collect()).unwrap();
             let place = |index: &prop::sample::Index, of: usize| index.index(of) as u16;
             let skin = Skin {
                 joints: joints
                     .iter()
-                    .map(|(n, _)| NodeId(place(n, rig.nodes().len()).into()))
+                    .map(|(n, _)| RigNodeId(place(n, rig.nodes().len()).into()))
                     .collect(),
                 inverse_bind: joints.iter().map(|(_, parts)| parts.to_affine()).collect(),
             };

@@ -8,8 +8,8 @@ use antumbra_import::{LoadOptions, load};
 
 use gltf_files::loaded::check;
 
-/// What is in a scene. Objects and triangles are those that are told of the files; the other numbers are what
-/// was found first, and guard against change alone.
+/// What is in a scene. Objects and triangles are those that are told of the files; the other
+/// numbers are what was found first, and guard against change alone.
 struct Expected {
     file: &'static str,
     meshes: usize,
@@ -19,7 +19,7 @@ struct Expected {
     clips: usize,
     lights: usize,
     images: usize,
-    deformers: usize,
+    skinned_meshes: usize,
     cameras: &'static [&'static str],
 }
 
@@ -33,7 +33,7 @@ const SCENES: &[Expected] = &[
         clips: 6,
         lights: 1025,
         images: 0,
-        deformers: 0,
+        skinned_meshes: 0,
         cameras: &["walk", "fly"],
     },
     Expected {
@@ -45,7 +45,7 @@ const SCENES: &[Expected] = &[
         clips: 2,
         lights: 1,
         images: 1,
-        deformers: 0,
+        skinned_meshes: 0,
         cameras: &["street", "fly"],
     },
     Expected {
@@ -57,7 +57,7 @@ const SCENES: &[Expected] = &[
         clips: 75,
         lights: 101,
         images: 1,
-        deformers: 0,
+        skinned_meshes: 0,
         cameras: &["walk", "fly"],
     },
     Expected {
@@ -69,7 +69,7 @@ const SCENES: &[Expected] = &[
         clips: 3,
         lights: 1,
         images: 1,
-        deformers: 1,
+        skinned_meshes: 1,
         cameras: &[],
     },
     Expected {
@@ -82,7 +82,7 @@ const SCENES: &[Expected] = &[
         clips: 3,
         lights: 1,
         images: 3,
-        deformers: 2,
+        skinned_meshes: 2,
         cameras: &[],
     },
 ];
@@ -106,13 +106,13 @@ fn nothing_of_a_scene_is_lost() {
         let file = expected.file;
         assert_eq!(file.split('.').next(), Some(scene.name.as_str()));
         assert_eq!(scene.meshes.len(), expected.meshes, "{file}");
-        assert_eq!(scene.objects.len() + surfaces.blended.len(), expected.objects, "{file}");
+        assert_eq!(scene.objects.len() + surfaces.transparent.len(), expected.objects, "{file}");
         assert_eq!(scene.triangles(), expected.triangles, "{file}");
         assert_eq!(imported.rig.nodes().len(), expected.nodes, "{file}");
         assert_eq!(imported.clips.len(), expected.clips, "{file}");
         assert_eq!(surfaces.lights.len(), expected.lights, "{file}");
         assert_eq!(surfaces.images.len(), expected.images, "{file}");
-        assert_eq!(surfaces.deformers.len(), expected.deformers, "{file}");
+        assert_eq!(surfaces.skinned_meshes.len(), expected.skinned_meshes, "{file}");
         assert_eq!(cameras, expected.cameras, "{file}");
         assert_eq!(imported.notes, [], "{file}");
     }

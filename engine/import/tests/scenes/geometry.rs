@@ -8,7 +8,7 @@ use gltf_files::files::{F32, I16, Scene, U8, U16, U32};
 
 pub const ATTRIBUTES: &str = "/meshes/0/primitives/0/attributes";
 
-/// The positions of the corners of a mesh's triangles.
+/// Returns the positions of the corners of a mesh's triangles.
 pub fn corners(imported: &GltfScene, mesh: usize) -> Vec<[f32; 3]> {
     let mesh = &imported.scene.meshes[mesh];
     mesh.indices.iter().map(|&index| mesh.vertices[index as usize].position).collect()
@@ -156,10 +156,10 @@ fn points_that_are_blended_are_solids_unless_they_are_a_crowd() {
     };
     let few = cloud(3);
     let surfaces = few.scene.surfaces.as_ref().expect("surfaces");
-    assert_eq!((surfaces.blended.len(), surfaces.sprites.len()), (3, 0));
+    assert_eq!((surfaces.transparent.len(), surfaces.sprites.len()), (3, 0));
     let crowd = cloud(70_000);
     let surfaces = crowd.scene.surfaces.as_ref().expect("surfaces");
-    assert_eq!(surfaces.blended.len(), 0);
+    assert_eq!(surfaces.transparent.len(), 0);
     let count: usize = surfaces.sprites.iter().map(scene::Sprites::count).sum();
     assert_eq!(count, 70_000);
     assert_eq!(surfaces.sprites[0].ends[0].colour, 65_280.0, "the material's green");

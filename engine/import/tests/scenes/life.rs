@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use animation::{Interpolation, Pose, Skeleton, Values};
-use antumbra_import::{GltfScene, Limits, LoadOptions, Placed, load_bytes};
+use antumbra_import::{GltfScene, Limits, LoadOptions, PlacedNode, load_bytes};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use serde_json::{Value, json};
 
@@ -11,7 +11,7 @@ use super::geometry::ATTRIBUTES;
 use super::loading::{counts, load, notes, refused};
 use gltf_files::files::{Scene, U8, U16};
 
-/// The triangle's node with one channel, of a sampler of these keys.
+/// Returns the triangle's node with one channel, of a sampler of these keys.
 fn animated(path: &str, times: &[f32], kind: &str, values: &[f32], interpolation: &str) -> Scene {
     let mut scene = Scene::triangle();
     let input = scene.floats("SCALAR", times);
@@ -32,7 +32,7 @@ fn tracks_have_the_values_of_the_file() {
     let track = &clip.channels[0].track;
     assert_eq!((track.interpolation, &track.times_s), (Interpolation::Step, &vec![0.5, 2.0]));
     assert_eq!(track.values, Values::Translation(vec![Vec3::ZERO, vec3(1.0, 2.0, 3.0)]));
-    assert!(matches!(imported.placements[0].placed, Placed::Object(_)));
+    assert!(matches!(imported.placements[0].placed, PlacedNode::Object(_)));
 
     let turns = [0.0, 0.0, 0.0, 9.0, 0.0, 3.0, 0.0, 0.0];
     let imported = load(&animated("rotation", &[0.0, 1.0], "VEC4", &turns, "LINEAR"));
@@ -125,7 +125,8 @@ fn channels_that_cannot_be_are_left_out_and_told() {
     }
 }
 
-/// A leg of two joints: the root at x = 10, the foot 2 above it; the triangle's corners hang on both.
+/// Returns a leg of two joints: the root at x = 10, the foot 2 above it; the triangle's corners
+/// hang on both.
 fn leg(weights: &[f32]) -> Scene {
     let mut scene = Scene::triangle();
     scene.set(
@@ -151,12 +152,12 @@ fn leg(weights: &[f32]) -> Scene {
 
 const WEIGHTS: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 
-/// Where the vertices of the first deformed object are in the world, in a pose.
+/// Returns where the vertices of the first deformed object are in the world, in a pose.
 fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let placement = &imported.placements[0];
-    let (deformer, skin) = placement.deformer.expect("a deformer");
-    let weights = surfaces.deformers[deformer.0 as usize].skin.as_ref().expect("a skin");
+    let (skinned_mesh, skin) = placement.skinned_mesh.expect("a deformer");
+    let weights = surfaces.skinned_meshes[skinned_mesh.0 as usize].skin.as_ref().expect("a skin");
     let skin = &imported.skins[skin.expect("a skin")];
     let used: Vec<bool> = (0..weights.joint_count as u16)
         .map(|joint| {
@@ -170,7 +171,8 @@ fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
     let space = skeleton.space().map_or(Affine3A::IDENTITY, |node| worlds[node.0 as usize]);
     let mut matrices = Vec::new();
     skeleton.joint_matrices(&imported.rig, pose, &mut matrices);
-    let mesh = &imported.scene.meshes[surfaces.deformers[deformer.0 as usize].mesh.0 as usize];
+    let mesh =
+        &imported.scene.meshes[surfaces.skinned_meshes[skinned_mesh.0 as usize].mesh.0 as usize];
     let vertices = mesh.vertices.iter().enumerate();
     let moved = vertices.map(|(place, vertex)| {
         let row = weights.joints[place].iter().zip(&weights.weights[place]);
@@ -186,7 +188,7 @@ fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
 fn skinned_objects_are_where_their_joints_are() {
     let imported = load(&leg(&WEIGHTS));
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
-    let skin = surfaces.deformers[0].skin.as_ref().expect("a skin");
+    let skin = surfaces.skinned_meshes[0].skin.as_ref().expect("a skin");
     assert_eq!((skin.joint_count, skin.sets), (2, 1));
     assert_eq!(skin.weights[1], [0.25, 0.75, 0.0, 0.0], "1 together");
     assert_eq!(skin.joints[2], [1, 0, 0, 0], "joints without weight are none");
@@ -211,7 +213,7 @@ fn broken_weights_are_repaired_and_told() {
     broken[4..8].copy_from_slice(&[0.0; 4]);
     let imported = load(&leg(&broken));
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
-    let skin = surfaces.deformers[0].skin.as_ref().expect("a skin");
+    let skin = surfaces.skinned_meshes[0].skin.as_ref().expect("a skin");
     assert_eq!(skin.weights[..2], [[1.0, 0.0, 0.0, 0.0]; 2]);
     assert!(notes(&imported, "vertices without any weight"), "{:?}", imported.notes);
 }
@@ -225,7 +227,7 @@ fn two_sets_of_joints_are_both_used() {
     scene.set(&format!("{ATTRIBUTES}/WEIGHTS_1"), json!(weights));
     let imported = load(&scene);
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
-    let skin = surfaces.deformers[0].skin.as_ref().expect("a skin");
+    let skin = surfaces.skinned_meshes[0].skin.as_ref().expect("a skin");
     assert_eq!((skin.sets, skin.joints.len()), (2, 6));
     assert_eq!(skin.weights[..2], [[0.25, 0.0, 0.0, 0.0], [0.75, 0.0, 0.0, 0.0]]);
     assert_eq!(skin.joints[..2], [[0; 4], [1, 0, 0, 0]]);
@@ -264,7 +266,8 @@ fn skinned_meshes_are_not_shared_and_mirrored_joints_turn_their_winding() {
     assert_eq!(mirrored.scene.meshes[2].indices, plain);
 }
 
-/// The triangle with two morph targets: the first lifts its last corner, the second turns its normals.
+/// Returns the triangle with two morph targets: the first lifts its last corner, the second turns
+/// its normals.
 fn morphed(change: Value) -> Scene {
     let mut scene = Scene::triangle();
     let lift = scene.floats("VEC3", &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 0.0]);
@@ -280,11 +283,11 @@ fn morphed(change: Value) -> Scene {
 #[test]
 fn morph_targets_that_count_make_a_mesh_of_its_own() {
     let plain = load(&morphed(json!({})));
-    assert_eq!(plain.scene.surfaces.as_ref().expect("surfaces").deformers.len(), 0);
+    assert_eq!(plain.scene.surfaces.as_ref().expect("surfaces").skinned_meshes.len(), 0);
     assert_eq!(plain.rig.nodes()[0].weights, [0.0, 0.0]);
     let imported = load(&morphed(json!({ "weights": [0.5, 0.0] })));
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
-    let targets = &surfaces.deformers[0].targets;
+    let targets = &surfaces.skinned_meshes[0].targets;
     assert_eq!(targets[0].positions[2], [0.0, 3.0, 0.0]);
     assert_eq!((targets[0].normals.len(), targets[1].positions.len()), (0, 0));
     assert_eq!(targets[1].normals, [[0.5, 0.0, 0.0]; 3]);
@@ -310,7 +313,7 @@ fn what_is_blended_and_changes_its_form_is_where_it_is_seen() {
     scene.set("/scenes/0/nodes", json!([0, 1, 2]));
     let imported = load(&scene);
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
-    assert_eq!((imported.scene.objects.len(), surfaces.blended.len()), (2, 1));
+    assert_eq!((imported.scene.objects.len(), surfaces.transparent.len()), (2, 1));
     let bounds = imported.bounds();
     assert!((bounds.min.x + 5.0).abs() < 0.01 && (bounds.max.x - 6.0).abs() < 0.01, "{bounds:?}");
     assert!((bounds.max.y - 2.5).abs() < 0.01, "{bounds:?}");

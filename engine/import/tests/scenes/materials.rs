@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::loading::{load, notes};
 use gltf_files::files::{Scene, encoded};
 
-/// The triangle with a material of this JSON, and textures of three images.
+/// Returns the triangle with a material of this JSON, and textures of three images.
 fn with(material: Value) -> Scene {
     let mut scene = Scene::triangle();
     for format in [image::ImageFormat::Png, image::ImageFormat::Jpeg, image::ImageFormat::WebP] {

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::loading::{counts, load, notes};
 use gltf_files::files::{F32, Scene};
 
-/// Where each object's own (1, 0, 0) is.
+/// Returns where each object's own (1, 0, 0) is.
 fn tips(imported: &GltfScene) -> Vec<Vec3> {
     let objects = imported.scene.objects.iter();
     objects.map(|object| object.transform.transform_point3(Vec3::X)).collect()
@@ -150,13 +150,13 @@ fn what_moves_is_told_and_what_stays_is_not() {
     let imported = load(&scene);
     assert_eq!(imported.scene.objects.len(), 2, "what is nothing now may grow");
     let placed: Vec<_> = imported.placements.iter().map(|it| (it.node.0, it.placed)).collect();
-    assert_eq!(placed, [(1, antumbra_import::Placed::Object(cull::ObjectId(0)))]);
+    assert_eq!(placed, [(1, antumbra_import::PlacedNode::Object(cull::ObjectId(0)))]);
     let light = imported.scene.surfaces.as_ref().expect("surfaces").lights[0];
     assert_eq!(light.position, vec3(1.0, 2.0, 3.0));
     assert_eq!(light.kind, scene::LightKind::Point);
     animate(&mut scene, 3);
     let placed: Vec<_> = load(&scene).placements.iter().map(|it| it.placed).collect();
-    assert_eq!(placed, [antumbra_import::Placed::Light(scene::LightId(0))]);
+    assert_eq!(placed, [antumbra_import::PlacedNode::Light(scene::LightId(0))]);
 }
 
 #[test]

@@ -62,12 +62,16 @@ fn blended_meshes_are_taken_apart_where_they_do_not_hang_together() {
     scene.set("/meshes/0/primitives/0/material", json!(0));
     scene.set("/nodes", json!([{ "mesh": 0 }, { "mesh": 0, "translation": [5, 0, 0] }]));
     scene.set("/scenes/0/nodes", json!([0, 1]));
-    for (mode, blended) in [("BLEND", 6), ("OPAQUE", 0)] {
+    for (mode, transparent) in [("BLEND", 6), ("OPAQUE", 0)] {
         scene.set("/materials", json!([{ "alphaMode": mode }]));
         let imported = load(&scene);
         let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
-        assert_eq!(surfaces.blended.len(), blended, "{mode}");
-        assert_eq!(imported.scene.meshes.len(), if blended > 0 { 3 } else { 1 }, "they are shared");
+        assert_eq!(surfaces.transparent.len(), transparent, "{mode}");
+        assert_eq!(
+            imported.scene.meshes.len(),
+            if transparent > 0 { 3 } else { 1 },
+            "they are shared"
+        );
     }
 }
 
@@ -96,10 +100,10 @@ fn blended_objects_are_apart_from_all_others() {
     scene.set("/nodes/0/translation", json!([1, 2, 3]));
     let imported = load(&scene);
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
-    assert_eq!((imported.scene.objects.len(), surfaces.blended.len()), (1, 1));
-    let (masked, blended) = (&imported.scene.objects[0], &surfaces.blended[0]);
-    assert_eq!((blended.mesh.0, masked.mesh.0), (0, 1));
-    assert_eq!(masked.transform, blended.transform);
+    assert_eq!((imported.scene.objects.len(), surfaces.transparent.len()), (1, 1));
+    let (masked, transparent) = (&imported.scene.objects[0], &surfaces.transparent[0]);
+    assert_eq!((transparent.mesh.0, masked.mesh.0), (0, 1));
+    assert_eq!(masked.transform, transparent.transform);
 }
 
 #[test]

@@ -1,16 +1,16 @@
 //! The depth pyramid: the farthest depth under each texel, at every level up to 4x4 texels.
 //!
 //! It is one storage buffer: the depth image copied tightly, then level after level, each half as
-//! large and rounded up, so that no pixel of an odd size is lost. A compute pass builds three levels at
-//! a time without shared memory or barriers: each thread looks at its own 8x8 texels.
+//! large and rounded up, so that no pixel of an odd size is lost. A compute pass builds three
+//! levels at a time without shared memory or barriers: each thread looks at its own 8x8 texels.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, Place,
+    Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, MemoryKind,
     StorageLayout, Target, vk,
 };
 
-use occlusion::{Area, Error, ShaderSet};
+use occlusion::{Error, Rect, ShaderSet};
 
 /// Levels that one dispatch builds.
 const LEVELS_A_DISPATCH: usize = 3;
@@ -36,8 +36,8 @@ impl PyramidLevel {
     }
 }
 
-/// The levels over a picture of `size` pixels, which is level 0. Each has half of the texels of the
-/// one before in both directions, rounded up; the last has at most 4x4.
+/// Returns the levels over a picture of `size` pixels, which is level 0. Each has half of the
+/// texels of the one before in both directions, rounded up; the last has at most 4x4.
 pub fn pyramid_levels(size: [u32; 2]) -> impl Iterator<Item = PyramidLevel> + Clone {
     let base = PyramidLevel { start: 0, size: size.map(|side| side.max(1)) };
     std::iter::successors(Some(base), |level| {
@@ -89,11 +89,11 @@ impl PyramidPass {
         let shader = shaders.find("pyramid_build.comp")?;
         Ok(Self {
             pipeline: ComputePipeline::new(device, "pyramid build", shader, storage)?,
-            depths: Buffer::new(device, "depth pyramid", size_bytes, usage, Place::Device)?,
+            depths: Buffer::new(device, "depth pyramid", size_bytes, usage, MemoryKind::Device)?,
         })
     }
 
-    /// Whether the device can hold the pyramid of an area of `size` pixels.
+    /// Checks that the device can hold the pyramid of an area of `size` pixels.
     ///
     /// # Errors
     /// A pyramid that is larger than a storage buffer may be.
@@ -107,15 +107,15 @@ impl PyramidPass {
         Ok(())
     }
 
-    /// All levels, a 32-bit float a texel; [`pyramid_levels`] says where they lie.
+    /// Returns all levels, a 32-bit float a texel; [`pyramid_levels`] says where they lie.
     pub fn depths(&self) -> BufferSlice {
         self.depths.whole()
     }
 
     /// Builds all levels from the depth of `target` as it is now in `area`, which is no larger in
-    /// either direction than was given to [`PyramidPass::new`]. Outside of rendering. Compute shaders, and copies, may read
-    /// [`PyramidPass::depths`] after it.
-    pub fn record(&self, commands: &Commands, target: &mut Target, area: Area) {
+    /// either direction than was given to [`PyramidPass::new`]. Outside of rendering. Compute
+    /// shaders, and copies, may read [`PyramidPass::depths`] after it.
+    pub fn record(&self, commands: &Commands, target: &mut Target, area: Rect) {
         let between = MemoryBarrier::between;
         // Whoever read or copied the pyramid of the frame before.
         let earlier = [Access::ComputeRead, Access::ComputeWrite, Access::CopyRead];
@@ -145,7 +145,7 @@ impl PyramidPass {
 mod tests {
     use super::*;
 
-    /// The texels of a level that a rectangle of pixels touches.
+    /// Returns the texels of a level that a rectangle of pixels touches.
     fn touched(first: u32, last: u32, level: usize) -> std::ops::RangeInclusive<u32> {
         first >> level..=last >> level
     }

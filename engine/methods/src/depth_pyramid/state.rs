@@ -3,7 +3,7 @@
 
 use cull::{FrameId, Generation, Hierarchy};
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, Device, MemoryBarrier, Place, SlotIndex, Tick, vk,
+    Access, Buffer, BufferSlice, Commands, Device, MemoryBarrier, MemoryKind, SlotIndex, Tick, vk,
 };
 
 use occlusion::{Error, FrameOutcome, MethodState, Outcomes};
@@ -42,7 +42,7 @@ impl PyramidState {
         let slot = |number| -> Result<Slot, Error> {
             let name = format!("pyramid counts {number}");
             let usage = vk::BufferUsageFlags::TRANSFER_DST;
-            let counters = Buffer::new(device, &name, COUNTER_BYTES, usage, Place::ReadBack)?;
+            let counters = Buffer::new(device, &name, COUNTER_BYTES, usage, MemoryKind::ReadBack)?;
             Ok(Slot { counters, in_flight: None })
         };
         Ok(Self {
@@ -55,7 +55,7 @@ impl PyramidState {
         })
     }
 
-    /// A word per leaf: whether it was visible in the last frame.
+    /// Returns a word per leaf: whether it was visible in the last frame.
     pub(crate) fn seen(&self) -> BufferSlice {
         self.seen.whole()
     }
@@ -144,8 +144,8 @@ fn count(outcome: &mut FrameOutcome, [first, second]: [Counters; 2]) {
     outcome.revealed = second.draws.into();
 }
 
-/// A word per leaf, not written yet.
+/// Returns a word per leaf, not written yet.
 fn seen_words(device: &Device, leaf_count: usize) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
-    Ok(Buffer::new(device, "pyramid seen", leaf_count as u64 * 4, usage, Place::Device)?)
+    Ok(Buffer::new(device, "pyramid seen", leaf_count as u64 * 4, usage, MemoryKind::Device)?)
 }

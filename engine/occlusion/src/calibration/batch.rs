@@ -4,14 +4,15 @@ use cull::{Aabb, Camera, View};
 use glam::Vec3;
 use gpu::{
     Access, Buffer, BufferSlice, Commands, DrawRange, FlagRing, Frame, IndirectDraw, Load,
-    MemoryBarrier, Place, Predicated, Predicates, QueryIndex, QueryRing, Reveal, WordSource, vk,
+    MemoryBarrier, MemoryKind, PredicatedRange, Predicates, QueryIndex, QueryRing, ResultSource,
+    Reveal, vk,
 };
 
 use super::CalibrationScene;
-use crate::area::Area;
 use crate::error::Error;
 use crate::object_renderer::{ObjectPass, ObjectRenderer};
 use crate::passes::{ComputeTest, ComputeTestIo, OcclusionPasses, ProxyBox, ProxyIo};
+use crate::rect::Rect;
 
 /// So many of something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,10 +144,10 @@ impl<'a> Bench<'a> {
                 "calibration words",
                 u64::from(MOST) * 4,
                 storage,
-                Place::Device,
+                MemoryKind::Device,
             )?,
             queries: QueryRing::new(device, 2, "calibration queries")?,
-            flags: FlagRing::new(device, 2, WordSource::Fragments, "calibration flags"),
+            flags: FlagRing::new(device, 2, ResultSource::Fragments, "calibration flags"),
             view: View::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits),
             draws,
             passes,
@@ -155,7 +156,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Whether the device can do a batch at all.
+    /// Returns true if the device can do a batch at all.
     pub(super) fn can(&self, batch: Batch) -> bool {
         match batch.thing {
             Thing::Flags | Thing::HiddenPixels | Thing::FlaggedPixels | Thing::Predicates => {
@@ -166,7 +167,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// A quarter of the picture.
+    /// Returns a quarter of the picture.
     pub(super) fn large_box_pixels(&self) -> f64 {
         let [width, height] = self.view.size.map(f64::from);
         width * height / 4.0
@@ -177,13 +178,13 @@ impl<'a> Bench<'a> {
         let count = batch.count.min(MOST) as usize;
         self.queries.begin(frame, &[(); MOST as usize][..count])?;
         self.flags.begin(frame, std::iter::repeat_n((), MOST as usize))?;
-        let decided = (0..MOST).map(|number| Predicated {
+        let decided = (0..MOST).map(|number| PredicatedRange {
             range: DrawRange { first: number, count: 1 },
             reveal: Reveal::Whole,
-            ..Predicated::default()
+            ..PredicatedRange::default()
         });
         let words = self.flags.words();
-        self.predicates.begin(frame, WordSource::Fragments, words, decided)?;
+        self.predicates.begin(frame, ResultSource::Fragments, words, decided)?;
         let [single, patch] = self.draws;
         let draw = if batch.thing == Thing::Patches { patch } else { single };
         let tan = self.view.tan_half;
@@ -209,10 +210,11 @@ impl<'a> Bench<'a> {
         let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeRead];
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
         if batch.thing == Thing::Predicates {
-            self.predicates.resolve(commands, &[(WordSource::Fragments, 0..batch.count)]);
+            self.predicates.resolve(commands, &[(ResultSource::Fragments, 0..batch.count)]);
         }
         self.objects.target().prepare(commands);
-        // As if something at the near plane hid everything; nothing to draw, so nothing to take time.
+        // As if something at the near plane hid everything; nothing to draw, so nothing to take
+        // time.
         let depth = if batch.thing == Thing::FlaggedPixels { 0.0 } else { 1.0 };
         let mut from = self.objects.target().render_target(None);
         (from.colour_load, from.depth_load) = (Load::Clear([0.0; 4]), Load::Clear(depth));
@@ -226,8 +228,8 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Draws patches that show, in one rendering without a question or in two, of which the second is
-    /// asked about.
+    /// Draws patches that show, in one rendering without a question or in two, of which the second
+    /// is asked about.
     pub(super) fn record_load(&mut self, commands: &Commands, asks: Asks) {
         let Some(io) = self.io else { return };
         let parts = match asks {
@@ -279,7 +281,7 @@ impl<'a> Bench<'a> {
             }
             Thing::Predicates => {
                 for number in 0..batch.count {
-                    self.predicates.draw(commands, WordSource::Fragments, number);
+                    self.predicates.draw(commands, ResultSource::Fragments, number);
                 }
             }
             Thing::Breaks | Thing::Grids | Thing::ComputedBoxes => {}
@@ -307,7 +309,7 @@ impl<'a> Bench<'a> {
                     _ => (1, batch.count),
                 };
                 for _ in 0..grids {
-                    let area = Area::whole(self.objects.target().size());
+                    let area = Rect::whole(self.objects.target().size());
                     compute.record_grid(commands, self.objects.target(), area);
                     let words = self.words.whole();
                     let tests = ComputeTestIo { boxes: io.small, words, first: 0, count };

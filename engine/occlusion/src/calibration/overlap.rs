@@ -16,7 +16,7 @@ const PATCHES: u32 = 48;
 const FRAMES: usize = 4;
 const ROUNDS: usize = 3;
 
-/// The share of the time of draws that a break among them adds, apart from `break_ns`.
+/// Returns the share of the time of draws that a break among them adds, apart from `break_ns`.
 pub(super) fn break_wait_share(
     device: &Device,
     bench: &mut Bench<'_>,

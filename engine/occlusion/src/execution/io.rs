@@ -1,7 +1,7 @@
 //! What the execution of a plan reads: the plan as it lies in the memory of its frame.
 
 use cull::LeafIndex;
-use gpu::{BufferSlice, Frame, IndirectDraw, Parts, WordSource};
+use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
@@ -14,7 +14,7 @@ pub(super) struct FrameIo {
     pub(super) queried: BufferSlice,
     pub(super) proxies: ProxyIo,
     pub(super) computed: Option<ComputeTestIo>,
-    pub(super) parts: Option<Parts>,
+    pub(super) parts: Option<LeafDrawBuffers>,
 }
 
 pub(super) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -29,9 +29,9 @@ impl FrameIo {
         state.begin(frame, leaves)?;
         let rings = state.rings();
         let words = [
-            (WordSource::Queries, rings.queries.results()),
-            (WordSource::Fragments, rings.flags.words()),
-            (WordSource::Compute, rings.computed.words()),
+            (ResultSource::Queries, rings.queries.results()),
+            (ResultSource::Fragments, rings.flags.words()),
+            (ResultSource::Compute, rings.computed.words()),
         ];
         for (source, words) in words {
             let decided = state.layout.decided(source).iter().copied();

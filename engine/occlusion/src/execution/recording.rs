@@ -14,10 +14,10 @@ use cull::View;
 use gpu::{Access, Commands, MemoryBarrier, QueryIndex, Reveal};
 
 use super::io::{DRAW_BYTES, FrameIo};
-use crate::area::Area;
 use crate::executor::PlanExecutor;
 use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering};
 use crate::passes::{ComputeTestIo, LeafBoxIo};
+use crate::rect::Rect;
 use crate::test_layout::RoundLayout;
 use crate::visibility_state::VisibilityState;
 
@@ -140,7 +140,7 @@ impl Recording<'_> {
             return;
         };
         commands.pass("test boxes", |commands| {
-            pass.record_grid(commands, objects.target(), Area::of(self.view));
+            pass.record_grid(commands, objects.target(), Rect::of(self.view));
             let io = ComputeTestIo { first: tests.start, count: tests.end - tests.start, ..io };
             pass.record_tests(commands, &io, self.view);
         });
@@ -170,7 +170,7 @@ impl Recording<'_> {
     /// Draws the leaves of a round that were switched on one by one.
     fn draw_parts(&self, commands: &Commands, round: Option<&RoundLayout>) {
         let Some(parts) = self.io.parts else { return };
-        for decision in self.state.layout.revealing(round, Reveal::Parts) {
+        for decision in self.state.layout.revealing(round, Reveal::PerLeaf) {
             self.executor.leaves.predicates.draw_parts(
                 commands,
                 decision.source,
@@ -215,7 +215,7 @@ impl Recording<'_> {
         commands.label("leaf boxes", |commands| {
             let boxes = self.executor.leaves.boxes();
             pass.bind(commands, &LeafBoxIo { boxes, parts }, self.view);
-            for decision in self.state.layout.revealing(known, Reveal::Parts) {
+            for decision in self.state.layout.revealing(known, Reveal::PerLeaf) {
                 self.executor.leaves.predicates.draw_boxes(
                     commands,
                     decision.source,

@@ -1,5 +1,5 @@
-//! Which leaves have another draw than before, for views that keep copies of the draws: each reads on
-//! where it stopped.
+//! Which leaves have another draw than before, for views that keep copies of the draws: each reads
+//! on where it stopped.
 
 use std::collections::VecDeque;
 
@@ -30,12 +30,12 @@ impl DrawChanges {
         self.leaves.push_back(leaf);
     }
 
-    /// How many there have been.
+    /// Returns how many there have been.
     pub fn count(&self) -> u64 {
         self.dropped + self.leaves.len() as u64
     }
 
-    /// Those after the first `seen`; `None` if not all of them are kept.
+    /// Returns those after the first `seen`; `None` if not all of them are kept.
     pub fn since(&self, seen: u64) -> Option<impl Iterator<Item = LeafIndex>> {
         let first = usize::try_from(seen.checked_sub(self.dropped)?).ok()?;
         Some(self.leaves.iter().skip(first).copied())

@@ -1,5 +1,5 @@
-//! How many objects and triangles a range of leaves holds, while leaves change: a tree of partial sums
-//! (Fenwick 1994, "A New Data Structure for Cumulative Frequency Tables").
+//! How many objects and triangles a range of leaves holds, while leaves change: a tree of partial
+//! sums (Fenwick 1994, "A New Data Structure for Cumulative Frequency Tables").
 
 use cull::LeafRange;
 
@@ -43,7 +43,7 @@ impl LeafCounts {
         }
     }
 
-    /// The sum of a range of leaves.
+    /// Returns the sum of a range of leaves.
     pub fn of(&self, leaves: LeafRange) -> LeafCount {
         let range = leaves.indices();
         let (before, end) = (self.before(range.start), self.before(range.end));

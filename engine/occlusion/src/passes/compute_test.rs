@@ -10,12 +10,12 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, Place,
+    Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, MemoryKind,
     StorageLayout, Target, vk,
 };
 
-use crate::area::Area;
 use crate::error::Error;
+use crate::rect::Rect;
 use crate::shader_set::ShaderSet;
 
 /// Pixels along each side of a cell, as in the shaders.
@@ -27,7 +27,8 @@ const GRID_GROUP: u32 = 64;
 /// Pixels added to the sub-pixel grid of the rasteriser, for the rounding of everything else.
 const SLACK_PIXELS: f32 = 1.0 / 64.0;
 
-/// Tests boxes against a depth image in compute shaders. Owns the copy of the depth it tests against.
+/// Tests boxes against a depth image in compute shaders. Owns the copy of the depth it tests
+/// against.
 pub struct ComputeTest {
     grid_pipeline: ComputePipeline,
     test_pipeline: ComputePipeline,
@@ -78,8 +79,8 @@ impl ComputeTest {
     /// Compiles the passes for areas of up to `size` pixels.
     ///
     /// # Errors
-    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one dispatch
-    /// takes; no memory, a failed call.
+    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one
+    /// dispatch takes; no memory, a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
         Self::check(device, size)?;
         let limits = &device.adapter().limits;
@@ -95,7 +96,7 @@ impl ComputeTest {
         };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let buffer = |name, size, usage| {
-            Buffer::new(device, name, bytes(size), storage | usage, Place::Device)
+            Buffer::new(device, name, bytes(size), storage | usage, MemoryKind::Device)
         };
         let cells = cells(size);
         let grid_bytes = size_of::<GridConstants>();
@@ -111,19 +112,19 @@ impl ComputeTest {
         })
     }
 
-    /// Whether the device can test in areas of up to `size` pixels.
+    /// Checks that the device can test in areas of up to `size` pixels.
     ///
     /// # Errors
-    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one dispatch
-    /// takes.
+    /// A picture whose depth is larger than a storage buffer may be, or has more cells than one
+    /// dispatch takes.
     pub fn check(device: &Device, size: [u32; 2]) -> Result<(), Error> {
         Ok(check_size(size, &device.adapter().limits)?)
     }
 
-    /// Takes the depth of `target` as it is now in `area`, which is no larger in either direction than
-    /// was given to [`ComputeTest::new`], for all tests until the next call. Outside of rendering; to
-    /// draw on, prepare the target again.
-    pub fn record_grid(&self, commands: &Commands, target: &mut Target, area: Area) {
+    /// Takes the depth of `target` as it is now in `area`, which is no larger in either direction
+    /// than was given to [`ComputeTest::new`], for all tests until the next call. Outside of
+    /// rendering; to draw on, prepare the target again.
+    pub fn record_grid(&self, commands: &Commands, target: &mut Target, area: Rect) {
         let between = MemoryBarrier::between;
         // The tests before, of this frame or another, have read what is written here.
         commands

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use cull::View;
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, Parts,
-    Polygon, StorageLayout, VertexLayout, vk,
+    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    LeafDrawBuffers, Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use crate::error::Error;
@@ -22,7 +22,7 @@ pub struct LeafBoxIo {
     /// One [`super::ProxyBox`] per leaf, not yet enlarged.
     pub boxes: BufferSlice,
     /// What is switched on.
-    pub parts: Parts,
+    pub parts: LeafDrawBuffers,
 }
 
 #[repr(C)]

@@ -93,7 +93,7 @@ impl ProxyPass {
         Ok(Self { queried: pipeline("queried proxies", None, 1)?, flagged: flagged.transpose()? })
     }
 
-    /// Whether there are flags on this device.
+    /// Returns true if there are flags on this device.
     pub fn can_flag(&self) -> bool {
         self.flagged.is_some()
     }

@@ -1,5 +1,5 @@
-//! The scatter pass: brings per-leaf arrays on the GPU up to date where leaves changed, at a cost that
-//! is that of the changes.
+//! The scatter pass: brings per-leaf arrays on the GPU up to date where leaves changed, at a cost
+//! that is that of the changes.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};

@@ -1,4 +1,5 @@
-//! What a pacer keeps of frames that were handed over: what is heard of them, what was said of them.
+//! What a pacer keeps of frames that were handed over: what is heard of them, what was said of
+//! them.
 
 /// Whether anything is heard of the frames that were handed over.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,13 +1,14 @@
 //! Whether acquires wait for the display at all: a trial before their waits are believed.
 //!
-//! An acquire may as well wait for the GPU, or for a window system that copies pictures, and neither tells
-//! of refreshes. A display gives itself away by waits that end on one grid whenever frames start. So as
-//! soon as waits seem to have a period, frames are shaken: one waits until the GPU is idle, and some part of
-//! a frame more. What follows the GPU is off by as much from then on; a display is not.
+//! An acquire may as well wait for the GPU, or for a window system that copies pictures, and
+//! neither tells of refreshes. A display gives itself away by waits that end on one grid whenever
+//! frames start. So as soon as waits seem to have a period, frames are shaken: one waits until the
+//! GPU is idle, and some part of a frame more. What follows the GPU is off by as much from then on;
+//! a display is not.
 //!
-//! Looked at are waits only where the frame that had to be shown first was seen finished a whole frame
-//! ago. With two images that frame is the newest one, and never is: there frames start so that it is
-//! finished when the next image is asked for.
+//! Looked at are waits only where the frame that had to be shown first was seen finished a whole
+//! frame ago. With two images that frame is the newest one, and never is: there frames start so
+//! that it is finished when the next image is asked for.
 
 use crate::refresh_clock::RefreshClock;
 use crate::time::MILLISECOND_NS;
@@ -47,12 +48,12 @@ impl Trial {
         Self { clock, agreed: 0, is_won: false, shaking, returned: None }
     }
 
-    /// Whether waits are believed.
+    /// Returns true if waits are believed.
     pub(in crate::pacer) const fn is_won(&self) -> bool {
         self.is_won
     }
 
-    /// The acquire of `frame` returned; answers when the one before did.
+    /// Returns the acquire of `frame` returned; answers when the one before did.
     pub(in crate::pacer) fn returned(&mut self, frame: u64, to: f64) -> Option<f64> {
         if self.shaking == Shaking::Due {
             self.shaking = Shaking::Done(frame);
@@ -68,7 +69,8 @@ impl Trial {
         }
     }
 
-    /// A wait for `shown` ended that a display may have caused; answers its clock once it is sure.
+    /// Returns a wait for `shown` ended that a display may have caused; answers its clock once it
+    /// is sure.
     pub(in crate::pacer) fn observe(&mut self, shown: u64, at: f64) -> Option<RefreshClock> {
         // What frames of before the shake are waited for is not shaken.
         if matches!(self.shaking, Shaking::Done(frame) if shown < frame) {
@@ -94,7 +96,7 @@ impl Trial {
         self.is_won.then(|| self.clock.clone())
     }
 
-    /// Some part of what seems to be the period, another one for each frame.
+    /// Returns some part of what seems to be the period, another one for each frame.
     pub(in crate::pacer) fn delay(&self, frame: u64) -> f64 {
         // SplitMix64 (Steele, Lea, Flood 2014): followed by nothing that comes again and again.
         let mut mixed = frame.wrapping_mul(0x9e37_79b9_7f4a_7c15);

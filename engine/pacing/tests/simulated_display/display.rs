@@ -1,10 +1,10 @@
-//! A presentation engine in an event-free form: what was presented, with the time its GPU work ends,
-//! is enough to say when it will show. True times, in nanoseconds.
+//! A presentation engine in an event-free form: what was presented, with the time its GPU work
+//! ends, is enough to say when it will show. True times, in nanoseconds.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use antumbra_pacing::PresentMode;
+use antumbra_pacing::PresentationMode;
 
 /// Refreshes: at fixed times whatever happens, or when a frame is there; or none at all.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +17,8 @@ pub enum Panel {
         min_period: f64,
         max_period: f64,
     },
-    /// No screen: a window system that takes each frame when it is finished and copies it, one after the
-    /// other, for about so long.
+    /// No screen: a window system that takes each frame when it is finished and copies it, one
+    /// after the other, for about so long.
     Unthrottled {
         copy: f64,
         waits_for: Work,
@@ -46,7 +46,7 @@ struct Presented {
 #[derive(Clone, Debug)]
 pub struct Display {
     pub panel: Panel,
-    pub mode: PresentMode,
+    pub mode: PresentationMode,
     pub images: usize,
     /// How long before a refresh an image must be finished.
     pub latch: f64,
@@ -57,12 +57,13 @@ pub struct Display {
 }
 
 impl Display {
-    pub fn new(panel: Panel, mode: PresentMode, images: usize) -> Self {
+    pub fn new(panel: Panel, mode: PresentationMode, images: usize) -> Self {
         let held = VecDeque::new();
         Self { panel, mode, images, latch: 0.0, hidden: 0.0..0.0, held, last_shown: -1e9 }
     }
 
-    /// When an image can be had, if it is asked for now; never, if none comes free by itself.
+    /// Returns when an image can be had, if it is asked for now; never, if none comes free by
+    /// itself.
     pub fn image_free(&mut self, now: f64) -> f64 {
         self.held.retain(|held| held.released > now);
         let mut released: Vec<f64> = self.held.iter().map(|held| held.released).collect();
@@ -97,8 +98,8 @@ impl Display {
         (shown, replaced)
     }
 
-    /// A new swapchain: what has not been shown by now never is.
-    pub fn recreate(&mut self, mode: PresentMode, images: usize, now: f64) -> Vec<usize> {
+    /// Returns a new swapchain: what has not been shown by now never is.
+    pub fn recreate(&mut self, mode: PresentationMode, images: usize, now: f64) -> Vec<usize> {
         let unseen = self.held.iter().filter(|held| held.shown.is_some_and(|shown| shown > now));
         let lost = unseen.map(|held| held.frame).collect();
         let shown = self.held.iter().filter_map(|held| held.shown).filter(|shown| *shown <= now);
@@ -112,19 +113,19 @@ impl Display {
     fn shown(&self, finish: f64) -> (f64, bool) {
         let ready = finish + self.latch;
         match (self.mode, self.panel) {
-            (PresentMode::Immediate, _) => (self.visible(ready.max(self.last_shown)), false),
+            (PresentationMode::Immediate, _) => (self.visible(ready.max(self.last_shown)), false),
             (_, Panel::Variable { .. } | Panel::Unthrottled { .. }) => {
                 (self.variable(ready), false)
             }
-            (PresentMode::Fifo, Panel::Fixed { period, .. }) => {
+            (PresentationMode::Fifo, Panel::Fixed { period, .. }) => {
                 (self.refresh(ready.max(self.last_shown + 0.5 * period)), false)
             }
-            (PresentMode::FifoRelaxed, Panel::Fixed { period, .. }) => {
+            (PresentationMode::FifoRelaxed, Panel::Fixed { period, .. }) => {
                 let next = self.refresh(self.last_shown + 0.5 * period);
                 let late = ready > next;
                 (if late { self.visible(ready) } else { next }, false)
             }
-            (PresentMode::Mailbox, Panel::Fixed { .. }) => {
+            (PresentationMode::Mailbox, Panel::Fixed { .. }) => {
                 let shown = self.refresh(ready);
                 let pending = self.held.back().is_some_and(|held| held.shown == Some(shown));
                 (shown, pending)
@@ -132,7 +133,7 @@ impl Display {
         }
     }
 
-    /// The first refresh at or after a time that anyone sees.
+    /// Returns the first refresh at or after a time that anyone sees.
     pub fn refresh(&self, time: f64) -> f64 {
         let Panel::Fixed { period, phase } = self.panel else { return self.visible(time) };
         let next = |time: f64| phase + ((time - phase) / period - 1e-9).ceil() * period;
@@ -150,8 +151,8 @@ impl Display {
         if self.hidden.contains(&time) { self.hidden.end } else { time }
     }
 
-    /// A variable panel repeats its picture when none has come for too long, and is busy with that
-    /// for the shortest period.
+    /// Returns a variable panel repeats its picture when none has come for too long, and is busy
+    /// with that for the shortest period.
     fn variable(&self, ready: f64) -> f64 {
         let Panel::Variable { min_period, max_period } = self.panel else { return ready };
         let waited = ready - self.last_shown;
@@ -167,13 +168,13 @@ mod tests {
 
     const PERIOD: f64 = 10.0;
 
-    fn fixed(mode: PresentMode, images: usize) -> Display {
+    fn fixed(mode: PresentationMode, images: usize) -> Display {
         Display::new(Panel::Fixed { period: PERIOD, phase: 0.0 }, mode, images)
     }
 
     #[test]
     fn fifo_shows_one_a_refresh_in_order_and_blocks_when_full() {
-        let mut display = fixed(PresentMode::Fifo, 3);
+        let mut display = fixed(PresentationMode::Fifo, 3);
         let shown: Vec<f64> = (0..3).map(|n| display.present(n, 1.0 + n as f64).0).collect();
         assert_eq!(shown, [10.0, 20.0, 30.0]);
         // All three are held: the first comes free when the second takes its place.
@@ -188,7 +189,7 @@ mod tests {
 
     #[test]
     fn two_images_wait_for_each_refresh() {
-        let mut display = fixed(PresentMode::Fifo, 2);
+        let mut display = fixed(PresentationMode::Fifo, 2);
         display.present(0, 1.0);
         assert_eq!(display.image_free(2.0), 2.0);
         display.present(1, 3.0);
@@ -197,7 +198,7 @@ mod tests {
 
     #[test]
     fn mailbox_shows_the_newest_and_replaces_the_others() {
-        let mut display = fixed(PresentMode::Mailbox, 3);
+        let mut display = fixed(PresentationMode::Mailbox, 3);
         assert_eq!(display.present(0, 1.0), (10.0, None));
         assert_eq!(display.present(1, 4.0), (10.0, Some(0)));
         assert_eq!(display.present(2, 12.0), (20.0, None));
@@ -206,7 +207,7 @@ mod tests {
 
     #[test]
     fn relaxed_tears_only_when_late() {
-        let mut display = fixed(PresentMode::FifoRelaxed, 3);
+        let mut display = fixed(PresentationMode::FifoRelaxed, 3);
         assert_eq!(display.present(0, 1.0).0, 1.0);
         assert_eq!(display.present(1, 4.0).0, 10.0);
         assert_eq!(display.present(2, 23.0).0, 23.0);
@@ -215,7 +216,7 @@ mod tests {
     #[test]
     fn variable_panels_wait_within_their_range() {
         let panel = Panel::Variable { min_period: 7.0, max_period: 20.0 };
-        let mut display = Display::new(panel, PresentMode::Fifo, 3);
+        let mut display = Display::new(panel, PresentationMode::Fifo, 3);
         display.last_shown = 0.0;
         assert_eq!(display.present(0, 3.0).0, 7.0);
         assert_eq!(display.present(1, 17.0).0, 17.0);
@@ -225,13 +226,13 @@ mod tests {
 
     #[test]
     fn a_hidden_window_shows_nothing_until_it_is_seen_again() {
-        let mut display = fixed(PresentMode::Fifo, 3);
+        let mut display = fixed(PresentationMode::Fifo, 3);
         display.hidden = 15.0..995.0;
         assert_eq!(display.present(0, 1.0).0, 10.0);
         assert_eq!(display.present(1, 11.0).0, 1000.0);
         assert_eq!(display.present(2, 12.0).0, 1010.0);
         assert_eq!(display.image_free(13.0), 1000.0);
-        assert_eq!(display.recreate(PresentMode::Immediate, 3, 20.0), [1, 2]);
+        assert_eq!(display.recreate(PresentationMode::Immediate, 3, 20.0), [1, 2]);
         assert_eq!(display.present(3, 1_001.0).0, 1_001.0);
     }
 }

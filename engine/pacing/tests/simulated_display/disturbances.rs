@@ -1,6 +1,7 @@
-//! Stalls, hidden windows, new swapchains, coarse clocks: what goes wrong, and how soon all is well.
+//! Stalls, hidden windows, new swapchains, coarse clocks: what goes wrong, and how soon all is
+//! well.
 
-use antumbra_pacing::{PresentMode, PresentReports};
+use antumbra_pacing::{PresentReports, PresentationMode};
 
 use crate::display::Panel;
 use crate::measure::{mean, quantile};
@@ -22,7 +23,7 @@ fn assert_steady(run: &Run, from: usize, to: usize) {
 fn back_within_five_frames_of_a_stall() {
     const AT: usize = 200;
     for seed in 0..1_000 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.frames = 260;
         let duration = 10.0 * scenario.period();
         scenario.stalls = vec![if seed % 4 < 2 {
@@ -39,14 +40,14 @@ fn back_within_five_frames_of_a_stall() {
     }
 }
 
-/// With fewer images than frames may be queued, and with more. Here timestamps that come with a look are
-/// not enough where the GPU stalls.
+/// With fewer images than frames may be queued, and with more. Here timestamps that come with a
+/// look are not enough where the GPU stalls.
 #[test]
 fn back_within_five_frames_of_a_stall_without_reports() {
     const AT: usize = 200;
     let mut more_images_than_queued = 0;
     for seed in 0..1_000 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.reports = PresentReports::Missing;
         scenario.frames = 260;
         let duration = 10.0 * scenario.period();
@@ -66,7 +67,8 @@ fn back_within_five_frames_of_a_stall_without_reports() {
 #[test]
 fn a_hidden_window_is_throttled_and_resumes_at_once() {
     for seed in 0..300 {
-        let mode = [PresentMode::Fifo, PresentMode::Mailbox, PresentMode::FifoRelaxed];
+        let mode =
+            [PresentationMode::Fifo, PresentationMode::Mailbox, PresentationMode::FifoRelaxed];
         let mut scenario = Scenario::random(seed, mode[seed as usize % 3]);
         scenario.hidden = 8.0 * SECOND..28.0 * SECOND;
         scenario.frames = 100_000;
@@ -97,7 +99,7 @@ fn a_hidden_window_is_throttled_and_resumes_at_once() {
 fn swapchains_come_and_go() {
     let (mut missed_in_all, mut all) = (0, 0);
     for seed in 0..300 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.images = scenario.images.max(3);
         scenario.frames = 900;
         let panel = |hz: f64| Panel::Fixed { period: SECOND / hz, phase: 1.5 * MILLISECOND };
@@ -106,10 +108,10 @@ fn swapchains_come_and_go() {
         let one = scenario.options.queue_limit == 1;
         let hz = if one { (0.8 * SECOND / (scenario.cpu + scenario.gpu)).min(144.0) } else { hz };
         scenario.changes = vec![
-            Change { frame: 150, mode: PresentMode::Mailbox, panel: scenario.panel },
-            Change { frame: 300, mode: PresentMode::Immediate, panel: scenario.panel },
-            Change { frame: 450, mode: PresentMode::Fifo, panel: scenario.panel },
-            Change { frame: 600, mode: PresentMode::Fifo, panel: panel(hz) },
+            Change { frame: 150, mode: PresentationMode::Mailbox, panel: scenario.panel },
+            Change { frame: 300, mode: PresentationMode::Immediate, panel: scenario.panel },
+            Change { frame: 450, mode: PresentationMode::Fifo, panel: scenario.panel },
+            Change { frame: 600, mode: PresentationMode::Fifo, panel: panel(hz) },
         ];
         let run = run(&scenario);
         assert!(run.most_queued() <= scenario.options.queue_limit as usize, "seed {seed}");
@@ -127,7 +129,7 @@ fn swapchains_come_and_go() {
 #[test]
 fn another_rate_is_noticed() {
     for seed in 0..200 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.panel = Panel::Fixed { period: SECOND / 60.0, phase: 0.0 };
         let slower = seed % 2 == 0;
         let (before, after) = if slower { (120.0, 60.0) } else { (60.0, 144.0) };
@@ -151,7 +153,7 @@ fn a_clock_of_one_millisecond_will_do() {
     let mut missed_in_all = 0;
     let mut all = 0;
     for seed in 0..500 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.clock_grain = MILLISECOND;
         // At 144 Hz a step of the clock is a seventh of a refresh: leave it room.
         let scale = if scenario.options.queue_limit == 1 { 0.75 } else { 1.0 };
@@ -171,7 +173,7 @@ fn a_clock_of_one_millisecond_will_do() {
 #[test]
 fn a_clock_of_sixty_four_hertz_does_not_break_it() {
     for seed in 0..300 {
-        let mode = [PresentMode::Fifo, PresentMode::Mailbox, PresentMode::Immediate];
+        let mode = [PresentationMode::Fifo, PresentationMode::Mailbox, PresentationMode::Immediate];
         let mut scenario = Scenario::random(seed, mode[seed as usize % 3]);
         scenario.clock_grain = 15.625 * MILLISECOND;
         scenario.frames = 400;
@@ -189,7 +191,7 @@ fn a_clock_of_sixty_four_hertz_does_not_break_it() {
 fn reports_need_not_wake_the_loop() {
     let (mut missed_in_all, mut all) = (0, 0);
     for seed in 0..500 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.woken_by_reports = false;
         scenario.options.queue_limit = scenario.options.queue_limit.max(2);
         scenario.cpu *= 0.8;
@@ -208,7 +210,7 @@ fn reports_need_not_wake_the_loop() {
 fn an_early_latch_is_learnt() {
     let (mut missed_in_all, mut all) = (0, 0);
     for seed in 0..300 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.options.queue_limit = 3;
         scenario.images = 4;
         let period = scenario.period();
@@ -232,7 +234,7 @@ fn an_early_latch_is_learnt() {
 #[test]
 fn the_loop_wakes_a_few_times_a_frame() {
     for seed in 0..300 {
-        let mode = [PresentMode::Fifo, PresentMode::Mailbox, PresentMode::Immediate];
+        let mode = [PresentationMode::Fifo, PresentationMode::Mailbox, PresentationMode::Immediate];
         let run = run(&Scenario::random(seed, mode[seed as usize % 3]));
         let wakes = run.steps as f64 / run.outcomes.len() as f64;
         assert!(wakes < 12.0, "seed {seed}: {wakes} wakes a frame");

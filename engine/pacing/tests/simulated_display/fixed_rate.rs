@@ -1,6 +1,6 @@
 //! What is promised for displays of a fixed rate, over thousands of random machines and loads.
 
-use antumbra_pacing::{PresentMode, PresentReports};
+use antumbra_pacing::{PresentReports, PresentationMode};
 
 use crate::measure::{mean, quantile};
 use crate::run::{Run, run};
@@ -77,25 +77,27 @@ fn tally(name: &str, runs: u64, scenario: impl Fn(u64) -> Scenario) {
 
 #[test]
 fn fifo_with_present_times() {
-    tally("fifo", FIFO_RUNS, |seed| Scenario::random(seed, PresentMode::Fifo));
+    tally("fifo", FIFO_RUNS, |seed| Scenario::random(seed, PresentationMode::Fifo));
 }
 
 #[test]
 fn relaxed_fifo_with_present_times() {
-    tally("relaxed fifo", RELAXED_RUNS, |seed| Scenario::random(seed, PresentMode::FifoRelaxed));
+    tally("relaxed fifo", RELAXED_RUNS, |seed| {
+        Scenario::random(seed, PresentationMode::FifoRelaxed)
+    });
 }
 
 #[test]
 fn mailbox_with_present_times() {
-    tally("mailbox", MAILBOX_RUNS, |seed| Scenario::random(seed, PresentMode::Mailbox));
+    tally("mailbox", MAILBOX_RUNS, |seed| Scenario::random(seed, PresentationMode::Mailbox));
 }
 
-/// Nothing but acquires and ticks. The queue can then be no shorter than the swapchain forces, so the
-/// caller asks for as many images as may be queued.
+/// Nothing but acquires and ticks. The queue can then be no shorter than the swapchain forces, so
+/// the caller asks for as many images as may be queued.
 #[test]
 fn fifo_with_acquires_only() {
     tally("acquires only", ACQUIRES_ONLY_RUNS, |seed| {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.reports = PresentReports::Missing;
         scenario.images = scenario.images.min(3);
         scenario.options.queue_limit = scenario.options.queue_limit.max(scenario.images as u32);
@@ -107,7 +109,7 @@ fn fifo_with_acquires_only() {
 #[test]
 fn long_runs_each_keep_the_promise() {
     for seed in 0..40 {
-        let mode = [PresentMode::Fifo, PresentMode::Mailbox][seed as usize % 2];
+        let mode = [PresentationMode::Fifo, PresentationMode::Mailbox][seed as usize % 2];
         let mut scenario = Scenario::random(seed, mode);
         scenario.frames = 8_000;
         let run = run(&scenario);
@@ -122,7 +124,7 @@ fn long_runs_each_keep_the_promise() {
 #[test]
 fn long_runs_with_acquires_only() {
     for seed in 0..20 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.frames = 8_000;
         scenario.reports = PresentReports::Missing;
         scenario.images = scenario.images.min(3);
@@ -140,7 +142,7 @@ fn starting_at_once_has_worse_latency_and_longer_queues() {
     let mut worse = 0;
     let mut too_many = 0;
     for seed in 0..300 {
-        let paced = Scenario::random(seed, PresentMode::Fifo);
+        let paced = Scenario::random(seed, PresentationMode::Fifo);
         let at_once = Scenario { policy: Policy::AtOnce, ..paced.clone() };
         let [paced, at_once] = [run(&paced), run(&at_once)];
         let excess = |run: &Run| mean(&run.latency_excess(LEARNT));
@@ -159,7 +161,7 @@ fn starting_at_once_has_worse_latency_and_longer_queues() {
 #[test]
 fn overload_misses_refreshes_and_stays_bounded() {
     for seed in 0..100 {
-        let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+        let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.gpu = 1.3 * scenario.period();
         scenario.options.queue_limit = scenario.options.queue_limit.max(2);
         let run = run(&scenario);
@@ -174,7 +176,7 @@ fn overload_misses_refreshes_and_stays_bounded() {
 #[test]
 fn expected_presents_come_true() {
     for seed in 0..200 {
-        let scenario = Scenario::random(seed, PresentMode::Fifo);
+        let scenario = Scenario::random(seed, PresentationMode::Fifo);
         let run = run(&scenario);
         let later = &run.outcomes[LEARNT..];
         let right = later.iter().filter(|outcome| {

@@ -1,6 +1,6 @@
 //! Where no grid of refreshes rules: frame limits, immediate mode, displays that wait for frames.
 
-use antumbra_pacing::PresentMode;
+use antumbra_pacing::PresentationMode;
 
 use crate::display::Panel;
 use crate::measure::{mean, quantile};
@@ -8,8 +8,12 @@ use crate::random::Random;
 use crate::run::run;
 use crate::scenario::{MILLISECOND, SECOND, Scenario};
 
-const MODES: [PresentMode; 4] =
-    [PresentMode::Fifo, PresentMode::FifoRelaxed, PresentMode::Mailbox, PresentMode::Immediate];
+const MODES: [PresentationMode; 4] = [
+    PresentationMode::Fifo,
+    PresentationMode::FifoRelaxed,
+    PresentationMode::Mailbox,
+    PresentationMode::Immediate,
+];
 
 #[test]
 fn a_frame_limit_is_kept_and_used() {
@@ -40,7 +44,7 @@ fn a_frame_limit_is_kept_and_used() {
 #[test]
 fn immediate_mode_starts_when_the_gpu_is_about_to_be_free() {
     for seed in 0..500 {
-        let scenario = Scenario::random(seed, PresentMode::Immediate);
+        let scenario = Scenario::random(seed, PresentationMode::Immediate);
         let run = run(&scenario);
         assert!(run.most_queued() <= scenario.options.queue_limit as usize, "seed {seed}");
         assert!(mean(&run.latency_excess(120)) < 1.0, "seed {seed}");
@@ -59,7 +63,7 @@ fn immediate_mode_starts_when_the_gpu_is_about_to_be_free() {
 #[test]
 fn a_display_that_waits_gets_even_frames_at_low_latency() {
     for seed in 0..600 {
-        let mode = [PresentMode::Fifo, PresentMode::Mailbox][seed as usize % 2];
+        let mode = [PresentationMode::Fifo, PresentationMode::Mailbox][seed as usize % 2];
         let mut scenario = Scenario::random(seed, mode);
         scenario.images = 3;
         let min_period = scenario.period();

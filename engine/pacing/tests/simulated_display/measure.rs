@@ -4,7 +4,8 @@ use crate::run::{Outcome, Run};
 use crate::scenario::Scenario;
 
 impl Run {
-    /// Refreshes from the showing of frame `from` on that showed nothing new, and how many there were.
+    /// Refreshes from the showing of frame `from` on that showed nothing new, and how many there
+    /// were.
     pub fn missed_refreshes(&self, from: usize) -> (usize, usize) {
         let period = self.scenario.period();
         let shown: Vec<f64> =
@@ -30,8 +31,8 @@ impl Run {
     }
 }
 
-/// The latest starts for which every frame would have shown when it did, knowing how long each takes:
-/// backwards through a flow line of one CPU and one GPU.
+/// Returns the latest starts for which every frame would have shown when it did, knowing how long
+/// each takes: backwards through a flow line of one CPU and one GPU.
 pub fn optimal_starts(scenario: &Scenario, outcomes: &[Outcome]) -> Vec<f64> {
     let mut next_gpu = f64::INFINITY;
     let mut next_cpu = f64::INFINITY;

@@ -1,4 +1,5 @@
-//! Seeded random numbers: SplitMix64 (Steele, Lea, Flood 2014), so that a failing run can be run again.
+//! Seeded random numbers: SplitMix64 (Steele, Lea, Flood 2014), so that a failing run can be run
+//! again.
 
 #[derive(Clone, Debug)]
 pub struct Random(u64);

@@ -1,8 +1,9 @@
-//! The loop of a program against the simulated display: sleeps, records, acquires, presents, reports.
+//! The loop of a program against the simulated display: sleeps, records, acquires, presents,
+//! reports.
 
 use std::time::Duration;
 
-use antumbra_pacing::{Feedback, FrameId, FrameTiming, Pacer, PresentReports, Step, Time};
+use antumbra_pacing::{Feedback, FrameTiming, PacedFrameId, Pacer, PresentReports, Step, Time};
 
 use crate::display::{Display, Panel, Work};
 use crate::random::Random;
@@ -31,7 +32,7 @@ pub struct Run {
     pub scenario: Scenario,
     pub outcomes: Vec<Outcome>,
     /// As the pacer tells them.
-    pub timings: Vec<(FrameId, FrameTiming)>,
+    pub timings: Vec<(PacedFrameId, FrameTiming)>,
     /// How often the pacer was asked.
     pub steps: usize,
     pub ended: f64,
@@ -39,7 +40,7 @@ pub struct Run {
 
 struct Delivery {
     at: f64,
-    frame: FrameId,
+    frame: PacedFrameId,
     feedback: Feedback,
     /// Waits for the loop to look.
     polled: bool,
@@ -53,7 +54,7 @@ struct Simulation {
     now: f64,
     gpu_free: f64,
     outcomes: Vec<Outcome>,
-    timings: Vec<(FrameId, FrameTiming)>,
+    timings: Vec<(PacedFrameId, FrameTiming)>,
     deliveries: Vec<Delivery>,
     steps: usize,
 }
@@ -99,7 +100,7 @@ impl Simulation {
         let step = match self.scenario.policy {
             Policy::Paced => self.pacer.next(self.clock(self.now)),
             Policy::AtOnce => {
-                self.frame(FrameId(self.outcomes.len() as u64), None);
+                self.frame(PacedFrameId(self.outcomes.len() as u64), None);
                 return;
             }
         };
@@ -147,7 +148,7 @@ impl Simulation {
         }
     }
 
-    fn frame(&mut self, frame: FrameId, expected: Option<Time>) {
+    fn frame(&mut self, frame: PacedFrameId, expected: Option<Time>) {
         let number = self.outcomes.len();
         self.change(number);
         let start = self.now;
@@ -207,7 +208,7 @@ impl Simulation {
     fn unshow(&mut self, number: usize) {
         self.outcomes[number].shown = None;
         self.outcomes[number].dropped = true;
-        let frame = FrameId(number as u64);
+        let frame = PacedFrameId(number as u64);
         let is_report = |d: &Delivery| matches!(d.feedback, Feedback::Shown { .. });
         self.deliveries.retain(|delivery| delivery.frame != frame || !is_report(delivery));
     }
@@ -226,7 +227,7 @@ impl Simulation {
         [cpu, gpu]
     }
 
-    fn report(&mut self, frame: FrameId, finish: f64, gpu: f64, shown: f64) {
+    fn report(&mut self, frame: PacedFrameId, finish: f64, gpu: f64, shown: f64) {
         let ticks = self.scenario.ticks;
         if ticks != Ticks::Unknown {
             let seen = finish + self.random.between(0.0, 0.03 * MILLISECOND);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use antumbra_pacing::{PacerOptions, PresentMode, PresentReports, Presentation, Refresh};
+use antumbra_pacing::{PacerOptions, PresentReports, Presentation, PresentationMode, Refresh};
 
 use crate::display::Panel;
 use crate::random::Random;
@@ -42,7 +42,7 @@ pub enum Stall {
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
     pub frame: usize,
-    pub mode: PresentMode,
+    pub mode: PresentationMode,
     pub panel: Panel,
 }
 
@@ -53,7 +53,7 @@ pub struct Scenario {
     pub policy: Policy,
     pub options: PacerOptions,
     pub panel: Panel,
-    pub mode: PresentMode,
+    pub mode: PresentationMode,
     pub images: usize,
     pub latch: f64,
     /// Whether the period is told beforehand.
@@ -83,7 +83,7 @@ pub struct Scenario {
 }
 
 impl Scenario {
-    /// A quiet machine at 60 Hz, with everything reported.
+    /// Returns a quiet machine at 60 Hz, with everything reported.
     pub fn quiet(seed: u64) -> Self {
         let period = SECOND / 60.0;
         Self {
@@ -92,7 +92,7 @@ impl Scenario {
             policy: Policy::Paced,
             options: PacerOptions::default(),
             panel: Panel::Fixed { period, phase: 3e6 },
-            mode: PresentMode::Fifo,
+            mode: PresentationMode::Fifo,
             images: 3,
             latch: 0.0,
             hinted: false,
@@ -113,8 +113,9 @@ impl Scenario {
         }
     }
 
-    /// Any display of a fixed rate, any load up to 80 %, any machine that is not pathological.
-    pub fn random(seed: u64, mode: PresentMode) -> Self {
+    /// Returns any display of a fixed rate, any load up to 80 %, any machine that is not
+    /// pathological.
+    pub fn random(seed: u64, mode: PresentationMode) -> Self {
         let mut random = Random::new(seed);
         let hz = random.pick(&[60.0, 90.0, 120.0, 144.0]) * random.between(0.998, 1.002);
         let period = SECOND / hz;
@@ -123,7 +124,7 @@ impl Scenario {
         scenario.mode = mode;
         scenario.options.queue_limit = random.pick(&[1, 2, 2, 3]);
         scenario.images = random.pick(&[2, 3, 3, 4]);
-        if mode == PresentMode::Mailbox {
+        if mode == PresentationMode::Mailbox {
             scenario.images = scenario.images.max(3);
         }
         // With one frame at a time, its CPU and GPU work must both fit into the refresh.

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use antumbra_pacing::{FrameStatistics, HitchRule, PresentMode, PresentReports};
+use antumbra_pacing::{FrameStatistics, HitchRule, PresentReports, PresentationMode};
 
 use crate::run::{Outcome, Run, run};
 use crate::scenario::{SECOND, Scenario, Stall};
 
 fn exact(seed: u64) -> Scenario {
-    let mut scenario = Scenario::random(seed, PresentMode::Fifo);
+    let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
     scenario.report_noise = 0.0;
     scenario
 }

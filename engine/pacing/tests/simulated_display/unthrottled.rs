@@ -1,17 +1,21 @@
 //! No display at all, and a slow rasteriser: acquires wait, and none of it tells of refreshes.
 
-use antumbra_pacing::{FrameStatistics, HitchRule, PresentMode, PresentReports};
+use antumbra_pacing::{FrameStatistics, HitchRule, PresentReports, PresentationMode};
 
 use crate::display::{Panel, Work};
 use crate::random::Random;
 use crate::run::{Run, run};
 use crate::scenario::{MILLISECOND, Scenario, Stall, Ticks};
 
-/// As under an X server without a screen: a GPU that takes as long as `gpu`, frame for frame the same at
-/// one end and never twice the same at the other.
+/// As under an X server without a screen: a GPU that takes as long as `gpu`, frame for frame the
+/// same at one end and never twice the same at the other.
 fn rasteriser(seed: u64) -> Scenario {
     let mut random = Random::new(seed ^ 0xcafe);
-    let mode = random.pick(&[PresentMode::Fifo, PresentMode::Fifo, PresentMode::FifoRelaxed]);
+    let mode = random.pick(&[
+        PresentationMode::Fifo,
+        PresentationMode::Fifo,
+        PresentationMode::FifoRelaxed,
+    ]);
     let mut scenario = Scenario::random(seed, mode);
     scenario.reports = PresentReports::Missing;
     scenario.gpu = random.pick(&[3.0, 8.0, 16.667, 33.333, 62.0]) * random.between(0.8, 1.25);

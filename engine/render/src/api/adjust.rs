@@ -1,10 +1,10 @@
-//! What can be changed between two frames of a loop: the size of the picture, how many frames are in
-//! flight, the shaders. The scene and what views have learnt stay, and nothing waits for the GPU.
+//! What can be changed between two frames of a loop: the size of the picture, how many frames are
+//! in flight, the shaders. The scene and what views have learnt stay, and nothing waits for the
+//! GPU.
 
 use gpu::{FrameRing, Target};
 use occlusion::{ComputeTest, Method, MethodScene, ShaderSet};
 
-use crate::blended::Blended;
 use crate::debug_overlay::DebugRenderer;
 use crate::error::Error;
 use crate::frame_passes::DepthFirst;
@@ -12,14 +12,15 @@ use crate::passes::{CountPass, DeformPass, OpaquePass, OverlayPass};
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
 use crate::shading::Shading;
 use crate::surfaces::SurfaceResources;
+use crate::transparent::Transparent;
 
 impl Renderer {
-    /// Draws pictures of `size` pixels from now on. A bird's-eye view that does not fit into them is no
-    /// longer shown.
+    /// Draws pictures of `size` pixels from now on. A view from above that does not fit into them
+    /// is no longer shown.
     ///
     /// # Errors
-    /// A size of 0, beyond the device's limits, or too large for a test that smaller pictures have; no
-    /// memory. Nothing has changed then.
+    /// A size of 0, beyond the device's limits, or too large for a test that smaller pictures have;
+    /// no memory. Nothing has changed then.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Error> {
         if size == self.size() {
             return Ok(());
@@ -33,20 +34,21 @@ impl Renderer {
         self.executor.passes.compute_test = None;
         self.methods.iter_mut().for_each(|method| method.resized());
         if let Some(explainer) = &mut self.explainer {
-            let area = explainer.explanation.birds_eye;
+            let area = explainer.explanation.top_down;
             let fits = area.filter(|area| area.fits(size));
-            explainer.explanation.birds_eye = fits;
+            explainer.explanation.top_down = fits;
         }
         Ok(())
     }
 
-    /// How many frames may be on their way to the GPU at once.
+    /// Returns how many frames may be on their way to the GPU at once.
     pub fn frames_in_flight(&self) -> usize {
         self.frames.frames_in_flight()
     }
 
-    /// Changes how many frames may be on their way to the GPU at once; 0 counts as 1. Answers that are
-    /// still under way are lost, and what those frames took: this costs some tests and no pixel.
+    /// Changes how many frames may be on their way to the GPU at once; 0 counts as 1. Answers that
+    /// are still under way are lost, and what those frames took: this costs some tests and no
+    /// pixel.
     ///
     /// # Errors
     /// More than [`MAX_FRAMES_IN_FLIGHT`]; a failed call. Nothing has changed then.
@@ -82,8 +84,9 @@ impl Renderer {
         self.time_passes_of_one_in(1)
     }
 
-    /// Measures the GPU time of the passes of one in `frames` frames from now on, 0 counting as 1. On a
-    /// software driver a frame with timestamps takes a tenth longer, which few such frames hide.
+    /// Measures the GPU time of the passes of one in `frames` frames from now on, 0 counting as 1.
+    /// On a software driver a frame with timestamps takes a tenth longer, which few such frames
+    /// hide.
     ///
     /// # Errors
     /// A device without timestamps.
@@ -116,13 +119,14 @@ impl Renderer {
         let depth_first = self.passes.depth_first.as_ref();
         let depth_first = again(depth_first, || DepthFirst::new(device, &shaders))?;
         let counts = again(self.passes.counts.as_ref(), || CountPass::new(device, &shaders))?;
-        let birds_eye = again(self.birds_eye.as_ref(), || OverlayPass::new(device, &shaders))?;
-        let deforming = self.passes.deformers.as_ref().map(|deformers| &deformers.pass);
+        let top_down = again(self.top_down.as_ref(), || OverlayPass::new(device, &shaders))?;
+        let deforming =
+            self.passes.skinned_meshes.as_ref().map(|skinned_meshes| &skinned_meshes.pass);
         let deforming = again(deforming, || DeformPass::new(device, &shaders))?;
         let shading = surfaces.map(|surfaces| Shading::new(device, &shaders, surfaces));
         let shading = shading.transpose()?;
-        let blending = match (surfaces, &self.passes.blended) {
-            (Some(surfaces), Some(_)) => Some(Blended::pass(device, &shaders, surfaces)?),
+        let blending = match (surfaces, &self.passes.transparent) {
+            (Some(surfaces), Some(_)) => Some(Transparent::pass(device, &shaders, surfaces)?),
             _ => None,
         };
         let explanation = self.explanation();
@@ -134,13 +138,13 @@ impl Renderer {
         }
         let passes = &mut self.passes;
         (passes.opaque, passes.depth_first, passes.counts) = (opaque, depth_first, counts);
-        (self.executor.passes, self.methods, self.birds_eye) = (executing, methods, birds_eye);
+        (self.executor.passes, self.methods, self.top_down) = (executing, methods, top_down);
         (passes.shading, self.explainer) = (shading, explainer);
-        if let (Some(blended), Some(pass)) = (&mut passes.blended, blending) {
-            blended.pass = pass;
+        if let (Some(transparent), Some(pass)) = (&mut passes.transparent, blending) {
+            transparent.pass = pass;
         }
-        if let (Some(deformers), Some(pass)) = (&mut passes.deformers, deforming) {
-            deformers.pass = pass;
+        if let (Some(skinned_meshes), Some(pass)) = (&mut passes.skinned_meshes, deforming) {
+            skinned_meshes.pass = pass;
         }
         // Made again when it is next wanted.
         self.seen_leaves = None;

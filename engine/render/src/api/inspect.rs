@@ -6,8 +6,8 @@ use crate::sample_counts::{COUNTING, check_counts};
 use crate::scene_degradations::SceneDegradations;
 
 impl Renderer {
-    /// What of the scene is shown otherwise than the scene says; of what stands still it is known from the
-    /// beginning.
+    /// Returns what of the scene is shown otherwise than the scene says; of what stands still it is
+    /// known from the beginning.
     pub fn degradations(&self) -> SceneDegradations {
         let surfaces = self.passes.geometry.surfaces.as_ref();
         surfaces.map(|surfaces| surfaces.degradations()).unwrap_or_default()
@@ -15,7 +15,8 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Whether the device counts samples, for [`ViewState::watch`](crate::ViewState::watch).
+    /// Checks that the device counts samples, for
+    /// [`ViewState::watch`](crate::ViewState::watch).
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing.

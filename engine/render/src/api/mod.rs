@@ -1,8 +1,8 @@
 //! The renderer's calls, a file per concern; nothing below imports them.
 
 mod adjust;
-mod detail;
 mod inspect;
+mod lod;
 mod moves;
 mod overlay;
 mod pick;

@@ -1,20 +1,21 @@
 //! Lights and blended objects that move or change between frames.
 
 use glam::Affine3A;
-use scene::{BlendedId, LightId, LightKind, PunctualLight};
+use scene::{LightId, LightKind, PunctualLight, TransparentId};
 
 use crate::error::Error;
 use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Replaces a light of a scene with surfaces: it moved, or shines otherwise. The next frame shows it.
-    /// The cost is that of the objects around its old and its new place, not of the scene; they find their
-    /// lights once a frame, however many lights change.
+    /// Replaces a light of a scene with surfaces: it moved, or shines otherwise. The next frame
+    /// shows it. The cost is that of the objects around its old and its new place, not of the
+    /// scene; they find their lights once a frame, however many lights change.
     ///
     /// # Errors
-    /// [`Error::Light`] for a light that the scene does not have, and for one that becomes another kind of
-    /// light: pipelines are compiled for the kinds that there are. Make it dark and light another then.
+    /// [`Error::Light`] for a light that the scene does not have, and for one that becomes another
+    /// kind of light: pipelines are compiled for the kinds that there are. Make it dark and light
+    /// another then.
     pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
         let place = light.0 as usize;
         let geometry = &mut self.passes.geometry;
@@ -35,15 +36,20 @@ impl Renderer {
     /// Moves a blended object. The next frame shows it.
     ///
     /// # Errors
-    /// [`Error::Blended`]: the scene has no such object, or it cannot be there. Nothing has changed then.
-    pub fn move_blended(&mut self, blended: BlendedId, transform: Affine3A) -> Result<(), Error> {
-        let refuse = |reason| Error::Blended { blended, reason };
-        let object = self.passes.blended.as_ref().and_then(|it| it.get(blended));
+    /// [`Error::Transparent`]: the scene has no such object, or it cannot be there. Nothing has
+    /// changed then.
+    pub fn move_transparent(
+        &mut self,
+        transparent: TransparentId,
+        transform: Affine3A,
+    ) -> Result<(), Error> {
+        let refuse = |reason| Error::Transparent { transparent, reason };
+        let object = self.passes.transparent.as_ref().and_then(|it| it.get(transparent));
         let object = object.ok_or(refuse("the scene has no such blended object"))?;
         let bounds = bounds_in_world(&object.own_bounds, &transform);
         let bounds = bounds
             .ok_or(refuse("its transform takes it nowhere: check it for infinities and NaN"))?;
-        self.passes.change_blended(blended, |object| {
+        self.passes.change_transparent(transparent, |object| {
             (object.object.transform, object.bounds) = (transform, bounds);
         })
     }

@@ -5,8 +5,8 @@ use crate::flat_overlay::FlatOverlay;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// What is drawn flat over every picture from now on, made when it is first wanted. It costs nothing
-    /// until then, nor after [`Renderer::drop_flat_overlay`].
+    /// Returns what is drawn flat over every picture from now on, made when it is first wanted. It
+    /// costs nothing until then, nor after [`Renderer::drop_flat_overlay`].
     ///
     /// # Errors
     /// A shader that does not compile, a failed call.

@@ -1,5 +1,5 @@
-//! Finds out which object owns a pixel, without a wait: a frame of that one pixel is drawn, and read when it is
-//! over.
+//! Finds out which object owns a pixel, without a wait: a frame of that one pixel is drawn, and
+//! read when it is over.
 
 use cull::{Camera, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View};
 use gpu::{Optional, Tick};
@@ -11,10 +11,11 @@ use crate::renderer::Renderer;
 use crate::view_state::ViewState;
 
 impl Renderer {
-    /// Begins to find out which object of the scene, as it was drawn last, owns the pixel at `pixel` (from
-    /// the upper left) of a picture seen from `camera`. All objects count, whether culling left them
-    /// out or not; blended ones do not. Submits a frame of one pixel, which draws all objects whose boxes lie
-    /// along its ray: only their triangles tell how far it goes. Present the picture before or after the next.
+    /// Begins to find out which object of the scene, as it was drawn last, owns the pixel at
+    /// `pixel` (from the upper left) of a picture seen from `camera`. All objects count, whether
+    /// culling left them out or not; blended ones do not. Submits a frame of one pixel, which draws
+    /// all objects whose boxes lie along its ray: only their triangles tell how far it goes.
+    /// Present the picture before or after the next.
     ///
     /// On a device whose fragment shaders cannot write to buffers, the nearest box answers.
     ///
@@ -51,8 +52,8 @@ impl Renderer {
         self.submit_seen(&one_pixel, &leaves)
     }
 
-    /// Returns the object that was found; `Some(None)` if there is none, `None` while that is not known:
-    /// for ever if a newer pick, or [`Renderer::visible_set`], took its place before.
+    /// Returns the object that was found; `Some(None)` if there is none, `None` while that is not
+    /// known: for ever if a newer pick, or [`Renderer::visible_set`], took its place before.
     ///
     /// # Errors
     /// A pick of another renderer; a lost device.
@@ -70,9 +71,9 @@ impl Renderer {
         Ok(Some(owner.map(|(_, object)| *object)))
     }
 
-    /// Explains why an object was drawn in the newest frame of `history`, seen from `view`, or was not,
-    /// and what the newest answers say of it, with the frame that asked. `None` if there is no such
-    /// object, or the view is of another renderer.
+    /// Explains why an object was drawn in the newest frame of `history`, seen from `view`, or was
+    /// not, and what the newest answers say of it, with the frame that asked. `None` if there is no
+    /// such object, or the view is of another renderer.
     pub fn explain_object(
         &self,
         history: &ViewState,
@@ -88,27 +89,29 @@ impl Renderer {
         Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
     }
 
-    /// Returns how many triangles an object has, in the form in which it is drawn; 0 of a foreign one.
+    /// Returns how many triangles an object has, in the form in which it is drawn; 0 of a foreign
+    /// one.
     pub fn triangles_of(&self, object: ObjectId) -> u64 {
         let leaf = self.hierarchy.leaf_of(object);
         leaf.map_or(0, |first| self.executor.leaves.count(LeafRange { first, count: 1 }).triangles)
     }
 
-    /// Outlines the box of an object in every picture from now on, seen through everything; of several
-    /// views, in the first.
+    /// Outlines the box of an object in every picture from now on, seen through everything; of
+    /// several views, in the first.
     ///
     /// # Errors
     /// A shader that does not compile, a failed call.
     pub fn outline(&mut self, object: Option<ObjectId>) -> Result<(), Error> {
-        if self.birds_eye.is_none() {
-            self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
+        if self.top_down.is_none() {
+            self.top_down = Some(OverlayPass::new(&self.device, &self.shaders)?);
         }
         self.outlined = object;
         Ok(())
     }
 }
 
-/// Returns the direction from the eye through the middle of a pixel, as long as it goes one unit forward.
+/// Returns the direction from the eye through the middle of a pixel, as long as it goes one unit
+/// forward.
 fn ray_through(view: &View, pixel: [u32; 2]) -> glam::Vec3 {
     let side = |axis: usize| {
         let middle = (pixel[axis] as f32 + 0.5) / view.size[axis].max(1) as f32;

@@ -3,44 +3,46 @@
 use glam::Affine3A;
 use scene::{Deformation, DeformerId, SceneUpdate};
 
-use crate::deformers::State;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
+use crate::skinned_meshes::State;
 use crate::update::UpdateScratch;
 
 impl Renderer {
-    /// Gives a mesh that changes its form a pose: the next frame shows it, frames on their way do not.
-    /// Each joint takes points of the mesh at rest to the object's own space; `weights` says how much of each morph
-    /// target is added, whatever the sum. The same pose again costs nothing, and neither do
-    /// targets of weight 0.
+    /// Gives a mesh that changes its form a pose: the next frame shows it, frames on their way do
+    /// not. Each joint takes points of the mesh at rest to the object's own space; `weights` says
+    /// how much of each morph target is added, whatever the sum. The same pose again costs nothing,
+    /// and neither do targets of weight 0.
     ///
-    /// The box of its object follows from the pose ([`scene::PoseBounds`]), whichever it is. The GPU looks at the
-    /// vertices in the first frame that has a view that the mesh may be in.
+    /// The box of its object follows from the pose ([`scene::PoseBounds`]), whichever it is. The
+    /// GPU looks at the vertices in the first frame that has a view that the mesh may be in.
     ///
     /// # Errors
-    /// [`Error::Deform`]: no such deformer, another number of joints or targets than it has, numbers that
-    /// are not finite or take it farther than anything can be. Nothing has changed then.
+    /// [`Error::Deform`]: no such deformer, another number of joints or targets than it has,
+    /// numbers that are not finite or take it farther than anything can be. Nothing has changed
+    /// then.
     pub fn set_pose(
         &mut self,
-        deformer: DeformerId,
+        skinned_mesh: DeformerId,
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<(), Error> {
-        self.take_all([(deformer, joints, weights)]).map(drop)
+        self.take_all([(skinned_mesh, joints, weights)]).map(drop)
     }
 
-    /// Gives meshes the poses of an update, in their order. Answers how many are others than before.
+    /// Gives meshes the poses of an update, in their order. Answers how many are others than
+    /// before.
     ///
     /// # Errors
     /// The first that cannot be taken; those before it are.
     pub(crate) fn take_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
         self.take_all(update.deformations.iter().map(
-            |Deformation { deformer, joints, weights }| {
+            |Deformation { skinned_mesh, joints, weights }| {
                 let joints = update.joints.get(joints.clone()).unwrap_or_default();
                 let weights = update.weights.get(weights.clone()).unwrap_or_default();
-                (*deformer, joints, weights)
+                (*skinned_mesh, joints, weights)
             },
         ))
     }
@@ -51,8 +53,8 @@ impl Renderer {
     ) -> Result<u32, Error> {
         let mut scratch = std::mem::take(&mut self.update_scratch);
         let mut count = 0;
-        let taken = poses.into_iter().try_for_each(|(deformer, joints, weights)| {
-            let is_other = self.take_pose(deformer, joints, weights, &mut scratch)?;
+        let taken = poses.into_iter().try_for_each(|(skinned_mesh, joints, weights)| {
+            let is_other = self.take_pose(skinned_mesh, joints, weights, &mut scratch)?;
             count += u32::from(is_other);
             Ok(())
         });
@@ -64,32 +66,33 @@ impl Renderer {
     /// Takes a pose; answers whether it is another than before.
     fn take_pose(
         &mut self,
-        deformer: DeformerId,
+        skinned_mesh: DeformerId,
         joints: &[Affine3A],
         weights: &[f32],
         scratch: &mut UpdateScratch,
     ) -> Result<bool, Error> {
-        let refuse = |reason: &str| Error::Deform { deformer, reason: reason.to_owned() };
+        let refuse = |reason: &str| Error::Deform { skinned_mesh, reason: reason.to_owned() };
         let none = || refuse("the scene has nothing that changes its form");
-        let FramePasses { deformers, geometry, blended, .. } = &mut self.passes;
-        let deformers = deformers.as_mut().ok_or_else(none)?;
-        let Some(bounds) = deformers.bounds_in(deformer, joints, weights)? else {
+        let FramePasses { skinned_meshes, geometry, transparent, .. } = &mut self.passes;
+        let skinned_meshes = skinned_meshes.as_mut().ok_or_else(none)?;
+        let Some(bounds) = skinned_meshes.bounds_in(skinned_mesh, joints, weights)? else {
             return Ok(false);
         };
-        let State { mesh, blended: id, .. } = *deformers.get(deformer).ok_or_else(none)?;
+        let State { mesh, transparent: id, .. } =
+            *skinned_meshes.get(skinned_mesh).ok_or_else(none)?;
         let object = geometry.owner(mesh);
         let transform = match id {
-            Some(id) => blended.as_ref().and_then(|blended| blended.transform(id)),
+            Some(id) => transparent.as_ref().and_then(|transparent| transparent.transform(id)),
             None => object.and_then(|object| geometry.transform(object)),
         };
         const FAR: &str = "it takes its object farther than anything can be";
         let transform = transform.unwrap_or(Affine3A::IDENTITY);
         let in_world = bounds_in_world(&bounds, &transform).ok_or_else(|| refuse(FAR))?;
-        deformers.take(deformer, joints, weights, bounds);
+        skinned_meshes.take(skinned_mesh, joints, weights, bounds);
         geometry.reshape(mesh, bounds);
         self.edition.advance();
         if let Some(id) = id {
-            self.passes.change_blended(id, |object| {
+            self.passes.change_transparent(id, |object| {
                 (object.own_bounds, object.bounds) = (bounds, in_world);
             })?;
         } else if let Some(object) = object {

@@ -1,4 +1,5 @@
-//! The renderer's picture in a window: the frame is the same as without one, and is shown afterwards.
+//! The renderer's picture in a window: the frame is the same as without one, and is shown
+//! afterwards.
 
 use gpu::{Shown, Swapchain};
 
@@ -8,11 +9,13 @@ use crate::renderer::Renderer;
 impl Renderer {
     /// Shows the newest picture in a window that is `window_size` pixels large as far as the caller
     /// knows. A picture of another size is scaled and keeps its proportions, between black borders:
-    /// [`Renderer::resize`] before the frame fills the window. Call it after [`Renderer::render`], as often as
-    /// the picture is wanted. It waits for an image of the window, within the swapchain's bound.
+    /// [`Renderer::resize`] before the frame fills the window. Call it after [`Renderer::render`],
+    /// as often as the picture is wanted. It waits for an image of the window, within the
+    /// swapchain's bound.
     ///
     /// # Errors
-    /// A window of another device; no picture yet, or none since a frame failed; what has no name in [`gpu::NotShown`].
+    /// A window of another device; no picture yet, or none since a frame failed; what has no name
+    /// in [`gpu::PresentSkipped`].
     pub fn present(&self, window: &mut Swapchain, window_size: [u32; 2]) -> Result<Shown, Error> {
         Ok(window.show(&self.passes.target, window_size)?)
     }

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use cull::{Aabb, Camera, Hierarchy, Strategy, View};
 use gpu::{Frame, PassTime, Readback};
-use occlusion::{Area, FrameTimes, MethodRequest, MethodScene, PlanExecutor};
+use occlusion::{FrameTimes, MethodRequest, MethodScene, PlanExecutor, Rect};
 
 use crate::debug_overlay::DebugRenderer;
 use crate::error::Error;
@@ -20,7 +20,7 @@ use crate::visible_set::{VISIBLE_SET, VisibleSet};
 
 impl Renderer {
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
-    /// and for nothing else, unless the strategy is a dialogue ([`Strategy::is_dialogue`]).
+    /// and for nothing else, unless the strategy blocks ([`Strategy::is_blocking`]).
     ///
     /// # Errors
     /// As [`Renderer::render_views`].
@@ -29,22 +29,22 @@ impl Renderer {
         history: &mut ViewState,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
-        let area = Area::whole(self.size());
+        let area = Rect::whole(self.size());
         let FrameRequest { strategy, camera, visible, picture, scene_picture, after } = *request;
         let eye = ViewTarget { history, camera, visible, area };
         let request = ViewsRequest { strategy, picture, after };
         self.render_eyes(&mut [eye], &request, scene_picture)
     }
 
-    /// Renders one frame of several views, one after the other, and submits them together. Waits for
-    /// the frame that used this slot N frames ago, and for nothing else.
+    /// Renders one frame of several views, one after the other, and submits them together. Waits
+    /// for the frame that used this slot N frames ago, and for nothing else.
     ///
     /// # Errors
     /// [`Error::NoView`] where there is no eye: such a frame would leave its picture as it is. A
     /// strategy that the device has not what it takes for; an area that is not in the picture; a
     /// picture of another size; a view or visible set of another renderer, a picture or timeline of
-    /// another device; [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a
-    /// frame that takes too long.
+    /// another device; [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device,
+    /// a frame that takes too long.
     pub fn render_views(
         &mut self,
         eyes: &mut [ViewTarget<'_>],
@@ -79,8 +79,8 @@ impl Renderer {
         let mut report = FrameReport::of(skinned);
         for (ViewTarget { history, visible, .. }, view) in eyes.iter_mut().zip(&views) {
             history.collect(device.completed()?, hierarchy, &executor.leaves);
-            report.blended +=
-                passes.gather_blended(&mut frame, executor, view, request.strategy)?;
+            report.transparent +=
+                passes.gather_transparent(&mut frame, executor, view, request.strategy)?;
             let wanted = MethodRequest {
                 strategy: request.strategy,
                 view,
@@ -99,7 +99,7 @@ impl Renderer {
         finish_picture(&mut frame, &mut passes.target, None, scene_picture)?;
         let overlays = Overlays {
             explainer: self.explainer.as_ref(),
-            outline: outlined.zip(self.birds_eye.as_ref()),
+            outline: outlined.zip(self.top_down.as_ref()),
             flat: self.flat_overlay.as_mut(),
         };
         let scene = (&mut *passes, &*executor, &*hierarchy);
@@ -149,13 +149,13 @@ impl Renderer {
         Ok(method)
     }
 
-    /// Returns true if cost models learn from what the next frame takes. What explanations draw beside a
-    /// plan says nothing about prices.
+    /// Returns true if cost models learn from what the next frame takes. What explanations draw
+    /// beside a plan says nothing about prices.
     fn is_timed(&self, strategy: Strategy, eyes: &[ViewTarget<'_>]) -> bool {
         let has_turn = |eye: &ViewTarget<'_>| {
             occlusion::is_timed_after(eye.history.visibility.culler().frame())
         };
-        strategy.is_governed()
+        strategy.uses_cost_model()
             && self.learns
             && self.explainer.is_none()
             && eyes.iter().all(|eye| eye.history.visibility.has_cost_model())
@@ -200,8 +200,8 @@ impl Renderer {
         Ok(methods[method].prepare(&mut scene)?)
     }
 
-    /// The view of `camera` in a part of this renderer's picture.
-    pub fn view_in(&self, camera: &Camera, area: Area) -> View {
+    /// Returns the view of `camera` in a part of this renderer's picture.
+    pub fn view_in(&self, camera: &Camera, area: Rect) -> View {
         view_in(&self.device, camera, area)
     }
 
@@ -226,9 +226,9 @@ impl Renderer {
         if wanted == drawn { Ok(()) } else { Err(Error::PictureSize { wanted, drawn }) }
     }
 
-    pub(crate) fn check_area(&self, area: Area) -> Result<(), Error> {
+    pub(crate) fn check_area(&self, area: Rect) -> Result<(), Error> {
         let picture = self.size();
-        if area.fits(picture) { Ok(()) } else { Err(Error::Area { area, picture }) }
+        if area.fits(picture) { Ok(()) } else { Err(Error::Rect { area, picture }) }
     }
 }
 
@@ -240,7 +240,8 @@ struct Overlays<'a> {
 }
 
 impl Overlays<'_> {
-    /// Draws it over the first view, and copies the picture for who wants it. Returns the CPU's time.
+    /// Draws it over the first view, and copies the picture for who wants it. Returns the CPU's
+    /// time.
     fn record(
         self,
         frame: &mut Frame<'_>,

@@ -3,11 +3,11 @@
 use cull::{Answer, Camera, LeafRange, QueryKind, Strategy, View};
 use gpu::{Readback, Tick};
 
-use crate::birds_eye::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::error::Error;
 use crate::outline::record_outline;
 use crate::passes::OverlayPass;
 use crate::renderer::Renderer;
+use crate::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::view_state::ViewState;
 use crate::views::finish_picture;
 use crate::visibility_snapshot::VisibilitySnapshot;
@@ -46,12 +46,14 @@ impl Renderer {
         for answer in history.visibility.newest_answers().iter().filter(of_frame) {
             let node = answer.tag.node;
             match answer.tag.kind {
-                QueryKind::Proxy | QueryKind::Part => {
+                QueryKind::Proxy | QueryKind::Leaf => {
                     snapshot.drawn.push(self.hierarchy.leaves(node));
                     showed.push(node);
                 }
-                QueryKind::Parts => showed.push(node),
-                QueryKind::Probe | QueryKind::OwnBox | QueryKind::OwnDraw => {}
+                QueryKind::PerLeaf => showed.push(node),
+                QueryKind::PullUpQuery
+                | QueryKind::VisibleBoxQuery
+                | QueryKind::VisibleDrawQuery => {}
             }
         }
         showed.sort_unstable();
@@ -68,9 +70,9 @@ impl Renderer {
     /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
     ///
     /// # Errors
-    /// A moment of another renderer, a picture of another device or size, no memory, a shader that does
-    /// not compile, a failed call.
-    pub fn birds_eye(
+    /// A moment of another renderer, a picture of another device or size, no memory, a shader that
+    /// does not compile, a failed call.
+    pub fn top_down(
         &mut self,
         snapshot: &VisibilitySnapshot,
         picture: &Readback,
@@ -80,10 +82,10 @@ impl Renderer {
         Ok(self.device.drain()?)
     }
 
-    /// Draws `moment` as it looks to another eye, and goes on: the culling stands still, the camera does
-    /// not. Beside what was drawn, the hidden frontier nodes and the frustum, as
-    /// [`Renderer::birds_eye`] has them; of what [`Renderer::explain`] shows, the wires and the view from
-    /// above.
+    /// Draws `moment` as it looks to another eye, and goes on: the culling stands still, the camera
+    /// does not. Beside what was drawn, the hidden frontier nodes and the frustum, as
+    /// [`Renderer::top_down`] has them; of what [`Renderer::explain`] shows, the wires and the view
+    /// from above.
     ///
     /// # Errors
     /// A moment of another renderer, a picture of another device or size, no memory, a failed call.
@@ -105,8 +107,8 @@ impl Renderer {
     ) -> Result<Tick, Error> {
         self.check_renderer(snapshot.renderer, "a moment (`VisibilitySnapshot`)")?;
         picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
-        if self.birds_eye.is_none() {
-            self.birds_eye = Some(OverlayPass::new(&self.device, &self.shaders)?);
+        if self.top_down.is_none() {
+            self.top_down = Some(OverlayPass::new(&self.device, &self.shaders)?);
         }
         let view = self.view_of(&camera);
         let sketch = Sketch::of(snapshot, self.reach(snapshot));
@@ -114,14 +116,14 @@ impl Renderer {
             Backdrop::Dark => None,
             Backdrop::Sky => self.outlined_bounds(),
         };
-        let Self { frames, passes, executor, hierarchy, birds_eye, flat_overlay, .. } = self;
+        let Self { frames, passes, executor, hierarchy, top_down, flat_overlay, .. } = self;
         let (clear, explainer) = match backdrop {
             Backdrop::Dark => (BACKGROUND, None),
             Backdrop::Sky => (passes.sky(), self.explainer.as_ref()),
         };
         let mut frame = frames.begin()?;
         passes.upload_changes(&mut frame, hierarchy, executor, None)?;
-        passes.gather_blended(&mut frame, executor, &view, Strategy::Frustum)?;
+        passes.gather_transparent(&mut frame, executor, &view, Strategy::Frustum)?;
         let draws = snapshot.upload(&mut frame, &executor.leaves)?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
@@ -130,8 +132,8 @@ impl Renderer {
             let from = passes.picture_target(&view, clear);
             commands.rendering(from, |commands| {
                 passes.draw_all(executor, commands, &view, draws, clear);
-                passes.draw_blended(executor, commands, &view);
-                if let Some(overlay) = birds_eye {
+                passes.draw_transparent(executor, commands, &view);
+                if let Some(overlay) = top_down {
                     overlay.record(commands, &io, &view);
                 }
             });
@@ -140,7 +142,7 @@ impl Renderer {
             let scene = (&mut *passes, &*executor, &*hierarchy);
             explainer.record_snapshot(&mut frame, scene, &view, (snapshot, draws))?;
         }
-        if let (Some(bounds), Some(overlay)) = (outlined, birds_eye.as_ref()) {
+        if let (Some(bounds), Some(overlay)) = (outlined, top_down.as_ref()) {
             record_outline(&mut frame, passes, overlay, (bounds, &view))?;
         }
         finish_picture(&mut frame, &mut passes.target, flat_overlay.as_mut(), picture)?;
@@ -149,7 +151,8 @@ impl Renderer {
         Ok(tick)
     }
 
-    /// How far from the eye the moment's story is told: what was drawn, without the few far ones.
+    /// Returns how far from the eye the moment's story is told: what was drawn, without the few far
+    /// ones.
     fn reach(&self, snapshot: &VisibilitySnapshot) -> f32 {
         reach(&self.hierarchy, snapshot)
     }

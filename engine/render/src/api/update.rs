@@ -1,20 +1,20 @@
-//! Changes of the scene between frames: applied to the hierarchy at once, and to what the GPU reads at the start
-//! of the next frame, in its order. Nobody waits.
+//! Changes of the scene between frames: applied to the hierarchy at once, and to what the GPU reads
+//! at the start of the next frame, in its order. Nobody waits.
 
 use std::collections::HashSet;
 use std::time::Instant;
 
 use cull::{Aabb, HierarchyError, HierarchyWork, LeafRange, ObjectId};
 use glam::Affine3A;
-use scene::{BlendedMove, LightMove, MeshId, Object, ObjectChange, SceneUpdate};
+use scene::{LightMove, MeshId, Object, ObjectChange, SceneUpdate, TransparentMove};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::update::{UpdateReport, UpdateScratch};
 
 impl Renderer {
-    /// Applies everything that changes between two frames: objects first, with [`Renderer::update`], then
-    /// poses, blended objects and lights. The next frame shows it.
+    /// Applies everything that changes between two frames: objects first, with
+    /// [`Renderer::update`], then poses, blended objects and lights. The next frame shows it.
     ///
     /// # Errors
     /// The first change that cannot be made. Those before it are made.
@@ -25,8 +25,8 @@ impl Renderer {
             objects => self.update(objects)?.added,
         };
         let poses = self.take_poses(update)?;
-        for BlendedMove { blended, transform } in &update.blended {
-            self.move_blended(*blended, *transform)?;
+        for TransparentMove { transparent, transform } in &update.transparent {
+            self.move_transparent(*transparent, *transform)?;
         }
         for LightMove { light, to } in &update.lights {
             self.set_light(*light, *to)?;
@@ -110,7 +110,8 @@ impl Renderer {
         bounds.ok_or_else(|| NOWHERE.to_owned())
     }
 
-    /// Refuses a second object of a mesh that changes its form: the box of one would not hold the other.
+    /// Refuses a second object of a mesh that changes its form: the box of one would not hold the
+    /// other.
     fn check_alone(
         &self,
         object: &Object,
@@ -157,7 +158,7 @@ impl Renderer {
     pub(crate) fn settle(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
         self.move_all(scratch)?;
         self.hierarchy.restructure(&mut scratch.reordered);
-        self.mark(scratch);
+        self.mark_dirty(scratch);
         Ok(())
     }
 
@@ -167,15 +168,15 @@ impl Renderer {
         UpdateReport {
             refitted_nodes: work.refitted_nodes - before.refitted_nodes,
             rebuilt_leaves: work.rebuilt_leaves - before.rebuilt_leaves,
-            stale_leaves: self.executor.leaves.stale().len(),
+            dirty_leaves: self.executor.leaves.dirty().len(),
             is_worn: self.hierarchy.is_worn(),
             ..UpdateReport::default()
         }
     }
 
     /// Builds the hierarchy anew over the objects as they are now, for large scenes whose
-    /// [update](Renderer::update) says that it is worn. The CPU's work is that of loading the scene;
-    /// the GPU is not waited for. Views keep what they know of objects.
+    /// [update](Renderer::update) says that it is worn. The CPU's work is that of loading the
+    /// scene; the GPU is not waited for. Views keep what they know of objects.
     ///
     /// # Errors
     /// None for objects that were accepted before.
@@ -190,7 +191,7 @@ impl Renderer {
         self.edition.advance();
         let mut scratch = std::mem::take(&mut self.update_scratch);
         scratch.reordered.extend(self.hierarchy.root().map(|root| self.hierarchy.leaves(root)));
-        self.mark(&mut scratch);
+        self.mark_dirty(&mut scratch);
         self.update_scratch = scratch;
         Ok(())
     }
@@ -235,17 +236,17 @@ impl Renderer {
     }
 
     /// Marks the leaves of everything that changed, where they are now.
-    fn mark(&mut self, scratch: &mut UpdateScratch) {
+    fn mark_dirty(&mut self, scratch: &mut UpdateScratch) {
         let (geometry, leaves) = (&mut self.passes.geometry, &mut self.executor.leaves);
         for object in scratch.changed.drain(..) {
             geometry.find_lights(&self.hierarchy, object);
             if let Some(leaf) = self.hierarchy.leaf_of(object) {
-                leaves.mark(leaf, geometry.draw_of(object));
+                leaves.mark_dirty(leaf, geometry.draw_of(object));
             }
         }
         for leaf in scratch.reordered.drain(..).flat_map(LeafRange::iter) {
             if let Some(object) = self.hierarchy.leaf_objects().get(leaf.0 as usize) {
-                leaves.mark(leaf, geometry.draw_of(*object));
+                leaves.mark_dirty(leaf, geometry.draw_of(*object));
             }
         }
     }

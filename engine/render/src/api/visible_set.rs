@@ -1,10 +1,11 @@
-//! The exact set of objects that own a pixel, found out beforehand and not in time: the frame is drawn by the
-//! exact strategy, what it drew is drawn once more against the finished depth, and the CPU waits for the answer.
+//! The exact set of objects that own a pixel, found out beforehand and not in time: the frame is
+//! drawn by the exact strategy, what it drew is drawn once more against the finished depth, and the
+//! CPU waits for the answer.
 
 use cull::{Camera, LeafIndex, Strategy};
 use glam::Vec3;
 use gpu::{Access, MemoryBarrier, Tick};
-use occlusion::{Area, ObjectPass, ObjectRenderer, Rendering};
+use occlusion::{ObjectPass, ObjectRenderer, Rect, Rendering};
 
 use crate::error::Error;
 use crate::passes::SeenIo;
@@ -14,18 +15,18 @@ use crate::views::{ViewTarget, ViewsRequest};
 use crate::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 
 impl Renderer {
-    /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice: a yardstick
-    /// for measurements, not for a frame loop. `history` is a view kept for this, so that it learns
-    /// along the path.
+    /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice: a
+    /// yardstick for measurements, not for a frame loop. `history` is a view kept for this, so that
+    /// it learns along the path.
     ///
     /// # Errors
-    /// A view of another renderer; a device whose fragment shaders cannot write to buffers; no memory;
-    /// a failed call.
+    /// A view of another renderer; a device whose fragment shaders cannot write to buffers; no
+    /// memory; a failed call.
     pub fn visible_set(
         &mut self,
         history: &mut ViewState,
         camera: &Camera,
-        area: Area,
+        area: Rect,
     ) -> Result<VisibleSet, Error> {
         self.check_view(history)?;
         let eye = ViewTarget { history: &mut *history, camera: *camera, visible: None, area };
@@ -57,9 +58,9 @@ impl Renderer {
         Ok(VisibleSet { objects: objects.collect(), leaves, edition })
     }
 
-    /// Makes a set hold again that was found when the scene was as it is now, although it has changed since
-    /// then: whoever calls this answers for it that every object is where it was, and has the form that it
-    /// had. For measurements in which the same moments come again.
+    /// Makes a set hold again that was found when the scene was as it is now, although it has
+    /// changed since then: whoever calls this answers for it that every object is where it was, and
+    /// has the form that it had. For measurements in which the same moments come again.
     ///
     /// # Errors
     /// A set that another renderer found.

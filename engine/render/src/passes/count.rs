@@ -1,4 +1,5 @@
-//! The count pass: how many samples of single objects, and of their proxies, a finished picture has.
+//! The count pass: how many samples of single objects, and of their proxies, a finished picture
+//! has.
 
 use bytemuck::{Pod, Zeroable};
 use cull::View;
@@ -88,8 +89,8 @@ impl CountPass {
         commands.push_constants(&self.objects, &SeenConstants::of(view));
     }
 
-    /// Draws an object. Not indirectly: Mesa 22.3's lavapipe lets an indirect draw take the count of
-    /// the counted one before it.
+    /// Draws an object. Not indirectly: Mesa 22.3's lavapipe lets an indirect draw take the count
+    /// of the counted one before it.
     pub fn draw(&self, commands: &Commands, draw: &IndirectDraw) {
         commands.draw_indexed(draw);
     }

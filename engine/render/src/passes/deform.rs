@@ -64,8 +64,8 @@ impl DeformPass {
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }
 
-    /// Deforms meshes of which none is named twice. What is recorded before, in this frame or an earlier
-    /// one, still reads the old form: one queue runs them all.
+    /// Deforms meshes of which none is named twice. What is recorded before, in this frame or an
+    /// earlier one, still reads the old form: one queue runs them all.
     pub(crate) fn record(
         &self,
         commands: &Commands,

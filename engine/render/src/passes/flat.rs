@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
-    Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    IndirectDraw, Polygon, StorageLayout, Texture, VertexLayout, vk,
+    Blend, BufferSlice, Commands, DepthMode, Device, DynamicTexture, GraphicsPipeline,
+    GraphicsPipelineInfo, IndirectDraw, Polygon, StorageLayout, VertexLayout, vk,
 };
 
 use occlusion::{Error, ShaderSet};
@@ -23,7 +23,7 @@ pub struct FlatIo<'a> {
     /// 32-bit indices into them, three a triangle.
     pub indices: BufferSlice,
     /// The image that all of them sample.
-    pub atlas: &'a Texture,
+    pub atlas: &'a DynamicTexture,
 }
 
 /// A corner of a flat triangle.

@@ -21,7 +21,7 @@ enum Kind {
     Whole,
     Depth,
     Colour,
-    Wires,
+    Wireframe,
 }
 
 /// Reads vertices, indices and instances; writes the colour and depth that are being rendered to.
@@ -56,8 +56,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Whole)
     }
 
-    /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws count
-    /// what is as near as the depth so far, too.
+    /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws
+    /// count what is as near as the depth so far, too.
     ///
     /// # Errors
     /// A failed call.
@@ -76,9 +76,9 @@ impl OpaquePass {
     /// Compiles a pass that draws the edges of what [`OpaquePass::new`] drew, in one colour.
     ///
     /// # Errors
-    /// A device that lacks [`gpu::Optional::Wires`]; a failed call.
-    pub fn wires(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
-        Self::of_kind(device, shaders, Kind::Wires)
+    /// A device that lacks [`gpu::Optional::Wireframe`]; a failed call.
+    pub fn wireframe(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
+        Self::of_kind(device, shaders, Kind::Wireframe)
     }
 
     fn of_kind(device: &Device, shaders: &ShaderSet, kind: Kind) -> Result<Self, Error> {
@@ -87,11 +87,14 @@ impl OpaquePass {
             Kind::Whole => ("opaque", Some(fragment), DepthMode::TestAndWrite, Blend::Opaque),
             Kind::Depth => ("opaque depth", None, DepthMode::TestEqualAndWrite, Blend::NoColour),
             Kind::Colour => ("opaque colour", Some(fragment), DepthMode::TestOnly, Blend::Opaque),
-            Kind::Wires => {
-                ("wires", Some(shaders.find("wires.frag")?), DepthMode::TestOnly, Blend::Opaque)
-            }
+            Kind::Wireframe => (
+                "wireframe",
+                Some(shaders.find("wireframe.frag")?),
+                DepthMode::TestOnly,
+                Blend::Opaque,
+            ),
         };
-        let polygon = if kind == Kind::Wires { Polygon::Wires } else { Polygon::Filled };
+        let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
         let pipeline = GraphicsPipeline::new(
             device,
             &GraphicsPipelineInfo {

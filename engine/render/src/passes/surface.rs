@@ -18,12 +18,13 @@ pub enum SurfaceKind {
     /// Depth alone, with the holes of masked materials. Where there are none,
     /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only) draws the same depth for less.
     Depth,
-    /// The colour of what owns a pixel of the finished depth, which was drawn by either of the two. Of what
-    /// is equally near the larger of each channel is kept, so the order of draws decides nothing: start
-    /// from black.
+    /// The colour of what owns a pixel of the finished depth, which was drawn by either of the two.
+    /// Of what is equally near the larger of each channel is kept, so the order of draws decides
+    /// nothing: start from black.
     Colour,
-    /// Blended objects over the finished picture, hidden by what is nearer; draw them back to front.
-    Blended,
+    /// Blended objects over the finished picture, hidden by what is nearer; draw them back to
+    /// front.
+    Transparent,
 }
 
 /// Draws objects of a scene with surfaces. Compiled for what its materials and lights make use of.
@@ -31,8 +32,8 @@ pub struct SurfacePass {
     pipeline: GraphicsPipeline,
 }
 
-/// Reads positions, surface vertices, indices, instances, materials, textures, lights and their lists;
-/// writes the colour and depth that are being rendered to.
+/// Reads positions, surface vertices, indices, instances, materials, textures, lights and their
+/// lists; writes the colour and depth that are being rendered to.
 #[derive(Clone, Copy)]
 pub struct SurfaceIo<'a> {
     /// [`Vertex`]es of all meshes.
@@ -82,12 +83,12 @@ impl SurfacePass {
                 ("surface depth", "surface_depth", DepthMode::TestEqualAndWrite, Blend::NoColour)
             }
             SurfaceKind::Colour => ("surface", "surface", DepthMode::Equal, Blend::Max),
-            SurfaceKind::Blended => {
+            SurfaceKind::Transparent => {
                 ("blended surface", "surface", DepthMode::TestOnly, Blend::Alpha)
             }
         };
-        let is_blended = kind == SurfaceKind::Blended;
-        let constants = surfaces.features(is_blended).constants(is_blended);
+        let is_transparent = kind == SurfaceKind::Transparent;
+        let constants = surfaces.features(is_transparent).constants(is_transparent);
         let stage = |end: &str| {
             shaders.find(&format!("{shader}.{end}")).map(|shader| shader.specialised(&constants))
         };
@@ -122,7 +123,8 @@ impl SurfacePass {
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
 
-    /// Binds everything; the caller then records draws of one instance each, for a draw has one material.
+    /// Binds everything; the caller then records draws of one instance each, for a draw has one
+    /// material.
     pub fn bind(&self, commands: &Commands, io: &SurfaceIo<'_>, view: &View, light: &Light) {
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
         let [steps_across, steps_up] = view.snap_steps;

@@ -1,5 +1,5 @@
-//! Which points' and spots' lights reach which object: a list of a bounded number for each, the strongest
-//! first.
+//! Which points' and spots' lights reach which object: a list of a bounded number for each, the
+//! strongest first.
 
 use cull::{Aabb, Hierarchy, NodeId, ObjectId};
 use glam::Vec3;
@@ -13,12 +13,12 @@ use crate::surfaces::marked::Marked;
 /// Two lights a word.
 pub(crate) const LIST_WORDS: usize = MAX_LIGHTS_PER_OBJECT / 2;
 
-/// The most nodes of the tree of lights that one object's search may visit: all of them up to 8192 lights.
-/// More are only wanted where thousands of lights end just short of an object.
+/// The most nodes of the tree of lights that one object's search may visit: all of them up to 8192
+/// lights. More are only wanted where thousands of lights end just short of an object.
 pub(crate) const MOST_VISITS: usize = 1 << 14;
 
-/// The same once the searches of a frame, or of loading, have visited [`VISITS_A_FRAME`]. Lights spread over a
-/// scene want about a hundred.
+/// The same once the searches of a frame, or of loading, have visited [`VISITS_A_FRAME`]. Lights
+/// spread over a scene want about a hundred.
 pub(crate) const LEAST_VISITS: usize = 1 << 9;
 
 /// A few tenths of a second.
@@ -35,8 +35,8 @@ struct LightList {
 
 /// The lists of all objects, by slots: first the objects by their ids, then what is blended.
 ///
-/// Memory is that of the slots and of the lights, whatever reaches what. Work a frame is at most that of
-/// finding every list anew once, each by a bounded search.
+/// Memory is that of the slots and of the lights, whatever reaches what. Work a frame is at most
+/// that of finding every list anew once, each by a bounded search.
 #[derive(Debug, Default)]
 pub struct LightLists {
     /// Whether there is anything but directional lights; a dark one may be lit later.
@@ -46,10 +46,11 @@ pub struct LightLists {
     /// How many lists leave lights out.
     crowded: usize,
     /// Slots whose list the GPU does not have yet.
-    stale: Marked,
+    dirty: Marked,
     /// Slots around which lights changed, whose lists must be found again before the next frame.
     doubtful: Marked,
-    /// Nodes that were visited to find these; once they are more than the slots are worth, all are doubtful.
+    /// Nodes that were visited to find these; once they are more than the slots are worth, all are
+    /// doubtful.
     doubt_visits: usize,
     /// Nodes of the tree that the searches visited since the last frame.
     visits: usize,
@@ -65,25 +66,26 @@ impl LightLists {
             tree: LightTree::new(reaches.map(|(light, entry)| Reach::of(light, *entry)).collect()),
             lists: vec![LightList::default(); slots],
             crowded: 0,
-            stale: Marked::none_of(slots),
+            dirty: Marked::none_of(slots),
             doubtful: Marked::none_of(slots),
             doubt_visits: 0,
             visits: 0,
         }
     }
 
-    /// Whether there is anything but directional lights.
+    /// Returns true if there is anything but directional lights.
     pub(crate) fn has_lights(&self) -> bool {
         self.has_lights
     }
 
-    /// How many lights reach what is in a slot.
+    /// Returns how many lights reach what is in a slot.
     #[must_use]
     pub fn count(&self, slot: u32) -> u32 {
         self.lists.get(slot as usize).map_or(0, |list| list.count)
     }
 
-    /// The lights that reach what is in a slot, the strongest first, as places in the light table.
+    /// Returns the lights that reach what is in a slot, the strongest first, as places in the light
+    /// table.
     #[must_use]
     pub fn entries(&self, slot: u32) -> Vec<u32> {
         let list = self.lists.get(slot as usize).copied().unwrap_or_default();
@@ -91,7 +93,8 @@ impl LightLists {
         (0..list.count as usize).map(entry).collect()
     }
 
-    /// How many objects more lights reach than [`MAX_LIGHTS_PER_OBJECT`], so that the weakest are left out.
+    /// Returns how many objects more lights reach than [`MAX_LIGHTS_PER_OBJECT`], so that the
+    /// weakest are left out.
     #[must_use]
     pub fn crowded(&self) -> usize {
         self.crowded
@@ -106,8 +109,8 @@ impl LightLists {
         }
     }
 
-    /// Finds the list of what is in a slot, in a box of the world, of nothing in an empty one; answers
-    /// whether it is another than it was.
+    /// Finds the list of what is in a slot, in a box of the world, of nothing in an empty one;
+    /// answers whether it is another than it was.
     pub(crate) fn find(&mut self, slot: u32, bounds: &Aabb) -> bool {
         let most_visits = if self.visits < VISITS_A_FRAME { MOST_VISITS } else { LEAST_VISITS };
         let found = self.tree.strongest(bounds, most_visits);
@@ -119,13 +122,13 @@ impl LightLists {
         self.crowded -= usize::from(before.leaves_out);
         let is_other = (before.words, before.count) != (now.words, now.count);
         if is_other {
-            self.stale.mark(slot);
+            self.dirty.mark_dirty(slot);
         }
         is_other
     }
 
-    /// A light is another now, at the same place in the table. Answers where it shone and shines, centre
-    /// and radius in metres: who is there is [doubtful](LightLists::doubt).
+    /// Returns a light is another now, at the same place in the table. Answers where it shone and
+    /// shines, centre and radius in metres: who is there is [doubtful](LightLists::doubt).
     pub(crate) fn replace(
         &mut self,
         light: usize,
@@ -137,8 +140,8 @@ impl LightLists {
         [before, now].into_iter().flatten().map(|reach| (reach.position, reach.reach_m))
     }
 
-    /// The lists of the objects of a hierarchy, whose slots begin at `first_slot`, that are within `radius_m` of
-    /// `centre` must be found again.
+    /// The lists of the objects of a hierarchy, whose slots begin at `first_slot`, that are within
+    /// `radius_m` of `centre` must be found again.
     pub(crate) fn doubt(
         &mut self,
         hierarchy: &Hierarchy,
@@ -149,10 +152,10 @@ impl LightLists {
             return;
         }
         self.doubt_visits += objects_within(hierarchy, centre, radius_m, |object| {
-            self.doubtful.mark(first_slot + object.0);
+            self.doubtful.mark_dirty(first_slot + object.0);
         });
         if self.doubts_all() {
-            (0..self.lists.len() as u32).for_each(|slot| self.doubtful.mark(slot));
+            (0..self.lists.len() as u32).for_each(|slot| self.doubtful.mark_dirty(slot));
         }
     }
 
@@ -167,16 +170,16 @@ impl LightLists {
     }
 
     /// Slots whose lists the GPU does not have.
-    pub(crate) fn stale(&self) -> &[u32] {
-        self.stale.list()
+    pub(crate) fn dirty(&self) -> &[u32] {
+        self.dirty.list()
     }
 
-    /// The list in a slot as the shaders read it.
+    /// Returns the list in a slot as the shaders read it.
     pub(crate) fn words(&self, slot: u32) -> [u32; LIST_WORDS] {
         self.lists.get(slot as usize).map(|list| list.words).unwrap_or_default()
     }
 
-    /// All lists, in the order of slots.
+    /// Returns all lists, in the order of slots.
     pub(crate) fn all_words(&self) -> Vec<[u32; LIST_WORDS]> {
         self.lists.iter().map(|list| list.words).collect()
     }
@@ -195,7 +198,7 @@ impl LightLists {
 
     /// The GPU has all lists.
     pub(crate) fn submitted(&mut self) {
-        self.stale.drain().for_each(drop);
+        self.dirty.drain().for_each(drop);
         self.visits = 0;
     }
 }
@@ -211,8 +214,8 @@ impl LightList {
     }
 }
 
-/// Calls `found` with every object whose box is within `radius_m` of `centre`; answers how many nodes it
-/// looked at.
+/// Calls `found` with every object whose box is within `radius_m` of `centre`; answers how many
+/// nodes it looked at.
 pub(crate) fn objects_within(
     hierarchy: &Hierarchy,
     centre: Vec3,

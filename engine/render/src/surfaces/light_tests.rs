@@ -33,7 +33,7 @@ fn table(lights: Vec<PunctualLight>) -> LightTable {
     LightTable::new(&Surfaces { lights, ..Surfaces::default() })
 }
 
-/// The lights that reach a box, found the plain way.
+/// Returns the lights that reach a box, found the plain way.
 fn plain(lights: &[PunctualLight], bounds: &Aabb) -> Vec<u32> {
     let mut found: Vec<(f32, u32)> = (0..)
         .zip(lights)
@@ -73,7 +73,7 @@ fn lists_hold_the_strongest_lights_that_reach_a_box() {
         assert_eq!(lists.count(slot) as usize, expected.len());
     }
     assert!(longest > 3);
-    assert!(lists.stale().is_empty(), "what is uploaded whole is not stale");
+    assert!(lists.dirty().is_empty(), "what is uploaded whole is not stale");
 }
 
 #[test]
@@ -100,9 +100,9 @@ fn what_moves_finds_its_lights_again() {
         assert!(!lists.find(moved as u32, &boxes[moved]), "the same again");
         assert_eq!(lists.entries(moved as u32), plain(&lights, &boxes[moved]));
     }
-    assert_eq!(lists.stale(), [3, 50, 51]);
+    assert_eq!(lists.dirty(), [3, 50, 51]);
     lists.submitted();
-    assert!(lists.stale().is_empty());
+    assert!(lists.dirty().is_empty());
     assert!(!lists.find(1000, &boxes[0]), "there is no such slot");
 }
 

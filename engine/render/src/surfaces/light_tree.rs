@@ -1,5 +1,5 @@
-//! A hierarchy over points' and spots' lights: the strongest of those that reach a box are found without
-//! asking them all.
+//! A hierarchy over points' and spots' lights: the strongest of those that reach a box are found
+//! without asking them all.
 
 use std::ops::Range;
 
@@ -31,8 +31,8 @@ struct Node {
     first_entry: u32,
 }
 
-/// Lights in a binary tree that is split at medians. Nodes lie depth first, so that a subtree of `n` lights
-/// is `2 n - 1` nodes, and no node needs to know its children.
+/// Lights in a binary tree that is split at medians. Nodes lie depth first, so that a subtree of
+/// `n` lights is `2 n - 1` nodes, and no node needs to know its children.
 #[derive(Debug, Default)]
 pub(crate) struct LightTree {
     /// By light: `None` of directional ones, and of those that give no light.
@@ -49,7 +49,8 @@ pub(crate) struct LightTree {
 /// The strongest lights that reach a box.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Strongest {
-    /// Strengths and places in the table; the strongest first, of equal ones the first in the table.
+    /// Strengths and places in the table; the strongest first, of equal ones the first in the
+    /// table.
     lights: [(f32, u32); MAX_LIGHTS_PER_OBJECT],
     /// How many of these there are.
     count: usize,
@@ -88,8 +89,8 @@ impl LightTree {
         self.refit(0, 0..self.order.len(), &(0..self.order.len()));
     }
 
-    /// Computes the nodes anew that are above `changed` leaves, from `node` with its `leaves` on. No deeper
-    /// than the logarithm of the number of lights.
+    /// Computes the nodes anew that are above `changed` leaves, from `node` with its `leaves` on.
+    /// No deeper than the logarithm of the number of lights.
     fn refit(&mut self, node: usize, leaves: Range<usize>, changed: &Range<usize>) {
         if leaves.is_empty() || leaves.start >= changed.end || changed.start >= leaves.end {
             return;
@@ -114,8 +115,8 @@ impl LightTree {
         self.nodes.get(node).copied().unwrap_or(Node::DARK)
     }
 
-    /// Replaces a light; answers what it was. The tree is split anew once as many were replaced as there
-    /// are.
+    /// Replaces a light; answers what it was. The tree is split anew once as many were replaced as
+    /// there are.
     pub(crate) fn replace(&mut self, light: usize, now: Option<Reach>) -> Option<Reach> {
         let (Some(reach), Some(leaf)) = (self.reaches.get_mut(light), self.leaves.get(light))
         else {
@@ -131,8 +132,8 @@ impl LightTree {
         before
     }
 
-    /// Finds the strongest lights that reach a box. After `most_visits` nodes it is content with what it
-    /// has found, among which the strongest are likely: it goes where they can be first.
+    /// Finds the strongest lights that reach a box. After `most_visits` nodes it is content with
+    /// what it has found, among which the strongest are likely: it goes where they can be first.
     pub(crate) fn strongest(&self, bounds: &Aabb, most_visits: usize) -> Strongest {
         let mut found = Strongest::default();
         if bounds.is_empty() || self.order.is_empty() {
@@ -165,9 +166,10 @@ impl LightTree {
         found
     }
 
-    /// What to do about a node; nothing where none of its lights reaches the box. At a leaf, whose node is
-    /// a point, nothing is rounded otherwise than for the light itself, and above nothing is
-    /// weaker: differences, squares, sums and quotients keep their order when they are rounded.
+    /// Returns what to do about a node; nothing where none of its lights reaches the box. At a
+    /// leaf, whose node is a point, nothing is rounded otherwise than for the light itself, and
+    /// above nothing is weaker: differences, squares, sums and quotients keep their order when they
+    /// are rounded.
     fn open(&self, node: usize, leaves: Range<usize>, bounds: &Aabb) -> Option<Open> {
         let it = self.node(node);
         let gap = (bounds.min - it.bounds.max).max(it.bounds.min - bounds.max).max(Vec3::ZERO);
@@ -178,7 +180,7 @@ impl LightTree {
     }
 }
 
-/// The children of an inner node with their leaves.
+/// Returns the children of an inner node with their leaves.
 fn children(node: usize, leaves: Range<usize>) -> [(usize, Range<usize>); 2] {
     let middle = leaves.start + leaves.len() / 2;
     let right = node + 2 * (leaves.len() / 2);
@@ -205,13 +207,14 @@ fn split(lights: &mut [u32], position: &impl Fn(u32) -> Vec3) {
     split(right, position);
 }
 
-/// Whether a strength and place in the table comes before another.
+/// Returns true if a strength and place in the table comes before another.
 fn is_stronger(a: (f32, u32), b: (f32, u32)) -> bool {
     b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).is_lt()
 }
 
 impl Reach {
-    /// What a light reaches; `None` for one that is not local, or dark, or not in the table.
+    /// Returns what a light reaches; `None` for one that is not local, or dark, or not in the
+    /// table.
     pub(crate) fn of(light: &PunctualLight, entry: Option<u32>) -> Option<Self> {
         let is_local = light.kind != LightKind::Directional && is_bright(light);
         let entry = entry.filter(|_| is_local)?;
@@ -249,8 +252,8 @@ impl Strongest {
         self.lights.iter().take(self.count).map(|(_, entry)| *entry)
     }
 
-    /// Whether what is no stronger than that would be left out. That something is left out must be known
-    /// first.
+    /// Returns true if what is no stronger than that would be left out. That something is left out
+    /// must be known first.
     fn is_hopeless(&self, at_most: (f32, u32)) -> bool {
         let weakest = self.lights.last().filter(|_| self.leaves_out);
         weakest.is_some_and(|weakest| is_stronger(*weakest, at_most))

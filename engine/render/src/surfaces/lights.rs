@@ -22,7 +22,7 @@ pub(crate) struct LightEntry {
 const _: () = assert!(size_of::<LightEntry>() == 48);
 
 impl LightEntry {
-    /// What is no light (numbers that are not finite, nothing of it) is a dark one.
+    /// Returns what is no light (numbers that are not finite, nothing of it) is a dark one.
     pub(crate) fn of(light: &PunctualLight) -> Self {
         if !is_bright(light) {
             return Self::default();
@@ -47,7 +47,7 @@ impl LightEntry {
     }
 }
 
-/// Whether a light gives any light, and all its numbers are ones.
+/// Returns true if a light gives any light, and all its numbers are ones.
 pub(crate) fn is_bright(light: &PunctualLight) -> bool {
     let angles = match light.kind {
         LightKind::Spot { inner_rad, outer_rad } => inner_rad + outer_rad,
@@ -62,13 +62,14 @@ pub(crate) fn is_bright(light: &PunctualLight) -> bool {
     is_number && strongest_part(light) > 0.0
 }
 
-/// The strongest of its three colours, in lux or candela.
+/// Returns the strongest of its three colours, in lux or candela.
 pub(crate) fn strongest_part(light: &PunctualLight) -> f32 {
     light.colour.into_iter().fold(0.0, f32::max) * light.intensity
 }
 
-/// How far a point's or spot's light reaches, in metres: its range, or where a white surface that faces it
-/// falls below 1/256 of white at an exposure of 1 (a matt one of irradiance E has radiance E / pi).
+/// Returns how far a point's or spot's light reaches, in metres: its range, or where a white
+/// surface that faces it falls below 1/256 of white at an exposure of 1 (a matt one of irradiance E
+/// has radiance E / pi).
 #[must_use]
 pub fn reach_m(light: &PunctualLight) -> f32 {
     let dark = (strongest_part(light).max(0.0) / (DARK * std::f32::consts::PI)).sqrt();
@@ -89,7 +90,7 @@ pub(crate) struct LightTable {
 }
 
 impl LightTable {
-    /// The strongest directional lights first, then all others in their order.
+    /// Creates the strongest directional lights first, then all others in their order.
     pub(crate) fn new(surfaces: &Surfaces) -> Self {
         let lights = surfaces.lights.clone();
         let is_directional = |place: &usize| {
@@ -112,7 +113,7 @@ impl LightTable {
         Self { directional: suns.len() as u32, lights, places, dark_suns }
     }
 
-    /// What the GPU reads, at least one entry.
+    /// Returns what the GPU reads, at least one entry.
     pub(crate) fn entries(&self) -> Vec<LightEntry> {
         let count = self.places.iter().flatten().count().max(1);
         let mut entries = vec![LightEntry::default(); count];

@@ -1,4 +1,5 @@
-//! Pages of scenes with very many images, sizes and samplers: few enough, complete, and within their bound.
+//! Pages of scenes with very many images, sizes and samplers: few enough, complete, and within
+//! their bound.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -37,13 +38,13 @@ fn surfaces(sizes: &[[u32; 2]], textures: &[Look]) -> Surfaces {
     }
 }
 
-/// A texture for each image.
+/// Returns a texture for each image.
 fn plain(sizes: &[[u32; 2]]) -> Surfaces {
     let look = |image| (image, Encoding::Srgb, Sampler::default());
     surfaces(sizes, &(0..sizes.len() as u32).map(look).collect::<Vec<_>>())
 }
 
-/// What an image takes with all mip maps.
+/// Returns what an image takes with all mip maps.
 fn bytes([mut width, mut height]: [u32; 2]) -> u64 {
     let mut sum = 0;
     loop {
@@ -55,7 +56,8 @@ fn bytes([mut width, mut height]: [u32; 2]) -> u64 {
     }
 }
 
-/// Each texture has its own image, pages are few, and within their bound. Answers their bytes.
+/// Returns each texture has its own image, pages are few, and within their bound. Answers their
+/// bytes.
 fn assert_sound(plan: &PagePlan, surfaces: &Surfaces, max_layers: u32) -> u64 {
     assert!(plan.pages.len() <= MAX_PAGES, "{} pages", plan.pages.len());
     let mut own = BTreeSet::new();

@@ -1,5 +1,5 @@
-//! Light lists of scenes with very many lights: the same as those found the plain way, by work and memory that
-//! are bounded whatever reaches what.
+//! Light lists of scenes with very many lights: the same as those found the plain way, by work and
+//! memory that are bounded whatever reaches what.
 
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
@@ -39,7 +39,7 @@ fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
     }
 }
 
-/// One of those that scenes have, and of those that nobody would make.
+/// Returns one of those that scenes have, and of those that nobody would make.
 fn any_light(random: &mut Random) -> PunctualLight {
     // Many in the same place, and many that are equally strong.
     let position =
@@ -68,7 +68,7 @@ fn table(lights: &[PunctualLight]) -> LightTable {
     LightTable::new(&Surfaces { lights: lights.to_vec(), ..Surfaces::default() })
 }
 
-/// The lights that reach a box, all of them, the strongest first.
+/// Returns the lights that reach a box, all of them, the strongest first.
 fn plain(lights: &[PunctualLight], table: &LightTable, bounds: &Aabb) -> Vec<u32> {
     let mut found: Vec<(f32, u32)> = lights
         .iter()
@@ -136,7 +136,7 @@ fn tree(lights: &[PunctualLight]) -> LightTree {
     LightTree::new((0..).zip(lights).map(|(place, light)| Reach::of(light, Some(place))).collect())
 }
 
-/// The most nodes that a search visits, over many boxes.
+/// Returns the most nodes that a search visits, over many boxes.
 fn most_visits(lights: &[PunctualLight], random: &mut Random) -> usize {
     let tree = tree(lights);
     let visits = |_| tree.strongest(&any_box(random), usize::MAX).visits;
@@ -165,7 +165,8 @@ fn a_search_asks_few_of_many_lights() {
     }
 }
 
-/// Lights around a place that end just short of it: no tree of boxes tells that without asking nearly all.
+/// Lights around a place that end just short of it: no tree of boxes tells that without asking
+/// nearly all.
 fn shell(count: usize, random: &mut Random) -> Vec<PunctualLight> {
     let light = |_| {
         let direction = (random.place(2.0) - Vec3::ONE).normalize_or(Vec3::X);

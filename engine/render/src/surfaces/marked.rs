@@ -14,7 +14,7 @@ impl Marked {
     }
 
     /// Marks a number; one beyond the bound is none.
-    pub(crate) fn mark(&mut self, number: u32) {
+    pub(crate) fn mark_dirty(&mut self, number: u32) {
         if let Some(is_marked) = self.is_marked.get_mut(number as usize)
             && !std::mem::replace(is_marked, true)
         {
@@ -22,7 +22,7 @@ impl Marked {
         }
     }
 
-    /// Those that are marked, in the order in which they were.
+    /// Returns those that are marked, in the order in which they were.
     pub(crate) fn list(&self) -> &[u32] {
         &self.list
     }
@@ -46,11 +46,11 @@ mod tests {
     fn numbers_are_marked_once() {
         let mut marked = Marked::none_of(4);
         for number in [2, 0, 2, 2, 9, 0] {
-            marked.mark(number);
+            marked.mark_dirty(number);
         }
         assert_eq!(marked.list(), [2, 0]);
         assert!(marked.drain().eq([2, 0]));
-        marked.mark(2);
+        marked.mark_dirty(2);
         assert_eq!(marked.list(), [2], "it can be marked again");
     }
 }

@@ -1,4 +1,5 @@
-//! The material table: what the shaders read of materials, and what of all this a scene makes use of.
+//! The material table: what the shaders read of materials, and what of all this a scene makes use
+//! of.
 
 use std::collections::HashMap;
 
@@ -84,7 +85,7 @@ impl MaterialTable {
 }
 
 impl Features {
-    /// What those materials make use of that `counts`; lights are left to the caller.
+    /// Returns what those materials make use of that `counts`; lights are left to the caller.
     pub(crate) fn of<'a>(materials: impl Iterator<Item = &'a Material>, plan: &PagePlan) -> Self {
         let mut found = Self::default();
         for material in materials {
@@ -105,12 +106,12 @@ impl Features {
         found
     }
 
-    /// The specialisation constants of `surface_constants.glsl`.
-    pub(crate) fn constants(&self, is_blended: bool) -> [(u32, u32); 13] {
+    /// Returns the specialisation constants of `surface_constants.glsl`.
+    pub(crate) fn constants(&self, is_transparent: bool) -> [(u32, u32); 13] {
         let [base_colour, metallic_roughness, normal, occlusion, emission] = self.pages;
         let values = [
             u32::from(self.is_masked),
-            u32::from(is_blended),
+            u32::from(is_transparent),
             u32::from(self.is_unlit),
             u32::from(self.is_emissive),
             u32::from(self.is_transformed),
@@ -194,12 +195,12 @@ fn entry_of(material: &Material, plan: &PagePlan, transforms: &mut Transforms) -
     }
 }
 
-/// A number, or `otherwise` what should have been one.
+/// Returns a number, or `otherwise` what should have been one.
 fn or(value: f32, otherwise: f32) -> f32 {
     if value.is_finite() { value } else { otherwise }
 }
 
-/// Two numbers of `0.0..=1.0` as GLSL's `unpackUnorm2x16` reads them.
+/// Returns two numbers of `0.0..=1.0` as GLSL's `unpackUnorm2x16` reads them.
 fn pack_unorm16(low: f32, high: f32) -> u32 {
     let word = |value: f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u32;
     word(low) | word(high) << 16

@@ -1,5 +1,5 @@
-//! Images that share texture pages, and how groups of them become few enough, in memory that is bounded by that
-//! of the images themselves.
+//! Images that share texture pages, and how groups of them become few enough, in memory that is
+//! bounded by that of the images themselves.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
@@ -55,7 +55,7 @@ fn pixels([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-/// The most texels that pages may have, with all mip maps: twice those of the images, or
+/// Returns the most texels that pages may have, with all mip maps: twice those of the images, or
 /// [`SMALL_PAGES_BYTES`]. An image that is looked at as colours and as numbers is two.
 pub(super) fn most_texels(groups: &[Group]) -> u64 {
     let mut known = HashSet::new();
@@ -68,8 +68,9 @@ pub(super) fn most_texels(groups: &[Group]) -> u64 {
     (2 * own).max(SMALL_PAGES_BYTES / 4)
 }
 
-/// Joins groups until their pages are few enough and take no more than `most_texels`. Nothing of that fails
-/// but the number of pages, where there are more images of an encoding than all pages hold.
+/// Joins groups until their pages are few enough and take no more than `most_texels`. Nothing of
+/// that fails but the number of pages, where there are more images of an encoding than all pages
+/// hold.
 pub(super) fn joined(groups: Vec<Group>, max_layers: u32, most_texels: u64) -> Vec<Group> {
     let mut groups = without_copies(groups, most_texels);
     let pages = |groups: &[Group]| groups.iter().map(|it| it.pages(max_layers)).sum::<usize>();
@@ -110,8 +111,8 @@ pub(super) fn joined(groups: Vec<Group>, max_layers: u32, most_texels: u64) -> V
 struct Joining {
     /// Whether there are as many pages as before.
     wins_nothing: bool,
-    /// Images are made larger before any is made smaller; then samplers of the same wrapping are given up,
-    /// others last.
+    /// Images are made larger before any is made smaller; then samplers of the same wrapping are
+    /// given up, others last.
     look: u8,
     /// The most mip levels that an image loses.
     lost_levels: u32,
@@ -119,8 +120,8 @@ struct Joining {
     changed: u64,
 }
 
-/// The ways to bring the images of one group to another, within `room` for more texels: in the size of the
-/// other, or in one between both that takes no more than they did.
+/// Returns the ways to bring the images of one group to another, within `room` for more texels: in
+/// the size of the other, or in one between both that takes no more than they did.
 fn joinings_of(
     from: &Group,
     to: &Group,
@@ -157,12 +158,13 @@ fn joinings_of(
     [whole.then(|| joining(to.size)), Some(joining(within(between, count, before)))]
 }
 
-/// A size between two, in the middle of their ratio.
+/// Returns a size between two, in the middle of their ratio.
 fn between(a: [u32; 2], b: [u32; 2]) -> [u32; 2] {
     std::array::from_fn(|side| (u64::from(a[side]) * u64::from(b[side])).isqrt() as u32)
 }
 
-/// A size made smaller until `count` images of it take at most so many texels; at least as many as images.
+/// Returns a size made smaller until `count` images of it take at most so many texels; at least as
+/// many as images.
 fn within(mut size: [u32; 2], count: u64, most_texels: u64) -> [u32; 2] {
     while texels(size) * count > most_texels && size != [1, 1] {
         let larger = usize::from(size[1] > size[0]);
@@ -171,8 +173,8 @@ fn within(mut size: [u32; 2], count: u64, most_texels: u64) -> [u32; 2] {
     size
 }
 
-/// An image takes a layer for each sampler that looks at it: where that is too much, samplers are given up, those
-/// of the same wrapping first.
+/// Returns an image takes a layer for each sampler that looks at it: where that is too much,
+/// samplers are given up, those of the same wrapping first.
 fn without_copies(mut groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     for kept in [Kept::Wrap, Kept::Nothing] {
         if groups.iter().map(Group::texels).sum::<u64>() > most_texels {
@@ -219,8 +221,9 @@ fn classes<Key: Eq + Hash>(groups: Vec<Group>, key: impl Fn(&Group) -> Key) -> V
     classes
 }
 
-/// One group of all, of the sampler that most pixels have. Its size is that of the smallest and largest
-/// sides together; where that is not the largest, it takes no more texels than they did.
+/// Returns one group of all, of the sampler that most pixels have. Its size is that of the smallest
+/// and largest sides together; where that is not the largest, it takes no more texels than they
+/// did.
 fn united(class: Vec<Group>, size: impl Fn([u32; 2], [u32; 2]) -> [u32; 2]) -> Option<Group> {
     let before: u64 = class.iter().map(Group::texels).sum();
     let extreme = |choose: fn(u32, u32) -> u32| {

@@ -37,7 +37,7 @@ fn clamped() -> Sampler {
     Sampler { wrap: [Wrap::Clamp; 2], ..Sampler::default() }
 }
 
-/// All samplers that differ, 27 for each pair of filters.
+/// Returns all samplers that differ, 27 for each pair of filters.
 fn samplers() -> Vec<Sampler> {
     let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
     let filters = [Filter::Nearest, Filter::Linear];

@@ -1,5 +1,5 @@
-//! Which image lies on which page: texture arrays of one size, encoding and sampler, few enough that any
-//! device binds them all at once.
+//! Which image lies on which page: texture arrays of one size, encoding and sampler, few enough
+//! that any device binds them all at once.
 
 use std::collections::{HashMap, HashSet};
 
@@ -40,17 +40,19 @@ pub struct PagePlan {
 type Key = ([u32; 2], Encoding, Sampler);
 
 impl PagePlan {
-    /// Plans pages for the textures of `surfaces` that materials use, on a device whose images have at most
-    /// `max_side` pixels a side and `max_layers` layers. Textures of the same image and sampler share a
-    /// layer. Images beyond the device's size are halved until they fit.
+    /// Plans pages for the textures of `surfaces` that materials use, on a device whose images have
+    /// at most `max_side` pixels a side and `max_layers` layers. Textures of the same image and
+    /// sampler share a layer. Images beyond the device's size are halved until they fit.
     ///
-    /// Where there would be more than [`MAX_PAGES`](scene::limits::MAX_PAGES), the two pages whose union costs least become one:
-    /// first those of the same sampler and aspect, so that images are made larger before any is made
-    /// smaller; then those of the same wrapping; samplers are given up last, encodings never. Where there
-    /// are very many, those of sizes near each other come together first.
+    /// Where there would be more than [`MAX_PAGES`](scene::limits::MAX_PAGES), the two pages whose
+    /// union costs least become one: first those of the same sampler and aspect, so that images are
+    /// made larger before any is made smaller; then those of the same wrapping; samplers are given
+    /// up last, encodings never. Where there are very many, those of sizes near each other come
+    /// together first.
     ///
-    /// All pages together take at most twice what their images take, or [`SMALL_PAGES_BYTES`](crate::SMALL_PAGES_BYTES)
-    /// where that is more. An image that is looked at as colours and as numbers counts twice.
+    /// All pages together take at most twice what their images take, or
+    /// [`SMALL_PAGES_BYTES`](crate::SMALL_PAGES_BYTES) where that is more. An image that is looked
+    /// at as colours and as numbers counts twice.
     #[must_use]
     pub fn new(surfaces: &Surfaces, max_side: u32, max_layers: u32) -> Self {
         let max_layers = max_layers.clamp(1, MAX_LAYERS);
@@ -130,7 +132,7 @@ impl PagePlan {
     }
 }
 
-/// A size halved until each side is at most `max_side`.
+/// Returns a size halved until each side is at most `max_side`.
 fn fitting(mut size: [u32; 2], max_side: u32) -> [u32; 2] {
     while size.iter().any(|side| *side > max_side) {
         size = size.map(|side| (side / 2).max(1));
@@ -138,7 +140,7 @@ fn fitting(mut size: [u32; 2], max_side: u32) -> [u32; 2] {
     size
 }
 
-/// The textures that some material uses, once each.
+/// Returns the textures that some material uses, once each.
 fn used_textures(surfaces: &Surfaces) -> HashSet<TextureId> {
     let of_material = |material: &scene::Material| {
         [

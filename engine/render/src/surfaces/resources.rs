@@ -4,14 +4,14 @@ use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, MipMaking, TextureArray, vk};
 use scene::limits::{MAX_LIGHTS, MAX_PAGES};
 use scene::{
-    Alpha, BlendedId, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex,
-    Surfaces,
+    Alpha, LightId, LightKind, MeshId, Object, PunctualLight, Scene, SurfaceVertex, Surfaces,
+    TransparentId,
 };
 
-use crate::deformers::mesh_order;
 use crate::error::Error;
 use crate::limits;
 use crate::scene_degradations::SceneDegradations;
+use crate::skinned_meshes::mesh_order;
 use crate::sprites;
 use crate::surfaces::light_lists::{LIST_WORDS, LightLists};
 use crate::surfaces::lights::{LightEntry, LightTable};
@@ -24,8 +24,8 @@ use occlusion::{ScatterIo, ScatterPass};
 /// How surfaces are brought to the GPU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceOptions {
-    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on devices that are a CPU,
-    /// where each costs as much as a texture more.
+    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on devices that
+    /// are a CPU, where each costs as much as a texture more.
     pub anisotropy: Option<f32>,
     /// Who makes the mip maps.
     pub mip_making: MipMaking,
@@ -39,8 +39,8 @@ impl Default for SurfaceOptions {
 
 /// Everything that the surface pass reads of a scene beside positions, indices and instances.
 ///
-/// An object has a *slot*: its id, and, for what is blended, the number of the hierarchy's leaves and its
-/// place in [`Surfaces::blended`].
+/// An object has a *slot*: its id, and, for what is blended, the number of the hierarchy's leaves
+/// and its place in [`Surfaces::transparent`].
 pub struct SurfaceResources {
     /// [`SurfaceVertex`]es, beside the vertices of all meshes in their order.
     vertices: Buffer,
@@ -57,22 +57,22 @@ pub struct SurfaceResources {
     default_material: u32,
     pub(crate) table: LightTable,
     pub(crate) light_lists: LightLists,
-    stale_lights: Marked,
-    first_blended_slot: u32,
+    dirty_lights: Marked,
+    first_transparent_slot: u32,
     /// Over the blended objects, so that lights find them.
-    blended: Hierarchy,
+    transparent: Hierarchy,
     exposure: f32,
     /// What is known of them once they are on the GPU.
     degradations: SceneDegradations,
 }
 
 impl SurfaceResources {
-    /// Brings the surfaces of `scene` to the GPU and finds the lights of the objects in `hierarchy`; `None` for
-    /// a scene without surfaces. Waits for copies, on whatever thread.
+    /// Brings the surfaces of `scene` to the GPU and finds the lights of the objects in
+    /// `hierarchy`; `None` for a scene without surfaces. Waits for copies, on whatever thread.
     ///
     /// # Errors
-    /// Too many lights, meshes without surface vertices, images whose bytes are not as many as their size
-    /// says; what is beyond the device's limits, no memory, a failed call.
+    /// Too many lights, meshes without surface vertices, images whose bytes are not as many as
+    /// their size says; what is beyond the device's limits, no memory, a failed call.
     pub fn upload(
         device: &Device,
         scene: &Scene,
@@ -86,16 +86,16 @@ impl SurfaceResources {
         let pages = upload_pages(device, surfaces, &plan, options)?;
         let materials = MaterialTable::new(surfaces, &plan)?;
         let table = LightTable::new(surfaces);
-        let first_blended_slot = hierarchy.leaf_objects().len() as u32;
-        let slots = first_blended_slot as usize + surfaces.blended.len();
+        let first_transparent_slot = hierarchy.leaf_objects().len() as u32;
+        let slots = first_transparent_slot as usize + surfaces.transparent.len();
         limits::check_memory("the lights of all objects", slots, 2 * 4 * LIST_WORDS)?;
         let mut light_lists = LightLists::new(&table, slots);
         let bounds = |object: &Object| scene.bounds_of(object).unwrap_or(Aabb::EMPTY);
-        let blended: Vec<Aabb> = surfaces.blended.iter().map(bounds).collect();
-        let blended = Hierarchy::build(&blended)?;
+        let transparent: Vec<Aabb> = surfaces.transparent.iter().map(bounds).collect();
+        let transparent = Hierarchy::build(&transparent)?;
         if light_lists.has_lights() {
             light_lists.fill(hierarchy, 0);
-            light_lists.fill(&blended, first_blended_slot);
+            light_lists.fill(&transparent, first_transparent_slot);
         }
         light_lists.submitted();
         let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
@@ -136,28 +136,28 @@ impl SurfaceResources {
                 borrowed_samplers: plan.resampled_by_others,
                 crowded_objects: 0,
             },
-            stale_lights: Marked::none_of(table.lights.len()),
+            dirty_lights: Marked::none_of(table.lights.len()),
             table,
             light_lists,
-            first_blended_slot,
-            blended,
+            first_transparent_slot,
+            transparent,
             exposure: if surfaces.exposure.is_finite() { surfaces.exposure.max(0.0) } else { 1.0 },
         }))
     }
 
-    /// Whether some object that is not blended has holes: then depth is drawn by a
+    /// Returns true if some object that is not blended has holes: then depth is drawn by a
     /// [`SurfaceKind::Depth`](crate::SurfaceKind::Depth) pass, else by
     /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only).
     pub fn is_masked(&self) -> bool {
         self.features[0].is_masked
     }
 
-    /// The slot of the first of [`Surfaces::blended`]; the others follow.
-    pub fn first_blended_slot(&self) -> u32 {
-        self.first_blended_slot
+    /// Returns the slot of the first of [`Surfaces::transparent`]; the others follow.
+    pub fn first_transparent_slot(&self) -> u32 {
+        self.first_transparent_slot
     }
 
-    /// The last 16 bytes of the instance of an object, where other scenes have its tint.
+    /// Returns the last 16 bytes of the instance of an object, where other scenes have its tint.
     pub fn instance_tail(&self, mesh: MeshId, slot: u32) -> [u32; 4] {
         let material =
             self.mesh_materials.get(mesh.0 as usize).copied().unwrap_or(self.default_material);
@@ -170,17 +170,18 @@ impl SurfaceResources {
         self.mesh_sprites.iter().any(|place| *place != 0)
     }
 
-    /// [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute shader may write them.
+    /// [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute shader may
+    /// write them.
     pub fn vertices(&self) -> BufferSlice {
         self.vertices.whole()
     }
 
-    /// What of them is shown otherwise than the scene says, as lights and objects are now.
+    /// Returns what of them is shown otherwise than the scene says, as lights and objects are now.
     pub(crate) fn degradations(&self) -> SceneDegradations {
         SceneDegradations { crowded_objects: self.light_lists.crowded(), ..self.degradations }
     }
 
-    /// What lights reach which object.
+    /// Returns what lights reach which object.
     pub fn light_lists(&self) -> &LightLists {
         &self.light_lists
     }
@@ -195,28 +196,29 @@ impl SurfaceResources {
         self.exposure = if exposure.is_finite() && exposure >= 0.0 { exposure } else { 1.0 };
     }
 
-    /// What lies in the box of a slot is lit by others now, or not; in an empty box lies nothing. Answers
-    /// whether its instance must be brought to the GPU again.
+    /// Returns what lies in the box of a slot is lit by others now, or not; in an empty box lies
+    /// nothing. Answers whether its instance must be brought to the GPU again.
     pub(crate) fn find_lights(&mut self, slot: u32, bounds: &Aabb) -> bool {
         self.light_lists.has_lights() && self.light_lists.find(slot, bounds)
     }
 
-    /// A blended object is somewhere else now.
+    /// Takes note that a transparent object has moved.
     ///
     /// # Errors
     /// There is no such object.
-    pub(crate) fn move_blended(
+    pub(crate) fn move_transparent(
         &mut self,
-        blended: BlendedId,
+        transparent: TransparentId,
         bounds: &Aabb,
     ) -> Result<(), HierarchyError> {
-        self.blended.refit([(ObjectId(blended.0), *bounds)])?;
-        self.find_lights(self.first_blended_slot + blended.0, bounds);
+        self.transparent.refit([(ObjectId(transparent.0), *bounds)])?;
+        self.find_lights(self.first_transparent_slot + transparent.0, bounds);
         Ok(())
     }
 
-    /// Replaces a light by one of the same kind; the next frame shows it. Objects of `hierarchy` and blended
-    /// ones around its old and its new place must [find their lights](SurfaceResources::relight) again.
+    /// Replaces a light by one of the same kind; the next frame shows it. Objects of `hierarchy`
+    /// and blended ones around its old and its new place must [find their
+    /// lights](SurfaceResources::relight) again.
     pub(crate) fn replace_light(
         &mut self,
         hierarchy: &Hierarchy,
@@ -227,42 +229,49 @@ impl SurfaceResources {
         let place = self.table.places.get(number).copied().flatten();
         if let Some(there) = self.table.lights.get_mut(number) {
             *there = to;
-            self.stale_lights.mark(light.0);
+            self.dirty_lights.mark_dirty(light.0);
         }
         for around in self.light_lists.replace(number, place, &to) {
             self.light_lists.doubt(hierarchy, 0, around);
-            self.light_lists.doubt(&self.blended, self.first_blended_slot, around);
+            self.light_lists.doubt(&self.transparent, self.first_transparent_slot, around);
         }
     }
 
-    /// Blended objects find their lights again around which lights changed; answers the other objects
-    /// that must.
+    /// Blended objects find their lights again around which lights changed; answers the other
+    /// objects that must.
     pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
         let mut objects = self.light_lists.take_doubtful();
         objects.retain(|slot| {
-            let Some(blended) = slot.checked_sub(self.first_blended_slot) else { return true };
-            if let Some(node) = self.blended.node_of(ObjectId(blended)) {
-                self.light_lists.find(*slot, &self.blended.bounds(node));
+            let Some(transparent) = slot.checked_sub(self.first_transparent_slot) else {
+                return true;
+            };
+            if let Some(node) = self.transparent.node_of(ObjectId(transparent)) {
+                self.light_lists.find(*slot, &self.transparent.bounds(node));
             }
             false
         });
         objects.into_iter().map(ObjectId).collect()
     }
 
-    /// Records what brings lights and lists that changed to the GPU, before anything of `frame` reads
-    /// them. They count as changed until the frame was [submitted](SurfaceResources::submitted).
-    pub(crate) fn bring(&self, frame: &mut Frame<'_>, scatter: &ScatterPass) -> Result<(), Error> {
-        let stale = self.light_lists.stale();
-        if !stale.is_empty() {
+    /// Records what brings lights and lists that changed to the GPU, before anything of `frame`
+    /// reads them. They count as changed until the frame was
+    /// [submitted](SurfaceResources::submitted).
+    pub(crate) fn upload_changes(
+        &self,
+        frame: &mut Frame<'_>,
+        scatter: &ScatterPass,
+    ) -> Result<(), Error> {
+        let dirty = self.light_lists.dirty();
+        if !dirty.is_empty() {
             let uploads = frame.uploads();
-            let leaves = uploads.push(stale)?;
+            let leaves = uploads.push(dirty)?;
             let elements =
-                uploads.push_iter(stale.iter().map(|slot| self.light_lists.words(*slot)))?;
+                uploads.push_iter(dirty.iter().map(|slot| self.light_lists.words(*slot)))?;
             let io = ScatterIo { leaves, elements, array: self.lists.whole() };
-            scatter.record(frame.commands(), stale.len() as u32, &[(io, LIST_WORDS * 4)]);
+            scatter.record(frame.commands(), dirty.len() as u32, &[(io, LIST_WORDS * 4)]);
         }
         let changed = || {
-            self.stale_lights.list().iter().filter_map(|light| {
+            self.dirty_lights.list().iter().filter_map(|light| {
                 let light = *light as usize;
                 let place = self.table.places.get(light).copied().flatten()?;
                 Some((place, self.table.lights.get(light)?))
@@ -281,15 +290,15 @@ impl SurfaceResources {
         Ok(())
     }
 
-    /// The frame that [`SurfaceResources::bring`] recorded for is on its way.
+    /// The frame that [`SurfaceResources::upload`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
         self.light_lists.submitted();
-        self.stale_lights.drain().for_each(drop);
+        self.dirty_lights.drain().for_each(drop);
     }
 
-    /// What opaque and masked objects, or blended ones, make use of.
-    pub(crate) fn features(&self, is_blended: bool) -> &Features {
-        &self.features[usize::from(is_blended)]
+    /// Returns what opaque and masked objects, or blended ones, make use of.
+    pub(crate) fn features(&self, is_transparent: bool) -> &Features {
+        &self.features[usize::from(is_transparent)]
     }
 
     /// Buffers at the bindings after the instances: materials, transforms, lights, lists.
@@ -306,15 +315,15 @@ impl SurfaceResources {
 
 /// Refuses what there is too much of for the tables that shaders read.
 fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> Result<(), Error> {
-    let (lights, blended) = (surfaces.lights.len() as u64, surfaces.blended.len() as u64);
+    let (lights, transparent) = (surfaces.lights.len() as u64, surfaces.transparent.len() as u64);
     limits::check("lights", lights, MAX_LIGHTS as u64, "leave lights out, the weakest first")?;
     let materials = (surfaces.materials.len() as u64 + 1, size_of::<MaterialEntry>() as u64);
     limits::check_storage(device, "materials", materials, "let meshes share materials")?;
     const SPLIT: &str = "split the scene, or join objects that stand still";
-    let instances = (blended, scene::limits::INSTANCE_BYTES);
+    let instances = (transparent, scene::limits::INSTANCE_BYTES);
     limits::check_storage(device, "blended objects", instances, SPLIT)?;
     if surfaces.lights.iter().any(|light| light.kind != LightKind::Directional) {
-        let slots = hierarchy.leaf_objects().len() as u64 + blended;
+        let slots = hierarchy.leaf_objects().len() as u64 + transparent;
         let lists = (slots, LIST_WORDS as u64 * 4);
         limits::check_storage(device, "objects in the light of lamps", lists, SPLIT)?;
     }
@@ -353,10 +362,10 @@ fn features(
     table: &LightTable,
     lists: &LightLists,
 ) -> [Features; 2] {
-    [false, true].map(|is_blended| {
+    [false, true].map(|is_transparent| {
         let fallback = scene::Material::default();
         let is_of_class =
-            |material: &&scene::Material| (material.alpha == Alpha::Blend) == is_blended;
+            |material: &&scene::Material| (material.alpha == Alpha::Blend) == is_transparent;
         let materials = surfaces.materials.iter().filter(is_of_class).chain([&fallback]);
         let is_spot = |light: &PunctualLight| matches!(light.kind, scene::LightKind::Spot { .. });
         Features {

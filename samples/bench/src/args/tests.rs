@@ -48,7 +48,7 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     assert_eq!((options.views, options.moving_percent), (1, 0));
     assert_eq!(options.threshold_pixels, 0);
     assert_eq!(options.device, DeviceChoice::Best);
-    assert_eq!((options.pictures, options.birds_eye), (0, None));
+    assert_eq!((options.pictures, options.top_down), (0, None));
     assert_eq!((options.output, options.report, options.shaders), (None, None, None));
 }
 
@@ -74,7 +74,7 @@ fn every_option_arrives() {
         "--out=pictures",
         "--report=r.json",
         "--pictures=7",
-        "--birds-eye=6",
+        "--top-down=6",
     ])
     .unwrap();
     assert_eq!(
@@ -104,7 +104,7 @@ fn every_option_arrives() {
             output: Some("pictures".into()),
             report: Some("r.json".into()),
             pictures: 7,
-            birds_eye: Some(6),
+            top_down: Some(6),
         }
     );
     assert_eq!(parse(&["--device", "1"]).unwrap().device, DeviceChoice::Index(1));
@@ -133,7 +133,7 @@ fn of_an_option_said_twice_the_last_counts() {
         ("--shaders", "a", "b"),
         ("--out", "a", "b"),
         ("--pictures", "1", "2"),
-        ("--birds-eye", "1", "off"),
+        ("--top-down", "1", "off"),
         ("--report", "a", "b"),
     ] {
         let out = if option == "--out" { vec![] } else { vec!["--out", "o"] };
@@ -265,11 +265,11 @@ fn what_is_for_made_scenes_is_refused_for_files() {
 #[test]
 fn pictures_need_a_folder_and_their_frames() {
     assert!(refusal(&["--pictures", "3"]).contains("--out"));
-    assert!(refusal(&["--birds-eye", "3"]).contains("--out"));
+    assert!(refusal(&["--top-down", "3"]).contains("--out"));
     assert!(refusal(&["--out", "o", "--frames", "9", "--pictures", "10"]).contains("from 0 to 9"));
-    assert!(refusal(&["--out", "o", "--frames", "9", "--birds-eye", "9"]).contains("from 0 to 8"));
+    assert!(refusal(&["--out", "o", "--frames", "9", "--top-down", "9"]).contains("from 0 to 8"));
     let options = parse(&["--out", "o", "--frames", "1"]).unwrap();
-    assert_eq!((options.pictures, options.birds_eye), (1, Some(0)));
+    assert_eq!((options.pictures, options.top_down), (1, Some(0)));
 }
 
 #[test]
@@ -285,7 +285,7 @@ proptest! {
     #[test]
     fn no_text_makes_it_panic(texts in any_vec(".{0,12}", 9)) {
         let options = ["scene", "objects", "size", "strategy", "verify", "path", "frames",
-            "pictures", "birds-eye"];
+            "pictures", "top-down"];
         let said = |(option, text): (&str, &String)| format!("--{option}={text}");
         for (place, text) in options.into_iter().zip(&texts) {
             let line = [said((place, text)), "--out=o".to_owned()];

@@ -24,7 +24,7 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// An axis that covers `least` to `most` with ticks at 1, 2 or 5 times a power of ten.
+    /// Returns an axis that covers `least` to `most` with ticks at 1, 2 or 5 times a power of ten.
     pub fn linear(label: &str, least: f64, most: f64) -> Self {
         let most = if most > least { most } else { least + 1.0 };
         let step = round_step((most - least) / 5.0);
@@ -45,8 +45,8 @@ impl Axis {
         }
     }
 
-    /// An axis that covers `least` to `most`, both above 0, with ticks at powers of ten, and between
-    /// them where there are few.
+    /// Returns an axis that covers `least` to `most`, both above 0, with ticks at powers of ten,
+    /// and between them where there are few.
     pub fn logarithmic(label: &str, least: f64, most: f64) -> Self {
         let least = if least > 0.0 { least } else { 1e-3 };
         let most = if most > least { most } else { least * 10.0 };
@@ -68,18 +68,18 @@ impl Axis {
         }
     }
 
-    /// The same axis with ticks of one's own.
+    /// Creates the same axis with ticks of one's own.
     pub fn with_ticks(self, ticks: Vec<(f64, String)>) -> Self {
         Self { ticks, ..self }
     }
 
-    /// The largest value on it.
+    /// Returns the largest value on it.
     pub fn most(&self) -> f64 {
         self.most
     }
 
-    /// Where a value lies: 0 at the least, 1 at the largest, beyond them for those beyond. Values
-    /// that a logarithmic axis has no place for lie at its begin.
+    /// Returns where a value lies: 0 at the least, 1 at the largest, beyond them for those beyond.
+    /// Values that a logarithmic axis has no place for lie at its begin.
     pub fn place(&self, value: f64) -> f64 {
         let place = match self.scale {
             Scale::Linear => (value - self.least) / (self.most - self.least),
@@ -89,14 +89,14 @@ impl Axis {
     }
 }
 
-/// The round step (1, 2 or 5 times a power of ten) nearest above a wanted one.
+/// Returns the round step (1, 2 or 5 times a power of ten) nearest above a wanted one.
 fn round_step(wanted: f64) -> f64 {
     let unit = 10f64.powf(wanted.log10().floor());
     let multiple = [1.0, 2.0, 5.0].into_iter().find(|step| step * unit >= wanted * 0.999);
     multiple.unwrap_or(10.0) * unit
 }
 
-/// A tick's value without digits that say nothing.
+/// Returns a tick's value without digits that say nothing.
 fn plain(value: f64) -> String {
     if value >= 1.0 {
         return spread::thousands(value);

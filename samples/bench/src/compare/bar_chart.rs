@@ -26,7 +26,7 @@ pub struct BarChart {
 }
 
 impl BarChart {
-    /// The height that it needs, in pixels.
+    /// Returns the height that it needs, in pixels.
     pub fn height(&self) -> u32 {
         let rows = u32::try_from(self.bars.len()).unwrap_or(0);
         ABOVE.unsigned_abs() + BELOW.unsigned_abs() + rows * ROW.unsigned_abs()

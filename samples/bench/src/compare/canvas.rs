@@ -90,13 +90,13 @@ impl Canvas<'_> {
         (i32::try_from(width).unwrap_or(i32::MAX), i32::try_from(height).unwrap_or(i32::MAX))
     }
 
-    /// The parts left and right of a vertical line.
+    /// Returns the parts left and right of a vertical line.
     pub fn split_at(&self, x: i32) -> (Self, Self) {
         let (left, right) = self.area.split_horizontally(x);
         (Self { area: left }, Self { area: right })
     }
 
-    /// A line through points.
+    /// Draws a line through points.
     ///
     /// # Errors
     /// When it cannot be drawn.
@@ -105,7 +105,7 @@ impl Canvas<'_> {
         self.area.draw(&PathElement::new(points, style)).map_err(failed)
     }
 
-    /// A filled circle with an edge of the background's colour.
+    /// Draws a filled circle with an edge of the background's colour.
     ///
     /// # Errors
     /// When it cannot be drawn.
@@ -115,7 +115,7 @@ impl Canvas<'_> {
         self.area.draw(&Circle::new(place, radius, colour.rgb().filled())).map_err(failed)
     }
 
-    /// A filled rectangle between two corners.
+    /// Draws a filled rectangle between two corners.
     ///
     /// # Errors
     /// When it cannot be drawn.
@@ -123,7 +123,7 @@ impl Canvas<'_> {
         self.area.draw(&Rectangle::new(corners, colour.rgb().filled())).map_err(failed)
     }
 
-    /// A line of text, centred vertically at its place.
+    /// Draws a line of text, centred vertically at its place.
     ///
     /// # Errors
     /// When it cannot be drawn.

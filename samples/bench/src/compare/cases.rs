@@ -35,7 +35,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// A scene that stands still, seen by one eye.
+    /// Returns a scene that stands still, seen by one eye.
     pub fn still(scene: &str, path: &str, objects: u64) -> Self {
         Self { scene: scene.to_owned(), path: path.to_owned(), objects, moving: 0, views: 1 }
     }
@@ -52,7 +52,7 @@ impl Place {
     }
 }
 
-/// A count rounded to its first two digits.
+/// Returns a count rounded to its first two digits.
 fn two_digits(count: u64) -> u64 {
     let mut unit = 1;
     while count / unit >= 100 {
@@ -92,18 +92,18 @@ impl<'a> Cases<'a> {
         Self { cases }
     }
 
-    /// The case at a place; without reports if none was measured there.
+    /// Returns the case at a place; without reports if none was measured there.
     pub fn at(&self, place: &Place) -> Case<'a> {
         self.cases.get(place).cloned().unwrap_or_default()
     }
 
-    /// Every case, by its place.
+    /// Returns every case, by its place.
     pub fn iter(&self) -> impl Iterator<Item = (&Place, &Case<'a>)> {
         self.cases.iter()
     }
 
-    /// The numbers of objects for which a still scene and path were timed, ascending: those with
-    /// walks without compared frames, if there are such.
+    /// Returns the numbers of objects for which a still scene and path were timed, ascending: those
+    /// with walks without compared frames, if there are such.
     pub fn sizes(&self, scene: &str, path: &str) -> Vec<u64> {
         let same = |(place, _): &(&Place, _)| **place == Place::still(scene, path, place.objects);
         let here = || self.cases.iter().filter(same);
@@ -115,18 +115,19 @@ impl<'a> Cases<'a> {
 }
 
 impl<'a> Case<'a> {
-    /// All reports, in the order of their files.
+    /// Returns all reports, in the order of their files.
     pub fn reports(&self) -> &[&'a Measured] {
         &self.reports
     }
 
-    /// The reports whose times count: those without compared frames, if there are such.
+    /// Returns the reports whose times count: those without compared frames, if there are such.
     pub fn timed(&self) -> Vec<&'a Measured> {
         let quiet: Vec<_> = self.reports.iter().copied().filter(|r| !r.is_verified()).collect();
         if quiet.is_empty() { self.reports.clone() } else { quiet }
     }
 
-    /// The runs of a strategy in the widest walks it took part in, so that they compare with most.
+    /// Returns the runs of a strategy in the widest walks it took part in, so that they compare
+    /// with most.
     pub fn runs(&self, strategy: &str) -> Vec<&'a MeasuredRun> {
         let mut with: Vec<_> =
             self.timed().into_iter().filter(|r| r.run(strategy).is_some()).collect();
@@ -135,15 +136,15 @@ impl<'a> Case<'a> {
         with.into_iter().filter_map(|report| report.run(strategy)).collect()
     }
 
-    /// The runs of a strategy where it walked alone; elsewhere, if it never did. What others leave
-    /// in the caches weighs on CPU times.
+    /// Returns the runs of a strategy where it walked alone; elsewhere, if it never did. What
+    /// others leave in the caches weighs on CPU times.
     fn runs_alone(&self, strategy: &str) -> Vec<&'a MeasuredRun> {
         let alone = self.timed().into_iter().filter(|report| report.runs.len() == 1);
         let runs: Vec<_> = alone.filter_map(|report| report.run(strategy)).collect();
         if runs.is_empty() { self.runs(strategy) } else { runs }
     }
 
-    /// The names of the strategies, in the order in which they first appear.
+    /// Returns the names of the strategies, in the order in which they first appear.
     pub fn strategies(&self) -> Vec<&'a str> {
         let mut names: Vec<&str> = Vec::new();
         for run in self.timed().iter().flat_map(|report| &report.runs) {
@@ -201,17 +202,17 @@ impl<'a> Case<'a> {
         Spread::of(self.timed().iter().filter_map(of))
     }
 
-    /// A strategy's median frame time in milliseconds.
+    /// Returns a strategy's median frame time in milliseconds.
     pub fn frame_ms(&self, strategy: &str) -> Option<Spread> {
         Spread::of(self.runs(strategy).iter().filter_map(|run| run.frame_ms.median))
     }
 
-    /// A strategy's median CPU time a frame in milliseconds.
+    /// Returns a strategy's median CPU time a frame in milliseconds.
     pub fn cpu_ms(&self, strategy: &str) -> Option<Spread> {
         Spread::of(self.runs_alone(strategy).iter().filter_map(|run| run.cpu_ms.median))
     }
 
-    /// The median over repetitions of a count that every run has.
+    /// Returns the median over repetitions of a count that every run has.
     pub fn count(
         &self,
         strategy: &str,
@@ -220,7 +221,7 @@ impl<'a> Case<'a> {
         Spread::of(self.runs(strategy).iter().filter_map(|run| of(run)).map(|count| count as f64))
     }
 
-    /// The time of every frame over the path: the median of the repetitions.
+    /// Returns the time of every frame over the path: the median of the repetitions.
     pub fn frame_times_ms(&self, strategy: &str) -> Vec<Option<f64>> {
         let runs = self.runs(strategy);
         let frames = runs.iter().map(|run| run.frame_times_ms.len()).max().unwrap_or(0);

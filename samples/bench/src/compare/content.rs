@@ -25,7 +25,8 @@ pub struct MethodRow {
     pub strategy: String,
     /// Frame time in times of the yardstick's, at each of the sizes.
     pub ratios: Vec<Option<Spread>>,
-    /// At each of the sizes, whether it was measured to be faster than the ideal by more than the noise.
+    /// At each of the sizes, whether it was measured to be faster than the ideal by more than the
+    /// noise.
     pub impossible: Vec<bool>,
     /// At the size of the details: CPU time of a frame in milliseconds.
     pub cpu_ms: Option<Spread>,
@@ -120,7 +121,7 @@ impl Content {
         })
     }
 
-    /// How many figures have each verdict, in words.
+    /// Returns how many figures have each verdict, in words.
     pub fn verdicts(&self) -> Vec<(Verdict, usize)> {
         Verdict::COUNTED
             .into_iter()
@@ -131,7 +132,7 @@ impl Content {
             .collect()
     }
 
-    /// The result in a sentence: what `antumbra` takes at the size of the details.
+    /// Returns the result in a sentence: what `antumbra` takes at the size of the details.
     pub fn headline(&self) -> Option<String> {
         let size = self.detail_size?;
         let column = self.sizes.iter().position(|column| *column == size)?;
@@ -154,7 +155,7 @@ impl Content {
     }
 }
 
-/// The sizes at which anything can be told in times of the yardstick.
+/// Returns the sizes at which anything can be told in times of the yardstick.
 fn ratio_sizes(cases: &Cases<'_>, sizes: &[u64], yardstick: &str) -> Vec<u64> {
     let known = |size: &&u64| {
         let case = cases.at(&Place::still("city", "street", **size));
@@ -208,7 +209,8 @@ fn methods(
     names.into_iter().map(row).collect()
 }
 
-/// Strategies that smaller cases have and larger ones have not, and those of this build without any.
+/// Strategies that smaller cases have and larger ones have not, and those of this build without
+/// any.
 fn left_out(cases: &Cases<'_>, sizes: &[u64]) -> Vec<String> {
     let mut sentences = Vec::new();
     let at = |size: u64| cases.at(&Place::still("city", "street", size));
@@ -238,7 +240,7 @@ fn left_out(cases: &Cases<'_>, sizes: &[u64]) -> Vec<String> {
     sentences
 }
 
-/// The reports whose times count.
+/// Returns the reports whose times count.
 fn timed(reports: &[Measured]) -> impl Iterator<Item = &Measured> {
     let any_quiet = reports.iter().any(|report| !report.is_verified());
     reports.iter().filter(move |report| !any_quiet || !report.is_verified())

@@ -40,7 +40,7 @@ impl Setting {
         }
     }
 
-    /// Whether a strategy cannot be asked for here: that it was not compared is no gap.
+    /// Returns true if a strategy cannot be asked for here: that it was not compared is no gap.
     fn refuses(self, strategy: &str) -> bool {
         let moves = matches!(self, Self::Moving | Self::MovingViews);
         moves && strategy.parse().is_ok_and(Strategy::needs_still_scene)
@@ -65,8 +65,8 @@ pub struct Book {
     pub pixels_wrong: u64,
 }
 
-/// A book for every strategy of the reports and every setting, by setting and then in the order of
-/// the palette. What was not compared has 0 frames.
+/// Returns a book for every strategy of the reports and every setting, by setting and then in the
+/// order of the palette. What was not compared has 0 frames.
 pub fn books(cases: &Cases<'_>) -> Vec<Book> {
     let mut names: Vec<&str> = Vec::new();
     for (_, case) in cases.iter() {

@@ -79,7 +79,8 @@ pub struct Figure {
     pub found: Option<Spread>,
     /// Part of what the figure needs was not measured: what there is can only speak against it.
     pub is_partial: bool,
-    /// The noise of the machine while it was measured, as a part of the ideal's time, if it is known.
+    /// The noise of the machine while it was measured, as a part of the ideal's time, if it is
+    /// known.
     pub noise: Option<f64>,
     /// Something in it was measured to be faster than the ideal, by more than the noise.
     pub is_impossible: bool,
@@ -88,7 +89,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Whether it is reached.
+    /// Returns whether it is reached.
     pub fn verdict(&self) -> Verdict {
         let Some(found) = &self.found else {
             return Verdict::NotMeasured;
@@ -109,7 +110,7 @@ impl Figure {
         }
     }
 
-    /// What is asked, in words.
+    /// Returns what is asked, in words.
     pub fn asked_words(&self) -> String {
         match self.asked {
             Asked::AtMost(0.0) => "0".to_owned(),
@@ -119,7 +120,7 @@ impl Figure {
         }
     }
 
-    /// What was found, in words.
+    /// Returns what was found, in words.
     pub fn found_words(&self) -> String {
         let Some(found) = &self.found else {
             return "not measured".to_owned();
@@ -167,7 +168,7 @@ impl Figure {
     }
 }
 
-/// Every figure that is asked for, in the order of the table.
+/// Returns every figure that is asked for, in the order of the table.
 pub fn all(cases: &Cases<'_>) -> Vec<Figure> {
     let mut figures = Vec::new();
     for (size, goal) in STREET_GOALS {
@@ -244,7 +245,7 @@ fn ratio_at(
     figure.measured_in(&case, &[ANTUMBRA, over])
 }
 
-/// The nearest of the rivals, in times of `antumbra`.
+/// Returns the nearest of the rivals, in times of `antumbra`.
 fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
     let case = street(cases, size);
     let (mut nearest, mut missing) = (None::<(&str, Spread)>, Vec::new());

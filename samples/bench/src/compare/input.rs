@@ -140,13 +140,13 @@ pub struct MeasuredRun {
 }
 
 impl Measured {
-    /// The run of a strategy.
+    /// Returns the run of a strategy.
     pub fn run(&self, strategy: &str) -> Option<&MeasuredRun> {
         self.runs.iter().find(|run| run.strategy == strategy)
     }
 
-    /// The value of an option in the command line that made the report, as `--option value` or
-    /// `--option=value`; the last where it was said several times, as `walkthrough` has it.
+    /// Returns the value of an option in the command line that made the report, as `--option value`
+    /// or `--option=value`; the last where it was said several times, as `walkthrough` has it.
     pub fn argument(&self, option: &str) -> Option<&str> {
         let words = &self.provenance.command;
         let with_sign = format!("{option}=");
@@ -159,7 +159,7 @@ impl Measured {
         })
     }
 
-    /// Whether frames were compared: their copies cost time, so their times mean less.
+    /// Returns true if frames were compared: their copies cost time, so their times mean less.
     pub fn is_verified(&self) -> bool {
         self.runs.iter().any(|run| run.frames_verified > 0)
     }
@@ -216,7 +216,7 @@ fn read_report(file: PathBuf) -> Result<Measured, InputError> {
     Ok(measured)
 }
 
-/// One report out of its JSON.
+/// Returns one report out of its JSON.
 ///
 /// # Errors
 /// What is wrong with it.

@@ -143,7 +143,7 @@ impl LineChart {
         Ok(())
     }
 
-    /// The parts of a line that lie within the axis, cut where it leaves it at the top.
+    /// Returns the parts of a line that lie within the axis, cut where it leaves it at the top.
     fn parts_below_the_top(&self, points: &[Point]) -> Vec<Vec<(f64, f64)>> {
         let top = self.y.most();
         let mut parts = vec![Vec::new()];
@@ -169,13 +169,13 @@ impl LineChart {
         parts
     }
 
-    /// A short bar across: at it or below, the goal is reached.
+    /// Draws a short bar across: at it or below, the goal is reached.
     fn draw_goal(&self, canvas: &Canvas<'_>, (x, y): Pixel) -> Result<(), DrawError> {
         canvas.line(vec![(x - 14, y), (x + 14, y)], GOAL, 3)
     }
 
-    /// The names at the ends of the lines, tied to them: right of the plot, or inside it where lines
-    /// end early.
+    /// Draws the names at the ends of the lines, tied to them: right of the plot, or inside it
+    /// where lines end early.
     fn draw_names(&self, canvas: &Canvas<'_>, frame: Frame) -> Result<(), DrawError> {
         let mut columns = BTreeMap::<i32, Vec<(&str, i32)>>::new();
         let last_x = self.series.iter().flat_map(|series| series.points.last());
@@ -204,7 +204,8 @@ impl LineChart {
         Ok(())
     }
 
-    /// The names of the lines that leave the plot at the top and do not come back, where they do.
+    /// Draws the names of the lines that leave the plot at the top and do not come back, where
+    /// they do.
     fn draw_names_above(&self, canvas: &Canvas<'_>, frame: Frame) -> Result<(), DrawError> {
         let mut exits: Vec<(&str, i32)> = Vec::new();
         for series in &self.series {

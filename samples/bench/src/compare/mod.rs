@@ -1,4 +1,5 @@
-//! The comparison of all strategies: reads a folder of reports, writes a page, a table and a picture.
+//! The comparison of all strategies: reads a folder of reports, writes a page, a table and a
+//! picture.
 //!
 //! [`input`] reads the reports back, [`cases`] puts repetitions and parts together, [`figures`] and
 //! [`exactness`] say what is reached, [`plots`] draws, and [`content`] gathers it all for [`page`]
@@ -55,7 +56,8 @@ pub enum CompareError {
 }
 
 impl CompareError {
-    /// What the program ends with: 2 where the user can mend it, 1 where the machine failed.
+    /// Returns what the program ends with: 2 where the user can mend it, 1 where the machine
+    /// failed.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) | Self::Devices(_) | Self::NoPicture => 2,

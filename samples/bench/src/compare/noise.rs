@@ -11,9 +11,9 @@ use super::input::Measured;
 /// The most that the ideal's time may spread, as a part of its median, where anything is judged.
 pub const NOISE_MAX: f64 = 0.1;
 
-/// Returns the width of the narrowest range that holds more than half of the times, as a part of the
-/// middle of that range. One disturbed repetition of three says nothing against the other two. `None`
-/// of fewer than two times.
+/// Returns the width of the narrowest range that holds more than half of the times, as a part of
+/// the middle of that range. One disturbed repetition of three says nothing against the other two.
+/// `None` of fewer than two times.
 fn noise(times: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = times.filter(|time| time.is_finite() && *time > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
@@ -58,15 +58,16 @@ pub fn is_below_ideal(case: &Case<'_>, strategy: &str) -> bool {
     ratio.is_some_and(|ratio| ratio.spread.median() < least_possible(case))
 }
 
-/// Returns the names of the walks that are to be repeated: those too noisy to judge, or measured once.
-/// A name is that of the report's file without the number of the repetition.
+/// Returns the names of the walks that are to be repeated: those too noisy to judge, or measured
+/// once. A name is that of the report's file without the number of the repetition.
 pub fn to_repeat(cases: &Cases<'_>) -> Vec<String> {
     let walks = cases.iter().flat_map(|(_, case)| walks(case));
     let noisy = walks.filter(|(_, noise)| noise.is_none_or(|noise| noise >= NOISE_MAX));
     noisy.map(|(report, _)| stem_of(&report.file).to_owned()).collect()
 }
 
-/// The name of a report's file without ending and repetition: `street-2000.1.json` is `street-2000`.
+/// Returns the name of a report's file without ending and repetition: `street-2000.1.json` is
+/// `street-2000`.
 fn stem_of(file: &str) -> &str {
     let stem = file.strip_suffix(".json").unwrap_or(file);
     match stem.rsplit_once('.') {

@@ -10,7 +10,7 @@ use super::plots::Plot;
 use super::spread::{Spread, objects, short, thousands};
 use super::thumbnails::Thumbnail;
 
-/// The page.
+/// Returns the page.
 pub fn render(content: &Content) -> String {
     let mut body = head(content);
     body.push_str(&scenes(&content.thumbnails));
@@ -37,7 +37,7 @@ pub fn render(content: &Content) -> String {
     )
 }
 
-/// The strategies' colours as the backgrounds of swatches, light and dark.
+/// Returns the strategies' colours as the backgrounds of swatches, light and dark.
 fn swatches() -> String {
     let rule = |name: &str, hex: String| format!(".s-{name}{{background:{hex}}}");
     let names = || palette::names();
@@ -92,7 +92,7 @@ fn head(content: &Content) -> String {
     text + "</div>\n"
 }
 
-/// A picture of each scene and path, side by side.
+/// Returns a picture of each scene and path, side by side.
 fn scenes(thumbnails: &[Thumbnail]) -> String {
     let figure = |Thumbnail { caption, size: [width, height], uri }: &Thumbnail| {
         let caption = escaped(caption);
@@ -120,7 +120,7 @@ fn number(value: Option<&Spread>, text: impl Fn(&Spread) -> String) -> String {
     format!("<td class=\"number\">{}</td>", escaped(&text))
 }
 
-/// The median, and below it the spread.
+/// Returns the median, and below it the spread.
 fn ratio_cell(ratio: Option<&Spread>) -> String {
     let Some(ratio) = ratio.filter(|ratio| ratio.least() < ratio.most()) else {
         return number(ratio, Spread::to_string);

@@ -1,10 +1,10 @@
-//! The colours of the plots: one a strategy, fixed by its name, so that it is the same in every plot
-//! of every report.
+//! The colours of the plots: one a strategy, fixed by its name, so that it is the same in every
+//! plot of every report.
 //!
 //! The hues are those of Okabe and Ito, which people with any colour vision can tell apart, with
-//! lightnesses that keep contrast on the background; variants of one method share its hue and differ
-//! by dashes. Every line has its name beside it as well. A picture is drawn in the light colours, and
-//! its style sheet exchanges them where the reader's system is dark.
+//! lightnesses that keep contrast on the background; variants of one method share its hue and
+//! differ by dashes. Every line has its name beside it as well. A picture is drawn in the light
+//! colours, and its style sheet exchanges them where the reader's system is dark.
 
 use plotters::style::RGBColor;
 
@@ -49,7 +49,7 @@ const STRATEGIES: [(&str, Colour, &str); 12] = [
 const OTHER: Colour = colour(0x6A_51_A3, 0xA9_95_DB);
 
 impl Colour {
-    /// The colour to draw with.
+    /// Returns the colour to draw with.
     pub fn rgb(self) -> RGBColor {
         let [_, red, green, blue] = self.light.to_be_bytes();
         RGBColor(red, green, blue)
@@ -60,24 +60,24 @@ impl Colour {
         format!("#{:06X}", self.light)
     }
 
-    /// The same on a dark background.
+    /// Returns the same on a dark background.
     pub fn dark_hex(self) -> String {
         format!("#{:06X}", self.dark)
     }
 }
 
-/// The colour of a strategy.
+/// Returns the colour of a strategy.
 pub fn of_strategy(name: &str) -> Colour {
     let known = STRATEGIES.iter().find(|(known, ..)| *known == name);
     known.map_or(OTHER, |(_, colour, _)| *colour)
 }
 
-/// The names of the strategies that have a colour of their own.
+/// Returns the names of the strategies that have a colour of their own.
 pub fn names() -> impl Iterator<Item = &'static str> {
     STRATEGIES.iter().map(|(name, ..)| *name)
 }
 
-/// Where strategies stand in legends and bars: the order of the list above, others last.
+/// Returns where strategies stand in legends and bars: the order of the list above, others last.
 pub fn place_of(name: &str) -> usize {
     STRATEGIES.iter().position(|(known, ..)| *known == name).unwrap_or(STRATEGIES.len())
 }
@@ -87,7 +87,8 @@ fn all() -> impl Iterator<Item = Colour> {
     STRATEGIES.iter().map(|(_, colour, _)| *colour).chain(inks)
 }
 
-/// The style sheet of a picture: dashes, fonts, and the dark colours in the place of the light ones.
+/// Returns the style sheet of a picture: dashes, fonts, and the dark colours in the place of the
+/// light ones.
 pub fn style_sheet() -> String {
     let mut css = "text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'Liberation Sans',\
                    'DejaVu Sans',sans-serif}polyline{stroke-linejoin:round;stroke-linecap:round}"

@@ -80,13 +80,13 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     Ok(Some(Plot { svg, caption }))
 }
 
-/// What is asked of `antumbra` at the sizes of an axis.
+/// Returns what is asked of `antumbra` at the sizes of an axis.
 fn goals(x: &Axis) -> Vec<(f64, f64)> {
     let goals = STREET_GOALS.into_iter().map(|(size, goal)| (size as f64, goal));
     goals.filter(|(size, _)| (0.0..=1.0).contains(&x.place(*size))).collect()
 }
 
-/// The strategy that ratios are taken to.
+/// Returns the strategy that ratios are taken to.
 pub fn yardstick(cases: &Cases<'_>, sizes: &[u64]) -> &'static str {
     let measured =
         |size: &u64| cases.at(&Place::still("city", "street", *size)).strategies().contains(&IDEAL);
@@ -120,7 +120,7 @@ pub fn cpu_times(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     Ok(Some(Plot { svg, caption: caption.to_owned() }))
 }
 
-/// The time of every frame over one path.
+/// Returns the time of every frame over one path.
 ///
 /// # Errors
 /// When it cannot be drawn.
@@ -162,9 +162,9 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     Ok(Some(Plot { svg, caption }))
 }
 
-/// When the work of a jump shows: later, but for those that wait for it within the frame.
+/// Returns when the work of a jump shows: later, but for those that wait for it within the frame.
 fn caption_of_cuts(strategies: &[&str], late: u32) -> String {
-    let waits = |name: &&&str| name.parse().is_ok_and(Strategy::is_dialogue);
+    let waits = |name: &&&str| name.parse().is_ok_and(Strategy::is_blocking);
     let waiting: Vec<&str> = strategies.iter().filter(waits).copied().collect();
     let mut caption = format!(
         "Every tenth frame jumps; its work shows {late} frames later, since as many are in flight"
@@ -217,7 +217,7 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
     Ok(Some(Plot { svg, caption }))
 }
 
-/// A line for each strategy, `antumbra` on top of all.
+/// Returns a line for each strategy, `antumbra` on top of all.
 fn lines(names: Vec<&str>, line: impl Fn(&str) -> Vec<Point>) -> Vec<Series> {
     let mut names = names;
     names.sort_by_key(|name| (*name == ANTUMBRA, palette::place_of(name)));
@@ -247,7 +247,7 @@ fn over_sizes(
     lines(names, |name| sizes.iter().filter_map(|size| point(name, *size)).collect())
 }
 
-/// A logarithmic axis that has a tick at each size at which something was measured.
+/// Returns a logarithmic axis that has a tick at each size at which something was measured.
 fn size_axis(series: &[Series], label: &str) -> Option<Axis> {
     let mut sizes: Vec<f64> =
         series.iter().flat_map(|line| &line.points).map(|point| point.x).collect();
@@ -258,7 +258,7 @@ fn size_axis(series: &[Series], label: &str) -> Option<Axis> {
     Some(Axis::logarithmic(label, least * 0.85, most * 1.15).with_ticks(ticks))
 }
 
-/// The smallest value above 0 and the largest of all lines.
+/// Returns the smallest value above 0 and the largest of all lines.
 fn range(series: &[Series]) -> Option<[f64; 2]> {
     let points = || series.iter().flat_map(|line| &line.points);
     let least = points().map(|point| point.least).filter(|y| *y > 0.0).reduce(f64::min)?;

@@ -18,37 +18,38 @@ impl Spread {
         (!sorted.is_empty()).then_some(Self { sorted })
     }
 
-    /// The middle value.
+    /// Returns the middle value.
     pub fn median(&self) -> f64 {
         Summary::of(self.sorted.iter().copied()).median.unwrap_or(f64::NAN)
     }
 
-    /// The smallest value.
+    /// Returns the smallest value.
     pub fn least(&self) -> f64 {
         self.sorted.first().copied().unwrap_or(f64::NAN)
     }
 
-    /// The largest value.
+    /// Returns the largest value.
     pub fn most(&self) -> f64 {
         self.sorted.last().copied().unwrap_or(f64::NAN)
     }
 
-    /// How many values there are.
+    /// Returns how many values there are.
     pub fn count(&self) -> usize {
         self.sorted.len()
     }
 
-    /// Each value of this times each of `other`: no repetition of one belongs to one of the other.
+    /// Returns each value of this times each of `other`: no repetition of one belongs to one of the
+    /// other.
     pub fn times(&self, other: &Self) -> Option<Self> {
         Self::of(self.sorted.iter().flat_map(|a| other.sorted.iter().map(move |b| a * b)))
     }
 
-    /// Each value of this over each of `other`.
+    /// Returns each value of this over each of `other`.
     pub fn over(&self, other: &Self) -> Option<Self> {
         Self::of(self.sorted.iter().flat_map(|a| other.sorted.iter().map(move |b| a / b)))
     }
 
-    /// One over each value.
+    /// Returns one over each value.
     pub fn inverse(&self) -> Option<Self> {
         Self::of(self.sorted.iter().map(|value| value.recip()))
     }
@@ -65,7 +66,7 @@ impl fmt::Display for Spread {
     }
 }
 
-/// A number with the digits that a person wants: "1.23", "45.6", "158", "0".
+/// Returns a number with the digits that a person wants: "1.23", "45.6", "158", "0".
 pub fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -76,7 +77,7 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// A whole number with a comma between each three digits.
+/// Returns a whole number with a comma between each three digits.
 pub fn thousands(value: f64) -> String {
     let digits = format!("{:.0}", value.abs());
     let mut text = if value < 0.0 { "-".to_owned() } else { String::new() };
@@ -89,7 +90,7 @@ pub fn thousands(value: f64) -> String {
     text
 }
 
-/// A number of objects as on an axis: "2k", "1M", "500".
+/// Returns a number of objects as on an axis: "2k", "1M", "500".
 pub fn objects(count: f64) -> String {
     match count {
         count if count >= 1e6 => format!("{}M", count / 1e6),

@@ -3,13 +3,13 @@
 use super::input::{Measured, MeasuredRun, MeasuredScene};
 use crate::statistics::{Summary, paired_ratio, ratio};
 
-/// A report whose strategies take these times in every one of 24 frames.
+/// Returns a report whose strategies take these times in every one of 24 frames.
 pub fn measured(scene: &str, path: &str, objects: u64, times_ms: &[(&str, f64)]) -> Measured {
     let flat: Vec<_> = times_ms.iter().map(|&(name, time)| (name, vec![time; 24])).collect();
     walked(scene, path, objects, &flat)
 }
 
-/// A report whose strategies take these times over the path.
+/// Returns a report whose strategies take these times over the path.
 pub fn walked(scene: &str, path: &str, objects: u64, times_ms: &[(&str, Vec<f64>)]) -> Measured {
     let run = |(name, times): &(&str, Vec<f64>)| MeasuredRun {
         strategy: (*name).to_owned(),
@@ -45,7 +45,7 @@ pub fn walked(scene: &str, path: &str, objects: u64, times_ms: &[(&str, Vec<f64>
     measured
 }
 
-/// A report of strategies with their compared frames and wrong pixels.
+/// Returns a report of strategies with their compared frames and wrong pixels.
 pub fn verified(scene: &str, path: &str, objects: u64, runs: &[(&str, u64, u64)]) -> Measured {
     let times: Vec<_> = runs.iter().map(|&(name, ..)| (name, 1.0)).collect();
     let mut measured = measured(scene, path, objects, &times);

@@ -29,8 +29,8 @@ pub struct Thumbnail {
 }
 
 /// Returns a picture for each scene and path that stands still before one eye. The pictures of the
-/// report `NAME.json` lie in the folder `NAME` in `folder`; the first one by its name is taken. Second,
-/// returns sentences about those that could not be shown.
+/// report `NAME.json` lie in the folder `NAME` in `folder`; the first one by its name is taken.
+/// Second, returns sentences about those that could not be shown.
 pub fn thumbnails(folder: &Path, cases: &Cases<'_>) -> (Vec<Thumbnail>, Vec<String>) {
     let (mut found, mut missing) = (Vec::<((&str, &str), Thumbnail)>::new(), Vec::new());
     for (place, case) in cases.iter().filter(|(place, _)| place.moving == 0 && place.views == 1) {
@@ -49,7 +49,7 @@ pub fn thumbnails(folder: &Path, cases: &Cases<'_>) -> (Vec<Thumbnail>, Vec<Stri
     (found.into_iter().map(|(_, thumbnail)| thumbnail).collect(), missing)
 }
 
-/// The first picture of any of a case's walks.
+/// Returns the first picture of any of a case's walks.
 fn picture_of(folder: &Path, case: &Case<'_>) -> Option<PathBuf> {
     case.reports().iter().find_map(|report| {
         let entries = fs::read_dir(folder.join(report.file.strip_suffix(".json")?)).ok()?;
@@ -58,7 +58,7 @@ fn picture_of(folder: &Path, case: &Case<'_>) -> Option<PathBuf> {
     })
 }
 
-/// A picture made small, with its size.
+/// Returns a picture made small, with its size.
 fn shrunk(file: &Path) -> Result<([u32; 2], String), String> {
     let bytes = input_file::read(file, MOST_BYTES).map_err(|error| error.to_string())?;
     let reader = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png);

@@ -29,7 +29,8 @@ impl Ending {
         self.signal = signal;
     }
 
-    /// Says what failed, a line each. Returns 1 if something did, else the code of the signal, else 0.
+    /// Says what failed, a line each. Returns 1 if something did, else the code of the signal, else
+    /// 0.
     pub fn exit(self) -> ExitCode {
         for failure in &self.failures {
             say(&format!("error: {failure}"));

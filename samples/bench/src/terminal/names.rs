@@ -3,8 +3,8 @@
 use std::fmt::{self, Write};
 use std::path::Path;
 
-/// Shows a file's name on one line: control characters, invisible marks that reorder text, and bytes
-/// that are no UTF-8 are escaped.
+/// Shows a file's name on one line: control characters, invisible marks that reorder text, and
+/// bytes that are no UTF-8 are escaped.
 pub fn shown(path: &Path) -> Shown<'_> {
     Shown(path)
 }
@@ -49,7 +49,8 @@ fn write_escaped(into: &mut impl Write, character: char) -> fmt::Result {
     }
 }
 
-/// True for control characters, line separators, and marks that change the direction of text.
+/// Returns true for control characters, line separators, and marks that change the direction of
+/// text.
 fn is_obeyed(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')

@@ -57,7 +57,8 @@ fn answer(error: &clap::Error) -> ExitCode {
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
-/// The text with colours where those are shown and no argument brings escape codes of its own.
+/// Returns the text with colours where those are shown and no argument brings escape codes of its
+/// own.
 fn styled(error: &clap::Error, stream: &impl IsTerminal) -> String {
     let text = error.render();
     let mut words = std::env::args_os();

@@ -7,7 +7,7 @@ use harness::{Scratch, stderr};
 
 use crate::walkthrough;
 
-/// The message of a refusal, which must be one line, with nothing on standard output.
+/// Returns the message of a refusal, which must be one line, with nothing on standard output.
 fn refusal(output: &Output, exit_code: i32) -> String {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(exit_code), "{message}");
@@ -56,7 +56,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         (["--validation", "maybe"], "[possible values: off, on, sync]"),
         (["--predicates", "maybe"], "[possible values: auto, conditional, count, instances]"),
         (["--predicates", "condtional"], "a similar value exists: 'conditional'"),
-        (["--birds-eye", "-1"], "a frame, or off"),
+        (["--top-down", "-1"], "a frame, or off"),
     ] {
         let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
         let output = output.expect("it starts");
@@ -68,7 +68,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
     // What is wrong with the others: one sentence.
     for (mistake, sentence) in [
         (["--path", "Camera"], "there is street, fly and cut"),
-        (["--birds-eye", "120"], "from 0 to 119, not '120'"),
+        (["--top-down", "120"], "from 0 to 119, not '120'"),
         (["--pictures", "121"], "from 0 to 120, not '121'"),
     ] {
         let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
@@ -114,7 +114,7 @@ fn places_that_cannot_be_written_end_with_2_before_any_work() {
     fs::remove_file(&file).expect("ours");
 }
 
-/// A small walk that would leave pictures and a report, with `more` arguments.
+/// Returns a small walk that would leave pictures and a report, with `more` arguments.
 fn small_walk(scratch: &Scratch, more: &[&str]) -> Command {
     let mut words = vec!["--quiet", "--out", "made/pictures", "--report", "made/report.json"];
     for [option, value] in [["--objects", "50"], ["--frames", "2"], ["--size", "32x32"]] {
@@ -312,7 +312,8 @@ fn too_little_memory_for_a_scene_is_said_in_a_sentence() {
     assert!(!message.contains("panicked") && !message.contains("allocation of"), "{message}");
 }
 
-/// A cache that is no regular file, or larger than any, is left alone and costs neither time nor memory.
+/// A cache that is no regular file, or larger than any, is left alone and costs neither time nor
+/// memory.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_pipeline_cache_that_is_no_cache_is_left_alone() {

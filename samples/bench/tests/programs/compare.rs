@@ -13,7 +13,8 @@ fn compare(scratch: &Scratch, arguments: &[&str]) -> Output {
     command.current_dir(&scratch.0).args(arguments).output().expect("it starts")
 }
 
-/// A report as `walkthrough` writes it, of strategies that take these times in each of 24 frames.
+/// Returns a report as `walkthrough` writes it, of strategies that take these times in each of 24
+/// frames.
 fn report(path: &str, objects: u64, times_ms: &[(&str, f64)]) -> Value {
     let summary = |time: f64| json!({"median": time, "p95": time, "max": time});
     let run = |&(name, time): &(&str, f64)| {
@@ -115,7 +116,7 @@ fn page_table_and_picture_are_written() {
     }
 }
 
-/// A PNG of one colour.
+/// Returns a PNG of one colour.
 fn picture(size: [u32; 2]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, size[0], size[1]);

@@ -1,4 +1,5 @@
-//! Runs `walkthrough` where results are in danger: full disks, signals, names that are taken, crowds.
+//! Runs `walkthrough` where results are in danger: full disks, signals, names that are taken,
+//! crowds.
 
 use std::fs;
 use std::io::Read;
@@ -68,7 +69,7 @@ fn pictures_that_find_no_space_cost_nothing_else() {
     command.current_dir(&scratch.0).args(["-c", limited]).arg(walk.get_program());
     command.args(walk.get_args()).args(outputs).env("XDG_CACHE_HOME", "/proc/nowhere");
     let output = command.output().expect("it starts");
-    let lost = ["frame_00000.png", "frame_00002.png", "00002_seen.png", "birds_eye_00002.png"];
+    let lost = ["frame_00000.png", "frame_00002.png", "00002_seen.png", "top_down_00002.png"];
     assert_table_and_failures(&output, &lost);
     assert_eq!(scratch.names("."), ["report.json"], "nothing is half there");
     let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
@@ -165,7 +166,7 @@ fn before_anything_is_measured_a_signal_is_just_the_end() {
 #[test]
 fn nothing_is_overwritten_that_another_run_wrote() {
     let scratch = Scratch::new("results-again");
-    let more = ["--out=out", "--pictures=1", "--birds-eye=off"];
+    let more = ["--out=out", "--pictures=1", "--top-down=off"];
     assert_eq!(run(&scratch, &more).status.code(), Some(0));
     let picture = scratch.0.join("out/frame_00000.png");
     fs::write(&picture, "mine").expect("ours");
@@ -181,8 +182,7 @@ fn many_programs_write_into_one_new_folder() {
     let scratch = Scratch::new("results-crowd");
     for round in 0..3 {
         let out = format!("--out=new-{round}/er/out");
-        let arguments =
-            [&SMALL[..], &["--quiet", "--pictures=1", "--birds-eye=off", &out]].concat();
+        let arguments = [&SMALL[..], &["--quiet", "--pictures=1", "--top-down=off", &out]].concat();
         let start = |_| {
             let mut command = walkthrough(&scratch.0, &arguments);
             command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts")

@@ -14,7 +14,7 @@ fn scratch(name: &str) -> Scratch {
     scratch
 }
 
-/// A walk of which every frame is compared; its report.
+/// Returns a walk of which every frame is compared; its report.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     let small = ["--quiet", "--frames=24", "--size=128x72", "--validation=sync", "--verify=every"];
     let rest = ["--costs=ignored", "--scene=small.glb", "--report=report.json", "--device", device];
@@ -135,7 +135,7 @@ fn without_a_name_it_is_the_first_camera_and_a_still_one_stands() {
     assert!(picture(0) != picture(23));
 }
 
-/// The message of a refusal: one line that names the file.
+/// Returns the message of a refusal: one line that names the file.
 fn refusal(output: &Output) -> String {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(2), "{message}");

@@ -34,7 +34,7 @@ fn program(path: &Path, text: &str) {
     fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("ours");
 }
 
-/// A tree with one of our scripts and nothing real besides.
+/// Returns a tree with one of our scripts and nothing real besides.
 fn tree(name: &str, script: &str) -> Scratch {
     let scratch = Scratch::new(name);
     let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ci").join(script);
@@ -89,7 +89,8 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
     assert!(scratch.names("out/reports").contains(&"street-2000.3.json".to_owned()));
 }
 
-/// What is noisy is repeated as long as it is, up to a bound; the first walk of a case leaves a picture.
+/// What is noisy is repeated as long as it is, up to a bound; the first walk of a case leaves a
+/// picture.
 #[test]
 fn noisy_walks_are_repeated_and_no_others() {
     let scratch = tree("script-noise", "compare");

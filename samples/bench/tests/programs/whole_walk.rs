@@ -125,8 +125,8 @@ fn assert_run(run: &Value, scene_triangles: f64) {
 fn assert_pictures(scratch: &Scratch) {
     let names = scratch.names("pictures");
     let expected = [
-        "birds_eye_00006.png",
-        "birds_eye_00006_seen.png",
+        "top_down_00006.png",
+        "top_down_00006_seen.png",
         "frame_00000.png",
         "frame_00004.png",
         "frame_00008.png",
@@ -141,7 +141,7 @@ fn assert_pictures(scratch: &Scratch) {
     }
 }
 
-/// The colours of a picture, three bytes a pixel.
+/// Returns the colours of a picture, three bytes a pixel.
 fn decode(file: &Path) -> Vec<u8> {
     let bytes = fs::read(file).expect("a picture");
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));

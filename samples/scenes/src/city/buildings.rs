@@ -9,8 +9,8 @@ use super::facade::{Entrance, Facade, Side};
 use super::palette::Materials;
 use super::roofs::{Roof, RoofSite};
 
-/// How many lots of a block a building takes, along x and z in sixths of the block's side. All fronts
-/// look towards +z.
+/// How many lots of a block a building takes, along x and z in sixths of the block's side. All
+/// fronts look towards +z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Footprint {
     /// 2 by 2.
@@ -26,7 +26,8 @@ pub(super) enum Footprint {
 /// A sixth of the buildable side of a block, in metres.
 pub(super) const LOT_M: f32 = 44.0 / 6.0;
 
-/// Air between a building's box and the edge of its lot, in metres: neighbours stand twice that apart.
+/// Air between a building's box and the edge of its lot, in metres: neighbours stand twice that
+/// apart.
 const CLEARANCE_M: f32 = 0.335;
 
 /// How far ledges and roofs may stand out of the walls, in metres.
@@ -45,7 +46,7 @@ impl Footprint {
         }
     }
 
-    /// Half the distance between opposite walls, in metres.
+    /// Returns half the distance between opposite walls, in metres.
     fn half_m(self) -> Vec2 {
         let [x, z] = self.lots().map(f32::from);
         vec2(x, z) * (LOT_M / 2.0) - Vec2::splat(CLEARANCE_M + OVERHANG_M)
@@ -106,7 +107,7 @@ const DESIGNS: [Design; 21] = [
     design("slab, strips", Footprint::Slab, 6, 3.3, [8, 4], Facade::Strips, Roof::Tank),
 ];
 
-/// The building meshes, each with the footprint that it fills.
+/// Returns the building meshes, each with the footprint that it fills.
 pub(super) fn meshes(materials: &Materials) -> Vec<(Footprint, Mesh)> {
     DESIGNS.iter().map(|design| (design.footprint, build(design, materials))).collect()
 }

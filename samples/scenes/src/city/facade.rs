@@ -51,7 +51,7 @@ impl Side<'_> {
         panel(edge(bay), low, edge(bay + 1), high)
     }
 
-    /// The height at which a floor above the ground floor begins.
+    /// Returns the height at which a floor above the ground floor begins.
     fn level(&self, floor: u32) -> f32 {
         self.ground_m + self.floor_m * floor as f32
     }

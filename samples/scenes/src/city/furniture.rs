@@ -10,7 +10,7 @@ fn at(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(vec3(x, y, z))
 }
 
-/// A place whose local y axis lies along x, for wheels and rails.
+/// Returns a place whose local y axis lies along x, for wheels and rails.
 pub(super) fn lying(centre: Vec3) -> Affine3A {
     Affine3A::from_rotation_translation(
         glam::Quat::from_rotation_z(-std::f32::consts::FRAC_PI_2),
@@ -18,7 +18,7 @@ pub(super) fn lying(centre: Vec3) -> Affine3A {
     )
 }
 
-/// A lamp post with two globes.
+/// Returns a lamp post with two globes.
 pub(super) fn lamp(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let coat = materials.coat.shade(0.8);
@@ -49,7 +49,7 @@ pub(super) fn lamp(materials: &Materials) -> Mesh {
     builder.finish("street lamp")
 }
 
-/// A bench with a slatted seat and back on cast-iron sides.
+/// Returns a bench with a slatted seat and back on cast-iron sides.
 pub(super) fn bench(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     for slat in 0..4u8 {
@@ -81,7 +81,7 @@ pub(super) fn bench(materials: &Materials) -> Mesh {
     builder.finish("bench")
 }
 
-/// A round litter bin of upright slats.
+/// Returns a round litter bin of upright slats.
 pub(super) fn bin(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let coat = materials.coat.shade(0.7);
@@ -109,7 +109,7 @@ pub(super) fn bin(materials: &Materials) -> Mesh {
     builder.finish("litter bin")
 }
 
-/// A fire hydrant.
+/// Returns a fire hydrant.
 pub(super) fn hydrant() -> Mesh {
     let mut builder = MeshBuilder::default();
     let red = Paint::srgb(0xB0_3428);
@@ -142,7 +142,7 @@ pub(super) fn hydrant() -> Mesh {
     builder.finish("hydrant")
 }
 
-/// A pillar box.
+/// Returns a pillar box.
 pub(super) fn post_box(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let red = Paint::srgb(0xB5_3A2C);
@@ -168,7 +168,7 @@ pub(super) fn post_box(materials: &Materials) -> Mesh {
     builder.finish("post box")
 }
 
-/// Four bollards in a row.
+/// Returns four bollards in a row.
 pub(super) fn bollards(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let profile = [

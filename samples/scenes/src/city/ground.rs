@@ -2,9 +2,9 @@
 //! middle, as one mesh without a crack.
 //!
 //! Rectangles of any size lie side by side. Where a corner of one lies on the edge of another, that
-//! edge gets a vertex there, so that no T-junction opens a crack. The edges of the tile are alike on
-//! all four sides and symmetric; all coordinates on them are binary fractions, so neighbouring tiles
-//! share bit-identical vertices.
+//! edge gets a vertex there, so that no T-junction opens a crack. The edges of the tile are alike
+//! on all four sides and symmetric; all coordinates on them are binary fractions, so neighbouring
+//! tiles share bit-identical vertices.
 
 use glam::{Vec3, vec3};
 use scene::Mesh;
@@ -78,10 +78,11 @@ impl Plates {
         }
     }
 
-    /// The corners of all plates that lie on an axis-parallel edge, in order.
+    /// Returns the corners of all plates that lie on an axis-parallel edge, in order.
     fn corners_between(&self, from: Vec3, to: Vec3) -> Vec<Vec3> {
         let length = (to - from).length();
-        // A division, not `normalize`: along an axis it gives exactly 1, and the test below is exact.
+        // A division, not `normalize`: along an axis it gives exactly 1, and the test below is
+        // exact.
         let along = (to - from) / length;
         let mut found: Vec<(f32, Vec3)> = self
             .plates
@@ -120,7 +121,7 @@ fn surfaces(middle: Middle) -> Surfaces {
     }
 }
 
-/// The ground of a block.
+/// Returns the ground of a block.
 pub(super) fn tile(name: &str, middle: Middle) -> Mesh {
     let mut plates = Plates::default();
     let surfaces = surfaces(middle);

@@ -33,22 +33,23 @@ impl Axis {
         Self { cuts, middle: [0, DISTRICT_BLOCKS] }
     }
 
-    /// The first block.
+    /// Returns the first block.
     pub(super) fn first(&self) -> i32 {
         self.cuts.first().copied().unwrap_or(0)
     }
 
-    /// One past the last block.
+    /// Returns one past the last block.
     pub(super) fn last(&self) -> i32 {
         self.cuts.last().copied().unwrap_or(0)
     }
 
-    /// Whether walls stand on this block boundary.
+    /// Returns true if walls stand on this block boundary.
     pub(super) fn is_cut(&self, boundary: i32) -> bool {
         self.cuts.binary_search(&boundary).is_ok()
     }
 
-    /// Numbers the districts along this axis; the middle one keeps its number in cities of any size.
+    /// Numbers the districts along this axis; the middle one keeps its number in cities of any
+    /// size.
     pub(super) fn district(&self, block: i32) -> i64 {
         let count = |boundary: i32| self.cuts.partition_point(|&cut| cut <= boundary) as i64;
         count(block) - count(self.middle[0])
@@ -72,7 +73,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// A grid for about that many objects, nearly square.
+    /// Creates a grid for about that many objects, nearly square.
     pub(super) fn new(objects: u32) -> Self {
         let blocks = (f64::from(objects) / OBJECTS_PER_BLOCK).max(1.0);
         let columns = blocks.sqrt().floor().max(1.0);
@@ -80,19 +81,20 @@ impl Plan {
         Self { columns: Axis::new(columns as i32), rows: Axis::new(rows as i32) }
     }
 
-    /// How many blocks there are.
+    /// Returns how many blocks there are.
     pub(super) fn blocks(&self) -> u32 {
         let length = |axis: &Axis| axis.last().abs_diff(axis.first());
         length(&self.columns) * length(&self.rows)
     }
 }
 
-/// Where a block boundary lies, in metres: the middle of the district around the origin is at 0.
+/// Returns where a block boundary lies, in metres: the middle of the district around the origin is
+/// at 0.
 pub(super) fn boundary_m(boundary: i32) -> f32 {
     (boundary - DISTRICT_BLOCKS / 2) as f32 * TILE_M
 }
 
-/// The middle of a block, in metres.
+/// Returns the middle of a block, in metres.
 pub(super) fn block_centre(column: i32, row: i32) -> Vec2 {
     Vec2::new(boundary_m(column), boundary_m(row)) + Vec2::splat(TILE_M / 2.0)
 }
@@ -141,8 +143,8 @@ impl Lot {
         (corner + Vec2::new(width, depth) / 2.0 - Vec2::splat(3.0)) * LOT_M
     }
 
-    /// The side (0: +z, 1: +x, 2: -z, 3: -x) that its front should face: the nearest street that it
-    /// can face.
+    /// Returns the side (0: +z, 1: +x, 2: -z, 3: -x) that its front should face: the nearest street
+    /// that it can face.
     pub(super) fn facing(&self) -> usize {
         let centre = self.centre();
         let [width, depth] = self.size();

@@ -23,7 +23,7 @@ const FURNITURE_TINTS: [u32; 4] = [0x2F6B5A, 0x2F4F6B, 0x7A3B35, 0x55585C];
 /// How many families of wall colours there are.
 pub(super) const WALL_FAMILIES: u32 = WALL_TINTS.len() as u32;
 
-/// A wall's tint from one of the families.
+/// Returns a wall's tint from one of the families.
 pub(super) fn wall_tint(family: u32, random: &mut Random) -> u32 {
     let family = WALL_TINTS[family as usize % WALL_TINTS.len()];
     Paint::srgb(random.pick(&family)).shade(random.between(0.92, 1.06)).packed()
@@ -42,7 +42,7 @@ pub(crate) enum TintKind {
     Furniture,
 }
 
-/// A tint for that kind of thing.
+/// Returns a tint for that kind of thing.
 pub(crate) fn prop_tint(kind: TintKind, random: &mut Random) -> u32 {
     let paint = match kind {
         TintKind::Plain => Paint::srgb(0xFF_FFFF),
@@ -53,7 +53,7 @@ pub(crate) fn prop_tint(kind: TintKind, random: &mut Random) -> u32 {
     paint.packed()
 }
 
-/// The stone of walls and gates between districts.
+/// Returns the stone of walls and gates between districts.
 pub(super) fn stone_tint(random: &mut Random) -> u32 {
     Paint::srgb(random.pick(&[0xCDBFA6, 0xC4B49A, 0xD3C7B2])).packed()
 }
@@ -87,7 +87,7 @@ pub(crate) struct Materials {
 }
 
 impl Materials {
-    /// The only set there is.
+    /// Creates the only set there is.
     pub(crate) fn new() -> Self {
         let white = Paint::srgb(0xFF_FFFF);
         Self {

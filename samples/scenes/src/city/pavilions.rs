@@ -8,7 +8,7 @@ use super::super::random::Random;
 use super::facade::{Entrance, Facade, Side};
 use super::palette::Materials;
 
-/// Three pavilions of at most 9 by 9 metres and 4 metres high.
+/// Returns three pavilions of at most 9 by 9 metres and 4 metres high.
 pub(crate) fn pavilions(materials: &Materials) -> [Mesh; 3] {
     [
         pavilion("pavilion, square", vec2(3.9, 3.9), [4, 4], materials),

@@ -23,7 +23,7 @@ fn crown(builder: &mut MeshBuilder, parts: &[(Vec3, Vec2)]) {
     }
 }
 
-/// A street tree with a round, lumpy crown.
+/// Returns a street tree with a round, lumpy crown.
 pub(super) fn round_tree(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     trunk(&mut builder, materials, 0.16, 3.6);
@@ -39,7 +39,7 @@ pub(super) fn round_tree(materials: &Materials) -> Mesh {
     builder.finish("round tree")
 }
 
-/// A poplar: tall and slender.
+/// Returns a poplar: tall and slender.
 pub(super) fn tall_tree(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     trunk(&mut builder, materials, 0.14, 3.0);
@@ -54,7 +54,7 @@ pub(super) fn tall_tree(materials: &Materials) -> Mesh {
     builder.finish("tall tree")
 }
 
-/// A tree with boughs that carry separate, flat crowns.
+/// Returns a tree with boughs that carry separate, flat crowns.
 pub(super) fn spreading_tree(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     trunk(&mut builder, materials, 0.18, 4.4);
@@ -79,7 +79,7 @@ pub(super) fn spreading_tree(materials: &Materials) -> Mesh {
     builder.finish("spreading tree")
 }
 
-/// A concrete trough with three shrubs.
+/// Returns a concrete trough with three shrubs.
 pub(super) fn planter(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let stone = materials.stone.tinted(0.0);

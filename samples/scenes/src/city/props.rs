@@ -30,7 +30,7 @@ pub(crate) struct Prop {
     pub(crate) weight: u32,
 }
 
-/// All kinds of props.
+/// Returns all kinds of props.
 pub(crate) fn props(materials: &Materials) -> Vec<Prop> {
     let prop =
         |mesh: Mesh, site: Site, tint: TintKind, weight: u32| Prop { mesh, site, tint, weight };

@@ -6,7 +6,7 @@ use scene::Mesh;
 use super::super::builder::{Faces, Frame, MeshBuilder, Paint, panel};
 use super::palette::Materials;
 
-/// A news stand with a counter, a striped awning and a hipped roof.
+/// Returns a news stand with a counter, a striped awning and a hipped roof.
 pub(super) fn kiosk(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let half = vec2(1.2, 0.9);
@@ -51,7 +51,7 @@ pub(super) fn kiosk(materials: &Materials) -> Mesh {
     builder.finish("kiosk")
 }
 
-/// A glazed shelter with a bench and a sign.
+/// Returns a glazed shelter with a bench and a sign.
 pub(super) fn bus_stop(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let steel = materials.steel.shade(0.8);
@@ -115,7 +115,7 @@ pub(super) fn bus_stop(materials: &Materials) -> Mesh {
     builder.finish("bus stop")
 }
 
-/// A round column for posters with a small roof.
+/// Returns a round column for posters with a small roof.
 pub(super) fn advertising_column(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let origin = Affine3A::IDENTITY;
@@ -143,7 +143,7 @@ pub(super) fn advertising_column(materials: &Materials) -> Mesh {
     builder.finish("advertising column")
 }
 
-/// A fountain with two bowls.
+/// Returns a fountain with two bowls.
 pub(super) fn fountain(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let origin = Affine3A::IDENTITY;

@@ -19,7 +19,7 @@ struct Shape {
     wheel: f32,
 }
 
-/// A saloon.
+/// Returns a saloon.
 pub(super) fn saloon(materials: &Materials) -> Mesh {
     car(
         &Shape {
@@ -43,7 +43,7 @@ pub(super) fn saloon(materials: &Materials) -> Mesh {
     )
 }
 
-/// A small car with a steep back.
+/// Returns a small car with a steep back.
 pub(super) fn hatchback(materials: &Materials) -> Mesh {
     car(
         &Shape {
@@ -67,7 +67,7 @@ pub(super) fn hatchback(materials: &Materials) -> Mesh {
     )
 }
 
-/// A delivery van.
+/// Returns a delivery van.
 pub(super) fn van(materials: &Materials) -> Mesh {
     car(
         &Shape {
@@ -97,7 +97,8 @@ pub(super) fn van(materials: &Materials) -> Mesh {
     )
 }
 
-/// A convex side view, drawn out to both sides; its edges are drawn in by `bevel` towards the flanks.
+/// A convex side view, drawn out to both sides; its edges are drawn in by `bevel` towards the
+/// flanks.
 fn hull(
     builder: &mut MeshBuilder,
     outline: &[(f32, f32)],

@@ -1,5 +1,5 @@
-//! What closes a district: walls along its edge, a gate house across the end of each street, a round
-//! tower at each corner.
+//! What closes a district: walls along its edge, a gate house across the end of each street, a
+//! round tower at each corner.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 use scene::Mesh;
@@ -20,7 +20,8 @@ const GAP_M: f32 = 0.3;
 const WALL_HALF: Vec2 = vec2(TILE_M / 2.0 - POST_HALF_M - GAP_M - 0.25, 0.5);
 const WALL_HEIGHT_M: f32 = 12.0;
 
-/// A wall along x, from post to post: blind arches between piers on both sides, a coping on top.
+/// Returns a wall along x, from post to post: blind arches between piers on both sides, a coping on
+/// top.
 pub(super) fn wall(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let (wall, pier) = (materials.wall, materials.wall.shade(0.9));
@@ -123,7 +124,7 @@ fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], material
     builder.polygon(&opening, back);
 }
 
-/// A slender house that stands where a street ends.
+/// Returns a slender house that stands where a street ends.
 pub(super) fn gate_house(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let mut random = Random::keyed(0, &[77]);
@@ -165,7 +166,7 @@ pub(super) fn gate_house(materials: &Materials) -> Mesh {
     builder.finish("gate house")
 }
 
-/// A round tower with rings of windows, merlons and a pointed roof.
+/// Returns a round tower with rings of windows, merlons and a pointed roof.
 pub(super) fn corner_tower(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let origin = Affine3A::IDENTITY;

@@ -38,7 +38,7 @@ impl Pace {
         Self { period_frames: random.between(50.0, 300.0), phase: random.unit() }
     }
 
-    /// Where in its cycle a frame is: an angle.
+    /// Returns where in its cycle a frame is: an angle.
     fn angle(self, frame: u32) -> f32 {
         let cycles = f64::from(frame) / f64::from(self.period_frames) + f64::from(self.phase);
         cycles.fract() as f32 * TAU
@@ -51,7 +51,7 @@ impl Pace {
 }
 
 impl Act {
-    /// The transform in a frame of an object that stands at `base` in the scene.
+    /// Returns the transform in a frame of an object that stands at `base` in the scene.
     pub(super) fn transform(&self, base: &Affine3A, frame: u32) -> Affine3A {
         match *self {
             Self::Stay => *base,
@@ -75,7 +75,7 @@ impl Act {
         }
     }
 
-    /// A box that an object with the box `bounds` never leaves.
+    /// Returns a box that an object with the box `bounds` never leaves.
     pub(super) fn sweep(&self, bounds: &Aabb) -> Aabb {
         let moved = |by: Vec3| Aabb::new(bounds.min + by, bounds.max + by);
         match *self {

@@ -1,4 +1,5 @@
-//! Finds a motion for an object that meets nobody: the sweeps of all movers are kept in a hierarchy.
+//! Finds a motion for an object that meets nobody: the sweeps of all movers are kept in a
+//! hierarchy.
 
 use cull::{Aabb, Hierarchy, NodeId, ObjectId};
 use glam::Vec3;
@@ -39,7 +40,7 @@ impl Room {
         Self { taken: Hierarchy::build(&boxes).ok(), ground_top_m, stack: Vec::new() }
     }
 
-    /// A motion for an object, whose sweep is taken from now on.
+    /// Returns a motion for an object, whose sweep is taken from now on.
     pub(super) fn act_for(
         &mut self,
         scene: &Scene,
@@ -60,7 +61,7 @@ impl Room {
         None
     }
 
-    /// What an object with this box might do if there is room.
+    /// Returns what an object with this box might do if there is room.
     fn acts(&self, bounds: &Aabb, random: &mut Random) -> [Act; 7] {
         let size = bounds.max - bounds.min;
         let lift_m = (self.ground_top_m + HOVER_M - bounds.min.y).max(0.0);
@@ -84,7 +85,7 @@ impl Room {
         [east, west, south, north, up, turn, shrink]
     }
 
-    /// Whether nobody else's space meets a box.
+    /// Returns true if nobody else's space meets a box.
     fn is_free(&mut self, object: ObjectId, space: &Aabb) -> bool {
         let Some(taken) = &self.taken else {
             return false;

@@ -46,7 +46,7 @@ pub(super) struct Tour {
 }
 
 impl Tour {
-    /// A walk that the seed decides; `None` if the streets form no round way.
+    /// Creates a walk that the seed decides; `None` if the streets form no round way.
     pub(super) fn new(streets: &Streets, seed: u64) -> Option<Self> {
         let grid = Grid { columns: streets.xs.len(), rows: streets.zs.len() };
         if grid.columns < 2 || grid.rows < 2 {
@@ -108,8 +108,8 @@ impl Tour {
         f64::from(self.length_m)
     }
 
-    /// Where one is and which way one walks, as an angle from +x towards +z, after so many metres of
-    /// at most its length.
+    /// Returns where one is and which way one walks, as an angle from +x towards +z, after so many
+    /// metres of at most its length.
     pub(super) fn at(&self, way_m: f32) -> (Vec2, f32) {
         let way = (way_m + self.start_m) % self.length_m;
         let number = self.legs.partition_point(|leg| leg.begin_m <= way).saturating_sub(1);
@@ -135,7 +135,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// The next crossing, with the same direction, if there is one.
+    /// Returns the next crossing, with the same direction, if there is one.
     fn ahead(&self, stand: Stand) -> Option<Stand> {
         let Stand { column, row, quarter } = stand;
         let (column, row) = match quarter % 4 {
@@ -147,7 +147,8 @@ impl Grid {
         (column < self.columns && row < self.rows).then_some(Stand { column, row, quarter })
     }
 
-    /// The directions in which one can go on from where one arrives: ahead, right, left; not back.
+    /// Returns the directions in which one can go on from where one arrives: ahead, right, left;
+    /// not back.
     fn turns(&self, arrived: Stand) -> [Option<Stand>; 3] {
         [0, 1, 3].map(|turn| {
             let stand = Stand { quarter: (arrived.quarter + turn) % 4, ..arrived };
@@ -163,8 +164,8 @@ impl Grid {
         (stand.row * self.columns + stand.column) * 4 + stand.quarter
     }
 
-    /// The shortest way from one stand to another, by breadth-first search: all stands after the
-    /// first, the last included.
+    /// Returns the shortest way from one stand to another, by breadth-first search: all stands
+    /// after the first, the last included.
     fn way(&self, from: Stand, to: Stand) -> Option<Vec<Stand>> {
         let mut before: Vec<Option<Stand>> = vec![None; self.columns * self.rows * 4];
         let mut open = VecDeque::from([from]);

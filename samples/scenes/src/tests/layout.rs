@@ -89,8 +89,8 @@ fn no_two_objects_touch() {
     }
 }
 
-/// What carries a thing: the road, or the pavement if all of its box is over the pavement. A thing
-/// that lies over both gives `None`.
+/// Returns what carries a thing: the road, or the pavement if all of its box is over the pavement.
+/// A thing that lies over both gives `None`.
 fn carrier_m(scene: &Scene, bounds: &Aabb) -> Option<f32> {
     if scene.name == "field" {
         return Some(0.0);

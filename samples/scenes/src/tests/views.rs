@@ -16,7 +16,7 @@ const DISTRICT_M: f32 = 6.0 * 64.0 * 1.42 + 20.0;
 
 const VIEWS: [u32; 12] = [0, 90, 300, 700, 1100, 1700, 2500, 3300, 4100, 5200, 6500, 8000];
 
-/// How many objects own at least one of 160 by 90 rays, on average over the views.
+/// Returns how many objects own at least one of 160 by 90 rays, on average over the views.
 fn seen_per_view(GeneratedScene { scene, routes }: &GeneratedScene) -> f32 {
     let boxes = Boxes::new(scene, 0.0, |_| true);
     let path = CameraPath::new(PathKind::Street, routes).unwrap();

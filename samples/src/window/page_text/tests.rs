@@ -10,7 +10,7 @@ use super::*;
 use crate::window::comparison::Side;
 use crate::window::conditions::Conditions;
 
-/// A distribution whose numbers all differ, in hundredths of a millisecond from `first` on.
+/// Returns a distribution whose numbers all differ, in hundredths of a millisecond from `first` on.
 fn distribution(first: u64) -> Distribution {
     let at = |step: u64| Duration::from_micros((first + step) * 10);
     Distribution {
@@ -29,7 +29,7 @@ fn pass(label: &'static str, gpu_ms: f64) -> PassTime {
     PassTime { label, gpu_ms, began_ns: 0 }
 }
 
-/// One line a fact, an empty line between groups.
+/// Returns one line a fact, an empty line between groups.
 fn text(known: &Known<'_>) -> String {
     let line = |(name, value): &(String, String)| format!("{name}: {value}\n");
     let groups = known.details();

@@ -1,6 +1,6 @@
 //! What is dropped is freed as soon as nothing can use it any more, and no sooner.
 
-use gpu::{Buffer, Device, FrameRing, Place, Tick, Timeline, vk};
+use gpu::{Buffer, Device, FrameRing, MemoryKind, Tick, Timeline, vk};
 use tests::run_on_all;
 
 const BOTH_WAYS: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
@@ -12,7 +12,7 @@ fn sevens(device: &Device) -> Buffer {
 }
 
 fn home(device: &Device) -> Buffer {
-    Buffer::new(device, "home", 4096, BOTH_WAYS, Place::ReadBack).unwrap()
+    Buffer::new(device, "home", 4096, BOTH_WAYS, MemoryKind::ReadBack).unwrap()
 }
 
 #[test]
@@ -22,7 +22,7 @@ fn what_is_dropped_lives_until_its_tick() {
         let mut ring = FrameRing::new(device, 2).unwrap();
         let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let from = device.upload("from", &[5u32; 1024], usage).unwrap();
-        let to = Buffer::new(device, "to", 4096, usage, Place::ReadBack).unwrap();
+        let to = Buffer::new(device, "to", 4096, usage, MemoryKind::ReadBack).unwrap();
         // The upload's staging memory has retired, too.
         device.drain().unwrap();
         let (_, in_use) = device.memory_bytes();

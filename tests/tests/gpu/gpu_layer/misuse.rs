@@ -1,9 +1,9 @@
 //! Commands that cannot be run: an error says so, and nothing of the recording reaches the driver.
 
 use gpu::{
-    Access, Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device, Error, FrameRing,
-    MemoryBarrier, Place, QueryIndex, QueryPages, QueryRing, Spirv, StorageLayout, Tick, Timeline,
-    vk,
+    Access, BlockingQueryPool, Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device,
+    Error, FrameRing, MemoryBarrier, MemoryKind, QueryIndex, QueryRing, Spirv, StorageLayout, Tick,
+    Timeline, vk,
 };
 use tests::{Driver, open, run, run_on_all};
 
@@ -27,7 +27,7 @@ impl Lists {
         Self {
             words: device.upload("words", &[0u32, 9], usage).unwrap(),
             decided: device.upload("decided", &[[0u32, 5, 0, 1], [5, 2, 0, 0]], usage).unwrap(),
-            counts: Buffer::new(device, "counts", 16, usage, Place::Device).unwrap(),
+            counts: Buffer::new(device, "counts", 16, usage, MemoryKind::Device).unwrap(),
         }
     }
 
@@ -41,7 +41,7 @@ fn commands_that_run_once_bind_what_they_read() {
     run_on_all(|device| {
         let (pipeline, lists) = (compute(device), Lists::new(device));
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let home = Buffer::new(device, "home", 16, usage, Place::ReadBack).unwrap();
+        let home = Buffer::new(device, "home", 16, usage, MemoryKind::ReadBack).unwrap();
         let between = MemoryBarrier::between;
         let record = |commands: &Commands, threshold: u32| {
             commands.bind_compute(&pipeline, &lists.slices());
@@ -76,7 +76,7 @@ fn commands_that_run_once_say_what_failed() {
     });
 }
 
-/// The sentence that comes of recording something that cannot be run.
+/// Returns the sentence that comes of recording something that cannot be run.
 fn sentence(device: &Device, record: impl FnOnce(&Commands)) -> String {
     let before = device.submitted();
     let error = device.run_once("wrong", record).expect_err("an error");
@@ -132,7 +132,7 @@ fn a_query_is_recorded_once_and_its_result_only_wanted_then() {
     run_on_all(|device| {
         let mut ring = FrameRing::new(device, 1).unwrap();
         let mut queries = QueryRing::<()>::new(device, 1, "test").unwrap();
-        let mut pages = QueryPages::new(device, 1, "pages");
+        let mut pages = BlockingQueryPool::new(device, 1, "pages");
         let scopes: [&[u32]; 4] = [&[0, 1], &[0, 1, 0], &[1], &[]];
         for (scoped, sound) in scopes.into_iter().zip([true, false, false, false]) {
             let mut frame = ring.begin().unwrap();

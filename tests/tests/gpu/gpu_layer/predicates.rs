@@ -2,22 +2,23 @@
 
 use glam::Vec3;
 use gpu::{
-    Access, Buffer, Device, DrawRange, FlagRing, FrameRing, IndirectDraw, MemoryBarrier, Place,
-    Predicated, Predicates, Predication, QueryIndex, QueryRing, Reveal, Target, WordSource, vk,
+    Access, Buffer, Device, DrawRange, FlagRing, FrameRing, IndirectDraw, MemoryBarrier,
+    MemoryKind, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing, ResultSource,
+    Reveal, Target, vk,
 };
 use occlusion::{ProxyBox, ProxyIo};
 use tests::run_on_all;
 use tests::shapes::{box_at, proxy_pass, square_view};
 
-const SOURCE: WordSource = WordSource::Fragments;
+const SOURCE: ResultSource = ResultSource::Fragments;
 
 fn executors(device: &Device) -> Vec<Predication> {
     let all = [Predication::Conditional, Predication::Counts, Predication::Instances];
     all.into_iter().filter(|p| Predicates::new(device, Some(*p), &[], 1).is_ok()).collect()
 }
 
-/// Whether two decisions draw something, one as a whole and one box by box, in frames with words that
-/// hide all and in frames without words.
+/// Returns whether two decisions draw something, one as a whole and one box by box, in frames with
+/// words that hide all and in frames without words.
 fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
     let (proxies, view) = (proxy_pass(device), square_view(device, 64));
     let mut target = Target::new(device, [64, 64], "target").unwrap();
@@ -41,10 +42,16 @@ fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
         let mut frame = ring.begin().unwrap();
         queries.begin(&mut frame, &[(has_words, false), (has_words, true)]).unwrap();
         flags.begin(&frame, std::iter::repeat_n((), 8)).unwrap();
-        let whole =
-            Predicated { word: 5, range: DrawRange { first: 0, count: 1 }, reveal: Reveal::Whole };
-        let parts =
-            Predicated { word: 7, range: DrawRange { first: 1, count: 1 }, reveal: Reveal::Parts };
+        let whole = PredicatedRange {
+            word: 5,
+            range: DrawRange { first: 0, count: 1 },
+            reveal: Reveal::Whole,
+        };
+        let parts = PredicatedRange {
+            word: 7,
+            range: DrawRange { first: 1, count: 1 },
+            reveal: Reveal::PerLeaf,
+        };
         let words = flags.words().filter(|_| has_words);
         predicates.begin(&mut frame, SOURCE, words, [whole, parts].into_iter()).unwrap();
         let boxes = frame.uploads().push(&boxes).unwrap();
@@ -103,8 +110,8 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         let words = device.upload("words", &words, usage).unwrap();
         let bytes = predicates.draws().size_bytes;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
-        let home = Buffer::new(device, "home", bytes, usage, Place::ReadBack).unwrap();
-        let decided = (0..COUNT).map(|number| Predicated {
+        let home = Buffer::new(device, "home", bytes, usage, MemoryKind::ReadBack).unwrap();
+        let decided = (0..COUNT).map(|number| PredicatedRange {
             word: number,
             range: DrawRange { first: number, count: 1 },
             reveal: Reveal::Whole,

@@ -12,7 +12,7 @@ use tests::{Driver, run};
 
 use super::{Moving, SIZE, options, render, wall_and_crowd};
 
-/// The box of every object, empty where there is none.
+/// Returns the box of every object, empty where there is none.
 fn boxes(renderer: &Renderer) -> Vec<Aabb> {
     let hierarchy = renderer.hierarchy();
     let ids = (0..hierarchy.leaf_objects().len() as u32).map(ObjectId);

@@ -8,9 +8,9 @@ use super::side::{SOURCE, Side, recorded};
 const BUFFER: &str = "a buffer (`BufferSlice`)";
 const PIPELINE: &str = "a pipeline";
 const TARGET: &str = "a target (`Target`)";
-const TEXTURE: &str = "a texture (`Texture`)";
+const TEXTURE: &str = "a texture (`DynamicTexture`)";
 const QUERIES: &str = "a query ring (`QueryRing`)";
-const PAGES: &str = "query pages (`QueryPages`)";
+const PAGES: &str = "query pages (`BlockingQueryPool`)";
 
 fn row(
     call: &'static str,
@@ -128,19 +128,19 @@ fn images() -> Vec<Row> {
                 ours.target.copy_to(commands, &theirs.picture);
             })
         }),
-        row("Texture::write", TEXTURE, |ours, theirs| {
+        row("DynamicTexture::write", TEXTURE, |ours, theirs| {
             let pixels = ours.slice().part(0, 64);
             recorded(&ours.device(), |commands| {
                 theirs.texture.write(commands, [0, 0], [4, 4], pixels);
             })
         }),
-        row("Texture::write", BUFFER, |ours, theirs| {
+        row("DynamicTexture::write", BUFFER, |ours, theirs| {
             let pixels = theirs.slice().part(0, 64);
             recorded(&ours.device(), |commands| {
                 ours.texture.write(commands, [0, 0], [4, 4], pixels);
             })
         }),
-        row("Texture::prepare", TEXTURE, |ours, theirs| {
+        row("DynamicTexture::prepare", TEXTURE, |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.texture.prepare(commands))
         }),
     ]
@@ -170,7 +170,7 @@ fn rings() -> Vec<Row> {
         row("FlagRing::read_back", "a flag ring (`FlagRing`)", |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.flags.read_back(commands))
         }),
-        row("PartDraws::read_back", "part draws (`PartDraws`)", |ours, theirs| {
+        row("PartDraws::read_back", "part draws (`LeafDrawRing`)", |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.parts.read_back(commands))
         }),
     ]

@@ -2,7 +2,7 @@
 
 use cull::Strategy;
 use gpu::Tick;
-use render::{Area, Error, FrameRequest, ViewTarget, ViewsRequest};
+use render::{Error, FrameRequest, Rect, ViewTarget, ViewsRequest};
 
 use super::Row;
 use super::side::{SIZE, Side};
@@ -26,9 +26,9 @@ fn rendered<'a>(ours: &mut Side, change: impl FnOnce(&mut FrameRequest<'a>)) -> 
     text(ours.renderer.render(&mut ours.view, &request))
 }
 
-/// The same by `render_views`, of a view of its own and of another one.
+/// Returns the same by `render_views`, of a view of its own and of another one.
 fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> String {
-    let (camera, area) = (ours.camera, Area::whole(SIZE));
+    let (camera, area) = (ours.camera, Rect::whole(SIZE));
     let history = if what == VIEW { &mut theirs.view } else { &mut ours.view };
     let visible = (what == VISIBLE_SET).then_some(&theirs.visible);
     let eye = ViewTarget { history, camera, visible, area };
@@ -79,7 +79,7 @@ pub fn rows() -> Vec<Row> {
             text(theirs.renderer.present(&mut ours.swapchain, SIZE))
         }),
         // Whoever holds two overlays can swap them.
-        row("Renderer::render", "a texture (`Texture`)", "Device", |ours, theirs| {
+        row("Renderer::render", "a texture (`DynamicTexture`)", "Device", |ours, theirs| {
             let swap = |ours: &mut Side, theirs: &mut Side| {
                 let (a, b) = (ours.renderer.flat_overlay(), theirs.renderer.flat_overlay());
                 std::mem::swap(a.unwrap(), b.unwrap());
@@ -109,7 +109,7 @@ fn histories(row: MakeRow) -> Vec<Row> {
             text(ours.renderer.snapshot(&mut theirs.view, view))
         }),
         row("Renderer::visible_set", VIEW, "Renderer", |ours, theirs| {
-            let (camera, area) = (ours.camera, Area::whole(SIZE));
+            let (camera, area) = (ours.camera, Rect::whole(SIZE));
             text(ours.renderer.visible_set(&mut theirs.view, &camera, area))
         }),
         row("Renderer::picked", "a pick (`Pick`)", "Renderer", |ours, theirs| {
@@ -123,11 +123,11 @@ fn histories(row: MakeRow) -> Vec<Row> {
 
 fn moments(row: MakeRow) -> Vec<Row> {
     vec![
-        row("Renderer::birds_eye", MOMENT, "Renderer", |ours, theirs| {
-            text(ours.renderer.birds_eye(&theirs.snapshot, &ours.picture))
+        row("Renderer::top_down", MOMENT, "Renderer", |ours, theirs| {
+            text(ours.renderer.top_down(&theirs.snapshot, &ours.picture))
         }),
-        row("Renderer::birds_eye", PICTURE, "Device", |ours, theirs| {
-            text(ours.renderer.birds_eye(&ours.snapshot, &theirs.picture))
+        row("Renderer::top_down", PICTURE, "Device", |ours, theirs| {
+            text(ours.renderer.top_down(&ours.snapshot, &theirs.picture))
         }),
         row("Renderer::render_snapshot", MOMENT, "Renderer", |ours, theirs| {
             text(ours.renderer.render_snapshot(&theirs.snapshot, ours.camera, None))

@@ -2,14 +2,14 @@
 
 use cull::{Camera, Strategy};
 use gpu::{
-    Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device, DrawRange, FlagRing, Frame,
-    FrameRing, GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, MipMaking, PartDraws, Place,
-    Predicated, Predicates, QueryIndex, QueryPages, QueryRing, Readback, Reveal, Spirv,
-    StorageLayout, Swapchain, Target, Texture, TextureArray, TextureArrayInfo, TextureUploads,
-    Timeline, VertexLayout, WordSource, vk,
+    BlockingQueryPool, Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device, DrawRange,
+    DynamicTexture, FlagRing, Frame, FrameRing, GraphicsPipeline, GraphicsPipelineInfo,
+    IndirectDraw, LeafDrawRing, MemoryKind, MipMaking, PredicatedRange, Predicates, QueryIndex,
+    QueryRing, Readback, ResultSource, Reveal, Spirv, StorageLayout, Swapchain, Target,
+    TextureArray, TextureArrayInfo, TextureUploads, Timeline, VertexLayout, vk,
 };
 use render::{
-    Area, FlatVertex, FrameRequest, Pick, Renderer, RendererOptions, ViewState, VisibilitySnapshot,
+    FlatVertex, FrameRequest, Pick, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot,
     VisibleSet,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind};
@@ -21,7 +21,7 @@ use tests::x11_window::{Library, X11Window};
 use tests::xvfb::Xvfb;
 
 pub const SIZE: [u32; 2] = [64, 36];
-pub const SOURCE: WordSource = WordSource::Queries;
+pub const SOURCE: ResultSource = ResultSource::Queries;
 
 /// Things of one device. What they own goes before the stage.
 pub struct Side {
@@ -35,15 +35,15 @@ pub struct Side {
     pub target: Target,
     pub picture: Readback,
     pub buffer: Buffer,
-    pub texture: Texture,
+    pub texture: DynamicTexture,
     pub array: TextureArray,
     pub uploads: TextureUploads,
     pub graphics: GraphicsPipeline,
     pub compute: ComputePipeline,
     pub queries: QueryRing<u32>,
-    pub pages: QueryPages,
+    pub pages: BlockingQueryPool,
     pub flags: FlagRing<u32>,
-    pub parts: PartDraws<u32>,
+    pub parts: LeafDrawRing<u32>,
     pub predicates: Predicates,
     pub timeline: Timeline,
     pub stage: Stage,
@@ -99,7 +99,7 @@ impl Side {
         let options = RendererOptions { methods: methods::ALL, size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
-        let visible = renderer.visible_set(&mut view, &camera, Area::whole(SIZE)).unwrap();
+        let visible = renderer.visible_set(&mut view, &camera, Rect::whole(SIZE)).unwrap();
         let snapshot = renderer.snapshot(&mut view, renderer.view_of(&camera)).unwrap();
         let pick = renderer.pick(&camera, [32, 18]).unwrap();
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
@@ -127,16 +127,16 @@ impl Side {
             swapchain: stage.swapchain(&Default::default()),
             target,
             picture: Readback::new(device, SIZE).unwrap(),
-            buffer: Buffer::new(device, "buffer", 4096 * 4, usage, Place::Device).unwrap(),
-            texture: Texture::new(device, [4, 4], "texture").unwrap(),
+            buffer: Buffer::new(device, "buffer", 4096 * 4, usage, MemoryKind::Device).unwrap(),
+            texture: DynamicTexture::new(device, [4, 4], "texture").unwrap(),
             array: TextureArray::new(device, &ARRAY).unwrap(),
             uploads: TextureUploads::new(device).unwrap(),
             graphics: graphics(device),
             compute: compute(device),
             queries: QueryRing::new(device, 1, "queries").unwrap(),
-            pages: QueryPages::new(device, 1, "pages"),
-            flags: FlagRing::new(device, 1, WordSource::Fragments, "flags"),
-            parts: PartDraws::new(device, 1, 2),
+            pages: BlockingQueryPool::new(device, 1, "pages"),
+            flags: FlagRing::new(device, 1, ResultSource::Fragments, "flags"),
+            parts: LeafDrawRing::new(device, 1, 2),
             predicates: Predicates::new(device, None, &draws, 1).unwrap(),
             timeline: Timeline::new(device, "timeline").unwrap(),
             stage,
@@ -162,7 +162,7 @@ impl Side {
     /// Lets one draw hang on the first word of the buffer.
     pub fn begin_predicates(&mut self, frame: &mut Frame<'_>) {
         let range = DrawRange { first: 0, count: 1 };
-        let decided = [Predicated { word: 0, range, reveal: Reveal::Whole }].into_iter();
+        let decided = [PredicatedRange { word: 0, range, reveal: Reveal::Whole }].into_iter();
         self.predicates.begin(frame, SOURCE, Some(self.buffer.whole()), decided).unwrap();
     }
 
@@ -204,12 +204,12 @@ impl Side {
     }
 }
 
-/// The error that comes of recording something.
+/// Returns the error that comes of recording something.
 pub fn recorded(device: &Device, record: impl FnOnce(&Commands)) -> String {
     device.run_once("mistake", record).expect_err("an error").to_string()
 }
 
-/// The error that comes of a frame that is recorded so.
+/// Returns the error that comes of a frame that is recorded so.
 pub fn framed(
     device: &Device,
     record: impl FnOnce(&mut Frame<'_>) -> Result<(), gpu::Error>,

@@ -1,4 +1,5 @@
-//! Arrays and their mip maps: made by the device and by the CPU, filled in pieces and on another thread.
+//! Arrays and their mip maps: made by the device and by the CPU, filled in pieces and on another
+//! thread.
 
 use gpu::{Error, FrameRing, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
 use render::SurfaceOptions;

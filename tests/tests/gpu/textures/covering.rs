@@ -110,9 +110,9 @@ fn blended_surfaces_mix_and_are_hidden_but_hide_nothing() {
             studio::quad(SIDE, ALL, 5.0, ONCE, 2, |_| {}),
         ];
         let mut scene = scene_of(meshes, surfaces);
-        let blended: Vec<Object> = scene.objects.drain(1..).collect();
-        assert_eq!(blended[0].mesh, MeshId(1));
-        scene.surfaces.as_mut().unwrap().blended = blended;
+        let transparent: Vec<Object> = scene.objects.drain(1..).collect();
+        assert_eq!(transparent[0].mesh, MeshId(1));
+        scene.surfaces.as_mut().unwrap().transparent = transparent;
         let mixed = (DVec3::X * 0.75 + DVec3::Y * 0.25) * 0.5 + DVec3::Z * 0.5;
         for (pixel, found) in draw(device, &scene).into_iter().enumerate() {
             assert_close(found, reference::encoded(mixed), pixel, "two blended");

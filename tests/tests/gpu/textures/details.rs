@@ -25,7 +25,7 @@ fn sun() -> PunctualLight {
 
 const TOWARDS_SUN: DVec3 = dvec3(0.6, 0.48, 0.64);
 
-/// A matt point in the middle of a pixel.
+/// Returns a matt point in the middle of a pixel.
 fn point(pixel: usize) -> reference::Point {
     let part = |pixel: usize| (pixel as f64 + 0.5) / f64::from(SIDE / 2) - 1.0;
     let (x, y) = (part(pixel % SIDE as usize), -part(pixel / SIDE as usize));

@@ -1,5 +1,5 @@
-//! A hierarchy that changes: objects move, go and come, and worn parts are rebuilt. The work is that
-//! of what changed, not of the scene.
+//! A hierarchy that changes: objects move, go and come, and worn parts are rebuilt. The work is
+//! that of what changed, not of the scene.
 
 use super::super::journal::{Change, FREE_LEAF, Journal, NEW_LEAF, Restructured};
 use super::super::refit::{Nodes, refit};
@@ -52,9 +52,9 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Puts an object in, in the free leaf where it fits best: one of an object that was removed, or that
-    /// was built with an empty box. Nothing of what the leaf held before is remembered of the new
-    /// object, in no view, and answers to questions about it are ignored.
+    /// Puts an object in, in the free leaf where it fits best: one of an object that was removed,
+    /// or that was built with an empty box. Nothing of what the leaf held before is remembered of
+    /// the new object, in no view, and answers to questions about it are ignored.
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`]; [`HierarchyError::NoFreeLeaf`].
@@ -70,7 +70,7 @@ impl Hierarchy {
         Ok(object)
     }
 
-    /// How many objects can still be inserted.
+    /// Returns how many objects can still be inserted.
     #[must_use]
     pub fn free_leaves(&self) -> usize {
         self.nodes.free.first().map_or(0, |free| *free as usize)
@@ -98,17 +98,18 @@ impl Hierarchy {
         self.chosen = chosen;
     }
 
-    /// True if the hierarchy as a whole is worn, so that a [rebuild](Hierarchy::rebuild) is worth its
-    /// time. Up to some ten thousand objects [`Hierarchy::restructure`] does that by itself.
+    /// Returns true if the hierarchy as a whole is worn, so that a [rebuild](Hierarchy::rebuild) is
+    /// worth its time. Up to some ten thousand objects [`Hierarchy::restructure`] does that by
+    /// itself.
     #[must_use]
     pub fn is_worn(&self) -> bool {
         let root = self.nodes.bounds.first();
         root.is_some_and(|bounds| self.nodes.wear.excess(0, bounds).is_some())
     }
 
-    /// Builds anew, for instance after objects were moved so far that the old shape is a bad one, or
-    /// to make room for more. Cullers notice by themselves and carry their history over by object:
-    /// an object keeps its id, or its history is that of the object that had the id before.
+    /// Builds anew, for instance after objects were moved so far that the old shape is a bad one,
+    /// or to make room for more. Cullers notice by themselves and carry their history over by
+    /// object: an object keeps its id, or its history is that of the object that had the id before.
     ///
     /// # Errors
     /// As [`Hierarchy::build`]; the hierarchy is then unchanged.
@@ -147,22 +148,22 @@ impl Hierarchy {
         Ok(generation)
     }
 
-    /// What changes have cost so far.
+    /// Returns what changes have cost so far.
     #[must_use]
     pub fn work(&self) -> HierarchyWork {
         self.work
     }
 
-    /// True if a node stood for the same in `generation` as now: what was found out about it then
-    /// is about what it is now.
+    /// Returns true if a node stood for the same in `generation` as now: what was found out about
+    /// it then is about what it is now.
     #[must_use]
     pub fn is_same_since(&self, node: NodeId, generation: Generation) -> bool {
         let born = self.births.get(node.0 as usize);
         generation <= self.generation && born.is_some_and(|born| *born <= generation)
     }
 
-    /// True if an object is there and was there in `generation`: what was found out about its id then
-    /// is about it and not about one that had the id before.
+    /// Returns true if an object is there and was there in `generation`: what was found out about
+    /// its id then is about it and not about one that had the id before.
     #[must_use]
     pub fn is_same_object_since(&self, object: ObjectId, generation: Generation) -> bool {
         let arrived = self.arrivals.get(object.0 as usize);

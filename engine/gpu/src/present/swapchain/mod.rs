@@ -3,31 +3,32 @@
 //! Who waits for whom, in [`Swapchain::acquire`] and [`WindowImage::show`]:
 //!
 //! - The CPU waits for the tick of the present that used this slot N frames ago, then for an image.
-//!   Both waits have the bound [`SwapchainOptions::acquire_bound`] and end as [`NotShown::Hidden`].
+//!   Both waits have the bound [`SwapchainOptions::acquire_bound`] and end as
+//!   [`PresentSkipped::Hidden`].
 //! - The GPU's copy to the image waits for the *acquire semaphore*: the screen no longer reads the
-//!   image. There is one a frame in flight: when its slot comes round, the submit that waited for it
-//!   is over, and it may be given to an acquire again.
-//! - The presentation engine waits for the image's *drawn semaphore*. There is one an image: when the
-//!   image is acquired again, the present that waited for it is over.
-//! - Where a driver waits inside the present itself, for a window that may be hidden, another thread
-//!   makes that call ([`presenter`]).
+//!   image. There is one a frame in flight: when its slot comes round, the submit that waited for
+//!   it is over, and it may be given to an acquire again.
+//! - The presentation engine waits for the image's *drawn semaphore*. There is one an image: when
+//!   the image is acquired again, the present that waited for it is over.
+//! - Where a driver waits inside the present itself, for a window that may be hidden, another
+//!   thread makes that call ([`presenter`]).
 //!
 //! A frame is rendered and submitted before its image is asked for, so the GPU draws while the CPU
 //! waits for the screen, and a frame without a window is the same frame.
 //!
 //! A swapchain that no longer fits is replaced with `oldSwapchain`; the old one goes to
-//! [`old_chains::OldChains`], which waits for nothing. `SUBOPTIMAL` alone replaces nothing: some
-//! drivers say so for ever. It only makes us compare sizes.
+//! [`old_chains::RetiredSwapchains`], which waits for nothing. `SUBOPTIMAL` alone replaces nothing:
+//! some drivers say so for ever. It only makes us compare sizes.
 
 mod api;
-mod chain;
-mod old_chains;
+mod images;
 mod options;
 mod outcome;
 mod plan;
 mod presenter;
-mod remains;
-mod screen;
+mod retired;
+mod state;
+mod teardown;
 
 use std::time::{Duration, Instant};
 
@@ -40,13 +41,13 @@ use crate::record::target::Target;
 
 pub use api::feedback::PresentTiming;
 pub use options::SwapchainOptions;
-pub use outcome::{NotShown, PresentId, Presented, Shown};
-use screen::Screen;
+pub use outcome::{PresentId, PresentSkipped, Presented, Shown};
+use state::SwapchainState;
 
 /// A window that shows pictures.
 pub struct Swapchain {
     ring: FrameRing,
-    screen: Screen,
+    screen: SwapchainState,
 }
 
 /// What comes of asking for an image of the window.
@@ -54,20 +55,20 @@ pub enum Acquired<'a> {
     /// An image, to be shown. Dropped, it is what the next call returns.
     Image(WindowImage<'a>),
     /// There is none.
-    Not(NotShown),
+    Not(PresentSkipped),
 }
 
 /// An image of the window that waits for a picture.
 pub struct WindowImage<'a> {
     frame: Frame<'a>,
-    screen: &'a mut Screen,
+    screen: &'a mut SwapchainState,
     slot_wait: Duration,
     acquire_wait: Duration,
 }
 
 impl Swapchain {
-    /// Shows pictures of `device` in the window of `surface`. The first image is asked for later, so
-    /// a window without a pixel is no error.
+    /// Shows pictures of `device` in the window of `surface`. The first image is asked for later,
+    /// so a window without a pixel is no error.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] for a device
@@ -78,16 +79,16 @@ impl Swapchain {
         options: &SwapchainOptions,
     ) -> Result<Self, Error> {
         let ring = FrameRing::new(device, options.frames_in_flight)?;
-        let screen = Screen::new(device, surface, options)?;
+        let screen = SwapchainState::new(device, surface, options)?;
         Ok(Self { ring, screen })
     }
 
-    /// Whether a frame may begin. Ask before each: a hidden window may hold the picture before back, and
-    /// with it the queue, so that nothing can be submitted. Waits for no longer than
-    /// [`SwapchainOptions::acquire_bound`].
+    /// Returns whether a frame may begin. Ask before each: a hidden window may hold the picture
+    /// before back, and with it the queue, so that nothing can be submitted. Waits for no longer
+    /// than [`SwapchainOptions::acquire_bound`].
     ///
     /// # Errors
-    /// What has no name in [`NotShown`]; those that have come with the next picture.
+    /// What has no name in [`PresentSkipped`]; those that have come with the next picture.
     pub fn is_ready(&mut self) -> Result<bool, Error> {
         match self.screen.is_ready() {
             Ok(is_ready) => Ok(is_ready),
@@ -99,12 +100,12 @@ impl Swapchain {
     /// knows. Call it when the frame is submitted, not before: the wait for the screen is here.
     ///
     /// # Errors
-    /// What has no name in [`NotShown`]: out of memory, a failed call.
+    /// What has no name in [`PresentSkipped`]: out of memory, a failed call.
     pub fn acquire(&mut self, window_size: [u32; 2]) -> Result<Acquired<'_>, Error> {
         let began = Instant::now();
         match self.is_slot_ready() {
             Ok(true) => {}
-            Ok(false) => return Ok(Acquired::Not(NotShown::Hidden)),
+            Ok(false) => return Ok(Acquired::Not(PresentSkipped::Hidden)),
             Err(error) => return Ok(Acquired::Not(self.screen.settle(error)?)),
         }
         let slot_wait = began.elapsed();
@@ -124,7 +125,8 @@ impl Swapchain {
     }
 
     /// Shows the picture of `target` in a window of `window_size` pixels; scaled, if its size is
-    /// another, and between black borders, if its shape is. [`Swapchain::acquire`] and [`WindowImage::show`] in one.
+    /// another, and between black borders, if its shape is. [`Swapchain::acquire`] and
+    /// [`WindowImage::show`] in one.
     ///
     /// # Errors
     /// As these.
@@ -137,7 +139,8 @@ impl Swapchain {
         }
     }
 
-    /// Whether the last present has come back, and the frame that used the slot before is over.
+    /// Returns whether the last present has come back, and the frame that used the slot before is
+    /// over.
     fn is_slot_ready(&mut self) -> Result<bool, Error> {
         let bound = self.screen.options.acquire_bound;
         Ok(self.screen.is_ready()? && self.ring.is_ready_within(bound)?)
@@ -166,12 +169,12 @@ impl Swapchain {
         self.ring.frames_in_flight()
     }
 
-    /// The present mode in use; the one asked for until the window had its first image.
+    /// Returns the present mode in use; the one asked for until the window had its first image.
     pub fn mode(&self) -> PresentMode {
         self.screen.chain.as_ref().map_or(self.screen.options.mode, |chain| chain.mode)
     }
 
-    /// Whether the window has not the present mode asked for, and which is taken.
+    /// Returns whether the window has not the present mode asked for, and which is taken.
     pub fn fallback(&self) -> Option<Fallback> {
         self.screen.fallback
     }
@@ -192,7 +195,7 @@ impl Swapchain {
         self.screen.chain.as_ref().map_or(0, |chain| chain.images.len())
     }
 
-    /// How often the window's images were made anew.
+    /// Returns how often the window's images were made anew.
     pub fn replaced(&self) -> u64 {
         self.screen.number.0.saturating_sub(1)
     }
@@ -202,7 +205,7 @@ impl Swapchain {
         self.screen.old.len()
     }
 
-    /// The newest picture given to the presentation engine.
+    /// Returns the newest picture given to the presentation engine.
     pub fn newest_presented(&self) -> Option<PresentId> {
         Some(self.screen.newest).filter(|id| *id > PresentId::default())
     }
@@ -215,12 +218,13 @@ impl WindowImage<'_> {
     }
 
     /// Copies the picture of `target` to the image, byte for byte where their sizes are equal, and
-    /// has it shown. A picture of another shape keeps its proportions, between black borders. A frame that waits for a [`crate::Timeline`] is shown after the signal it waits
-    /// for, not before (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
+    /// has it shown. A picture of another shape keeps its proportions, between black borders. A
+    /// frame that waits for a [`crate::Timeline`] is shown after the signal it waits for, not
+    /// before (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
     ///
     /// # Errors
     /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for one whose
-    /// picture was not [submitted](Target::submitted); what has no name in [`NotShown`].
+    /// picture was not [submitted](Target::submitted); what has no name in [`PresentSkipped`].
     pub fn show(self, target: &Target) -> Result<Shown, Error> {
         let Self { frame, screen, slot_wait, acquire_wait } = self;
         match screen.show(frame, target, [slot_wait, acquire_wait]) {

@@ -28,12 +28,13 @@ pub struct Presented {
 
 /// Why a picture is not shown. Nothing is lost: go on with the next frame, as said at each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum NotShown {
+pub enum PresentSkipped {
     /// The window has no pixel: it is minimised, or was made as small. Show nothing until its size
     /// changes.
     NoArea,
     /// No image came free within [`crate::SwapchainOptions::acquire_bound`], or the picture before
-    /// this one is still held back: the window is hidden, or the screen slow. Try again, not at once.
+    /// this one is still held back: the window is hidden, or the screen slow. Try again, not at
+    /// once.
     Hidden,
     /// The window changed under the picture. The next one is made for what it is then.
     OutOfDate,
@@ -45,27 +46,27 @@ pub enum NotShown {
     DeviceLost,
 }
 
-impl NotShown {
-    /// A sentence for the person in front of the machine.
+impl PresentSkipped {
+    /// Returns a sentence for the person in front of the machine.
     pub fn reason(self) -> &'static str {
         match self {
-            NotShown::NoArea => "the window has no pixel to show a picture in",
-            NotShown::Hidden => {
+            PresentSkipped::NoArea => "the window has no pixel to show a picture in",
+            PresentSkipped::Hidden => {
                 "the window takes no pictures for now: it is hidden, or the screen slow"
             }
-            NotShown::OutOfDate => {
+            PresentSkipped::OutOfDate => {
                 "the window has changed, the next picture is made for its new size"
             }
-            NotShown::SurfaceLost => "the window's surface was lost and made anew",
-            NotShown::WindowGone => "the window is gone; open another one",
-            NotShown::DeviceLost => {
+            PresentSkipped::SurfaceLost => "the window's surface was lost and made anew",
+            PresentSkipped::WindowGone => "the window is gone; open another one",
+            PresentSkipped::DeviceLost => {
                 "the driver gave up on the GPU; restart the program, update the driver if it comes back"
             }
         }
     }
 }
 
-impl std::fmt::Display for NotShown {
+impl std::fmt::Display for PresentSkipped {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(self.reason())
     }
@@ -77,11 +78,11 @@ pub enum Shown {
     /// It is on its way to the screen.
     Presented(Presented),
     /// It is not shown.
-    Not(NotShown),
+    Not(PresentSkipped),
 }
 
 impl Shown {
-    /// The present, if the picture is on its way.
+    /// Returns the present, if the picture is on its way.
     pub fn presented(self) -> Option<Presented> {
         match self {
             Shown::Presented(presented) => Some(presented),

@@ -13,7 +13,7 @@ const FORMATS: [vk::Format; 3] =
 /// The colour space of every picture.
 pub(super) const COLOUR_SPACE: vk::ColorSpaceKHR = vk::ColorSpaceKHR::SRGB_NONLINEAR;
 
-/// The format to show pictures in, of those `offered`.
+/// Returns the format to show pictures in, of those `offered`.
 pub(super) fn format(offered: &[vk::SurfaceFormatKHR]) -> Result<vk::Format, Error> {
     let has = |format: vk::Format| {
         // A lone UNDEFINED once meant that anything goes.
@@ -31,7 +31,7 @@ pub(super) fn format(offered: &[vk::SurfaceFormatKHR]) -> Result<vk::Format, Err
     })
 }
 
-/// The size of the images, or nothing if the window has no pixel.
+/// Returns the size of the images, or nothing if the window has no pixel.
 ///
 /// Where the surface says how large it is, that is it. Where the images make the window's size
 /// (Wayland), it is `window_size`, as the caller knows it.
@@ -56,8 +56,8 @@ pub(super) fn extent(
     Some([within(wanted[0], least.width, most.width), within(wanted[1], least.height, most.height)])
 }
 
-/// One image more than the least: with the least alone, the CPU would wait for the screen before
-/// each frame even where there is time.
+/// Returns one image more than the least: with the least alone, the CPU would wait for the screen
+/// before each frame even where there is time.
 pub(super) fn image_count(state: &vk::SurfaceCapabilitiesKHR) -> u32 {
     let most = if state.max_image_count == 0 { u32::MAX } else { state.max_image_count };
     (state.min_image_count + 1).max(3).min(most)

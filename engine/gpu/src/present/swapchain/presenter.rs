@@ -1,9 +1,9 @@
 //! A thread that presents, for windows where that may take as long as they are hidden.
 //!
-//! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor asks for another picture,
-//! which it does not do for a window that nobody sees; and the call has no bound. So it is made here,
-//! and the frame loop waits for its end with a bound. Meanwhile the queue is taken: until the call is
-//! over nothing can be submitted, and [`super::Swapchain::is_ready`] says so.
+//! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor asks for another
+//! picture, which it does not do for a window that nobody sees; and the call has no bound. So it is
+//! made here, and the frame loop waits for its end with a bound. Meanwhile the queue is taken:
+//! until the call is over nothing can be submitted, and [`super::Swapchain::is_ready`] says so.
 
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
@@ -11,11 +11,11 @@ use std::time::Duration;
 
 use ash::vk;
 
-use super::chain::PresentCall;
-use super::remains::Remains;
+use super::images::PresentCall;
+use super::teardown::Teardown;
 use crate::core::device::Device;
 use crate::core::error::Error;
-use crate::core::turns::lock;
+use crate::core::queue_lock::lock;
 
 /// The thread, and what it was given.
 pub(super) struct Presenter {
@@ -36,7 +36,7 @@ struct State {
     is_busy: bool,
     is_over: bool,
     /// What a window leaves that was closed during a call.
-    remains: Option<Remains>,
+    remains: Option<Teardown>,
 }
 
 impl Presenter {
@@ -56,7 +56,7 @@ impl Presenter {
         self.shared.changed.notify_all();
     }
 
-    /// The result of the call, if it ends within `bound`; it is told once.
+    /// Returns the result of the call, if it ends within `bound`; it is told once.
     pub(super) fn result_within(&self, bound: Duration) -> Option<Result<bool, vk::Result>> {
         let waited =
             self.shared
@@ -70,7 +70,7 @@ impl Presenter {
     }
 
     /// Ends the thread: at once, or when its call is over, and with it what the window leaves.
-    pub(super) fn end(mut self, remains: Remains) {
+    pub(super) fn end(mut self, remains: Teardown) {
         let mut state = lock(&self.shared.state);
         state.is_over = true;
         let is_busy = state.is_busy;

@@ -5,8 +5,8 @@ use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
 
-/// The executor for `draws` draws: the one wanted, else the best that the device has for so many. Any
-/// range may become one draw call, and a draw count is limited as a whole.
+/// Returns the executor for `draws` draws: the one wanted, else the best that the device has for so
+/// many. Any range may become one draw call, and a draw count is limited as a whole.
 pub(super) fn choose(
     device: &Device,
     wanted: Option<Predication>,

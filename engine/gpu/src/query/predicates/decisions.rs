@@ -1,4 +1,5 @@
-//! What hangs on a word: who wrote it, which draws it decides, and how the GPU is kept from drawing.
+//! What hangs on a word: who wrote it, which draws it decides, and how the GPU is kept from
+//! drawing.
 
 use crate::core::capabilities::{Capabilities, Optional};
 use crate::record::access::Access;
@@ -6,7 +7,7 @@ use crate::record::indirect::DrawRange;
 
 /// Who wrote the words that decide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum WordSource {
+pub enum ResultSource {
     /// Copies of query results.
     Queries,
     /// Fragment shaders of proxies.
@@ -15,17 +16,17 @@ pub enum WordSource {
     Compute,
 }
 
-impl WordSource {
+impl ResultSource {
     /// All of them.
-    pub const ALL: [WordSource; 3] =
-        [WordSource::Queries, WordSource::Fragments, WordSource::Compute];
+    pub const ALL: [ResultSource; 3] =
+        [ResultSource::Queries, ResultSource::Fragments, ResultSource::Compute];
 
-    /// How the words are written.
+    /// Returns how the words are written.
     pub fn access(self) -> Access {
         match self {
-            WordSource::Queries => Access::CopyWrite,
-            WordSource::Fragments => Access::FragmentWrite,
-            WordSource::Compute => Access::ComputeWrite,
+            ResultSource::Queries => Access::CopyWrite,
+            ResultSource::Fragments => Access::FragmentWrite,
+            ResultSource::Compute => Access::ComputeWrite,
         }
     }
 }
@@ -36,14 +37,15 @@ pub enum Reveal {
     /// All of it is drawn ([`Predicates::draw`](crate::Predicates::draw)).
     #[default]
     Whole,
-    /// A box for each of its draws is drawn first ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)), whose fragments
-    /// decide draw by draw ([`Predicates::draw_parts`](crate::Predicates::draw_parts)).
-    Parts,
+    /// A box for each of its draws is drawn first
+    /// ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)), whose fragments decide draw by
+    /// draw ([`Predicates::draw_parts`](crate::Predicates::draw_parts)).
+    PerLeaf,
 }
 
 /// A decision: what a word decides. Several may hang on one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Predicated {
+pub struct PredicatedRange {
     /// The number of the word among those of its source.
     pub word: u32,
     /// The draws.
@@ -64,7 +66,7 @@ pub enum Predication {
 }
 
 impl Predication {
-    /// The best one for a device.
+    /// Returns the best one for a device.
     pub fn best(capabilities: &Capabilities) -> Self {
         if capabilities.has(Optional::ConditionalRendering) {
             Predication::Conditional

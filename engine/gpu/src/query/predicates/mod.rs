@@ -1,7 +1,7 @@
 //! Predicates: ranges of draws that the GPU skips by itself when a test saw nothing.
 //!
-//! A test leaves a word that is zero or not, whoever wrote it ([`WordSource`]). The same plan runs on
-//! every device, by one of three executors; what is done with the word differs:
+//! A test leaves a word that is zero or not, whoever wrote it ([`ResultSource`]). The same plan
+//! runs on every device, by one of three executors; what is done with the word differs:
 //!
 //! - [`Predication::Conditional`]: the word is the predicate of conditional rendering.
 //! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all.
@@ -11,7 +11,7 @@
 
 mod choice;
 mod decisions;
-mod lane;
+mod predicate_list;
 
 use std::ops::Range;
 
@@ -30,9 +30,9 @@ use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
 use crate::record::shader::Spirv;
 use choice::choose;
-pub use decisions::{Predicated, Predication, Reveal, WordSource};
-pub use lane::BOX_VERTICES;
-use lane::Lane;
+pub use decisions::{PredicatedRange, Predication, ResultSource, Reveal};
+pub use predicate_list::BOX_VERTICES;
+use predicate_list::PredicateList;
 
 /// All draws of a scene, in GPU memory, drawn range by range under predicates.
 pub struct Predicates {
@@ -43,7 +43,7 @@ pub struct Predicates {
     threshold_samples: u32,
     // A word that lets everything be drawn: as a predicate, and as a draw count.
     all: Buffer,
-    lanes: [Lane; WordSource::ALL.len()],
+    lists: [PredicateList; ResultSource::ALL.len()],
 }
 
 #[repr(C)]
@@ -60,8 +60,8 @@ impl Predicates {
     /// Uploads `draws` and prepares `predication` (if `None`, the device's best for so many).
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the device lacks what `predication` needs; [`Error::TooLarge`] for
-    /// more draws than it counts; no memory; a failed call.
+    /// [`Error::Unsupported`] when the device lacks what `predication` needs; [`Error::TooLarge`]
+    /// for more draws than it counts; no memory; a failed call.
     pub fn new(
         device: &Device,
         predication: Option<Predication>,
@@ -71,8 +71,9 @@ impl Predicates {
         Self::with_threshold(device, predication, draws, frames_in_flight, 0)
     }
 
-    /// The same where words of queries that are no larger than `threshold_samples` count as zero; those
-    /// queries must [count](crate::Counting::Samples). The result is then no longer exact.
+    /// Creates the same where words of queries that are no larger than `threshold_samples` count as
+    /// zero; those queries must [count](crate::Counting::Samples). The result is then no longer
+    /// exact.
     ///
     /// # Errors
     /// As [`Predicates::new`]; above a threshold of 0 also [`Error::CannotCompare`], and
@@ -122,56 +123,58 @@ impl Predicates {
             )?,
             writer,
             threshold_samples,
-            lanes: std::array::from_fn(|_| Lane::new(frames_in_flight)),
+            lists: std::array::from_fn(|_| PredicateList::new(frames_in_flight)),
         })
     }
 
     /// Makes room for another number of frames in flight.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
-        self.lanes = std::array::from_fn(|_| Lane::new(frames_in_flight));
+        self.lists = std::array::from_fn(|_| PredicateList::new(frames_in_flight));
     }
 
-    /// All draws in GPU memory, to be changed between frames. [`Predication::Instances`] changes
-    /// their instance counts.
+    /// Returns all draws in GPU memory, to be changed between frames. [`Predication::Instances`]
+    /// changes their instance counts.
     pub fn draws(&self) -> BufferSlice {
         self.draws.whole()
     }
 
-    /// The executor in use.
+    /// Returns the executor in use.
     pub fn predication(&self) -> Predication {
         self.predication
     }
 
-    /// Starts a frame: the decisions that hang on the words of `source`. Each source is begun once a
-    /// frame, without words if it writes none: what is unknown is drawn.
+    /// Starts a frame: the decisions that hang on the words of `source`. Each source is begun once
+    /// a frame, without words if it writes none: what is unknown is drawn.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a frame or words of another device, and the frame fails; no memory.
     pub fn begin(
         &mut self,
         frame: &mut Frame<'_>,
-        source: WordSource,
+        source: ResultSource,
         words: Option<BufferSlice>,
-        decided: impl ExactSizeIterator<Item = Predicated>,
+        decided: impl ExactSizeIterator<Item = PredicatedRange>,
     ) -> Result<(), Error> {
         frame.commands().admit(self)?;
         words.map_or(Ok(()), |words| frame.commands().admit(&words))?;
         let counts = self.predication == Predication::Counts;
         let device = &self.device;
-        let Some(lane) = self.lanes.get_mut(source as usize) else { return Ok(()) };
+        let Some(list) = self.lists.get_mut(source as usize) else { return Ok(()) };
         let has_words = words.is_some();
-        let decided = decided
-            .map(|decided| Predicated { word: decided.word * u32::from(has_words), ..decided });
-        lane.begin(frame, words.unwrap_or(self.all.whole()), decided);
+        let decided = decided.map(|decided| PredicatedRange {
+            word: decided.word * u32::from(has_words),
+            ..decided
+        });
+        list.begin(frame, words.unwrap_or(self.all.whole()), decided);
         if self.writer.is_some() {
-            lane.upload(frame, self.predication)?;
+            list.upload(frame, self.predication)?;
         }
-        if counts { lane.make_counts(device) } else { Ok(()) }
+        if counts { list.make_counts(device) } else { Ok(()) }
     }
 
     /// Makes the words decide that were just written: for each source, a range of its decisions.
     /// Outside of rendering; after writing the words and before anything is drawn by them.
-    pub fn resolve(&self, commands: &Commands, written: &[(WordSource, Range<u32>)]) {
+    pub fn resolve(&self, commands: &Commands, written: &[(ResultSource, Range<u32>)]) {
         if commands.admit(self).is_err() {
             return;
         }
@@ -185,12 +188,12 @@ impl Predicates {
         from.extend([Access::IndirectRead, Access::ComputeWrite]);
         commands.barrier(between(&from, &[Access::ComputeRead, Access::ComputeWrite]));
         for (source, range) in written {
-            let lane = self.lane(*source);
+            let list = self.list(*source);
             let result = match self.predication {
-                Predication::Counts => lane.counts(),
+                Predication::Counts => list.counts(),
                 _ => Some(self.draws.whole()),
             };
-            let (Some(on_gpu), Some(words), Some(result)) = (lane.on_gpu, lane.words, result)
+            let (Some(on_gpu), Some(words), Some(result)) = (list.on_gpu, list.words, result)
             else {
                 continue;
             };
@@ -200,7 +203,7 @@ impl Predicates {
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
             // What nobody answers is drawn, and flags do not count.
-            let is_counted = *source == WordSource::Queries && words != self.all.whole();
+            let is_counted = *source == ResultSource::Queries && words != self.all.whole();
             let threshold = if is_counted { self.threshold_samples } else { 0 };
             let per_group = match self.predication {
                 Predication::Counts => 64, // a thread per decision
@@ -208,7 +211,7 @@ impl Predicates {
             };
             let limits = &self.device.adapter().limits;
             let most = limits.max_compute_work_group_count[0].max(1).saturating_mul(per_group);
-            let end = range.end.min(lane.decided.len() as u32);
+            let end = range.end.min(list.decided.len() as u32);
             for first in (range.start..end).step_by(most as usize) {
                 let count = most.min(end - first);
                 commands.push_compute_constants(writer, &Decisions { first, count, threshold });
@@ -223,8 +226,8 @@ impl Predicates {
     }
 
     /// Draws all of `draws`, whatever any word says. Where some draws are counted these are, too:
-    /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in
-    /// the command buffer.
+    /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it
+    /// in the command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
         if commands.admit(self).is_err() {
             return;
@@ -249,7 +252,7 @@ impl Predicates {
     }
 
     /// Draws the range of a decision if its word is not zero.
-    pub fn draw(&self, commands: &Commands, source: WordSource, decision: u32) {
+    pub fn draw(&self, commands: &Commands, source: ResultSource, decision: u32) {
         self.draw_from(commands, source, decision, self.draws.whole());
     }
 
@@ -258,7 +261,7 @@ impl Predicates {
     pub fn draw_parts(
         &self,
         commands: &Commands,
-        source: WordSource,
+        source: ResultSource,
         decision: u32,
         draws: BufferSlice,
     ) {
@@ -268,15 +271,15 @@ impl Predicates {
     fn draw_from(
         &self,
         commands: &Commands,
-        source: WordSource,
+        source: ResultSource,
         decision: u32,
         all_draws: BufferSlice,
     ) {
         if commands.admit(self).is_err() {
             return;
         }
-        let lane = self.lane(source);
-        let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
+        let list = self.list(source);
+        let Some(&PredicatedRange { word, range, .. }) = list.decided.get(decision as usize) else {
             return;
         };
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
@@ -284,36 +287,41 @@ impl Predicates {
         match self.predication {
             Predication::Instances => commands.draw_indirect(draws),
             Predication::Counts => {
-                if let Some(count) = lane.count(decision) {
+                if let Some(count) = list.count(decision) {
                     commands.draw_indirect_count(draws, count);
                 }
             }
             Predication::Conditional => {
-                self.conditionally(commands, lane, word, |commands| commands.draw_indirect(draws));
+                self.conditionally(commands, list, word, |commands| commands.draw_indirect(draws));
             }
         }
     }
 
     /// Draws [`BOX_VERTICES`] vertices for each draw in the range of a decision, as the instance of
     /// the draw's own number, if the word is not zero.
-    pub fn draw_boxes(&self, commands: &Commands, source: WordSource, decision: u32) {
+    pub fn draw_boxes(&self, commands: &Commands, source: ResultSource, decision: u32) {
         if commands.admit(self).is_err() {
             return;
         }
-        let lane = self.lane(source);
-        let Some(&Predicated { word, range, .. }) = lane.decided.get(decision as usize) else {
+        let list = self.list(source);
+        let Some(&PredicatedRange { word, range, .. }) = list.decided.get(decision as usize) else {
             return;
         };
-        match (lane.on_gpu, self.predication) {
+        match (list.on_gpu, self.predication) {
             (Some(on_gpu), Predication::Counts) => {
-                // Not a plain indirect draw: Mesa 22.3's lavapipe goes on using the count of the last
-                // draw that had one.
-                if let Some(count) = lane.box_count(decision) {
-                    commands.draw_unindexed_indirect_count(lane::box_draw(on_gpu, decision), count);
+                // Not a plain indirect draw: Mesa 22.3's lavapipe goes on using the count of the
+                // last draw that had one.
+                if let Some(count) = list.box_count(decision) {
+                    commands.draw_unindexed_indirect_count(
+                        predicate_list::box_draw(on_gpu, decision),
+                        count,
+                    );
                 }
             }
-            (Some(on_gpu), _) => commands.draw_unindexed_indirect(lane::box_draw(on_gpu, decision)),
-            (None, _) => self.conditionally(commands, lane, word, |commands| {
+            (Some(on_gpu), _) => {
+                commands.draw_unindexed_indirect(predicate_list::box_draw(on_gpu, decision))
+            }
+            (None, _) => self.conditionally(commands, list, word, |commands| {
                 commands.draw_instances(BOX_VERTICES, range.first..range.first + range.count);
             }),
         }
@@ -323,11 +331,11 @@ impl Predicates {
     fn conditionally(
         &self,
         commands: &Commands,
-        lane: &Lane,
+        list: &PredicateList,
         word: u32,
         record: impl FnOnce(&Commands),
     ) {
-        let (Some(conditional), Some(words)) = (self.device.conditional(), lane.words) else {
+        let (Some(conditional), Some(words)) = (self.device.conditional(), list.words) else {
             record(commands);
             return;
         };
@@ -346,8 +354,8 @@ impl Predicates {
         }
     }
 
-    fn lane(&self, source: WordSource) -> &Lane {
-        &self.lanes[source as usize]
+    fn list(&self, source: ResultSource) -> &PredicateList {
+        &self.lists[source as usize]
     }
 }
 

@@ -4,7 +4,7 @@ use ash::vk;
 use bytemuck::Pod;
 
 use crate::memory::buffer::BufferSlice;
-use crate::memory::texture::Texture;
+use crate::memory::dynamic_texture::DynamicTexture;
 use crate::memory::texture_array::TextureArray;
 use crate::record::commands::{Commands, Failure};
 use crate::record::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
@@ -20,7 +20,7 @@ impl Commands {
         &self,
         pipeline: &GraphicsPipeline,
         storage: &[BufferSlice],
-        textures: &[&Texture],
+        textures: &[&DynamicTexture],
     ) {
         self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, &[]);
     }
@@ -45,7 +45,7 @@ impl Commands {
         pipeline: &PipelineKind,
         point: vk::PipelineBindPoint,
         storage: &[BufferSlice],
-        textures: &[&Texture],
+        textures: &[&DynamicTexture],
         arrays: &[&TextureArray],
     ) {
         let are_ours = self.admit(pipeline).is_ok()
@@ -178,8 +178,8 @@ impl Commands {
         }
     }
 
-    /// Binds two vertex buffers, side by side as in [`VertexLayout::beside`](crate::VertexLayout::beside),
-    /// and a buffer of 32-bit indices.
+    /// Binds two vertex buffers, side by side as in
+    /// [`VertexLayout::beside`](crate::VertexLayout::beside), and a buffer of 32-bit indices.
     pub fn bind_geometry_beside(&self, vertices: [BufferSlice; 2], indices: BufferSlice) {
         if !self.admit_all(vertices.iter().chain([&indices])) {
             return;

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use super::super::{Pacer, RateSearch};
-use crate::frame::{Feedback, FrameId};
+use crate::frame::{Feedback, PacedFrameId};
 use crate::margin::Margin;
-use crate::options::{PresentMode, PresentReports};
+use crate::options::{PresentReports, PresentationMode};
 use crate::time::{MICROSECOND_NS, SECOND_NS, Time, ns};
 
 /// Reports from further ahead than that are of another clock.
@@ -31,7 +31,7 @@ enum Exactness {
 impl Pacer {
     /// Something became known of a frame. Frames that are unknown or long gone are ignored, as are
     /// times before the frame's start.
-    pub fn feedback(&mut self, frame: FrameId, feedback: Feedback) {
+    pub fn feedback(&mut self, frame: PacedFrameId, feedback: Feedback) {
         let Some(start) = self.frames.record(frame.0).map(|record| record.start) else { return };
         let sane = |time: Time| {
             let time = time.to_ns();
@@ -69,8 +69,8 @@ impl Pacer {
         }
     }
 
-    /// With n images, an acquire that returns has one that an image n - 1 presents ago took the place
-    /// of: that one is shown. If the acquire had to wait, it is shown since just now.
+    /// With n images, an acquire that returns has one that an image n - 1 presents ago took the
+    /// place of: that one is shown. If the acquire had to wait, it is shown since just now.
     fn acquired(&mut self, frame: u64, to: f64, waited: f64) {
         if let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) {
             record.waited = waited;
@@ -99,7 +99,7 @@ impl Pacer {
         }
     }
 
-    /// When something was shown at the latest that is known to be shown by then.
+    /// Returns when something was shown at the latest that is known to be shown by then.
     fn last_refresh(&self, by: f64) -> f64 {
         let period = self.clock.period().filter(|_| self.presentation.has_grid());
         period.and_then(|period| self.clock.at_or_after(by - period)).unwrap_or(by).min(by)
@@ -199,7 +199,7 @@ impl Pacer {
             return;
         }
         let generation = self.clock.generation();
-        let newest_wins = self.presentation.mode == PresentMode::Mailbox;
+        let newest_wins = self.presentation.mode == PresentationMode::Mailbox;
         let late = |period: f64| record.target.is_some_and(|target| at > target + 0.5 * period);
         let foretold = record.generation == generation;
         let was_late = foretold && self.clock.period().is_some_and(late);

@@ -1,7 +1,7 @@
 //! How full the queue is, and what to do when it does not empty.
 
 use super::super::Pacer;
-use crate::frame::{FrameId, WaitReason};
+use crate::frame::{PacedFrameId, WaitReason};
 use crate::frames::Record;
 use crate::options::PresentReports;
 use crate::time::{MILLISECOND_NS, SECOND_NS, ns};
@@ -19,8 +19,8 @@ const SHORTEST_PAUSE_NS: f64 = 0.1 * MILLISECOND_NS;
 const DROP_PAUSE_NS: f64 = 4.0 * MILLISECOND_NS;
 
 impl Pacer {
-    /// Frames that may be queued. Where nothing is reported and the phase is not known, only a queue
-    /// as full as the swapchain lets it be can tell of a refresh.
+    /// Frames that may be queued. Where nothing is reported and the phase is not known, only a
+    /// queue as full as the swapchain lets it be can tell of a refresh.
     pub(in crate::pacer) fn queue_limit(&self) -> usize {
         let limit = self.options.queue_limit;
         let blind = self.learns_from_acquires()
@@ -28,15 +28,15 @@ impl Pacer {
         (if blind { limit.max(self.presentation.images) } else { limit }) as usize
     }
 
-    /// Where acquires are the only sign of refreshes.
+    /// Returns where acquires are the only sign of refreshes.
     pub(in crate::pacer) fn learns_from_acquires(&self) -> bool {
         self.presentation.reports == PresentReports::Missing
             && self.presentation.in_order()
             && self.presentation.has_grid()
     }
 
-    /// Once every image was presented, the next is free when another has taken the place of the one it
-    /// showed last: that other's position among all presents.
+    /// Once every image was presented, the next is free when another has taken the place of the one
+    /// it showed last: that other's position among all presents.
     pub(in crate::pacer) fn ordinal_in_the_way(&self) -> Option<u64> {
         let images = u64::from(self.presentation.images);
         self.presented.checked_sub(images).map(|replaced| replaced + 1)
@@ -111,11 +111,11 @@ impl Pacer {
         let until = if leaves.is_finite() { leaves } else { now };
         let pause = (period / 16.0).max(SHORTEST_PAUSE_NS).max((now - self.silence.since) / 8.0);
         let until = until.clamp(now + pause, now + patience.max(pause));
-        Some((until, WaitReason::QueueFull(FrameId(oldest))))
+        Some((until, WaitReason::QueueFull(PacedFrameId(oldest))))
     }
 
-    /// Where the queue may be filled beyond its limit, as many as that may wait for the display, but not
-    /// for the GPU.
+    /// Returns where the queue may be filled beyond its limit, as many as that may wait for the
+    /// display, but not for the GPU.
     fn gpu_backlog(&self, now: f64) -> Option<(f64, WaitReason)> {
         if !self.sees_finishes {
             return None;
@@ -141,7 +141,7 @@ impl Pacer {
             .map_or(now, |record| self.knowledge(f64::NEG_INFINITY).finish(record, 0.0));
         let pause = (period / 16.0).max(SHORTEST_PAUSE_NS).max(0.25 * (now - expected));
         let until = expected.clamp(now + pause, now + period.max(pause));
-        Some((until, WaitReason::QueueFull(FrameId(frame))))
+        Some((until, WaitReason::QueueFull(PacedFrameId(frame))))
     }
 
     /// What is best known of when the newest frame that left was shown.

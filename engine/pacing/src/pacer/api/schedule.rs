@@ -2,7 +2,7 @@
 
 use super::super::{Pacer, PhaseSearch, RATE_SEARCH_FRAMES, RATE_SEARCH_PAUSES};
 use crate::forecast::Forecast;
-use crate::frame::{FrameId, WaitReason};
+use crate::frame::{PacedFrameId, WaitReason};
 use crate::time::{MICROSECOND_NS, SECOND_NS};
 
 /// Standard deviations that are kept free before a refresh.
@@ -63,14 +63,15 @@ impl Pacer {
         Schedule { start, wanted, target, reason }
     }
 
-    /// When the GPU is done with a frame that starts then, if all goes as expected.
+    /// Returns when the GPU is done with a frame that starts then, if all goes as expected.
     fn ready(&self, start: f64, forecast: &Forecast) -> f64 {
         let submitted = (start + self.cpu.expected()).max(forecast.image_free);
         submitted.max(forecast.gpu_free) + self.gpu.expected()
     }
 
-    /// The first refresh that a frame started then would reach, and the period. Refreshes are tried
-    /// for that are more likely reached than not: margins make us early, they do not make us give up.
+    /// Returns the first refresh that a frame started then would reach, and the period. Refreshes
+    /// are tried for that are more likely reached than not: margins make us early, they do not make
+    /// us give up.
     fn reachable_refresh(&self, start: f64, forecast: &Forecast) -> Option<(f64, f64)> {
         if !self.presentation.has_grid() {
             return None;
@@ -82,7 +83,7 @@ impl Pacer {
         Some((shown, period))
     }
 
-    /// How long before its refresh a frame starts.
+    /// Returns how long before its refresh a frame starts.
     fn lead_ns(&self, now: f64) -> f64 {
         let estimates = [&self.wake, &self.cpu, &self.gpu];
         let expected: f64 = estimates.iter().map(|estimate| estimate.expected()).sum();
@@ -91,8 +92,9 @@ impl Pacer {
         expected + SAFE * (variance.sqrt() + phase) + self.margin_ns()
     }
 
-    /// When to look whether the GPU is done with the newest frame, if a look tells anything.
-    pub(in crate::pacer) fn poll_due(&self, now: f64) -> Option<(f64, FrameId)> {
+    /// Returns when to look whether the GPU is done with the newest frame, if a look tells
+    /// anything.
+    pub(in crate::pacer) fn poll_due(&self, now: f64) -> Option<(f64, PacedFrameId)> {
         if !self.sees_finishes {
             return None;
         }
@@ -111,7 +113,7 @@ impl Pacer {
         // Ever more rarely, the longer it has been at work: one that hangs must not make us spin.
         let again =
             (self.some_period_ns() / 32.0).max(100.0 * MICROSECOND_NS).max(0.25 * (now - hoped));
-        Some((hoped.max(now + again), FrameId(frame)))
+        Some((hoped.max(now + again), PacedFrameId(frame)))
     }
 
     /// The limit holds on average: a frame may come early by what the ones before it were late, up

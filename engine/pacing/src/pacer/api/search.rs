@@ -13,8 +13,8 @@ const SAFE: f64 = 3.0;
 const PATIENCE_NS: f64 = SECOND_NS;
 
 impl Pacer {
-    /// An acquire that had to wait returned, the last one before it at `before`; `shown` had to be shown
-    /// for it. Answers whether that tells of a refresh.
+    /// Returns an acquire that had to wait returned, the last one before it at `before`; `shown`
+    /// had to be shown for it. Answers whether that tells of a refresh.
     pub(in crate::pacer) fn tells_of_refresh(
         &mut self,
         shown: u64,
@@ -43,7 +43,7 @@ impl Pacer {
         self.searches_phase() && !self.trial.is_won && self.sees_finishes
     }
 
-    /// The earliest start of the next frame while the phase is searched for.
+    /// Returns the earliest start of the next frame while the phase is searched for.
     pub(in crate::pacer) fn start_in_search(&self, now: f64) -> f64 {
         let is_shaken = self.trial.shaking == Shaking::Due;
         if !self.is_tried() || !(is_shaken || self.has_few_images()) {

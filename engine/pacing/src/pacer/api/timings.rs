@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::super::Pacer;
-use crate::frame::{FrameId, FrameTiming};
+use crate::frame::{FrameTiming, PacedFrameId};
 use crate::frames::REMEMBERED;
 use crate::options::PresentReports;
 use crate::time::SECOND_NS;
@@ -12,10 +12,10 @@ use crate::time::SECOND_NS;
 const PATIENCE_FRAMES: u64 = 3 * REMEMBERED as u64 / 4;
 
 impl Pacer {
-    /// The next frame of which all is known that will be, once each and in order; dropped ones are
-    /// left out. Ask until there is none, after delivering feedback: what lies back more than about
-    /// sixty frames is forgotten.
-    pub fn completed(&mut self) -> Option<(FrameId, FrameTiming)> {
+    /// Returns the next frame of which all is known that will be, once each and in order; dropped
+    /// ones are left out. Ask until there is none, after delivering feedback: what lies back more
+    /// than about sixty frames is forgotten.
+    pub fn completed(&mut self) -> Option<(PacedFrameId, FrameTiming)> {
         self.ledger.next = self.ledger.next.max(self.frames.oldest());
         loop {
             let frame = self.ledger.next;
@@ -25,7 +25,7 @@ impl Pacer {
             }
             self.ledger.next += 1;
             if !record.dropped {
-                return Some((FrameId(frame), self.timing(record.start, record.shown)));
+                return Some((PacedFrameId(frame), self.timing(record.start, record.shown)));
             }
         }
     }

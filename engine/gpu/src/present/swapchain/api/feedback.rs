@@ -1,4 +1,5 @@
-//! What the presentation engine tells of pictures after they were given to it. Nothing here decides.
+//! What the presentation engine tells of pictures after they were given to it. Nothing here
+//! decides.
 
 use std::time::Duration;
 
@@ -25,10 +26,10 @@ pub struct PresentTiming {
 const TIMINGS: usize = 16;
 
 impl Swapchain {
-    /// The newest picture known to be, or to have been, on the screen. Never waits. `None` where
-    /// nothing is known: no picture of the window as it is now has been seen yet, or the device lacks
-    /// [`crate::Optional::PresentWait`]. Asked for once a frame or more often, it moves from id to id;
-    /// pictures that never show are passed over.
+    /// Returns the newest picture known to be, or to have been, on the screen. Never waits. `None`
+    /// where nothing is known: no picture of the window as it is now has been seen yet, or the
+    /// device lacks [`crate::Optional::PresentWait`]. Asked for once a frame or more often, it
+    /// moves from id to id; pictures that never show are passed over.
     ///
     /// # Errors
     /// A failed call.
@@ -43,8 +44,8 @@ impl Swapchain {
     }
 
     /// Waits until the picture of `id` is on the screen, for no longer than `bound` (at most a
-    /// minute), and says whether it is. At once false for an id that was never presented, that belongs
-    /// to a swapchain replaced since, and without [`crate::Optional::PresentWait`].
+    /// minute), and says whether it is. At once false for an id that was never presented, that
+    /// belongs to a swapchain replaced since, and without [`crate::Optional::PresentWait`].
     ///
     /// # Errors
     /// A failed call.
@@ -115,8 +116,8 @@ impl Swapchain {
         Ok(())
     }
 
-    /// How long a refresh of the screen takes; `None` where it is unknown, which it is without
-    /// [`crate::Optional::DisplayTiming`].
+    /// Returns how long a refresh of the screen takes; `None` where it is unknown, which it is
+    /// without [`crate::Optional::DisplayTiming`].
     ///
     /// # Errors
     /// A failed call.
@@ -138,7 +139,8 @@ impl Swapchain {
     }
 }
 
-/// The id, of which the extension keeps 32 bits: the newest one not after `newest` that ends so.
+/// Returns the id, of which the extension keeps 32 bits: the newest one not after `newest` that
+/// ends so.
 fn widened(low: u32, newest: PresentId) -> PresentId {
     let behind = (newest.0 as u32).wrapping_sub(low);
     PresentId(newest.0.saturating_sub(u64::from(behind)))

@@ -4,17 +4,17 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
-use super::super::chain::Chain;
-use super::super::outcome::{NotShown, PresentId, Presented, Shown};
+use super::super::images::SwapchainImages;
+use super::super::outcome::{PresentId, PresentSkipped, Presented, Shown};
 use super::super::presenter::Presenter;
-use super::super::screen::{Fit, Screen, is_outdated};
+use super::super::state::{Fit, SwapchainState, is_outdated};
 use crate::core::device::Order;
 use crate::core::error::{Called, Error};
 use crate::present::window_copy::copy_to_window;
 use crate::record::frames::Frame;
 use crate::record::target::Target;
 
-impl Screen {
+impl SwapchainState {
     /// Copies the picture to the image that is held, and presents it.
     pub(in super::super) fn show(
         &mut self,
@@ -55,7 +55,7 @@ impl Screen {
             _ => Some(call.make(&self.device)),
         };
         let present_wait = began.elapsed();
-        let Some(result) = result else { return Ok(Shown::Not(NotShown::Hidden)) };
+        let Some(result) = result else { return Ok(Shown::Not(PresentSkipped::Hidden)) };
         match self.came_back(result)? {
             None => {
                 let presented = Presented { id, tick, size, slot_wait, acquire_wait, present_wait };
@@ -65,7 +65,7 @@ impl Screen {
         }
     }
 
-    /// Whether the call of the last present has come back, within the bound.
+    /// Returns whether the call of the last present has come back, within the bound.
     pub(in super::super) fn is_ready(&mut self) -> Result<bool, Error> {
         let (Some(presenter), Some(_)) = (&self.presenter, self.calling) else { return Ok(true) };
         let Some(result) = presenter.result_within(self.options.acquire_bound) else {
@@ -74,14 +74,17 @@ impl Screen {
         self.came_back(result).map(|_| true)
     }
 
-    /// The chain, unless another thread calls with it.
-    pub(in super::super) fn idle_chain(&self) -> Option<&Chain> {
+    /// Returns the chain, unless another thread calls with it.
+    pub(in super::super) fn idle_chain(&self) -> Option<&SwapchainImages> {
         let is_busy = self.presenter.as_ref().is_some_and(Presenter::is_busy);
         self.chain.as_ref().filter(|_| !is_busy)
     }
 
-    /// What came of a present.
-    fn came_back(&mut self, result: Result<bool, vk::Result>) -> Result<Option<NotShown>, Error> {
+    /// Returns what came of a present.
+    fn came_back(
+        &mut self,
+        result: Result<bool, vk::Result>,
+    ) -> Result<Option<PresentSkipped>, Error> {
         if let (Some(index), Some(chain)) = (self.calling.take(), &mut self.chain) {
             chain.presented(index, result);
         }
@@ -97,7 +100,7 @@ impl Screen {
                 // The image is not ours any more, or its semaphore was left signalled.
                 self.fit = Fit::Unusable;
                 if is_outdated(code) {
-                    return Ok(Some(NotShown::OutOfDate));
+                    return Ok(Some(PresentSkipped::OutOfDate));
                 }
                 Err(code).called("vkQueuePresentKHR")
             }

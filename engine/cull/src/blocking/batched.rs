@@ -1,0 +1,116 @@
+//! Some large occluders, then a query for every other object, then a wait for all of them (GPU
+//! Gems, 29.3).
+//!
+//! The queries do not wait for each other, so no test profits from what another one revealed: what
+//! hides is what was drawn before all of them, untested (29.3.2).
+
+use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
+use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
+use crate::ids::NodeId;
+
+/// How [`Strategy::Batched`](crate::Strategy::Batched) works.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BatchedOptions {
+    /// Objects that look at least this large are drawn first, without a test: the diagonal of the
+    /// box over its distance (radians, nearly).
+    pub occluder_angle: f32,
+    /// Tests that are sent off together: the GPU begins while the CPU records the others.
+    pub tests_per_submit: usize,
+}
+
+impl Default for BatchedOptions {
+    fn default() -> Self {
+        Self { occluder_angle: 0.75, tests_per_submit: 256 }
+    }
+}
+
+/// Where a frame stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Phase {
+    #[default]
+    Occluders,
+    Asking,
+    Reading,
+}
+
+/// All questions at once.
+#[derive(Debug)]
+pub(super) struct Batched {
+    options: BatchedOptions,
+    phase: Phase,
+    leaves: Vec<InSight>,
+    next: usize,
+    /// What showed while questions were still being asked.
+    shown: Vec<NodeId>,
+}
+
+impl Batched {
+    pub(super) fn new(options: BatchedOptions) -> Self {
+        let tests_per_submit = options.tests_per_submit.max(1);
+        Self {
+            options: BatchedOptions { tests_per_submit, ..options },
+            phase: Phase::default(),
+            leaves: Vec::new(),
+            next: 0,
+            shown: Vec::new(),
+        }
+    }
+
+    /// Draws the occluders and what cannot be tested, and keeps the others.
+    fn draw_occluders(&mut self, recorder: &mut Recorder<'_>) {
+        let viewed = recorder.viewed;
+        self.leaves.retain(|leaf| {
+            let diagonal = 2.0 * viewed.hierarchy.bounds(leaf.node).half_extent().length();
+            let is_drawn = diagonal >= self.options.occluder_angle * leaf.distance()
+                || recorder.proxy(leaf.node).is_none();
+            if is_drawn {
+                recorder.draw(leaf.node);
+            }
+            !is_drawn
+        });
+    }
+
+    fn ask(&mut self, recorder: &mut Recorder<'_>) {
+        let left = &self.leaves[self.next.min(self.leaves.len())..];
+        let asked = left.len().min(self.options.tests_per_submit);
+        for leaf in &left[..asked] {
+            match recorder.viewed.proxy(leaf.node) {
+                Some(proxy) => _ = recorder.ask(leaf.node, proxy),
+                None => recorder.draw(leaf.node),
+            }
+        }
+        self.next += asked;
+    }
+}
+
+impl BlockingStrategy for Batched {
+    fn begin(&mut self, viewed: &ViewedHierarchy<'_>, stats: &mut BlockingStats) {
+        stats.nodes_visited = viewed.leaves(&mut self.leaves);
+        self.phase = Phase::Occluders;
+        self.next = 0;
+        self.shown.clear();
+    }
+
+    fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction {
+        self.shown.extend(results.iter().filter(|it| it.samples > 0).map(|it| it.node));
+        match self.phase {
+            Phase::Occluders => {
+                self.draw_occluders(recorder);
+                self.phase = Phase::Asking;
+                return NextAction::Submit;
+            }
+            Phase::Asking => {
+                self.ask(recorder);
+                if self.next < self.leaves.len() {
+                    return NextAction::Submit;
+                }
+                self.phase = Phase::Reading;
+            }
+            Phase::Reading => {}
+        }
+        if self.phase == Phase::Reading && recorder.batch.tests.is_empty() {
+            self.shown.drain(..).for_each(|node| recorder.draw(node));
+        }
+        recorder.pending.oldest_open().map_or(NextAction::Done, NextAction::Wait)
+    }
+}

@@ -1,0 +1,289 @@
+//! Coherent hierarchical culling as published (GPU Gems 2, 6.4 and 6.5): the last frame's
+//! visibility is the guess that keeps both sides busy, and every guess is checked within the frame.
+//!
+//! What was visible is drawn at once, its own geometry being the test; what was hidden is tested by
+//! the boxes of the topmost hidden nodes; answers are taken as they come home, and waited for only
+//! when there is nothing else to do.
+//!
+//! In place of the listing's flag and frame number, a node keeps the last frame in which it was
+//! found visible: it was visible in the last frame if that is the last frame.
+//!
+//! A query is on its way only once its commands are submitted, so questions are sent in batches.
+
+use std::sync::Arc;
+
+use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
+use crate::geom::bounds::Aabb;
+use crate::geom::frustum::PlaneMask;
+use crate::hierarchy::Hierarchy;
+use crate::hierarchy::front_to_back::{InSight, NearestFirst, ViewedHierarchy};
+use crate::ids::{FrameId, Generation, NodeId, ObjectId};
+use crate::rng::SplitMix64;
+
+/// What a visible leaf is tested by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LeafTest {
+    /// Its own draw, which happens anyway (6.5.2).
+    #[default]
+    OwnGeometry,
+    /// Its box, beside its draw.
+    Box,
+}
+
+/// What is drawn while questions are asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FirstPass {
+    /// The picture itself.
+    #[default]
+    Shaded,
+    /// The depth only; the picture is drawn at the end of the frame, when all is known (6.5.3).
+    /// Where faces of one object have equal depth at a pixel, the last one then wins, and else the
+    /// first.
+    DepthOnly,
+}
+
+/// How [`Strategy::Coherent`](crate::Strategy::Coherent) works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CoherentOptions {
+    /// What a visible leaf is tested by.
+    pub leaf_test: LeafTest,
+    /// What the frame draws while it asks.
+    pub first_pass: FirstPass,
+    /// What shows no more samples than this counts as hidden (6.5.4). Above 0 the image is no
+    /// longer exact, and the device must count samples precisely.
+    pub visibility_threshold_samples: u32,
+    /// For how many frames after it was found visible a leaf is drawn without a test (6.5.5). The
+    /// first such time is shorter at random, so that leaves do not all ask in the same frame.
+    pub assumed_visible_frames: u32,
+    /// Boxes that are tested together. Fewer, and answers are home sooner; more, and there are
+    /// fewer submits.
+    pub tests_per_submit: usize,
+    /// Draws that are sent off together, so that the GPU has work from the beginning.
+    pub draws_per_submit: usize,
+}
+
+impl Default for CoherentOptions {
+    fn default() -> Self {
+        Self {
+            leaf_test: LeafTest::OwnGeometry,
+            first_pass: FirstPass::Shaded,
+            visibility_threshold_samples: 0,
+            assumed_visible_frames: 8,
+            tests_per_submit: 32,
+            draws_per_submit: 256,
+        }
+    }
+}
+
+/// What is kept of an object. Of frames before the first nothing is known.
+#[derive(Clone, Copy, Debug)]
+struct LastTest {
+    /// The last frame that drew it.
+    drawn: FrameId,
+    /// The last frame in which it was visible.
+    shown: FrameId,
+    /// Visible without a test up to this frame.
+    assumed_until: FrameId,
+}
+
+impl LastTest {
+    const NEW: Self = Self { drawn: FrameId(0), shown: FrameId(0), assumed_until: FrameId(0) };
+}
+
+/// The history and the traversal of one view.
+#[derive(Debug)]
+pub(super) struct Coherent {
+    options: CoherentOptions,
+    frame: FrameId,
+    /// For each node, the last frame in which something of it was visible.
+    shown: Vec<FrameId>,
+    /// By object.
+    records: Vec<LastTest>,
+    /// Which hierarchy `shown` is about, and since when its nodes are what they are.
+    known: Option<(Arc<()>, Generation)>,
+    queue: NearestFirst,
+    rng: SplitMix64,
+}
+
+impl Coherent {
+    pub(super) fn new(options: CoherentOptions) -> Self {
+        Self {
+            options: CoherentOptions {
+                tests_per_submit: options.tests_per_submit.max(1),
+                draws_per_submit: options.draws_per_submit.max(1),
+                ..options
+            },
+            frame: FrameId(0),
+            shown: Vec::new(),
+            records: Vec::new(),
+            known: None,
+            queue: NearestFirst::default(),
+            rng: SplitMix64::new(0x636f_6865_7265_6e74),
+        }
+    }
+
+    /// Follows the hierarchy to its present generation. An object's new leaf was visible when its
+    /// old one was, an inner node when one of its children was. Nothing is known of an object that
+    /// came since, whoever had its id before.
+    fn adopt(&mut self, hierarchy: &Hierarchy) {
+        let (identity, generation) = (hierarchy.journal().identity(), hierarchy.generation());
+        let is_known = |known: &(Arc<()>, Generation)| {
+            Arc::ptr_eq(&known.0, identity) && known.1 == generation
+        };
+        if self.known.as_ref().is_some_and(is_known) {
+            return;
+        }
+        if let Some((_, since)) = self.known.take_if(|known| Arc::ptr_eq(&known.0, identity)) {
+            for (object, record) in (0..).map(ObjectId).zip(&mut self.records) {
+                if !hierarchy.is_same_object_since(object, since) {
+                    *record = LastTest::NEW;
+                }
+            }
+        }
+        self.known = Some((Arc::clone(identity), generation));
+        self.records.resize(hierarchy.leaf_objects().len(), LastTest::NEW);
+        self.shown.clear();
+        self.shown.resize(hierarchy.node_count(), FrameId(0));
+        for (object, record) in (0..).map(ObjectId).zip(&self.records) {
+            if let Some(node) = hierarchy.node_of(object) {
+                self.shown[node.0 as usize] = record.shown;
+            }
+        }
+        // Children follow their parents.
+        for node in (0..self.shown.len()).rev() {
+            if let Some(parent) = hierarchy.parent(NodeId(node as u32)) {
+                let parent = parent.0 as usize;
+                self.shown[parent] = self.shown[parent].max(self.shown[node]);
+            }
+        }
+    }
+
+    fn was_visible(&self, node: NodeId) -> bool {
+        let shown = self.shown.get(node.0 as usize).copied().unwrap_or(FrameId(0));
+        shown.0 > 0 && shown.0 + 1 == self.frame.0
+    }
+
+    /// Something of the node is visible, hence of all above it.
+    fn pull_up(&mut self, node: NodeId, viewed: &ViewedHierarchy<'_>) {
+        let frame = self.frame;
+        if let Some(record) = self.record(node, viewed) {
+            record.shown = frame;
+        }
+        let mut above = Some(node);
+        while let Some(node) = above {
+            match self.shown.get_mut(node.0 as usize) {
+                Some(shown) if *shown != frame => *shown = frame,
+                _ => return,
+            }
+            above = viewed.hierarchy.parent(node);
+        }
+    }
+
+    /// Returns what is kept of the object of a leaf; `None` for an inner node.
+    fn record(&mut self, node: NodeId, viewed: &ViewedHierarchy<'_>) -> Option<&mut LastTest> {
+        let leaves = viewed.hierarchy.leaves(node);
+        let object = viewed.hierarchy.leaf_objects().get(leaves.first.0 as usize)?;
+        self.records.get_mut(object.0 as usize).filter(|_| leaves.count == 1)
+    }
+
+    /// Goes on below a node, or draws a leaf that is not drawn yet.
+    fn traverse(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
+        if let Some(children) = recorder.viewed.children(node) {
+            self.queue.extend(children);
+        } else if self.draws_now(node.node, &recorder.viewed) {
+            recorder.draw(node.node);
+        }
+    }
+
+    /// Returns true if a leaf is to be drawn: only the first time in a frame.
+    fn draws_now(&mut self, leaf: NodeId, viewed: &ViewedHierarchy<'_>) -> bool {
+        let frame = self.frame;
+        let Some(record) = self.record(leaf, viewed) else { return true };
+        std::mem::replace(&mut record.drawn, frame) != frame
+    }
+
+    /// An answer came: the listing's first part.
+    fn take(&mut self, answer: &QueryResult, recorder: &mut Recorder<'_>) {
+        if answer.samples <= self.options.visibility_threshold_samples {
+            // A leaf that was visible in the last frame is drawn beside its test.
+            let frame = self.frame;
+            let record = self.record(answer.node, &recorder.viewed);
+            if record.is_none_or(|record| record.drawn != frame) {
+                recorder.stats.neglected_samples += u64::from(answer.samples);
+            }
+            return;
+        }
+        let longest = self.options.assumed_visible_frames;
+        let was_visible = self.was_visible(answer.node);
+        let frames = if was_visible { longest } else { self.rng.between(0, longest) };
+        let until = FrameId(self.frame.0 + u64::from(frames));
+        if let Some(record) = self.record(answer.node, &recorder.viewed) {
+            record.assumed_until = until;
+        }
+        self.pull_up(answer.node, &recorder.viewed);
+        if let Some(node) = recorder.viewed.look(answer.node, PlaneMask::ALL) {
+            self.traverse(&node, recorder);
+        }
+    }
+
+    /// A node has its turn: the listing's second part.
+    fn visit(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
+        recorder.stats.nodes_visited += 1;
+        let was_visible = self.was_visible(node.node);
+        let is_leaf = recorder.viewed.is_leaf(node.node);
+        match recorder.proxy(node.node) {
+            None => {
+                self.pull_up(node.node, &recorder.viewed);
+                self.traverse(node, recorder);
+            }
+            Some(_) if was_visible && !is_leaf => self.traverse(node, recorder),
+            Some(proxy) if was_visible => self.draw_visible(node.node, proxy, recorder),
+            Some(proxy) => _ = recorder.ask(node.node, proxy),
+        }
+    }
+
+    /// Draws a leaf that was visible in the last frame, and tests it if it is time to.
+    fn draw_visible(&mut self, leaf: NodeId, proxy: Aabb, recorder: &mut Recorder<'_>) {
+        let frame = self.frame;
+        let is_assumed =
+            self.record(leaf, &recorder.viewed).is_some_and(|it| it.assumed_until >= frame);
+        if !self.draws_now(leaf, &recorder.viewed) {
+            return;
+        }
+        if is_assumed {
+            self.pull_up(leaf, &recorder.viewed);
+            return recorder.draw(leaf);
+        }
+        match self.options.leaf_test {
+            LeafTest::OwnGeometry => recorder.draw_asking(leaf),
+            LeafTest::Box => {
+                recorder.ask(leaf, proxy);
+                recorder.draw(leaf);
+            }
+        }
+    }
+}
+
+impl BlockingStrategy for Coherent {
+    fn begin(&mut self, viewed: &ViewedHierarchy<'_>, _: &mut BlockingStats) {
+        self.adopt(viewed.hierarchy);
+        self.frame.0 += 1;
+        self.queue.clear();
+        self.queue.extend(viewed.root());
+    }
+
+    fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction {
+        for answer in results {
+            self.take(answer, recorder);
+        }
+        while let Some(node) = self.queue.pop() {
+            self.visit(&node, recorder);
+            let is_full = recorder.batch.tests.len() >= self.options.tests_per_submit
+                || recorder.batch.draws.len() >= self.options.draws_per_submit;
+            if is_full {
+                return NextAction::Submit;
+            }
+        }
+        recorder.pending.oldest_open().map_or(NextAction::Done, NextAction::Wait)
+    }
+}

@@ -1,0 +1,140 @@
+//! Methods that need answers before a frame can go on: a conversation with the GPU.
+//!
+//! A [`BlockingCuller`] is the CPU's half of what the literature does with occlusion queries, each
+//! method as it was published: it says what to draw and to test next, takes what is known so far,
+//! and may say that it cannot go on without an answer. It is a pure state machine: who submits,
+//! waits and polls is the executor.
+//!
+//! One frame:
+//!
+//! 1. [`BlockingCuller::begin`] with the strategy and the view.
+//! 2. [`BlockingFrame::next`] fills a [`Batch`] and answers with a [`NextAction`]. The executor
+//!    records the batch: its draws in their order, those with a token under a query of their own;
+//!    then its tests, front faces of the boxes only, without writing. A batch may be empty.
+//! 3. [`NextAction::Submit`]: submits, and comes back at once with what is home.
+//!    [`NextAction::Wait`]: submits, waits for that answer, and comes back with it and what else is
+//!    home. [`NextAction::Done`]: the frame is complete with this batch.
+//!
+//! An answer may be missing after a wait: what was asked about then counts as visible. Answers that
+//! come twice, or to what was never asked, are ignored. So every conversation ends, and its image
+//! is that of drawing everything, for the reason in [`Margin`](crate::Margin); a visibility
+//! threshold above 0 gives that up.
+
+mod batched;
+mod chc;
+mod naive;
+mod recorder;
+mod stop_and_wait;
+
+use crate::geom::view::View;
+use crate::hierarchy::Hierarchy;
+use crate::hierarchy::front_to_back::ViewedHierarchy;
+use crate::plan::strategy::Strategy;
+use batched::Batched;
+pub use batched::BatchedOptions;
+use chc::Coherent;
+pub use chc::{CoherentOptions, FirstPass, LeafTest};
+use naive::Naive;
+pub use recorder::{Batch, BatchDraw, BatchTest, BlockingStats, NextAction, TestAnswer, TestToken};
+use recorder::{BlockingStrategy, PendingQueries, QueryResult, Recorder};
+use stop_and_wait::StopAndWait;
+
+/// The options of the methods that have some.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BlockingOptions {
+    /// Of [`Strategy::Batched`].
+    pub batched: BatchedOptions,
+    /// Of [`Strategy::Coherent`].
+    pub coherent: CoherentOptions,
+}
+
+/// The CPU's half of one view's conversations, with the history of the methods that keep one.
+#[derive(Debug)]
+pub struct BlockingCuller {
+    naive: Naive,
+    batched: Batched,
+    stop_and_wait: StopAndWait,
+    coherent: Coherent,
+    pending: PendingQueries,
+    results: Vec<QueryResult>,
+}
+
+/// One frame of a blocking method.
+pub struct BlockingFrame<'a> {
+    method: &'a mut dyn BlockingStrategy,
+    viewed: ViewedHierarchy<'a>,
+    pending: &'a mut PendingQueries,
+    results: &'a mut Vec<QueryResult>,
+    waits_for: Option<TestToken>,
+    stats: BlockingStats,
+}
+
+impl BlockingCuller {
+    /// Knows nothing yet.
+    #[must_use]
+    pub fn new(options: BlockingOptions) -> Self {
+        Self {
+            naive: Naive::default(),
+            batched: Batched::new(options.batched),
+            stop_and_wait: StopAndWait::default(),
+            coherent: Coherent::new(options.coherent),
+            pending: PendingQueries::default(),
+            results: Vec::new(),
+        }
+    }
+
+    /// Begins a frame; `None` for a strategy that is no blocking method
+    /// ([`Strategy::is_blocking`]).
+    pub fn begin<'a>(
+        &'a mut self,
+        hierarchy: &'a Hierarchy,
+        strategy: Strategy,
+        view: &'a View,
+    ) -> Option<BlockingFrame<'a>> {
+        let method: &mut dyn BlockingStrategy = match strategy {
+            Strategy::Naive => &mut self.naive,
+            Strategy::Batched => &mut self.batched,
+            Strategy::StopAndWait => &mut self.stop_and_wait,
+            Strategy::Coherent => &mut self.coherent,
+            _ => return None,
+        };
+        self.pending.clear();
+        let viewed = ViewedHierarchy { hierarchy, view };
+        let mut stats = BlockingStats::default();
+        method.begin(&viewed, &mut stats);
+        let (pending, results) = (&mut self.pending, &mut self.results);
+        Some(BlockingFrame { method, viewed, pending, results, waits_for: None, stats })
+    }
+}
+
+impl BlockingFrame<'_> {
+    /// Takes what is home since the last call and says what to do next; `batch` is reused. After
+    /// [`NextAction::Done`] there is nothing more to say.
+    pub fn next(&mut self, answers: &[TestAnswer], batch: &mut Batch) -> NextAction {
+        batch.clear();
+        self.results.clear();
+        for answer in answers {
+            let node = self.pending.settle(answer.token);
+            self.results.extend(node.map(|node| QueryResult { node, samples: answer.samples }));
+        }
+        // What was waited for and did not come counts as visible.
+        if let Some(node) = self.waits_for.take().and_then(|token| self.pending.settle(token)) {
+            self.results.push(QueryResult { node, samples: u32::MAX });
+        }
+        let mut recorder =
+            Recorder { viewed: self.viewed, batch, pending: self.pending, stats: &mut self.stats };
+        let step = self.method.next(self.results, &mut recorder);
+        self.stats.batches += 1;
+        if let NextAction::Wait(token) = step {
+            self.stats.waits += 1;
+            self.waits_for = Some(token);
+        }
+        step
+    }
+
+    /// Returns what happened so far.
+    #[must_use]
+    pub fn stats(&self) -> BlockingStats {
+        self.stats
+    }
+}

@@ -1,0 +1,33 @@
+//! A query for every object, and a wait for each (GPU Gems, 29.2; GPU Gems 2, 6.2): what one would
+//! write first, and the reason why occlusion queries were thought to be slow.
+
+use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
+use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
+
+/// Objects front to back, one at a time.
+#[derive(Debug, Default)]
+pub(super) struct Naive {
+    leaves: Vec<InSight>,
+    next: usize,
+}
+
+impl BlockingStrategy for Naive {
+    fn begin(&mut self, viewed: &ViewedHierarchy<'_>, stats: &mut BlockingStats) {
+        stats.nodes_visited = viewed.leaves(&mut self.leaves);
+        self.next = 0;
+    }
+
+    fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction {
+        for answer in results.iter().filter(|answer| answer.samples > 0) {
+            recorder.draw(answer.node);
+        }
+        while let Some(leaf) = self.leaves.get(self.next) {
+            self.next += 1;
+            match recorder.proxy(leaf.node) {
+                Some(proxy) => return NextAction::Wait(recorder.ask(leaf.node, proxy)),
+                None => recorder.draw(leaf.node),
+            }
+        }
+        NextAction::Done
+    }
+}

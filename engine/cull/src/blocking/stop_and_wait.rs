@@ -1,0 +1,54 @@
+//! The hierarchy from the root down, a query and a wait at every node (GPU Gems 2, 6.3).
+
+use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
+use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
+
+/// The walk down the tree, the nearer child first.
+#[derive(Debug, Default)]
+pub(super) struct StopAndWait {
+    stack: Vec<InSight>,
+    /// The node that was asked about.
+    asked: Option<InSight>,
+}
+
+impl StopAndWait {
+    /// Goes on below a node that shows.
+    fn open(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
+        match recorder.viewed.children(node) {
+            None => recorder.draw(node.node),
+            Some(children) => {
+                let first = self.stack.len();
+                self.stack.extend(children);
+                // The last on the stack comes next.
+                self.stack[first..].reverse();
+            }
+        }
+    }
+}
+
+impl BlockingStrategy for StopAndWait {
+    fn begin(&mut self, viewed: &ViewedHierarchy<'_>, _: &mut BlockingStats) {
+        self.asked = None;
+        self.stack.clear();
+        self.stack.extend(viewed.root());
+    }
+
+    fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction {
+        if let Some(asked) = self.asked.take()
+            && results.iter().any(|answer| answer.node == asked.node && answer.samples > 0)
+        {
+            self.open(&asked, recorder);
+        }
+        while let Some(node) = self.stack.pop() {
+            recorder.stats.nodes_visited += 1;
+            match recorder.proxy(node.node) {
+                Some(proxy) => {
+                    self.asked = Some(node);
+                    return NextAction::Wait(recorder.ask(node.node, proxy));
+                }
+                None => self.open(&node, recorder),
+            }
+        }
+        NextAction::Done
+    }
+}

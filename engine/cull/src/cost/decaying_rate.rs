@@ -1,0 +1,74 @@
+//! Counts of what tests told, which fade: the present counts more than the past.
+
+/// After so many frames evidence counts half.
+const HALF_LIFE_FRAMES: f32 = 64.0;
+
+/// More answers than this do not make it surer.
+const MOST: f32 = 256.0;
+
+/// How often something was so, and how often not.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct DecayingRate {
+    pub(crate) yes: f32,
+    pub(crate) no: f32,
+}
+
+impl DecayingRate {
+    pub(crate) fn note(&mut self, is_so: bool) {
+        let sum = self.yes + self.no;
+        if sum >= MOST {
+            let keep = (MOST - 1.0) / sum;
+            self.yes *= keep;
+            self.no *= keep;
+        }
+        if is_so {
+            self.yes += 1.0;
+        } else {
+            self.no += 1.0;
+        }
+    }
+
+    pub(crate) fn fade(&mut self) {
+        let keep = keep();
+        self.yes *= keep;
+        self.no *= keep;
+    }
+
+    /// Returns how likely it is so, if this is all that is known beside `prior`.
+    pub(crate) fn probability(&self, prior: Self) -> f32 {
+        (self.yes + prior.yes) / (self.yes + self.no + prior.yes + prior.no)
+    }
+}
+
+/// How often visible leaves turn out hidden.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct HideRate {
+    hides: f64,
+    /// Visible leaves, added up over frames.
+    exposure: f64,
+}
+
+/// What the expected rate counts as much as, in leaves times frames.
+const EXPECTED_EXPOSURE: f64 = 256.0;
+
+impl HideRate {
+    pub(crate) fn note(&mut self) {
+        self.hides += 1.0;
+    }
+
+    /// A frame with so many visible leaves.
+    pub(crate) fn fade(&mut self, visible: u32) {
+        let keep = f64::from(keep());
+        self.hides *= keep;
+        self.exposure = self.exposure * keep + f64::from(visible);
+    }
+
+    /// Hides per leaf and frame.
+    pub(crate) fn per_leaf_and_frame(&self, expected: f64) -> f64 {
+        (self.hides + expected * EXPECTED_EXPOSURE) / (self.exposure + EXPECTED_EXPOSURE)
+    }
+}
+
+fn keep() -> f32 {
+    (-std::f32::consts::LN_2 / HALF_LIFE_FRAMES).exp()
+}

@@ -1,0 +1,234 @@
+//! The literature's methods: exact whatever the answers do, and each with the cost it is known for.
+
+use antumbra_cull::{
+    BatchedOptions, BlockingCuller, BlockingOptions, BlockingStats, Camera, CoherentOptions,
+    FirstPass, Hierarchy, LeafTest, ObjectId, Strategy, View,
+};
+use glam::Vec3;
+
+use crate::device::Solids;
+use crate::image::Image;
+use crate::random::Random;
+use crate::scene::{PATHS, Path, Scene, city};
+use crate::talk::{Talk, Trouble};
+
+const SIZE: [u32; 2] = [40, 28];
+const DIALOGUES: [Strategy; 4] =
+    [Strategy::Naive, Strategy::Batched, Strategy::StopAndWait, Strategy::Coherent];
+
+fn truth(view: &View, scene: &Scene) -> Image {
+    let mut image = Image::new(SIZE);
+    for (solid, shift) in scene.solids.iter().zip(&scene.shifts) {
+        image.draw(view, solid, *shift);
+    }
+    image
+}
+
+fn random_options(random: &mut Random) -> BlockingOptions {
+    let few = [1, 2, 5, 32];
+    BlockingOptions {
+        batched: BatchedOptions {
+            occluder_angle: random.between(0.0, 2.0),
+            tests_per_submit: few[random.below(4)],
+        },
+        coherent: CoherentOptions {
+            leaf_test: [LeafTest::OwnGeometry, LeafTest::Box][random.below(2)],
+            first_pass: FirstPass::Shaded,
+            visibility_threshold_samples: 0,
+            assumed_visible_frames: [0, 1, 3, 8][random.below(4)],
+            tests_per_submit: few[random.below(4)],
+            draws_per_submit: few[random.below(4)],
+        },
+    }
+}
+
+/// Runs one seed with all methods; answers how many leaves were drawn and in sight.
+fn verify(seed: u64) -> [u64; 2] {
+    let mut random = Random::new(seed);
+    let sub_pixel_bits = [4, 8][random.below(2)];
+    let mut scene = Scene::random(&mut random, sub_pixel_bits);
+    let mut hierarchy = Hierarchy::build(&scene.bounds).unwrap();
+    let mut camera = Path::start(&mut random);
+    let path = PATHS[random.below(PATHS.len())];
+    let (is_moving, is_rebuilding) = (random.chance(0.4), random.chance(0.3));
+    let is_rough = random.chance(0.4);
+    let trouble = Trouble {
+        polls: random.below(4),
+        lost: if is_rough { 0.1 } else { 0.0 },
+        twice: if is_rough { 0.2 } else { 0.0 },
+    };
+    let mut runs = DIALOGUES.map(|strategy| {
+        let blocking = BlockingCuller::new(random_options(&mut random));
+        (strategy, blocking, Talk::new(SIZE, sub_pixel_bits, trouble, seed))
+    });
+    let mut counted = [0; 2];
+    for frame in 0..12 {
+        path.advance(&mut camera, frame, &mut random);
+        if is_moving {
+            let object = scene.move_one(&mut random);
+            hierarchy.refit([(ObjectId(object as u32), scene.bounds[object])]).unwrap();
+        }
+        if is_rebuilding && frame % 4 == 3 {
+            hierarchy.rebuild(&scene.bounds).unwrap();
+        }
+        let view = View::new(&camera, SIZE, sub_pixel_bits);
+        let expected = truth(&view, &scene);
+        let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
+        for (strategy, blocking, talk) in &mut runs {
+            let context = format!("seed {seed}, frame {frame}, {strategy}");
+            let mut conversation = blocking.begin(&hierarchy, *strategy, &view).unwrap();
+            let stats = talk.frame(&mut conversation, &view, &hierarchy, &solids);
+            assert!(talk.image.depths == expected.depths, "{context}: wrong pixels");
+            check_books(talk, &stats, &context);
+            counted[0] += u64::from(stats.draws);
+            counted[1] += scene.bounds.len() as u64;
+        }
+    }
+    counted
+}
+
+/// What was asked and drawn is what the frame says, and nothing of it happened twice.
+fn check_books(talk: &Talk, stats: &BlockingStats, context: &str) {
+    let mut drawn = talk.drawn.clone();
+    drawn.sort();
+    drawn.dedup();
+    assert_eq!(drawn.len(), talk.drawn.len(), "{context}: drawn twice");
+    assert_eq!(drawn.len(), stats.draws as usize, "{context}");
+    let asked: Vec<u32> = talk.asked.iter().map(|(token, _)| token.0).collect();
+    let mut in_order = asked.clone();
+    in_order.sort();
+    assert_eq!(asked.len(), (stats.boxes + stats.own_draws) as usize, "{context}");
+    assert!((0..).zip(&in_order).all(|(number, token)| number == *token), "{context}: {asked:?}");
+    assert!(stats.waits <= stats.boxes + stats.own_draws, "{context}: {stats:?}");
+}
+
+#[test]
+fn every_blocking_method_is_exact() {
+    let mut sums = [0; 2];
+    for seed in 0..600 {
+        let [drawn, all] = verify(seed);
+        sums = [sums[0] + drawn, sums[1] + all];
+    }
+    let [drawn, all] = sums;
+    assert!(drawn * 3 < all * 2, "nothing was culled: {drawn} of {all}");
+}
+
+const CAMERA: Camera = Camera {
+    eye: Vec3::new(-1.0, 1.7, 30.0),
+    forward: Vec3::NEG_Z,
+    up: Vec3::Y,
+    fov_y: 1.0,
+    near: 0.1,
+};
+
+/// Returns a city of solid blocks.
+fn streets() -> (Scene, Hierarchy) {
+    let scene = Scene::solid(city(&mut Random::new(3), 12));
+    let hierarchy = Hierarchy::build(&scene.bounds).unwrap();
+    (scene, hierarchy)
+}
+
+/// Frames of a slow walk ahead.
+fn stroll(strategy: Strategy, options: BlockingOptions, trouble: Trouble) -> Vec<BlockingStats> {
+    let (scene, hierarchy) = streets();
+    let mut blocking = BlockingCuller::new(options);
+    let mut talk = Talk::new(SIZE, 8, trouble, 1);
+    let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
+    let step = |frame: u64| {
+        let eye = CAMERA.eye - Vec3::Z * frame as f32 * 0.05;
+        let view = View::new(&Camera { eye, ..CAMERA }, SIZE, 8);
+        let mut conversation = blocking.begin(&hierarchy, strategy, &view).unwrap();
+        talk.frame(&mut conversation, &view, &hierarchy, &solids)
+    };
+    (0..40).map(step).collect()
+}
+
+fn sum(frames: &[BlockingStats], of: impl Fn(&BlockingStats) -> u32) -> u32 {
+    frames.iter().map(of).sum()
+}
+
+#[test]
+fn each_method_costs_what_it_is_known_for() {
+    let options = BlockingOptions::default();
+    let walk = |strategy| stroll(strategy, options, Trouble { polls: 3, ..Trouble::default() });
+    let [naive, batched, stop, coherent] = DIALOGUES.map(walk);
+    // Once there is a past.
+    let [naive, batched, stop, coherent] = [&naive[5..], &batched[5..], &stop[5..], &coherent[5..]];
+    assert_eq!(sum(naive, |it| it.waits), sum(naive, |it| it.boxes), "a wait a query");
+    assert_eq!(sum(stop, |it| it.waits), sum(stop, |it| it.boxes), "a wait a node");
+    assert!(sum(batched, |it| it.waits) <= 2 * batched.len() as u32, "a wait for all");
+    assert!(sum(coherent, |it| it.waits) * 8 < sum(stop, |it| it.waits), "{coherent:?} {stop:?}");
+    let asked = |it: &BlockingStats| it.boxes + it.own_draws;
+    assert!(sum(coherent, asked) * 2 < sum(stop, asked), "visible inner nodes are not asked");
+    assert!(sum(stop, asked) < sum(naive, asked), "hidden nodes are asked as one");
+    assert!(sum(batched, |it| it.draws) > sum(naive, |it| it.draws), "tests cannot profit");
+}
+
+#[test]
+fn a_blocking_method_ends_if_no_answer_ever_comes() {
+    let silence = Trouble { lost: 1.0, ..Trouble::default() };
+    for strategy in DIALOGUES {
+        let frames = stroll(strategy, BlockingOptions::default(), silence);
+        // All in sight is drawn, as frustum culling would.
+        let (_, hierarchy) = streets();
+        let view = View::new(&CAMERA, SIZE, 8);
+        let mut plan = antumbra_cull::FramePlan::default();
+        let mut culler = antumbra_cull::Culler::new(antumbra_cull::CullConfig::default());
+        culler.plan(&hierarchy, Strategy::Frustum, &view, 0, &mut plan);
+        assert_eq!(frames[0].draws as usize, plan.draws.len(), "{strategy}");
+    }
+}
+
+#[test]
+fn what_is_assumed_visible_is_not_asked_about() {
+    let walk = |assumed_visible_frames| {
+        let coherent = CoherentOptions { assumed_visible_frames, ..CoherentOptions::default() };
+        let options = BlockingOptions { coherent, ..BlockingOptions::default() };
+        stroll(Strategy::Coherent, options, Trouble::default())
+    };
+    let [never, three] = [walk(0), walk(3)];
+    let own_draws = |frames: &[BlockingStats]| sum(&frames[5..], |it| it.own_draws);
+    assert!(own_draws(&three) * 3 < own_draws(&never), "{never:?} {three:?}");
+    assert!(sum(&three, |it| it.draws) >= sum(&never, |it| it.draws));
+}
+
+#[test]
+fn a_threshold_draws_less_and_is_not_exact() {
+    let walk = |visibility_threshold_samples| {
+        let coherent =
+            CoherentOptions { visibility_threshold_samples, ..CoherentOptions::default() };
+        let options = BlockingOptions { coherent, ..BlockingOptions::default() };
+        sum(&stroll(Strategy::Coherent, options, Trouble::default()), |it| it.draws)
+    };
+    assert!(walk(20) < walk(0));
+}
+
+#[test]
+fn other_strategies_are_no_blocking_methods() {
+    let (_, hierarchy) = streets();
+    let view = View::new(&CAMERA, SIZE, 8);
+    let mut blocking = BlockingCuller::new(BlockingOptions::default());
+    for strategy in Strategy::ALL {
+        let begun = blocking.begin(&hierarchy, strategy, &view).is_some();
+        assert_eq!(begun, strategy.is_blocking(), "{strategy}");
+        assert_eq!(begun, DIALOGUES.contains(&strategy), "{strategy}");
+    }
+}
+
+#[test]
+fn no_objects_and_none_in_sight_are_no_words() {
+    let nothing = Hierarchy::build(&[]).unwrap();
+    let (scene, city) = streets();
+    let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
+    for strategy in DIALOGUES {
+        let mut blocking = BlockingCuller::new(BlockingOptions::default());
+        let mut talk = Talk::new(SIZE, 8, Trouble::default(), 1);
+        let away = Camera { eye: Vec3::Y * 500.0, forward: Vec3::Y, up: Vec3::X, ..CAMERA };
+        for (hierarchy, camera) in [(&nothing, CAMERA), (&city, away)] {
+            let view = View::new(&camera, SIZE, 8);
+            let mut conversation = blocking.begin(hierarchy, strategy, &view).unwrap();
+            let stats = talk.frame(&mut conversation, &view, hierarchy, &solids);
+            assert_eq!((stats.draws, stats.boxes, stats.waits), (0, 0, 0), "{strategy}");
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Textures: images that fragment shaders sample, written piece by piece from a frame's memory.
+
+use ash::vk;
+
+use crate::core::deletion::{Recording, Retired};
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::core::ownership::of_device;
+use crate::memory::buffer::BufferSlice;
+use crate::memory::image::Image;
+use crate::record::access::{Access, LayoutChange};
+use crate::record::commands::{Commands, Failure};
+
+/// What the bytes mean is for the shader to say.
+const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// An image of four channels of eight bits with a linear sampler that clamps at the edges.
+pub struct DynamicTexture {
+    device: Device,
+    image: Image,
+    sampler: vk::Sampler,
+    size: [u32; 2],
+    // Whether what is in it is known: until the first write has been submitted, it holds anything.
+    state: State,
+}
+
+/// What the newest recording that wrote to a texture left behind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Anything.
+    Fresh,
+    /// The recording cleared it; whether it was ever submitted is not known.
+    Cleared(Recording),
+    /// It was submitted.
+    Known,
+}
+
+of_device!(DynamicTexture: "a texture (`DynamicTexture`)");
+
+impl DynamicTexture {
+    /// Creates a texture of `size` pixels.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limit; no memory.
+    pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
+        let limit = device.adapter().limits.max_image_dimension2_d;
+        if let Some(side) = size.into_iter().find(|side| *side == 0 || *side > limit) {
+            return Err(Error::TooLarge {
+                what: format!("a side of the texture {name}"),
+                wanted: side.into(),
+                limit: limit.into(),
+            });
+        }
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let colour = vk::ImageAspectFlags::COLOR;
+        let image = Image::new(device, name, size, [FORMAT; 2], usage, colour)?;
+        let info = vk::SamplerCreateInfo::default()
+            .mag_filter(vk::Filter::LINEAR)
+            .min_filter(vk::Filter::LINEAR)
+            .address_mode_u(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
+            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE);
+        // SAFETY: a plain sampler.
+        let sampler =
+            unsafe { device.raw().create_sampler(&info, None) }.called("vkCreateSampler")?;
+        device.name(sampler, name);
+        Ok(Self { device: device.clone(), image, sampler, size, state: State::Fresh })
+    }
+
+    /// Its size in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Writes `size` pixels from `origin` on (from the upper left) out of `pixels`: four bytes
+    /// each, rows from the top without gaps. What was never written is transparent black. Outside
+    /// of rendering; later draws of the same recording see it. An area outside of the texture or a
+    /// slice of another size fails the recording, as does what is of another device.
+    pub fn write(
+        &mut self,
+        commands: &Commands,
+        origin: [u32; 2],
+        size: [u32; 2],
+        pixels: BufferSlice,
+    ) {
+        let [width, height] = size;
+        let fits = |side: usize| {
+            u64::from(origin[side]) + u64::from(size[side]) <= u64::from(self.size[side])
+        };
+        let bytes = u64::from(width) * u64::from(height) * 4;
+        if commands.admit(self).is_err() || commands.admit(&pixels).is_err() {
+            return;
+        }
+        if bytes == 0 || pixels.size_bytes != bytes || !fits(0) || !fits(1) {
+            commands.fail(Failure::Wrong("a texture is written outside of its area"));
+            return;
+        }
+        self.prepare(commands);
+        self.change(commands, Access::FragmentSample, Access::CopyWrite);
+        let region = vk::BufferImageCopy::default()
+            .buffer_offset(pixels.offset_bytes)
+            .image_subresource(vk::ImageSubresourceLayers {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                layer_count: 1,
+                ..Default::default()
+            })
+            .image_offset(vk::Offset3D { x: origin[0] as i32, y: origin[1] as i32, z: 0 })
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
+        // SAFETY: the slice holds the area, which lies within the image, in the layout named.
+        unsafe {
+            commands.device().raw().cmd_copy_buffer_to_image(
+                commands.raw(),
+                pixels.raw,
+                self.image.raw,
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                &[region],
+            );
+        }
+        self.change(commands, Access::CopyWrite, Access::FragmentSample);
+    }
+
+    /// Says that what was recorded last has been submitted: only then do later recordings build on
+    /// it.
+    pub fn submitted(&mut self) {
+        if self.state != State::Fresh {
+            self.state = State::Known;
+        }
+    }
+
+    /// Returns true if commands may sample it.
+    pub(crate) fn is_known_to(&self, commands: &Commands) -> bool {
+        match self.state {
+            State::Fresh => false,
+            State::Cleared(recording) => recording == commands.recording(),
+            State::Known => true,
+        }
+    }
+
+    pub(crate) fn descriptor(&self) -> vk::DescriptorImageInfo {
+        vk::DescriptorImageInfo {
+            sampler: self.sampler,
+            image_view: self.image.view,
+            image_layout: Access::FragmentSample.layout(),
+        }
+    }
+
+    /// Makes it ready to be sampled, outside of rendering: transparent black, if nothing was ever
+    /// written to it.
+    pub fn prepare(&mut self, commands: &Commands) {
+        if commands.admit(self).is_err() || self.is_known_to(commands) {
+            return;
+        }
+        let colour = vk::ImageAspectFlags::COLOR;
+        let uses = [Access::CopyWrite, Access::FragmentSample];
+        let fresh = LayoutChange::forgetting(self.image.raw, colour, &uses, Access::CopyWrite);
+        commands.change_layouts([fresh]);
+        let whole = vk::ImageSubresourceRange {
+            aspect_mask: colour,
+            level_count: 1,
+            layer_count: 1,
+            ..Default::default()
+        };
+        // SAFETY: the image is a destination of transfers, in the layout named.
+        unsafe {
+            commands.device().raw().cmd_clear_color_image(
+                commands.raw(),
+                self.image.raw,
+                vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                &vk::ClearColorValue::default(),
+                &[whole],
+            );
+        }
+        self.change(commands, Access::CopyWrite, Access::FragmentSample);
+        self.state = State::Cleared(commands.recording());
+    }
+
+    fn change(&self, commands: &Commands, from: Access, to: Access) {
+        commands.change_layouts([self.image.change(vk::ImageAspectFlags::COLOR, from, to)]);
+    }
+}
+
+impl Drop for DynamicTexture {
+    fn drop(&mut self) {
+        self.device.retire(Retired::Sampler(self.sampler));
+    }
+}

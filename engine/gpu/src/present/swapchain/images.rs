@@ -1,0 +1,325 @@
+//! One Vulkan swapchain with its images, and what presents of them wait for and signal.
+
+use std::time::Duration;
+
+use ash::{khr, vk};
+
+use super::outcome::PresentId;
+use super::plan;
+use crate::core::capabilities::Optional;
+use crate::core::deletion::RetiredObject;
+use crate::core::device::Device;
+use crate::core::error::{Called, Error};
+use crate::present::present_mode::PresentMode;
+use crate::present::surface::Surface;
+
+/// Tells one chain of a window from those before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct ChainNumber(pub(super) u64);
+
+/// An image of a chain, by its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct ImageIndex(u32);
+
+/// An image of the window. Its semaphore tells the presentation engine that it is drawn; there is
+/// one an image and not one a frame, since an image that can be acquired again is proof that the
+/// present before has waited for it, and nothing else is.
+pub(super) struct ChainImage {
+    pub(super) raw: vk::Image,
+    pub(super) drawn: vk::Semaphore,
+    /// Signalled when a present is done with semaphore and image.
+    fence: Option<vk::Fence>,
+    is_fence_pending: bool,
+    pub(super) was_presented: bool,
+}
+
+pub(super) struct SwapchainImages {
+    pub(super) raw: vk::SwapchainKHR,
+    // The window is there as long as its chains are.
+    _surface: Surface,
+    functions: khr::swapchain::Device,
+    pub(super) size: [u32; 2],
+    pub(super) mode: PresentMode,
+    pub(super) format: vk::Format,
+    pub(super) images: Vec<ChainImage>,
+}
+
+/// A chain that shows nothing any more, to be destroyed when GPU and presentation engine are done.
+pub(super) struct RetiredImages {
+    chain: SwapchainImages,
+}
+
+/// What a chain is made for.
+pub(super) struct Wanted<'a> {
+    pub(super) number: ChainNumber,
+    pub(super) state: &'a vk::SurfaceCapabilitiesKHR,
+    pub(super) size: [u32; 2],
+    pub(super) mode: PresentMode,
+    /// The chain before, which shows nothing more from now on.
+    pub(super) before: vk::SwapchainKHR,
+}
+
+impl SwapchainImages {
+    pub(super) fn new(
+        device: &Device,
+        functions: &khr::swapchain::Device,
+        surface: &Surface,
+        wanted: &Wanted<'_>,
+    ) -> Result<Self, Error> {
+        let format = plan::format(&surface.formats(device)?)?;
+        check_copies(device, wanted.state, format)?;
+        let [width, height] = wanted.size;
+        let info = vk::SwapchainCreateInfoKHR::default()
+            .surface(surface.raw())
+            .min_image_count(plan::image_count(wanted.state))
+            .image_format(format)
+            .image_color_space(plan::COLOUR_SPACE)
+            .image_extent(vk::Extent2D { width, height })
+            .image_array_layers(1)
+            .image_usage(vk::ImageUsageFlags::TRANSFER_DST)
+            .image_sharing_mode(vk::SharingMode::EXCLUSIVE)
+            .pre_transform(plan::transform(wanted.state))
+            .composite_alpha(plan::alpha(wanted.state))
+            .present_mode(wanted.mode.raw())
+            .clipped(true)
+            .old_swapchain(wanted.before);
+        // SAFETY: all of it is what the surface offers; the chain before is of this window, and all
+        // calls with it are made through its one owner.
+        let raw = unsafe { functions.create_swapchain(&info, None) };
+        let raw = raw.called("vkCreateSwapchainKHR")?;
+        device.name(raw, &format!("swapchain {}", wanted.number.0));
+        // From here on the chain owns what is made, and drops it if the rest fails.
+        let (surface, functions) = (surface.clone(), functions.clone());
+        let (size, mode) = (wanted.size, wanted.mode);
+        let mut chain =
+            Self { raw, _surface: surface, functions, size, mode, format, images: Vec::new() };
+        match chain.bring_images(device, wanted.number) {
+            Ok(()) => Ok(chain),
+            Err(error) => {
+                Box::new(RetiredImages { chain }).destroy(device.raw());
+                Err(error)
+            }
+        }
+    }
+
+    fn bring_images(&mut self, device: &Device, number: ChainNumber) -> Result<(), Error> {
+        // SAFETY: a live chain.
+        let images = unsafe { self.functions.get_swapchain_images(self.raw) };
+        for (place, raw) in images.called("vkGetSwapchainImagesKHR")?.into_iter().enumerate() {
+            let name = format!("swapchain {}, image {place}", number.0);
+            device.name(raw, &name);
+            // SAFETY: a plain semaphore.
+            let drawn =
+                unsafe { device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None) };
+            let drawn = drawn.called("vkCreateSemaphore")?;
+            device.name(drawn, &format!("{name}, drawn"));
+            self.images.push(ChainImage {
+                raw,
+                drawn,
+                fence: None,
+                is_fence_pending: false,
+                was_presented: false,
+            });
+            if device.capabilities().has(Optional::PresentFences) {
+                // SAFETY: a plain fence.
+                let fence =
+                    unsafe { device.raw().create_fence(&vk::FenceCreateInfo::default(), None) };
+                let fence = fence.called("vkCreateFence")?;
+                device.name(fence, &format!("{name}, presented"));
+                self.images.last_mut().map(|image| image.fence.insert(fence));
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn image(&mut self, index: ImageIndex) -> Result<&mut ChainImage, Error> {
+        let none = Error::WrongCommands("the image acquired is none of the swapchain's");
+        self.images.get_mut(index.0 as usize).ok_or(none)
+    }
+
+    /// Asks for an image, for no longer than `bound`; `semaphore` is signalled when it may be
+    /// written. Also says whether the chain does not fit the window well any more.
+    pub(super) fn acquire(
+        &self,
+        semaphore: vk::Semaphore,
+        bound: Duration,
+    ) -> Result<(ImageIndex, bool), vk::Result> {
+        let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
+        // SAFETY: the semaphore is unsignalled and nothing waits for it: the frame that used it
+        // before is over.
+        unsafe {
+            self.functions.acquire_next_image(self.raw, bound_ns, semaphore, vk::Fence::null())
+        }
+        .map(|(index, is_suboptimal)| (ImageIndex(index), is_suboptimal))
+    }
+
+    /// Returns whether the last present of the image is done with its fence, within `bound`; it is
+    /// then ready for the next one.
+    pub(super) fn is_ready_within(
+        &mut self,
+        device: &Device,
+        index: ImageIndex,
+        bound: Duration,
+    ) -> Result<bool, Error> {
+        let image = self.image(index)?;
+        let (Some(fence), true) = (image.fence, image.is_fence_pending) else { return Ok(true) };
+        if !wait_for(device.raw(), fence, bound)? {
+            return Ok(false);
+        }
+        // SAFETY: signalled, and nothing pending signals it again.
+        unsafe { device.raw().reset_fences(&[fence]) }.called("vkResetFences")?;
+        image.is_fence_pending = false;
+        Ok(true)
+    }
+
+    /// Returns the call that hands an image that is being drawn to the presentation engine. From
+    /// now on it counts as made.
+    pub(super) fn present(
+        &mut self,
+        index: ImageIndex,
+        id: PresentId,
+    ) -> Result<PresentCall, Error> {
+        let (chain, functions) = (self.raw, self.functions.clone());
+        let image = self.image(index)?;
+        (image.is_fence_pending, image.was_presented) = (image.fence.is_some(), true);
+        Ok(PresentCall { functions, chain, index, drawn: image.drawn, fence: image.fence, id })
+    }
+
+    /// What came of that call. After some errors nothing was done; others are told of a present
+    /// that is carried out as far as its semaphore and fence go (Vulkan specification,
+    /// vkQueuePresentKHR).
+    pub(super) fn presented(&mut self, index: ImageIndex, result: Result<bool, vk::Result>) {
+        const IS_DONE_ALL_THE_SAME: [vk::Result; 3] = [
+            vk::Result::ERROR_OUT_OF_DATE_KHR,
+            vk::Result::ERROR_SURFACE_LOST_KHR,
+            vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
+        ];
+        if let (Err(code), Ok(image)) = (result, self.image(index))
+            && !IS_DONE_ALL_THE_SAME.contains(&code)
+        {
+            image.is_fence_pending = false;
+        }
+    }
+
+    pub(super) fn retired(self) -> RetiredImages {
+        RetiredImages { chain: self }
+    }
+}
+
+const MOST_NS: u64 = 60_000_000_000;
+
+/// A present, to be made on the thread of the frame loop or on another.
+pub(super) struct PresentCall {
+    functions: khr::swapchain::Device,
+    chain: vk::SwapchainKHR,
+    index: ImageIndex,
+    drawn: vk::Semaphore,
+    fence: Option<vk::Fence>,
+    id: PresentId,
+}
+
+impl PresentCall {
+    /// Makes it. Also says whether the chain does not fit the window well any more.
+    pub(super) fn make(&self, device: &Device) -> Result<bool, vk::Result> {
+        let (chains, indices, drawn) = ([self.chain], [self.index.0], [self.drawn]);
+        let (fences, ids) = ([self.fence.unwrap_or_default()], [self.id.0]);
+        let mut fence_info = vk::SwapchainPresentFenceInfoEXT::default().fences(&fences);
+        let mut id_info = vk::PresentIdKHR::default().present_ids(&ids);
+        let times =
+            [vk::PresentTimeGOOGLE { present_id: self.id.0 as u32, desired_present_time: 0 }];
+        let mut time_info = vk::PresentTimesInfoGOOGLE::default().times(&times);
+        let mut info = vk::PresentInfoKHR::default()
+            .wait_semaphores(&drawn)
+            .swapchains(&chains)
+            .image_indices(&indices);
+        if self.fence.is_some() {
+            info = info.push_next(&mut fence_info);
+        }
+        if device.extensions().present_wait.is_some() {
+            info = info.push_next(&mut id_info);
+        }
+        if device.extensions().display_timing.is_some() {
+            info = info.push_next(&mut time_info);
+        }
+        // SAFETY: the image was acquired, its semaphore is signalled by a submit made before, its
+        // fence is unsignalled; nobody calls with the chain meanwhile, and the queue is ours.
+        let made = device.with_queue(|queue| unsafe { self.functions.queue_present(queue, &info) });
+        made.unwrap_or(Err(vk::Result::NOT_READY))
+    }
+}
+
+impl RetiredImages {
+    /// Returns whether the presentation engine is done with it; nothing if it has no fences to
+    /// tell.
+    pub(super) fn is_presented(&self, device: &Device) -> Result<Option<bool>, Error> {
+        if !device.capabilities().has(Optional::PresentFences) {
+            return Ok(None);
+        }
+        for image in self.chain.images.iter().filter(|image| image.is_fence_pending) {
+            if let Some(fence) = image.fence
+                && !wait_for(device.raw(), fence, Duration::ZERO)?
+            {
+                return Ok(Some(false));
+            }
+        }
+        Ok(Some(true))
+    }
+}
+
+impl RetiredObject for RetiredImages {
+    /// Destroys it, once the GPU is done with it. Presents that still hold it are waited for,
+    /// within a bound; whoever drops a swapchain in the middle of a frame meets that, nobody else.
+    fn destroy(self: Box<Self>, device: &ash::Device) {
+        const BOUND: Duration = Duration::from_secs(1);
+        let chain = self.chain;
+        let pending = chain.images.iter().filter(|image| image.is_fence_pending);
+        let is_held = pending
+            .filter_map(|image| image.fence)
+            .any(|fence| matches!(wait_for(device, fence, BOUND), Ok(false)));
+        if is_held {
+            tracing::error!("a present never ended; its swapchain is left as it is");
+            std::mem::forget(chain);
+            return;
+        }
+        // SAFETY: the tick of the last submit that used the images is over, presents are done with
+        // the semaphores, and nobody else holds the chain.
+        unsafe {
+            for image in &chain.images {
+                device.destroy_semaphore(image.drawn, None);
+                if let Some(fence) = image.fence {
+                    device.destroy_fence(fence, None);
+                }
+            }
+            chain.functions.destroy_swapchain(chain.raw, None);
+        }
+    }
+}
+
+/// Returns whether `fence` is signalled within `bound`.
+fn wait_for(device: &ash::Device, fence: vk::Fence, bound: Duration) -> Result<bool, Error> {
+    let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
+    // SAFETY: a live fence of this device.
+    match unsafe { device.wait_for_fences(&[fence], true, bound_ns) } {
+        Err(vk::Result::TIMEOUT) => Ok(false),
+        other => other.called("vkWaitForFences").map(|()| true),
+    }
+}
+
+/// Refuses a surface whose images cannot be copied to.
+fn check_copies(
+    device: &Device,
+    state: &vk::SurfaceCapabilitiesKHR,
+    format: vk::Format,
+) -> Result<(), Error> {
+    use crate::record::target::COLOUR_BYTES;
+    let can = |format, feature| device.has_format_feature(format, feature);
+    let is_destination = state.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_DST)
+        && can(format, vk::FormatFeatureFlags::BLIT_DST);
+    let from =
+        vk::FormatFeatureFlags::BLIT_SRC | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
+    if is_destination && can(COLOUR_BYTES, from) {
+        Ok(())
+    } else {
+        Err(Error::CannotPresent(format!("pictures cannot be copied to its {format:?} images")))
+    }
+}

@@ -1,0 +1,81 @@
+//! Swapchains that were replaced, until the presentation engine is done with them.
+//!
+//! Their last presents wait for semaphores that go with them, and no tick tells when a present has
+//! done that. What does:
+//!
+//! - *Present fences* (`VK_EXT_swapchain_maintenance1`): polled, never waited for.
+//! - Without them, *an image of a younger chain that was presented and is acquired again*: presents
+//!   to one window are carried out in their order, so those of older chains are over once the frame
+//!   is that waits for that acquire.
+//! - Where that does not come about because chains are replaced faster than their images come back,
+//!   no more than [`MOST`] are kept: the oldest goes when a submit made behind its last present is
+//!   over. `vkQueueWaitIdle`, which programs use for this, proves as much, and waits.
+
+use std::collections::VecDeque;
+
+use super::images::RetiredImages;
+use crate::core::deletion::Retired;
+use crate::core::device::{Device, Order};
+use crate::core::error::Error;
+
+/// Chains that are kept for proof of their end. A window dragged by its corner makes one a frame.
+pub(super) const MOST: usize = 8;
+
+/// Oldest first.
+#[derive(Default)]
+pub(super) struct RetiredSwapchains {
+    chains: VecDeque<RetiredImages>,
+}
+
+impl RetiredSwapchains {
+    pub(super) fn push(&mut self, device: &Device, chain: RetiredImages) -> Result<(), Error> {
+        self.chains.push_back(chain);
+        if self.chains.len() > MOST { self.retire_behind_a_submit(device, 1) } else { Ok(()) }
+    }
+
+    /// Lets go of those whose fences say so.
+    pub(super) fn retire_presented(&mut self, device: &Device) -> Result<(), Error> {
+        while let Some(oldest) = self.chains.front() {
+            if oldest.is_presented(device)? != Some(true) {
+                break;
+            }
+            self.retire_oldest(device);
+        }
+        Ok(())
+    }
+
+    /// Lets go of all: the frame just submitted waits for an image that proves them presented.
+    pub(super) fn retire_proven(&mut self, device: &Device) {
+        while !self.chains.is_empty() {
+            self.retire_oldest(device);
+        }
+    }
+
+    /// Lets go of the `count` oldest once a submit made now is over.
+    pub(super) fn retire_behind_a_submit(
+        &mut self,
+        device: &Device,
+        count: usize,
+    ) -> Result<(), Error> {
+        let count = count.min(self.chains.len());
+        if count == 0 {
+            return Ok(());
+        }
+        let submitted = device.submit(None, &Order::default());
+        // Even if that failed: what the GPU still has to do is behind the ticks that there are.
+        for _ in 0..count {
+            self.retire_oldest(device);
+        }
+        submitted.map(|_| ())
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.chains.len()
+    }
+
+    fn retire_oldest(&mut self, device: &Device) {
+        if let Some(chain) = self.chains.pop_front() {
+            device.retire(Retired::Other(Box::new(chain)));
+        }
+    }
+}

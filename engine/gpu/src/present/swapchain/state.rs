@@ -1,0 +1,365 @@
+//! The window's side of a swapchain: which chain it has, whether it still fits, what is acquired of
+//! it.
+
+use ash::{khr, vk};
+
+use super::images::{ChainNumber, ImageIndex, SwapchainImages, Wanted};
+use super::options::SwapchainOptions;
+use super::outcome::{PresentId, PresentSkipped};
+use super::plan;
+use super::presenter::Presenter;
+use super::retired::RetiredSwapchains;
+use super::teardown::{AcquiredImage, Teardown};
+use crate::core::capabilities::Optional;
+use crate::core::deletion::Retired;
+use crate::core::device::{Device, Order};
+use crate::core::error::{Called, Error};
+use crate::present::present_mode::{Fallback, PresentMode};
+use crate::present::surface::Surface;
+use crate::record::frames::SlotIndex;
+
+pub(super) struct SwapchainState {
+    pub(super) device: Device,
+    pub(super) functions: khr::swapchain::Device,
+    pub(super) surface: Surface,
+    pub(super) options: SwapchainOptions,
+    pub(super) chain: Option<SwapchainImages>,
+    /// Number of the newest chain.
+    pub(super) number: ChainNumber,
+    pub(super) old: RetiredSwapchains,
+    pub(super) fallback: Option<Fallback>,
+    pub(super) fit: Fit,
+    /// The mode wanted when the chain was made or last compared.
+    pub(super) mode: PresentMode,
+    /// The window's size when the chain was made or last compared.
+    pub(super) window_size: [u32; 2],
+    /// Acquire semaphores, by slot.
+    pub(super) acquire: Vec<vk::Semaphore>,
+    pub(super) held: Option<AcquiredImage>,
+    /// Presents, where that may take for ever.
+    pub(super) presenter: Option<Presenter>,
+    /// The present whose call has not come back.
+    pub(super) calling: Option<ImageIndex>,
+    pub(super) is_gone: bool,
+    /// The surface is a new one that has shown nothing yet.
+    pub(super) is_renewed: bool,
+    /// The newest present.
+    pub(super) newest: PresentId,
+    /// The newest present before the chain was made.
+    pub(super) before_chain: PresentId,
+    /// What is known to have been on the screen.
+    pub(super) shown_until: PresentId,
+}
+
+/// Whether the chain fits the window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fit {
+    Fits,
+    /// The driver would do it otherwise today: compare sizes.
+    Doubtful,
+    /// It shows nothing any more.
+    Unusable,
+}
+
+impl SwapchainState {
+    pub(super) fn new(
+        device: &Device,
+        surface: &Surface,
+        options: &SwapchainOptions,
+    ) -> Result<Self, Error> {
+        surface.check(device)?;
+        let lacking = || {
+            let name = &device.adapter().name;
+            Error::CannotPresent(format!(
+                "{name} was opened without {}",
+                Optional::Swapchain.name()
+            ))
+        };
+        let functions = device.extensions().swapchain.clone().ok_or_else(lacking)?;
+        let mut screen = Self {
+            device: device.clone(),
+            functions,
+            surface: surface.clone(),
+            options: options.clone(),
+            chain: None,
+            number: ChainNumber(0),
+            old: RetiredSwapchains::default(),
+            fallback: None,
+            fit: Fit::Fits,
+            mode: options.mode,
+            window_size: [0, 0],
+            acquire: Vec::new(),
+            held: None,
+            presenter: None,
+            calling: None,
+            is_gone: false,
+            is_renewed: false,
+            newest: PresentId::default(),
+            before_chain: PresentId::default(),
+            shown_until: PresentId::default(),
+        };
+        screen.set_slots(options.frames_in_flight.max(1))?;
+        Ok(screen)
+    }
+
+    /// Sees to it that an image is held; or says why none is.
+    pub(super) fn acquire(
+        &mut self,
+        slot: SlotIndex,
+        window_size: [u32; 2],
+    ) -> Result<Option<PresentSkipped>, Error> {
+        // A chain that is out of date is replaced and asked once more; then the next frame has to.
+        const ATTEMPTS: usize = 2;
+        if self.is_gone {
+            return Ok(Some(PresentSkipped::WindowGone));
+        }
+        self.old.retire_presented(&self.device)?;
+        for _ in 0..ATTEMPTS {
+            if !self.keep_up(window_size)? {
+                return Ok(Some(PresentSkipped::NoArea));
+            }
+            let bound = self.options.acquire_bound;
+            let (Some(chain), Some(semaphore)) = (&mut self.chain, self.acquire.get(slot.0)) else {
+                return Err(Error::WrongCommands("a window has fewer slots than frames"));
+            };
+            if self.held.is_none() {
+                match chain.acquire(*semaphore, bound) {
+                    Ok((index, is_suboptimal)) => {
+                        let proves = chain.image(index)?.was_presented;
+                        self.held = Some(AcquiredImage { index, acquired: *semaphore, proves });
+                        if is_suboptimal {
+                            self.fit = Fit::Doubtful;
+                        }
+                    }
+                    Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => {
+                        return Ok(Some(PresentSkipped::Hidden));
+                    }
+                    Err(code) if is_outdated(code) => {
+                        self.fit = Fit::Unusable;
+                        continue;
+                    }
+                    Err(code) => return Err(code).called("vkAcquireNextImageKHR"),
+                }
+            }
+            if let Some(held) = self.held {
+                let is_ready = chain.is_ready_within(&self.device, held.index, bound)?;
+                return Ok((!is_ready).then_some(PresentSkipped::Hidden));
+            }
+        }
+        Ok(Some(PresentSkipped::OutOfDate))
+    }
+
+    /// Makes the chain fit the window; false if the window has no pixel.
+    fn keep_up(&mut self, window_size: [u32; 2]) -> Result<bool, Error> {
+        let is_known = self.fit == Fit::Fits
+            && self.window_size == window_size
+            && self.mode == self.options.mode;
+        if is_known && self.chain.is_some() {
+            return Ok(true);
+        }
+        let state = self.surface.state(&self.device);
+        let state = state.called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR")?;
+        let Some(size) = plan::extent(&state, window_size) else { return Ok(false) };
+        let mut is_same = self.chain.as_ref().is_some_and(|chain| chain.size == size);
+        if self.mode != self.options.mode {
+            let mode = self.choose_mode()?;
+            is_same &= self.chain.as_ref().is_some_and(|chain| chain.mode == mode);
+        }
+        if !is_same || self.fit == Fit::Unusable {
+            self.replace(&state, size)?;
+        }
+        (self.fit, self.mode, self.window_size) = (Fit::Fits, self.options.mode, window_size);
+        Ok(true)
+    }
+
+    fn replace(&mut self, state: &vk::SurfaceCapabilitiesKHR, size: [u32; 2]) -> Result<(), Error> {
+        let mode = self.choose_mode()?;
+        if self.presenter.is_none() && mode.is_queued() && self.surface.may_hold_presents() {
+            self.presenter = Some(Presenter::new(&self.device)?);
+        }
+        self.let_go()?;
+        let before = self.chain.take();
+        self.number.0 += 1;
+        let wanted = Wanted {
+            number: self.number,
+            state,
+            size,
+            mode,
+            before: before.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.raw),
+        };
+        let made = SwapchainImages::new(&self.device, &self.functions, &self.surface, &wanted);
+        // Retired by the call, even if it failed.
+        if let Some(before) = before {
+            self.old.push(&self.device, before.retired())?;
+        }
+        let chain = match made {
+            Ok(chain) => chain,
+            Err(error) => {
+                // No younger chain will prove the old ones over, and one may hold the window.
+                self.old.retire_behind_a_submit(&self.device, self.old.len())?;
+                return Err(error);
+            }
+        };
+        tracing::debug!(
+            "swapchain {}: {}x{}, {:?} in {:?}, {mode}, {} images",
+            self.number.0,
+            size[0],
+            size[1],
+            chain.format,
+            plan::COLOUR_SPACE,
+            chain.images.len()
+        );
+        self.chain = Some(chain);
+        self.before_chain = self.newest;
+        Ok(())
+    }
+
+    fn choose_mode(&mut self) -> Result<PresentMode, Error> {
+        let wanted = self.options.mode;
+        let taken = wanted.nearest(&self.surface.present_modes(&self.device)?);
+        let fallback = (taken != wanted).then_some(Fallback { wanted, taken });
+        if let (Some(Fallback { wanted, taken }), true) = (fallback, fallback != self.fallback) {
+            tracing::warn!("this window has no present mode {wanted}: {taken} is used");
+        }
+        self.fallback = fallback;
+        Ok(taken)
+    }
+
+    pub(super) fn set_mode(&mut self, mode: PresentMode) {
+        self.options.mode = mode;
+    }
+
+    /// Has one acquire semaphore for each of `count` slots, all of them new.
+    pub(super) fn set_slots(&mut self, count: usize) -> Result<(), Error> {
+        self.let_go()?;
+        let mut semaphores = Vec::with_capacity(count);
+        for slot in 0..count {
+            match self.new_semaphore(slot) {
+                Ok(semaphore) => semaphores.push(semaphore),
+                Err(error) => {
+                    semaphores.into_iter().for_each(|semaphore| self.retire(semaphore));
+                    return Err(error);
+                }
+            }
+        }
+        std::mem::swap(&mut self.acquire, &mut semaphores);
+        semaphores.into_iter().for_each(|semaphore| self.retire(semaphore));
+        Ok(())
+    }
+
+    fn new_semaphore(&self, slot: usize) -> Result<vk::Semaphore, Error> {
+        // SAFETY: a plain semaphore.
+        let semaphore = unsafe {
+            self.device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None)
+        };
+        let semaphore = semaphore.called("vkCreateSemaphore")?;
+        self.device.name(semaphore, &format!("window image acquired {slot}"));
+        Ok(semaphore)
+    }
+
+    pub(super) fn retire(&self, semaphore: vk::Semaphore) {
+        self.device.retire(Retired::Semaphore(semaphore));
+    }
+
+    /// Lets go of an image that will not be presented; the chain keeps it for good. Its semaphore
+    /// will be signalled, so a submit waits for it. Until that is over the semaphore may not be
+    /// given to another acquire (VUID-vkAcquireNextImageKHR-semaphore-01779), so its slot gets a
+    /// new one.
+    pub(super) fn let_go(&mut self) -> Result<(), Error> {
+        let Some(held) = self.held else { return Ok(()) };
+        let slot = self.acquire.iter().position(|semaphore| *semaphore == held.acquired);
+        let slot = slot.ok_or(Error::WrongCommands("an image was acquired for no slot"))?;
+        let fresh = self.new_semaphore(slot)?;
+        let order = Order { acquired: Some(held.acquired), ..Order::default() };
+        if let Err(error) = self.device.submit(None, &order) {
+            self.retire(fresh);
+            return Err(error);
+        }
+        let used = std::mem::replace(&mut self.acquire[slot], fresh);
+        self.retire(used);
+        (self.held, self.fit) = (None, Fit::Unusable);
+        Ok(())
+    }
+
+    /// Lets go of all chains of the window.
+    pub(super) fn give_up_chain(&mut self) -> Result<(), Error> {
+        self.let_go()?;
+        self.fit = Fit::Unusable;
+        drop(self.remains(Vec::new()));
+        Ok(())
+    }
+
+    fn remains(&mut self, acquire: Vec<vk::Semaphore>) -> Teardown {
+        Teardown {
+            device: self.device.clone(),
+            chain: self.chain.take(),
+            old: std::mem::take(&mut self.old),
+            held: self.held.take(),
+            acquire,
+        }
+    }
+
+    /// Gives an error its name, if it has one, and does what can be done about it.
+    pub(super) fn settle(&mut self, error: Error) -> Result<PresentSkipped, Error> {
+        match error {
+            Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => {
+                Ok(PresentSkipped::DeviceLost)
+            }
+            Error::Vulkan { code: vk::Result::ERROR_SURFACE_LOST_KHR, .. } => {
+                self.give_up_chain()?;
+                self.renew_surface()
+            }
+            Error::Vulkan { code, .. } if is_outdated(code) => {
+                self.fit = Fit::Unusable;
+                Ok(PresentSkipped::OutOfDate)
+            }
+            error => Err(error),
+        }
+    }
+
+    /// Makes another surface for the same window, which tells whether the window is there.
+    fn renew_surface(&mut self) -> Result<PresentSkipped, Error> {
+        // Asked first: where the connection is gone, some drivers crash over a new surface. Others
+        // make one, and lose it as soon as it is used.
+        if !self.is_renewed && self.surface.is_there(&self.device)? {
+            match self.surface.renewed() {
+                Ok(surface) => match surface.state(&self.device) {
+                    Ok(_) => {
+                        (self.surface, self.is_renewed) = (surface, true);
+                        return Ok(PresentSkipped::SurfaceLost);
+                    }
+                    Err(vk::Result::ERROR_SURFACE_LOST_KHR) => {}
+                    Err(code) => {
+                        return Err(code).called("vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
+                    }
+                },
+                Err(Error::NoDisplay(_)) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        self.is_gone = true;
+        Ok(PresentSkipped::WindowGone)
+    }
+}
+
+impl Drop for SwapchainState {
+    fn drop(&mut self) {
+        let acquire = std::mem::take(&mut self.acquire);
+        let remains = self.remains(acquire);
+        match self.presenter.take() {
+            Some(presenter) => presenter.end(remains),
+            None => drop(remains),
+        }
+    }
+}
+
+/// Returns a window that changed; something else of it holds the screen until the old chain is
+/// gone.
+pub(super) fn is_outdated(code: vk::Result) -> bool {
+    [
+        vk::Result::ERROR_OUT_OF_DATE_KHR,
+        vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
+        vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR,
+    ]
+    .contains(&code)
+}

@@ -1,0 +1,57 @@
+//! What a window leaves when it is closed, in whatever state it is.
+
+use ash::vk;
+
+use super::images::{ImageIndex, SwapchainImages};
+use super::retired::RetiredSwapchains;
+use crate::core::deletion::Retired;
+use crate::core::device::{Device, Order};
+use crate::core::error::Error;
+
+/// An image that was acquired and is not yet presented, and the semaphore that says when it is
+/// ours.
+#[derive(Clone, Copy)]
+pub(super) struct AcquiredImage {
+    pub(super) index: ImageIndex,
+    pub(super) acquired: vk::Semaphore,
+    /// It was presented before, so its present is over, and those of all older chains.
+    pub(super) proves: bool,
+}
+
+/// What a window leaves when it is closed. Dropped, it is retired.
+pub(super) struct Teardown {
+    pub(super) device: Device,
+    pub(super) chain: Option<SwapchainImages>,
+    pub(super) old: RetiredSwapchains,
+    pub(super) held: Option<AcquiredImage>,
+    pub(super) acquire: Vec<vk::Semaphore>,
+}
+
+impl Teardown {
+    fn retire(&mut self) -> Result<(), Error> {
+        let mut let_go = Ok(());
+        if let Some(held) = self.held.take() {
+            let order = Order { acquired: Some(held.acquired), ..Order::default() };
+            let_go = self.device.submit(None, &order).map(|_| ());
+        }
+        let mut pushed = Ok(());
+        if let Some(chain) = self.chain.take() {
+            pushed = self.old.push(&self.device, chain.retired());
+        }
+        let retired = self.old.retire_behind_a_submit(&self.device, self.old.len());
+        for semaphore in self.acquire.drain(..) {
+            self.device.retire(Retired::Semaphore(semaphore));
+        }
+        let_go.and(pushed).and(retired)
+    }
+}
+
+impl Drop for Teardown {
+    fn drop(&mut self) {
+        match self.retire() {
+            Ok(()) => {}
+            Err(error) if error.is_device_lost() => {}
+            Err(error) => tracing::error!("a window was not closed in order: {error}"),
+        }
+    }
+}

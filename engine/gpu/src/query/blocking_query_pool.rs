@@ -1,0 +1,146 @@
+//! Occlusion queries of a frame that is sent off in pieces: the answers to a piece are read while
+//! the frame goes on.
+//!
+//! Each piece copies its results to mapped memory, and they are believed once its tick is over: the
+//! CPU polls or waits for ticks only. Queries are numbered over the whole frame; pages of them are
+//! made as a frame asks for more and are kept for the frames that use the slot later.
+
+use std::ops::Range;
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::ownership::of_device;
+use crate::memory::buffer::{Buffer, MemoryKind};
+use crate::query::occlusion_pool::{Counting, OcclusionPool, QueryIndex, check_recorded};
+use crate::query::recorded_queries::RecordedQueries;
+use crate::query::result_buffer::WORD_BYTES;
+use crate::query::ring::Ring;
+use crate::record::access::{Access, MemoryBarrier};
+use crate::record::commands::Commands;
+use crate::record::frames::SlotIndex;
+
+/// Occlusion queries for frames of several pieces.
+pub struct BlockingQueryPool {
+    device: Device,
+    /// Nobody collects: answers are read while their frame is still recorded.
+    ring: Ring<(), Vec<Page>>,
+    /// Queries of the frame being recorded.
+    recorded: RecordedQueries,
+    name: String,
+}
+
+/// A pool, and mapped memory for its results.
+struct Page {
+    pool: OcclusionPool,
+    mapped: Buffer,
+}
+
+/// Queries of one page.
+const PAGE: u32 = 256;
+
+of_device!(BlockingQueryPool: "query pages (`BlockingQueryPool`)");
+
+impl BlockingQueryPool {
+    /// Makes none yet, for `frames_in_flight` frames.
+    pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Self {
+        let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
+        Self { device, ring, recorded: RecordedQueries::default(), name: name.to_owned() }
+    }
+
+    /// Begins a frame in `slot`: its queries are numbered from 0.
+    pub fn begin(&mut self, slot: SlotIndex) {
+        self.ring.turn_to(slot);
+        self.recorded.restart(0);
+    }
+
+    /// Takes `count` more queries, to be used in this piece. Outside of rendering.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for commands of another device, which fail; no memory, or a failed call.
+    pub fn take(&mut self, commands: &Commands, count: u32) -> Result<Range<u32>, Error> {
+        commands.admit(self)?;
+        let used = self.recorded.count();
+        let taken = used..used.saturating_add(count);
+        let slot = self.ring.current_mut();
+        // The pages that this frame comes to for the first time.
+        for number in used.div_ceil(PAGE)..taken.end.div_ceil(PAGE) {
+            if number as usize == slot.memory.len() {
+                let name = format!("{} {}, page {number}", self.name, slot.number);
+                slot.memory.push(Page::new(&self.device, &name)?);
+            }
+            let Some(page) = slot.memory.get(number as usize) else { break };
+            page.pool.reset(commands, PAGE);
+        }
+        self.recorded.grow(taken.end);
+        Ok(taken)
+    }
+
+    /// Records what `record` draws under `query`, which is used once: a second time makes the
+    /// recording fail.
+    pub fn scope(
+        &self,
+        commands: &Commands,
+        query: QueryIndex,
+        counting: Counting,
+        record: impl FnOnce(&Commands),
+    ) {
+        if commands.admit(self).is_err() {
+            return;
+        }
+        match self.page(query.0) {
+            Some(page) => {
+                let number = (&self.recorded, query.0);
+                page.pool.scope(commands, query.0 % PAGE, counting, number, record);
+            }
+            // Not taken for this frame: draw without asking.
+            None => record(commands),
+        }
+    }
+
+    /// Copies the results of `queries`, all of them recorded in this frame, or the recording fails,
+    /// to mapped memory. Outside of rendering.
+    pub fn read_back(&self, commands: &Commands, queries: Range<u32>) {
+        if commands.admit(self).is_err()
+            || !check_recorded(commands, &self.recorded, queries.clone())
+        {
+            return;
+        }
+        let mut first = queries.start;
+        while first < queries.end {
+            let last = queries.end.min((first / PAGE + 1) * PAGE);
+            let Some(page) = self.page(first) else { break };
+            let (start, count) = (first % PAGE, last - first);
+            let bytes = |words: u32| u64::from(words) * WORD_BYTES;
+            let to = page.mapped.whole().part(bytes(start), bytes(count));
+            page.pool.copy_results(commands, start..start + count, to);
+            first = last;
+        }
+        if !queries.is_empty() {
+            commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
+        }
+    }
+
+    /// Returns the answer to `query`, once the tick of its piece is over; 0 for one that was never
+    /// taken.
+    pub fn samples(&self, query: QueryIndex) -> u32 {
+        let word = (query.0 % PAGE) as usize;
+        let words = self.page(query.0).map_or(&[][..], |page| page.mapped.read(word..word + 1));
+        words.first().copied().unwrap_or(0)
+    }
+
+    fn page(&self, query: u32) -> Option<&Page> {
+        let pages = &self.ring.current().memory;
+        pages.get((query / PAGE) as usize).filter(|_| query < self.recorded.count())
+    }
+}
+
+impl Page {
+    fn new(device: &Device, name: &str) -> Result<Self, Error> {
+        let usage = vk::BufferUsageFlags::TRANSFER_DST;
+        let size_bytes = u64::from(PAGE) * WORD_BYTES;
+        let mapped = Buffer::new(device, name, size_bytes, usage, MemoryKind::ReadBack)?;
+        Ok(Self { pool: OcclusionPool::new(device, PAGE, name)?, mapped })
+    }
+}

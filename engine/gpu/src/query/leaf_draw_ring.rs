@@ -1,0 +1,260 @@
+//! Part draws: a copy of a scene's indirect draws per frame slot, in which shaders switch on single
+//! draws of a range, and the list of those that they did.
+//!
+//! All instance counts are zero but those that fragments of boxes set in the frame; who sets one
+//! first also notes it in a list, which comes home like the answers of queries. What a frame
+//! switched on is switched off when its slot is used again, draw by draw as the list tells, so that
+//! nothing is done for all the others.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::core::ownership::{OfDevice, OwnerId};
+use crate::core::tick::Tick;
+use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
+use crate::query::result_buffer::ResultBuffer;
+use crate::query::ring::Ring;
+use crate::record::access::Access;
+use crate::record::commands::Commands;
+use crate::record::frames::Frame;
+use crate::record::indirect::{DRAW_BYTES, DrawRange, IndirectDraw};
+
+/// One copy of the draws per frame slot, made when a slot first needs it. Each frame carries a tag
+/// `T` that comes back with its list.
+pub struct LeafDrawRing<T> {
+    device: Device,
+    ring: Ring<T, Option<PartMemory>>,
+    draw_count: u32,
+}
+
+struct PartMemory {
+    draws: Buffer,
+    /// How many draws were switched on, then which.
+    list: ResultBuffer,
+    /// Ranges that the frame of this slot may have switched on.
+    tested: Vec<DrawRange>,
+    /// Ranges whose draws have changed since they were written.
+    changed: Vec<DrawRange>,
+}
+
+/// What fragments switched on in one frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EnabledDraws<'a> {
+    /// The numbers of the draws, each once.
+    These(&'a [u32]),
+    /// So many that the list could not hold them.
+    TooMany(u32),
+}
+
+/// Draws that a list can hold. Mirrors `leaf_box.frag`.
+pub const LISTED_DRAWS: usize = 4095;
+
+impl<T> OfDevice for LeafDrawRing<T> {
+    const KIND: &'static str = "part draws (`LeafDrawRing`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.device.id()
+    }
+}
+
+impl<T: Copy> LeafDrawRing<T> {
+    /// Makes none yet, for a scene of `draw_count` draws.
+    pub fn new(device: &Device, frames_in_flight: usize, draw_count: u32) -> Self {
+        Self { device: device.clone(), ring: Ring::new(frames_in_flight), draw_count }
+    }
+
+    /// Notes that the draws of `range` have changed: every slot writes them again when it is next
+    /// used.
+    pub fn changed(&mut self, range: DrawRange) {
+        for memory in self.ring.slots_mut().filter_map(|slot| slot.memory.as_mut()) {
+            memory.changed(range, self.draw_count);
+        }
+    }
+
+    /// Notes that all draws have changed.
+    pub fn all_changed(&mut self) {
+        self.changed(DrawRange { first: 0, count: self.draw_count });
+    }
+
+    /// Gives `listed` the list of every frame that is over, oldest first. Never waits.
+    pub fn collect(&mut self, completed: Tick, mut listed: impl FnMut(T, EnabledDraws<'_>)) {
+        self.ring.collect(self.device.proven(completed), |slot| {
+            if let (Some(tag), Some(memory)) = (slot.tags.first(), &slot.memory) {
+                listed(*tag, memory.switched_on());
+            }
+        });
+    }
+
+    /// Starts a frame in which fragments may switch on draws of the ranges `tested`; none of them,
+    /// and nothing is used. `draw` tells each draw. A barrier from [`Access::CopyWrite`] to the
+    /// stores and to the draws must follow.
+    ///
+    /// # Errors
+    /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
+    pub fn begin(
+        &mut self,
+        frame: &mut Frame<'_>,
+        tag: T,
+        tested: impl Iterator<Item = DrawRange>,
+        draw: impl Fn(u32) -> IndirectDraw,
+    ) -> Result<(), Error> {
+        frame.commands().admit(self)?;
+        let (slot, was_given_up) = self.ring.turn_to(frame.slot());
+        if was_given_up {
+            slot.memory = None;
+        }
+        let mut tested = tested.peekable();
+        if tested.peek().is_none() {
+            return Ok(());
+        }
+        slot.begin(frame.commands().recording(), [tag].into_iter());
+        let memory = match slot.memory.take() {
+            Some(mut memory) => {
+                memory.forget_switched_on();
+                memory
+            }
+            None => PartMemory::new(&self.device, self.draw_count, slot.number)?,
+        };
+        let memory = slot.memory.insert(memory);
+        for range in memory.changed.drain(..) {
+            let off = (range.first..range.first.saturating_add(range.count))
+                .map(|number| IndirectDraw { instance_count: 0, ..draw(number) });
+            let from = frame.uploads().push_iter(off)?;
+            let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
+            let to = memory.draws.whole().part(bytes(range.first), bytes(range.count));
+            frame.commands().copy_buffer(from, to);
+        }
+        memory.tested.clear();
+        memory.tested.extend(tested);
+        frame.commands().fill(memory.list.first(1), 0);
+        Ok(())
+    }
+
+    /// Returns the draws and the list of the frame being recorded, if it has ranges to test.
+    pub fn parts(&self) -> Option<LeafDrawBuffers> {
+        let memory = self.recorded()?;
+        Some(LeafDrawBuffers { draws: memory.draws.whole(), list: memory.list.whole() })
+    }
+
+    /// Copies the list to mapped memory for [`LeafDrawRing::collect`]. The last use in a frame.
+    pub fn read_back(&self, commands: &Commands) {
+        if let (Ok(()), Some(memory)) = (commands.admit(self), self.recorded()) {
+            let written = [Access::FragmentWrite, Access::CopyWrite];
+            memory.list.read_back(commands, LISTED_DRAWS + 1, &written);
+        }
+    }
+
+    /// Notes that the frame that was recorded is on its way.
+    pub fn submitted(&mut self, tick: Tick) {
+        self.ring.submitted(self.device.not_before(tick));
+    }
+
+    fn recorded(&self) -> Option<&PartMemory> {
+        let slot = self.ring.current();
+        slot.memory.as_ref().filter(|_| slot.is_recording())
+    }
+}
+
+/// Sorts ranges and makes one of those that meet: no draw is written twice, which would need a
+/// barrier in between.
+fn join(ranges: &mut Vec<DrawRange>) {
+    let end = |range: &DrawRange| range.first.saturating_add(range.count);
+    ranges.sort_unstable_by_key(|range| range.first);
+    ranges.dedup_by(|next, kept| {
+        let meets = next.first <= end(kept);
+        if meets {
+            kept.count = end(kept).max(end(next)) - kept.first;
+        }
+        meets
+    });
+}
+
+/// What the fragments of boxes write.
+#[derive(Debug, Clone, Copy)]
+pub struct LeafDrawBuffers {
+    /// All draws of the scene.
+    pub draws: BufferSlice,
+    /// How many were switched on, then which.
+    pub list: BufferSlice,
+}
+
+impl PartMemory {
+    /// Makes a copy of which all is still to be written.
+    fn new(device: &Device, draw_count: u32, slot: usize) -> Result<Self, Error> {
+        let usage = vk::BufferUsageFlags::INDIRECT_BUFFER
+            | vk::BufferUsageFlags::STORAGE_BUFFER
+            | vk::BufferUsageFlags::TRANSFER_DST;
+        let (name, size_bytes) = (format!("part draws {slot}"), u64::from(draw_count) * DRAW_BYTES);
+        Ok(Self {
+            draws: Buffer::new(device, &name, size_bytes, usage, MemoryKind::Device)?,
+            list: ResultBuffer::new(device, &format!("part list {slot}"), LISTED_DRAWS + 1)?,
+            tested: Vec::new(),
+            changed: vec![DrawRange { first: 0, count: draw_count }],
+        })
+    }
+
+    fn changed(&mut self, range: DrawRange, draw_count: u32) {
+        // Beyond that, one copy of everything is less work than all these.
+        const MOST_RANGES: usize = 1 << 10;
+        let is_full = self.changed.len() == MOST_RANGES;
+        match self.changed.last_mut() {
+            Some(last) if last.first.saturating_add(last.count) == range.first => {
+                last.count = last.count.saturating_add(range.count);
+            }
+            _ if is_full => {
+                self.changed.clear();
+                self.changed.push(DrawRange { first: 0, count: draw_count });
+            }
+            _ => self.changed.push(range),
+        }
+    }
+
+    /// Adds what the last frame may have switched on to what is written again. The slot's tick is
+    /// over, so the list is there, collected or not.
+    fn forget_switched_on(&mut self) {
+        if !self.tested.is_empty() {
+            let words = self.list.read(LISTED_DRAWS + 1);
+            match switched_on(words) {
+                EnabledDraws::These(numbers) => {
+                    let ranges = numbers.iter().map(|first| DrawRange { first: *first, count: 1 });
+                    self.changed.extend(ranges);
+                }
+                EnabledDraws::TooMany(_) => self.changed.extend(&self.tested),
+            }
+        }
+        join(&mut self.changed);
+    }
+
+    /// Reads the list. Only once the tick of its frame is over.
+    fn switched_on(&self) -> EnabledDraws<'_> {
+        switched_on(self.list.read(LISTED_DRAWS + 1))
+    }
+}
+
+fn switched_on(list: &[u32]) -> EnabledDraws<'_> {
+    let Some((count, numbers)) = list.split_first() else {
+        return EnabledDraws::TooMany(u32::MAX);
+    };
+    match numbers.get(..*count as usize) {
+        Some(numbers) => EnabledDraws::These(numbers),
+        None => EnabledDraws::TooMany(*count),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_that_meet_are_written_once() {
+        let range = |first, count| DrawRange { first, count };
+        let mut ranges =
+            vec![range(9, 2), range(3, 1), range(4, 3), range(5, 1), range(9, 1), range(20, 1)];
+        join(&mut ranges);
+        assert_eq!(ranges, [range(3, 4), range(9, 2), range(20, 1)]);
+        let mut all = vec![range(7, 1), range(0, 30), range(30, 0)];
+        join(&mut all);
+        assert_eq!(all, [range(0, 30)]);
+    }
+}

@@ -1,0 +1,142 @@
+//! One source of words in one frame: what hangs on them, and where the executors keep it.
+
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+
+use super::decisions::{PredicatedRange, Predication, Reveal};
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
+use crate::record::frames::Frame;
+
+/// The words of one source and what they decide.
+pub(super) struct PredicateList {
+    pub(super) words: Option<BufferSlice>,
+    pub(super) decided: Vec<PredicatedRange>,
+    /// For the executors that turn words into counts.
+    pub(super) on_gpu: Option<OnGpu>,
+    slot: usize,
+    /// Draw counts, of the range and of the command for its boxes: one buffer per frame slot.
+    counts: Vec<Option<Buffer>>,
+}
+
+/// A frame's lists for the compute executors.
+#[derive(Clone, Copy)]
+pub(super) struct OnGpu {
+    /// One [`DecidedOnGpu`] per decision.
+    pub(super) decided: BufferSlice,
+    /// One [`BoxDraw`] per decision.
+    pub(super) box_draws: BufferSlice,
+}
+
+/// Mirrors `predicate.glsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct DecidedOnGpu {
+    first: u32,
+    count: u32,
+    parts: u32,
+    word: u32,
+}
+
+/// `VkDrawIndirectCommand`.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct BoxDraw {
+    vertex_count: u32,
+    instance_count: u32,
+    first_vertex: u32,
+    first_instance: u32,
+}
+
+const BOX_DRAW_BYTES: u64 = size_of::<BoxDraw>() as u64;
+const _: () = assert!(size_of::<BoxDraw>() == size_of::<vk::DrawIndirectCommand>());
+
+/// Bytes of the two draw counts of a decision.
+const COUNTS_BYTES: u64 = 8;
+
+/// Vertices of the front of a box: three faces of two triangles.
+pub const BOX_VERTICES: u32 = 18;
+
+/// Returns the indirect command that draws the boxes of a decision.
+pub(super) fn box_draw(on_gpu: OnGpu, decision: u32) -> BufferSlice {
+    on_gpu.box_draws.part(u64::from(decision) * BOX_DRAW_BYTES, BOX_DRAW_BYTES)
+}
+
+impl PredicateList {
+    pub(super) fn new(frames_in_flight: usize) -> Self {
+        Self {
+            words: None,
+            decided: Vec::new(),
+            on_gpu: None,
+            slot: 0,
+            counts: (0..frames_in_flight.max(1)).map(|_| None).collect(),
+        }
+    }
+
+    pub(super) fn begin(
+        &mut self,
+        frame: &Frame<'_>,
+        words: BufferSlice,
+        decided: impl ExactSizeIterator<Item = PredicatedRange>,
+    ) {
+        self.slot = frame.slot().0 % self.counts.len();
+        self.words = Some(words);
+        self.decided.clear();
+        self.decided.extend(decided);
+        self.on_gpu = None;
+    }
+
+    /// Gives the lists to the GPU. Box draws are whole where draw counts decide about them, and
+    /// empty until a shader fills them elsewhere.
+    pub(super) fn upload(
+        &mut self,
+        frame: &mut Frame<'_>,
+        predication: Predication,
+    ) -> Result<(), Error> {
+        let are_counted = predication == Predication::Counts;
+        let decided = self.decided.iter().map(|decided| DecidedOnGpu {
+            first: decided.range.first,
+            count: decided.range.count,
+            parts: u32::from(decided.reveal == Reveal::PerLeaf),
+            word: decided.word,
+        });
+        let box_draws = self.decided.iter().map(|decided| BoxDraw {
+            vertex_count: BOX_VERTICES,
+            instance_count: if are_counted { decided.range.count } else { 0 },
+            first_vertex: 0,
+            first_instance: decided.range.first,
+        });
+        self.on_gpu = Some(OnGpu {
+            decided: frame.uploads().push_iter(decided)?,
+            box_draws: frame.uploads().push_iter(box_draws)?,
+        });
+        Ok(())
+    }
+
+    /// Makes sure there is a count for each decision.
+    pub(super) fn make_counts(&mut self, device: &Device) -> Result<(), Error> {
+        let wanted = self.decided.len().next_power_of_two() as u64 * COUNTS_BYTES;
+        let Some(counts) = self.counts.get_mut(self.slot) else { return Ok(()) };
+        if counts.as_ref().is_none_or(|buffer| buffer.size_bytes() < wanted) {
+            let usage =
+                vk::BufferUsageFlags::INDIRECT_BUFFER | vk::BufferUsageFlags::STORAGE_BUFFER;
+            *counts = Some(Buffer::new(device, "draw counts", wanted, usage, MemoryKind::Device)?);
+        }
+        Ok(())
+    }
+
+    pub(super) fn counts(&self) -> Option<BufferSlice> {
+        self.counts.get(self.slot)?.as_ref().map(Buffer::whole)
+    }
+
+    /// Returns how many draws of its range a decision draws.
+    pub(super) fn count(&self, decision: u32) -> Option<BufferSlice> {
+        Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES, 4))
+    }
+
+    /// 1 if the boxes of a decision are drawn, else 0.
+    pub(super) fn box_count(&self, decision: u32) -> Option<BufferSlice> {
+        Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES + 4, 4))
+    }
+}

@@ -1,0 +1,67 @@
+//! Which queries of a frame were recorded. One may be begun once only after its reset, and the GPU
+//! would wait for ever for the result of one that never was.
+
+use std::cell::Cell;
+use std::ops::Range;
+
+/// The queries of the frame being recorded, numbered from 0.
+#[derive(Debug, Default)]
+pub(crate) struct RecordedQueries {
+    words: Vec<Cell<u64>>,
+    count: u32,
+}
+
+impl RecordedQueries {
+    /// Starts over with `count` queries, none of them recorded.
+    pub(crate) fn restart(&mut self, count: u32) {
+        self.words.clear();
+        self.grow(count);
+    }
+
+    /// Goes on with `count` queries in all.
+    pub(crate) fn grow(&mut self, count: u32) {
+        self.count = count;
+        self.words.resize_with(count.div_ceil(u64::BITS) as usize, Cell::default);
+    }
+
+    pub(crate) fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// Notes that `query` is recorded; false if it was before, or is none.
+    pub(crate) fn note(&self, query: u32) -> bool {
+        let word = self.words.get((query / u64::BITS) as usize).filter(|_| query < self.count);
+        let Some(word) = word else { return false };
+        let bit = 1 << (query % u64::BITS);
+        let before = word.replace(word.get() | bit);
+        before & bit == 0
+    }
+
+    /// Returns true if all of `queries` were recorded.
+    pub(crate) fn has_all(&self, mut queries: Range<u32>) -> bool {
+        queries.all(|query| {
+            let word = self.words.get((query / u64::BITS) as usize).map_or(0, Cell::get);
+            word & (1 << (query % u64::BITS)) != 0
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_query_is_noted_once_a_frame() {
+        let mut recorded = RecordedQueries::default();
+        recorded.restart(130);
+        assert!(recorded.has_all(0..0) && !recorded.has_all(0..1));
+        assert!((0..130).rev().all(|query| recorded.note(query)));
+        assert!(recorded.has_all(0..130) && !recorded.has_all(129..131));
+        assert!(!recorded.note(0) && !recorded.note(129) && !recorded.note(130));
+        recorded.grow(300);
+        assert!(recorded.has_all(0..130) && !recorded.has_all(130..131) && !recorded.note(64));
+        assert!(recorded.note(299) && !recorded.note(299));
+        recorded.restart(3);
+        assert!(!recorded.has_all(2..3) && recorded.note(2) && recorded.has_all(2..3));
+    }
+}

@@ -1,0 +1,74 @@
+//! Words that the GPU writes and that predicates read in the same frame, with a copy in mapped
+//! memory that the CPU reads when the frame is over.
+
+use ash::vk;
+
+use crate::core::device::Device;
+use crate::core::error::Error;
+use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
+use crate::record::access::{Access, MemoryBarrier};
+use crate::record::commands::Commands;
+
+/// Bytes of a word.
+pub(crate) const WORD_BYTES: u64 = 4;
+/// Fewer words are not worth growing for.
+const FIRST_CAPACITY: usize = 256;
+
+/// 32-bit words of one frame slot.
+pub(crate) struct ResultBuffer {
+    words: Buffer,
+    mapped: Buffer,
+}
+
+impl ResultBuffer {
+    /// Makes room for exactly `count` words.
+    pub(crate) fn new(device: &Device, name: &str, count: usize) -> Result<Self, Error> {
+        let mut usage = vk::BufferUsageFlags::TRANSFER_DST
+            | vk::BufferUsageFlags::TRANSFER_SRC
+            | vk::BufferUsageFlags::STORAGE_BUFFER;
+        if device.conditional().is_some() {
+            usage |= vk::BufferUsageFlags::CONDITIONAL_RENDERING_EXT;
+        }
+        let (size_bytes, to_host) = (count as u64 * WORD_BYTES, vk::BufferUsageFlags::TRANSFER_DST);
+        let mapped = format!("{name} read back");
+        Ok(Self {
+            words: Buffer::new(device, name, size_bytes, usage, MemoryKind::Device)?,
+            mapped: Buffer::new(device, &mapped, size_bytes, to_host, MemoryKind::ReadBack)?,
+        })
+    }
+
+    /// Returns for how many words to make room where `wanted` are needed: slots grow seldom.
+    pub(crate) fn roomy(wanted: usize) -> usize {
+        wanted.max(FIRST_CAPACITY).next_power_of_two()
+    }
+
+    /// Returns true if there is room for `count` words.
+    pub(crate) fn holds(&self, count: usize) -> bool {
+        self.words.size_bytes() >= count as u64 * WORD_BYTES
+    }
+
+    pub(crate) fn whole(&self) -> BufferSlice {
+        self.words.whole()
+    }
+
+    /// Returns the first `count` words.
+    pub(crate) fn first(&self, count: usize) -> BufferSlice {
+        self.whole().part(0, count as u64 * WORD_BYTES)
+    }
+
+    /// Copies the first `count` words to mapped memory, after they were written as `written`. Their
+    /// last use in a frame.
+    pub(crate) fn read_back(&self, commands: &Commands, count: usize, written: &[Access]) {
+        if count == 0 {
+            return;
+        }
+        commands.barrier(MemoryBarrier::between(written, &[Access::CopyRead]));
+        commands.copy_buffer(self.first(count), self.mapped.whole());
+        commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
+    }
+
+    /// Returns the first `count` words of the frame that copied them last, which is over.
+    pub(crate) fn read(&self, count: usize) -> &[u32] {
+        self.mapped.read(0..count)
+    }
+}

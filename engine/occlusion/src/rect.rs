@@ -1,0 +1,69 @@
+//! Rectangles of pixels.
+
+use cull::View;
+
+/// A part of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rect {
+    /// Its upper left corner (pixels from that of the picture).
+    pub origin: [u32; 2],
+    /// Its width and height (pixels).
+    pub size: [u32; 2],
+}
+
+impl Rect {
+    /// Returns all of a picture of `size` pixels.
+    pub fn whole(size: [u32; 2]) -> Self {
+        Self { origin: [0, 0], size }
+    }
+
+    /// Returns true if it is at least a pixel, and within a picture of `size` pixels.
+    pub fn fits(&self, size: [u32; 2]) -> bool {
+        let fits = |side: usize| {
+            let end = u64::from(self.origin[side]) + u64::from(self.size[side]);
+            self.size[side] > 0 && end <= u64::from(size[side])
+        };
+        fits(0) && fits(1)
+    }
+
+    /// Returns where a view is drawn.
+    pub fn of(view: &View) -> Self {
+        Self { origin: view.origin, size: view.size }
+    }
+
+    /// Parts of equal width side by side, from the left, that cover a picture of `size` pixels:
+    /// they differ by a pixel where it cannot be divided. Parts that get no pixel have a width of
+    /// 0.
+    pub fn side_by_side(size: [u32; 2], count: u32) -> impl Iterator<Item = Self> {
+        let [width, height] = size;
+        let edge =
+            move |part: u32| (u64::from(width) * u64::from(part) / u64::from(count.max(1))) as u32;
+        (0..count).map(move |part| Self {
+            origin: [edge(part), 0],
+            size: [edge(part + 1) - edge(part), height],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_side_by_side_cover_the_picture() {
+        for width in 0..20 {
+            for count in 1..5 {
+                let areas: Vec<Rect> = Rect::side_by_side([width, 7], count).collect();
+                let mut next = 0;
+                for area in &areas {
+                    assert_eq!((area.origin, area.size[1]), ([next, 0], 7));
+                    assert!(area.size[0].abs_diff(width / count) <= 1);
+                    next += area.size[0];
+                }
+                assert_eq!((areas.len() as u32, next), (count, width));
+            }
+        }
+        let whole = Rect { origin: [0, 0], size: [9, 4] };
+        assert!(Rect::side_by_side([9, 4], 1).eq([whole]));
+    }
+}

@@ -1,0 +1,45 @@
+//! Levels of detail: chosen a few objects per frame.
+
+use cull::{Camera, DetailPolicy, View};
+use occlusion::Rect;
+
+use crate::renderer::Renderer;
+
+impl Renderer {
+    /// Lets objects take the forms ([`Surfaces::levels`](scene::Surfaces::levels)) whose errors are
+    /// too small to be seen by any of the `cameras`; answers how many took another. Once a frame,
+    /// before it: each call looks at no more than
+    /// [`DETAIL_OBJECTS_A_CALL`](crate::DETAIL_OBJECTS_A_CALL) objects, in turn, so that larger
+    /// scenes follow the camera some frames late.
+    ///
+    /// What is visible plays no part in it, so that frames are the same whoever decides what is
+    /// drawn. An error of 0 pixels brings the finest forms back.
+    pub fn choose_detail(&mut self, cameras: &[Camera], policy: &DetailPolicy) -> u32 {
+        let [width, height] = self.size();
+        let area = Rect { origin: [0, 0], size: [width, height] };
+        let views: Vec<View> = cameras.iter().map(|it| self.view_in(it, area)).collect();
+        let geometry = &mut self.passes.geometry;
+        if !geometry.forms.are_any() {
+            return 0;
+        }
+        let mut changed = 0;
+        for object in geometry.forms.turn(self.hierarchy.leaf_objects().len()) {
+            let (Some(node), Some(leaf)) =
+                (self.hierarchy.node_of(object), self.hierarchy.leaf_of(object))
+            else {
+                continue;
+            };
+            let bounds = self.hierarchy.bounds(node);
+            let of_view = |view: &View| view.pixels_per_metre(&bounds);
+            let pixels_per_metre = views.iter().map(of_view).fold(0.0, f32::max);
+            if geometry.select_lod(object, pixels_per_metre, policy) {
+                self.executor.leaves.mark_dirty(leaf, geometry.draw_of(object));
+                changed += 1;
+            }
+        }
+        if changed > 0 {
+            self.edition.advance();
+        }
+        changed
+    }
+}

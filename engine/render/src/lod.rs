@@ -1,0 +1,152 @@
+//! Levels of detail: which form of its mesh each object has, chosen a few objects a frame.
+
+use cull::{DetailLevel, DetailPolicy, ObjectId};
+use gpu::IndirectDraw;
+use scene::{MeshId, Scene};
+
+/// The most objects that [`Renderer::choose_detail`](crate::Renderer::choose_detail) looks at in
+/// one call.
+pub const DETAIL_OBJECTS_A_CALL: usize = 2048;
+
+/// The coarser forms of all meshes: draws behind those of the meshes themselves.
+pub(crate) struct LodTable {
+    of_mesh: Vec<Option<MeshForms>>,
+    /// The object that is looked at next.
+    next: usize,
+}
+
+struct MeshForms {
+    /// The number of the first coarser one.
+    first: u32,
+    /// Of all of them, the finest first, whose error is 0.
+    errors_m: Vec<f32>,
+}
+
+impl LodTable {
+    /// Adds the indices and draws of coarser forms to those of the meshes.
+    pub(crate) fn join(
+        scene: &Scene,
+        indices: &mut Vec<u32>,
+        draws: &mut Vec<IndirectDraw>,
+    ) -> Self {
+        let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
+        let of_mesh = (0..).zip(levels).map(|(mesh, levels): (usize, _)| {
+            let finest = *draws.get(mesh)?;
+            let first = u32::try_from(draws.len()).ok()?;
+            for level in levels {
+                draws.push(IndirectDraw {
+                    index_count: level.indices.len() as u32,
+                    first_index: indices.len() as u32,
+                    ..finest
+                });
+                indices.extend_from_slice(&level.indices);
+            }
+            let errors_m = std::iter::once(0.0).chain(levels.iter().map(|level| level.error_m));
+            (!levels.is_empty()).then(|| MeshForms { first, errors_m: errors_m.collect() })
+        });
+        Self { of_mesh: of_mesh.collect(), next: 0 }
+    }
+
+    fn of(&self, mesh: MeshId) -> Option<&MeshForms> {
+        self.of_mesh.get(mesh.0 as usize)?.as_ref()
+    }
+
+    /// Returns the form of a mesh that an object with the form `now` should have.
+    pub(crate) fn choose(
+        &self,
+        mesh: MeshId,
+        now: u32,
+        pixels_per_metre: f32,
+        policy: &DetailPolicy,
+    ) -> Option<u32> {
+        let forms = self.of(mesh)?;
+        let level = (now + 1).checked_sub(forms.first).filter(|_| now != mesh.0).unwrap_or(0);
+        let level = DetailLevel(u8::try_from(level).unwrap_or(u8::MAX));
+        let chosen = policy.choose(pixels_per_metre, &forms.errors_m, level);
+        Some(chosen.0.checked_sub(1).map_or(mesh.0, |coarser| forms.first + u32::from(coarser)))
+    }
+
+    /// Returns true if any mesh has several forms.
+    pub(crate) fn are_any(&self) -> bool {
+        self.of_mesh.iter().any(Option::is_some)
+    }
+
+    /// Returns the objects to look at now, of so many.
+    pub(crate) fn turn(&mut self, objects: usize) -> impl Iterator<Item = ObjectId> + use<> {
+        let (first, count) = (self.next, DETAIL_OBJECTS_A_CALL.min(objects));
+        self.next = (first + count) % objects.max(1);
+        (first..first + count).map(move |object| ObjectId((object % objects.max(1)) as u32))
+    }
+}
+
+/// Returns how much longer a transform, given by its rows, may make a length along an axis.
+pub(crate) fn stretch(rows: &[[f32; 4]; 3]) -> f32 {
+    let squares = [0, 1, 2].map(|axis| rows.iter().map(|row| row[axis] * row[axis]).sum::<f32>());
+    squares.into_iter().fold(0.0, f32::max).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scene::{LodLevel, Mesh, Surfaces};
+
+    fn forms() -> (LodTable, Vec<u32>, Vec<IndirectDraw>) {
+        let level = |triangles: u32, error_m| LodLevel {
+            indices: (0..triangles * 3).map(|corner| corner % 3).collect(),
+            error_m,
+        };
+        let levels = vec![vec![], vec![level(4, 0.1), level(2, 0.4)], vec![level(1, 0.2)]];
+        let surfaces = Surfaces { levels, ..Surfaces::default() };
+        let mesh = Mesh::of_triangles("mesh", &[]);
+        let mut scene = Scene::single(mesh.clone());
+        scene.meshes = vec![mesh; 3];
+        scene.surfaces = Some(surfaces);
+        let mut indices = vec![0; 30];
+        let draw = |mesh: i32| IndirectDraw {
+            index_count: 9,
+            vertex_offset: mesh * 10,
+            ..IndirectDraw::default()
+        };
+        let mut draws = vec![draw(0), draw(1), draw(2)];
+        let forms = LodTable::join(&scene, &mut indices, &mut draws);
+        (forms, indices, draws)
+    }
+
+    #[test]
+    fn coarser_forms_lie_behind_the_meshes() {
+        let (_, indices, draws) = forms();
+        let found: Vec<_> =
+            draws.iter().map(|it| (it.index_count, it.first_index, it.vertex_offset)).collect();
+        let behind = [(12, 30, 10), (6, 42, 10), (3, 48, 20)];
+        assert_eq!(found[3..], behind);
+        assert_eq!(indices.len(), 51);
+    }
+
+    #[test]
+    fn an_object_takes_the_form_that_its_distance_allows() {
+        let (forms, ..) = forms();
+        let policy = DetailPolicy { error_pixels: 1.0, hysteresis: 0.0 };
+        let choose = |mesh, now, scale| forms.choose(MeshId(mesh), now, scale, &policy);
+        assert_eq!(choose(0, 0, 0.0), None, "it has but one");
+        for now in [1, 3, 4] {
+            assert_eq!(choose(1, now, 100.0), Some(1));
+            assert_eq!(choose(1, now, 9.0), Some(3));
+            assert_eq!(choose(1, now, 2.0), Some(4));
+        }
+        assert_eq!((choose(2, 2, 1.0), choose(2, 5, 9.0)), (Some(5), Some(2)));
+    }
+
+    #[test]
+    fn all_objects_have_their_turn() {
+        let (mut forms, ..) = forms();
+        for objects in [1, 7, DETAIL_OBJECTS_A_CALL, DETAIL_OBJECTS_A_CALL * 2 + 9] {
+            let mut seen = vec![false; objects];
+            for _ in 0..objects.div_ceil(DETAIL_OBJECTS_A_CALL) {
+                forms.turn(objects).for_each(|object| seen[object.0 as usize] = true);
+            }
+            assert!(seen.into_iter().all(|it| it), "{objects}");
+            forms.next = 0;
+        }
+        assert_eq!(forms.turn(0).count(), 0);
+    }
+}

@@ -1,0 +1,360 @@
+//! Meshes that change their form: what they are made of lies on the GPU since loading; what changes
+//! is a pose, which the next frame brings before anything reads the vertices.
+
+use std::collections::HashMap;
+
+use cull::Aabb;
+use glam::Affine3A;
+use gpu::{Buffer, BufferSlice, Device, Frame, vk};
+use occlusion::ShaderSet;
+use scene::{
+    DeformerId, Mesh, MeshId, MorphTarget, PoseBounds, Scene, SkinnedMesh, SurfaceVertex,
+    TransparentId,
+};
+
+use crate::error::Error;
+use crate::limits::check_storage;
+use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS};
+
+/// All deformers of a scene and their newest poses.
+pub(crate) struct Deformers {
+    pub(crate) pass: DeformPass,
+    forms: Buffer,
+    all: Vec<State>,
+    /// Whose pose is not on the GPU yet.
+    dirty: Vec<usize>,
+    /// Whose pose the frame being recorded brings.
+    uploaded: Vec<usize>,
+    /// The poses of a frame, kept to allocate nothing.
+    words: Vec<u32>,
+}
+
+/// A deformer as the CPU knows it.
+pub(crate) struct State {
+    pub(crate) mesh: MeshId,
+    /// The blended object that has the mesh, if one does.
+    pub(crate) transparent: Option<TransparentId>,
+    pose_bounds: PoseBounds,
+    /// The box of the newest pose, in the space of the mesh.
+    pub(crate) bounds: Aabb,
+    /// The box of the vertices that the GPU has.
+    pub(crate) shown_bounds: Aabb,
+    /// Without what its pose says.
+    form: Deformation,
+    joint_count: usize,
+    targets: Vec<TargetPlaces>,
+    joints: Vec<Affine3A>,
+    weights: Vec<f32>,
+    is_dirty: bool,
+    /// Where this frame's poses have it.
+    pose: Deformation,
+}
+
+/// Where the lists of a target begin among the forms, in words, or [`NOTHING`].
+#[derive(Clone, Copy)]
+struct TargetPlaces([u32; 3]);
+
+/// Mirrors `deform.comp`.
+const NOTHING: u32 = u32::MAX;
+
+/// What a frame did for meshes that change their form.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Skinned {
+    pub(crate) poses: u32,
+    pub(crate) vertices: u64,
+}
+
+/// The vertices that the pass writes, from the first on.
+#[derive(Clone, Copy)]
+pub(crate) struct DeformedVertices {
+    pub(crate) vertices: BufferSlice,
+    pub(crate) surfaces: BufferSlice,
+}
+
+impl Deformers {
+    /// Uploads what the deformers of a scene that was validated are made of. `first_vertices` says
+    /// where the vertices of each mesh begin.
+    ///
+    /// # Errors
+    /// More than the device's storage buffers hold, no memory, a failed call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        scene: &Scene,
+        first_vertices: impl Fn(usize) -> u32,
+    ) -> Result<Option<Self>, Error> {
+        let Some(surfaces) = scene.surfaces.as_ref().filter(|it| !it.skinned_meshes.is_empty())
+        else {
+            return Ok(None);
+        };
+        const FEWER: &str = "leave out joints or morph targets, or make those meshes simpler";
+        let [forms, poses] = words_of(scene);
+        let what = "words of joints, weights and morph targets";
+        check_storage(device, what, (forms, 4), FEWER)?;
+        check_storage(device, "words of poses", (poses, 4), FEWER)?;
+        let transparent = (0..).map(TransparentId).zip(&surfaces.transparent);
+        let transparent: HashMap<_, _> =
+            transparent.map(|(id, object)| (object.mesh, id)).collect();
+        let (mut words, mut all) = (Vec::new(), Vec::with_capacity(surfaces.skinned_meshes.len()));
+        for skinned_mesh in &surfaces.skinned_meshes {
+            let mesh = skinned_mesh.mesh.0 as usize;
+            let (Some(at_rest), Some(surface)) =
+                (scene.meshes.get(mesh), surfaces.meshes.get(mesh))
+            else {
+                continue;
+            };
+            let transparent = transparent.get(&skinned_mesh.mesh).copied();
+            let surface = &surface.vertices;
+            let state =
+                State::new(skinned_mesh, (at_rest, surface), first_vertices(mesh), &mut words);
+            all.push(State { transparent, ..state });
+        }
+        debug_assert_eq!(words.len() as u64, forms);
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        Ok(Some(Self {
+            pass: DeformPass::new(device, shaders)?,
+            forms: device.upload("forms", &words, storage)?,
+            all,
+            dirty: Vec::new(),
+            uploaded: Vec::new(),
+            words: Vec::new(),
+        }))
+    }
+
+    /// Returns a deformer, if the scene has it.
+    pub(crate) fn get(&self, skinned_mesh: DeformerId) -> Option<&State> {
+        self.all.get(skinned_mesh.0 as usize)
+    }
+
+    /// Returns the box of the mesh in a pose, in its own space; `None` if it has this pose already.
+    ///
+    /// # Errors
+    /// A pose that it cannot take.
+    pub(crate) fn bounds_in(
+        &self,
+        skinned_mesh: DeformerId,
+        joints: &[Affine3A],
+        weights: &[f32],
+    ) -> Result<Option<Aabb>, Error> {
+        let refuse = |reason: String| Err(Error::Deform { skinned_mesh, reason });
+        let Some(state) = self.all.get(skinned_mesh.0 as usize) else {
+            return refuse("the scene has no such deformer".to_owned());
+        };
+        let (joint_count, target_count) = (state.joint_count, state.targets.len());
+        if joints.len() != joint_count {
+            return refuse(format!("it has {joint_count} joints, not {}", joints.len()));
+        }
+        if weights.len() != target_count {
+            return refuse(format!("it has {target_count} morph targets, not {}", weights.len()));
+        }
+        if let Some(joint) = joints.iter().position(|joint| !joint.is_finite()) {
+            return refuse(format!("its joint {joint} has a number that is not finite"));
+        }
+        if let Some(target) = weights.iter().position(|weight| !weight.is_finite()) {
+            return refuse(format!("the weight of its target {target} is not finite"));
+        }
+        if state.joints == joints && state.weights == weights {
+            return Ok(None);
+        }
+        match state.pose_bounds.bounds(joints, weights) {
+            Some(bounds) => Ok(Some(bounds)),
+            None => refuse("it takes the mesh beyond all that can be drawn".to_owned()),
+        }
+    }
+
+    /// Takes a pose that can be taken, in which the mesh has this box.
+    pub(crate) fn take(
+        &mut self,
+        skinned_mesh: DeformerId,
+        joints: &[Affine3A],
+        weights: &[f32],
+        bounds: Aabb,
+    ) {
+        let number = skinned_mesh.0 as usize;
+        let Some(state) = self.all.get_mut(number) else { return };
+        joints.clone_into(&mut state.joints);
+        weights.clone_into(&mut state.weights);
+        state.bounds = bounds;
+        if !std::mem::replace(&mut state.is_dirty, true) {
+            self.dirty.push(number);
+        }
+    }
+
+    /// Records what brings the newest poses of what `is_seen`, before anything of `frame` reads
+    /// vertices. All stay stale until the frame was [submitted](Deformers::submitted): it may never
+    /// be.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn upload(
+        &mut self,
+        frame: &mut Frame<'_>,
+        deformed: DeformedVertices,
+        is_seen: impl Fn(&State) -> bool,
+    ) -> Result<Skinned, Error> {
+        self.uploaded.clear();
+        let Self { all, dirty, uploaded, .. } = self;
+        uploaded.extend(dirty.iter().filter(|number| all.get(**number).is_some_and(&is_seen)));
+        if self.uploaded.is_empty() {
+            return Ok(Skinned::default());
+        }
+        self.words.clear();
+        let mut skinned = Skinned::default();
+        for number in &self.uploaded {
+            if let Some(state) = self.all.get_mut(*number) {
+                state.write(&mut self.words);
+                skinned.poses += 1;
+                skinned.vertices += u64::from(state.form.vertex_count);
+            }
+        }
+        let poses = frame.uploads().push(&self.words)?;
+        let DeformedVertices { vertices, surfaces } = deformed;
+        let io = DeformIo { vertices, surfaces, forms: self.forms.whole(), poses };
+        let poses = self.uploaded.iter().filter_map(|number| Some(self.all.get(*number)?.pose));
+        self.pass.record(frame.commands(), &io, poses);
+        Ok(skinned)
+    }
+
+    /// Notes that the frame that [`Deformers::upload`] recorded for is on its way.
+    pub(crate) fn submitted(&mut self) {
+        for number in self.uploaded.drain(..) {
+            if let Some(state) = self.all.get_mut(number) {
+                (state.is_dirty, state.shown_bounds) = (false, state.bounds);
+            }
+        }
+        let all = &self.all;
+        self.dirty.retain(|number| all.get(*number).is_some_and(|state| state.is_dirty));
+    }
+}
+
+impl State {
+    /// Appends what a deformer is made of to the words of all.
+    fn new(
+        skinned_mesh: &SkinnedMesh,
+        (mesh, surface): (&Mesh, &[SurfaceVertex]),
+        first_vertex: u32,
+        words: &mut Vec<u32>,
+    ) -> Self {
+        let place = |words: &Vec<u32>| words.len() as u32;
+        let mut form = Deformation {
+            vertex_count: mesh.vertices.len() as u32,
+            first_vertex,
+            rest: place(words),
+            ..Deformation::default()
+        };
+        for (vertex, surface) in mesh.vertices.iter().zip(surface) {
+            words.extend(vertex.position.map(f32::to_bits));
+            let [x, y, z, sides] = surface.normal;
+            let [tangent_x, tangent_y, tangent_z, sign] = surface.tangent;
+            let pairs = [[x, y], [z, sides], [tangent_x, tangent_y], [tangent_z, sign]];
+            words.extend(
+                pairs.map(|[low, high]| u32::from(low as u16) | u32::from(high as u16) << 16),
+            );
+        }
+        debug_assert_eq!(place(words), form.rest + REST_WORDS * form.vertex_count);
+        form.skin = place(words);
+        if let Some(skin) = &skinned_mesh.skin {
+            form.joint_sets = skin.sets;
+            for (joints, weights) in skin.joints.iter().zip(&skin.weights) {
+                let pair =
+                    |first: usize| u32::from(joints[first]) | u32::from(joints[first + 1]) << 16;
+                words.extend([pair(0), pair(2)]);
+                words.extend(weights.map(f32::to_bits));
+            }
+        }
+        let targets = skinned_mesh.targets.iter().map(|target| {
+            TargetPlaces([&target.positions, &target.normals, &target.tangents].map(|list| {
+                if list.is_empty() {
+                    return NOTHING;
+                }
+                let begins = place(words);
+                words.extend(list.as_flattened().iter().map(|part| part.to_bits()));
+                begins
+            }))
+        });
+        Self {
+            mesh: skinned_mesh.mesh,
+            transparent: None,
+            pose_bounds: PoseBounds::of(mesh, skinned_mesh),
+            bounds: mesh.bounds,
+            shown_bounds: mesh.bounds,
+            form,
+            targets: targets.collect(),
+            joint_count: skinned_mesh.skin.as_ref().map_or(0, |skin| skin.joint_count as usize),
+            // At rest, as the vertices are: no pose was set yet.
+            joints: Vec::new(),
+            weights: Vec::new(),
+            is_dirty: false,
+            pose: form,
+        }
+    }
+
+    /// Appends its pose to those of a frame.
+    fn write(&mut self, words: &mut Vec<u32>) {
+        let joints = words.len() as u32;
+        for joint in &self.joints {
+            for row in 0..3 {
+                let part = joint.matrix3.row(row);
+                let row = [part.x, part.y, part.z, joint.translation[row]];
+                words.extend(row.map(f32::to_bits));
+            }
+        }
+        let targets = words.len() as u32;
+        let mut target_count = 0;
+        for (weight, TargetPlaces(places)) in self.weights.iter().zip(&self.targets) {
+            if *weight != 0.0 {
+                words.push(weight.to_bits());
+                words.extend(places);
+                target_count += 1;
+            }
+        }
+        self.pose = Deformation { joints, targets, target_count, ..self.form };
+    }
+}
+
+/// Returns how many words the deformers of a scene take, and the poses of all.
+fn words_of(scene: &Scene) -> [u64; 2] {
+    let mut sums = [0, 0];
+    for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {
+        let mesh = scene.meshes.get(skinned_mesh.mesh.0 as usize);
+        let skin = skinned_mesh.skin.as_ref();
+        let influences = skin.map_or(0, |skin| skin.joints.len() as u64);
+        let lists = |target: &MorphTarget| {
+            (target.positions.len() + target.normals.len() + target.tangents.len()) as u64
+        };
+        sums[0] += mesh.map_or(0, |mesh| mesh.vertices.len() as u64) * u64::from(REST_WORDS)
+            + influences * 6
+            + skinned_mesh.targets.iter().map(lists).sum::<u64>() * 3;
+        sums[1] += skin.map_or(0, |skin| u64::from(skin.joint_count)) * 12
+            + skinned_mesh.targets.len() as u64 * 4;
+    }
+    sums
+}
+
+/// Returns the meshes of a scene in the order of their vertices: those that change their form
+/// first, so that these are one part of the buffers that a storage buffer can be.
+pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
+    let is_deformed = are_deformed(scene);
+    let mut order: Vec<usize> = (0..scene.meshes.len()).collect();
+    order.sort_by_key(|mesh| !is_deformed[*mesh]);
+    order
+}
+
+/// Returns how many vertices the meshes have together that change their form.
+pub(crate) fn deformed_vertices(scene: &Scene) -> u64 {
+    let skinned_meshes = scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes);
+    let meshes =
+        skinned_meshes.filter_map(|skinned_mesh| scene.meshes.get(skinned_mesh.mesh.0 as usize));
+    meshes.map(|mesh| mesh.vertices.len() as u64).sum()
+}
+
+/// Returns which meshes of a scene change their form.
+pub(crate) fn are_deformed(scene: &Scene) -> Vec<bool> {
+    let mut are_deformed = vec![false; scene.meshes.len()];
+    for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {
+        if let Some(is_deformed) = are_deformed.get_mut(skinned_mesh.mesh.0 as usize) {
+            *is_deformed = true;
+        }
+    }
+    are_deformed
+}

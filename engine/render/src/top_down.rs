@@ -1,0 +1,139 @@
+//! The view from above of a moment: what is drawn, what is hidden as boxes, and where the eye looks
+//! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
+
+use cull::{Aabb, Camera, Hierarchy, View};
+use glam::Vec3;
+use gpu::Frame;
+use scene::pack_unorm;
+
+use crate::error::Error;
+use crate::palette::{FRUSTUM, Swatch, level_colour};
+use crate::passes::{OverlayIo, OverlayVertex};
+use crate::visibility_snapshot::VisibilitySnapshot;
+
+/// How far the drawn frustum reaches, as a share of what it looks over.
+const FRUSTUM_REACH: f32 = 1.0;
+pub(crate) const BACKGROUND: [f32; 3] = [0.02, 0.025, 0.035];
+
+/// The pass that draws a moment from elsewhere.
+pub(crate) const VIEW_FROM_ABOVE: &str = "view from above";
+
+/// Returns how far from the eye the moment's story is told: what was drawn, without the few far
+/// ones.
+pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32 {
+    let distance = |range: &cull::LeafRange| {
+        let object = hierarchy.leaf_objects().get(range.first.0 as usize)?;
+        let bounds = hierarchy.bounds(hierarchy.node_of(*object)?);
+        Some((bounds.centre() - snapshot.view.eye).length())
+    };
+    let mut distances: Vec<f32> = snapshot.drawn.iter().filter_map(distance).collect();
+    distances.sort_unstable_by(f32::total_cmp);
+    let most = distances.len() * 9 / 10;
+    distances.get(most).copied().unwrap_or(50.0).clamp(20.0, 2000.0)
+}
+
+/// Returns a camera behind and above the moment's, looking down on what it looks at.
+pub(crate) fn above(snapshot: &VisibilitySnapshot, reach: f32) -> Camera {
+    let reach = reach * FRUSTUM_REACH;
+    let flat = Vec3::new(snapshot.view.forward.x, 0.0, snapshot.view.forward.z);
+    let along = flat.try_normalize().unwrap_or(Vec3::X);
+    let eye = snapshot.view.eye - along * reach * 0.55 + Vec3::Y * reach * 1.5;
+    let target = snapshot.view.eye + along * reach * 0.75;
+    Camera { eye, forward: target - eye, up: Vec3::Y, fov_y: 0.9, near: 0.5 }
+}
+
+/// What is drawn beside the objects: the boxes' faces, and all edges, of the boxes and of the
+/// frustum.
+pub(crate) struct Sketch {
+    pub(crate) triangles: Vec<OverlayVertex>,
+    pub(crate) lines: Vec<OverlayVertex>,
+    pub(crate) lines_through: Vec<OverlayVertex>,
+}
+
+impl Sketch {
+    /// As it looks from above.
+    pub(crate) fn of(snapshot: &VisibilitySnapshot, reach: f32) -> Self {
+        let (mut triangles, mut lines) = (Vec::new(), Vec::new());
+        for (bounds, level) in &snapshot.hidden {
+            let colour = level_colour(*level).linear();
+            let corners = corners_of(bounds);
+            let face_colour = pack_unorm(colour.truncate().extend(0.10).to_array());
+            for face in FACES {
+                let quad = face.map(|corner| corners[corner]);
+                for corner in [0, 1, 2, 0, 2, 3] {
+                    triangles.push(vertex(quad[corner], face_colour));
+                }
+            }
+            push_edges(&mut lines, &corners, pack_unorm(colour.to_array()));
+        }
+        let frustum = frustum_corners(&snapshot.view, reach);
+        push_edges(&mut lines, &frustum, pack_unorm(FRUSTUM.linear().to_array()));
+        Self { triangles, lines, lines_through: Vec::new() }
+    }
+
+    /// Boxes as they look to the eye itself, through all that hides them.
+    pub(crate) fn through(boxes: impl Iterator<Item = (Aabb, Swatch)>) -> Self {
+        let mut lines_through = Vec::new();
+        for (bounds, colour) in boxes {
+            push_edges(
+                &mut lines_through,
+                &corners_of(&bounds),
+                pack_unorm(colour.linear().to_array()),
+            );
+        }
+        Self { triangles: Vec::new(), lines: Vec::new(), lines_through }
+    }
+
+    pub(crate) fn upload(&self, frame: &mut Frame<'_>) -> Result<OverlayIo, Error> {
+        let mut push = |vertices: &[OverlayVertex]| -> Result<_, Error> {
+            Ok((frame.uploads().push(vertices)?, vertices.len() as u32))
+        };
+        Ok(OverlayIo {
+            triangles: push(&self.triangles)?,
+            lines: push(&self.lines)?,
+            lines_through: push(&self.lines_through)?,
+        })
+    }
+}
+
+/// Corner `i` has the low or high x, y, z by the bits of `i`.
+const FACES: [[usize; 4]; 6] =
+    [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+
+fn corners_of(bounds: &Aabb) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        let pick =
+            |bit: usize, low: f32, high: f32| if corner >> bit & 1 == 1 { high } else { low };
+        Vec3::new(
+            pick(0, bounds.min.x, bounds.max.x),
+            pick(1, bounds.min.y, bounds.max.y),
+            pick(2, bounds.min.z, bounds.max.z),
+        )
+    })
+}
+
+/// Returns the view's volume from the near plane to `reach`, with corners numbered as a box's.
+fn frustum_corners(view: &View, reach: f32) -> [Vec3; 8] {
+    std::array::from_fn(|corner| {
+        let side = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        let depth = if corner >> 2 & 1 == 1 { reach } else { view.near };
+        let across = view.right * view.tan_half[0] * side(0) + view.up * view.tan_half[1] * side(1);
+        view.eye + (view.forward + across) * depth
+    })
+}
+
+fn push_edges(lines: &mut Vec<OverlayVertex>, corners: &[Vec3; 8], colour: u32) {
+    for from in 0..8usize {
+        for bit in 0..3 {
+            let to = from | 1 << bit;
+            if to != from {
+                lines.push(vertex(corners[from], colour));
+                lines.push(vertex(corners[to], colour));
+            }
+        }
+    }
+}
+
+fn vertex(position: Vec3, colour: u32) -> OverlayVertex {
+    OverlayVertex { position: position.to_array(), colour }
+}

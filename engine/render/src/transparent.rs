@@ -1,0 +1,357 @@
+//! Blended objects: drawn back to front over the finished picture, where they are only ever hidden
+//! and never hide.
+//!
+//! ```text
+//! surfaces    after all opaque surfaces and the sky: boxes of the blended objects in the frustum, in one
+//!             draw; a fragment that passes the finished depth switches on the draw of its object
+//! blended     their draws, the farthest first, in one call
+//! ```
+//!
+//! A box that no sample of shows stands for an object that no sample of shows either: leaving it
+//! out changes nothing, and those that are drawn are drawn in the same order whatever is left out.
+
+use std::collections::HashMap;
+
+use cull::{Aabb, Containment, PlaneMask, View};
+use glam::{Affine3A, Vec3};
+use gpu::{
+    Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw,
+    LeafDrawBuffers, MemoryBarrier, MemoryKind, vk,
+};
+use occlusion::{LeafBoxIo, PlanExecutor, ProxyBox, ShaderSet};
+use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, outwardness};
+
+use crate::error::Error;
+use crate::geometry::{Geometry, bounds_in_world};
+use crate::passes::{SurfaceIo, SurfaceKind, SurfacePass};
+use crate::surfaces::SurfaceResources;
+
+/// The blended objects of a scene.
+pub(crate) struct Transparent {
+    pub(crate) pass: SurfacePass,
+    objects: Vec<TransparentObject>,
+    /// What fragments switch on, and the list of it, which nobody reads.
+    parts: [Buffer; 2],
+    /// Those in the frustum of the view being recorded, the farthest first.
+    sorted: Vec<Placed>,
+    /// What the view being recorded draws, if any.
+    view: Option<TransparentIo>,
+}
+
+pub(crate) struct TransparentObject {
+    pub(crate) object: Object,
+    /// In its own space.
+    pub(crate) own_bounds: Aabb,
+    pub(crate) bounds: Aabb,
+    /// In its own space.
+    faces: Faces,
+}
+
+/// Where the triangles of a mesh look.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Faces {
+    /// Away from its middle, all around: those that are seen are on the near side.
+    Out,
+    /// At its middle: those that are seen are on the far side.
+    In,
+    /// Neither.
+    Along,
+}
+
+impl Faces {
+    fn of(mesh: &Mesh) -> Self {
+        let place = |index: &u32| Some(mesh.vertices.get(*index as usize)?.position.into());
+        let triangles = mesh.indices.as_chunks::<3>().0.iter();
+        let triangles = triangles.filter_map(|[a, b, c]| Some([place(a)?, place(b)?, place(c)?]));
+        match outwardness(&mesh.bounds, triangles) {
+            part if part >= ENCLOSING => Self::Out,
+            part if part <= -ENCLOSING => Self::In,
+            _ => Self::Along,
+        }
+    }
+
+    /// In the mirror insides are outsides.
+    fn under(self, transform: &Affine3A) -> Self {
+        let is_mirrored = transform.matrix3.determinant() < 0.0;
+        match self {
+            Self::Out if is_mirrored => Self::In,
+            Self::In if is_mirrored => Self::Out,
+            same => same,
+        }
+    }
+}
+
+/// Returns how far away something is drawn: that what is in a glass comes after its far side and
+/// before its near one.
+fn depth_m(bounds: &Aabb, eye: Vec3, faces: Faces) -> f32 {
+    let towards = bounds.centre() - eye;
+    let distance_m = towards.length();
+    let reach_m = towards.normalize_or_zero().abs().dot(bounds.half_extent());
+    match faces {
+        Faces::Out => distance_m - reach_m,
+        Faces::In => distance_m + reach_m,
+        Faces::Along => distance_m,
+    }
+}
+
+/// An object of a view.
+#[derive(Clone, Copy)]
+struct Placed {
+    number: usize,
+    depth_m: f32,
+    test: Test,
+}
+
+/// Whether an object is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Test {
+    /// Only if its box shows.
+    Box,
+    /// Whatever hides it.
+    None,
+}
+
+/// One view's blended objects in the memory of its frame, in the order in which they are drawn.
+#[derive(Clone, Copy)]
+struct TransparentIo {
+    instances: BufferSlice,
+    draws: BufferSlice,
+    /// The boxes that are tested, if any are.
+    boxes: Option<BufferSlice>,
+    count: u32,
+}
+
+const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+
+impl Transparent {
+    /// Returns what the blended objects of a scene need; `None` without any.
+    ///
+    /// # Errors
+    /// No memory, a failed call.
+    pub(crate) fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        scene: &Scene,
+        resources: Option<&SurfaceResources>,
+    ) -> Result<Option<Self>, Error> {
+        let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
+        let mut known = HashMap::new();
+        let object = |object: &Object| {
+            let mesh = scene.mesh_of(object)?;
+            let own_bounds = mesh.bounds;
+            let bounds = bounds_in_world(&own_bounds, &object.transform)?;
+            let faces = *known.entry(object.mesh).or_insert_with(|| Faces::of(mesh));
+            Some(TransparentObject { object: *object, own_bounds, bounds, faces })
+        };
+        let objects: Vec<TransparentObject> = transparent.filter_map(object).collect();
+        let Some(resources) = resources.filter(|_| !objects.is_empty()) else { return Ok(None) };
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
+        let indirect = storage | vk::BufferUsageFlags::INDIRECT_BUFFER;
+        let draw_bytes = objects.len() as u64 * DRAW_BYTES;
+        let list_bytes = (gpu::LISTED_DRAWS as u64 + 1) * 4;
+        Ok(Some(Self {
+            pass: Self::pass(device, shaders, resources)?,
+            objects,
+            parts: [
+                Buffer::new(device, "blended draws", draw_bytes, indirect, MemoryKind::Device)?,
+                Buffer::new(device, "blended list", list_bytes, storage, MemoryKind::Device)?,
+            ],
+            sorted: Vec::new(),
+            view: None,
+        }))
+    }
+
+    /// Compiles the pass.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub(crate) fn pass(
+        device: &Device,
+        shaders: &ShaderSet,
+        resources: &SurfaceResources,
+    ) -> Result<SurfacePass, Error> {
+        Ok(SurfacePass::new(device, shaders, SurfaceKind::Transparent, resources)?)
+    }
+
+    /// Finds those in the frustum of a view and sorts them: the farthest first, by the middle of
+    /// their boxes, or by the side of it that is seen of what encloses something; of those that are
+    /// equally far the first of the scene.
+    fn sort(&mut self, view: &View, test: Test) {
+        self.sorted.clear();
+        for (number, object) in self.objects.iter().enumerate() {
+            let bounds = &object.bounds;
+            if view.frustum.classify(bounds, PlaneMask::ALL).0 == Containment::Outside {
+                continue;
+            }
+            let depth_m = depth_m(bounds, view.eye, object.faces.under(&object.object.transform));
+            let can_be_tested = test == Test::Box && view.margin.proxy(bounds).is_some();
+            let test = if can_be_tested { Test::Box } else { Test::None };
+            self.sorted.push(Placed { number, depth_m, test });
+        }
+        self.sorted.sort_unstable_by(|a, b| {
+            let farther = b.depth_m.total_cmp(&a.depth_m);
+            farther.then(a.number.cmp(&b.number))
+        });
+    }
+
+    /// Writes what was sorted into the memory of a frame.
+    fn write(&mut self, frame: &mut Frame<'_>, geometry: &Geometry) -> Result<(), Error> {
+        self.view = None;
+        if self.sorted.is_empty() {
+            return Ok(());
+        }
+        let Self { sorted, objects, .. } = self;
+        let placed = || sorted.iter().map(|placed| (placed, &objects[placed.number]));
+        let uploads = frame.uploads();
+        let instances = uploads.push_iter(placed().map(|(placed, transparent)| {
+            geometry.transparent_instance(TransparentId(placed.number as u32), &transparent.object)
+        }))?;
+        let draws = placed().enumerate().map(|(place, (placed, transparent))| IndirectDraw {
+            first_instance: place as u32,
+            instance_count: u32::from(placed.test == Test::None),
+            ..geometry.mesh_draw(transparent.object.mesh)
+        });
+        let draws = uploads.push_iter(draws)?;
+        let is_any_tested = sorted.iter().any(|placed| placed.test == Test::Box);
+        let boxes = is_any_tested.then(|| {
+            uploads.push_iter(placed().map(|(placed, transparent)| match placed.test {
+                Test::Box => ProxyBox::from(transparent.bounds),
+                Test::None => ProxyBox::from(Aabb::EMPTY),
+            }))
+        });
+        let count = sorted.len() as u32;
+        self.view = Some(TransparentIo { instances, draws, boxes: boxes.transpose()?, count });
+        Ok(())
+    }
+
+    /// Returns where an object is.
+    pub(crate) fn transform(&self, id: TransparentId) -> Option<Affine3A> {
+        self.objects.get(id.0 as usize).map(|transparent| transparent.object.transform)
+    }
+
+    /// Returns the draws of the view, as they are on the GPU once their boxes were tested.
+    fn draws(&self, io: &TransparentIo) -> BufferSlice {
+        let draws = match io.boxes {
+            Some(_) => self.parts[0].whole(),
+            None => io.draws,
+        };
+        draws.part(0, u64::from(io.count) * DRAW_BYTES)
+    }
+
+    /// Gathers those of a view for the draws of its frame. Returns how many are in its frustum.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn gather(
+        &mut self,
+        frame: &mut Frame<'_>,
+        geometry: &Geometry,
+        (view, tests): (&View, bool),
+    ) -> Result<u32, Error> {
+        self.sort(view, if tests { Test::Box } else { Test::None });
+        self.write(frame, geometry)?;
+        Ok(self.sorted.len() as u32)
+    }
+
+    /// Changes an object, if it is there. Returns its box then.
+    pub(crate) fn change(
+        &mut self,
+        id: TransparentId,
+        change: impl FnOnce(&mut TransparentObject),
+    ) -> Option<Aabb> {
+        let object = self.objects.get_mut(id.0 as usize)?;
+        change(object);
+        Some(object.bounds)
+    }
+
+    /// Returns an object.
+    pub(crate) fn get(&self, id: TransparentId) -> Option<&TransparentObject> {
+        self.objects.get(id.0 as usize)
+    }
+
+    /// Returns true if the view being recorded has any.
+    pub(crate) fn is_any(&self) -> bool {
+        self.view.is_some()
+    }
+
+    /// Records, before the rendering that tests the boxes, that none of what they decide about is
+    /// drawn.
+    pub(crate) fn prepare(&self, commands: &Commands) {
+        let Some(io) = self.tested() else { return };
+        let [draws, list] = &self.parts;
+        let between = MemoryBarrier::between;
+        // The view or frame before may still draw and note.
+        let before = [Access::IndirectRead, Access::FragmentWrite];
+        commands.barrier(between(&before, &[Access::CopyWrite]));
+        commands.copy_buffer(io.draws, draws.whole());
+        commands.fill(list.whole().part(0, 4), 0);
+        let after = [Access::IndirectRead, Access::FragmentWrite];
+        commands.barrier(between(&[Access::CopyWrite], &after));
+    }
+
+    /// Tests the boxes against the finished depth, which is being rendered to.
+    pub(crate) fn test(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+        let (Some(io), Some(pass)) = (self.tested(), &executor.passes.leaf_boxes) else { return };
+        let Some(boxes) = io.boxes else { return };
+        let [draws, list] = &self.parts;
+        commands.label("blended boxes", |commands| {
+            let parts = LeafDrawBuffers { draws: draws.whole(), list: list.whole() };
+            pass.bind(commands, &LeafBoxIo { boxes, parts }, view);
+            commands.draw_instances(BOX_VERTICES, 0..io.count);
+        });
+    }
+
+    /// Makes what the boxes decided hold for the draws, outside of rendering.
+    pub(crate) fn decide(&self, commands: &Commands) {
+        if self.tested().is_some() {
+            let switched_on = [Access::IndirectRead, Access::FragmentWrite];
+            commands.barrier(MemoryBarrier::between(&[Access::FragmentWrite], &switched_on));
+        }
+    }
+
+    /// Draws those of the view to what is being rendered to.
+    pub(crate) fn draw(
+        &self,
+        executor: &PlanExecutor,
+        commands: &Commands,
+        surfaces: SurfaceIo<'_>,
+        (view, light): (&View, &Light),
+    ) {
+        let Some(io) = &self.view else { return };
+        let surfaces = SurfaceIo { instances: io.instances, ..surfaces };
+        self.pass.bind(commands, &surfaces, view, light);
+        executor.leaves.predicates().draw_after_counted(commands, self.draws(io));
+    }
+
+    fn tested(&self) -> Option<&TransparentIo> {
+        self.view.as_ref().filter(|io| io.boxes.is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_glass_in_a_glass_is_drawn_between_its_sides() {
+        let (outer, inner) = (Vec3::splat(2.0), Vec3::splat(0.5));
+        let eye = Vec3::new(9.0, 3.0, -4.0);
+        for middle in [Vec3::ZERO, Vec3::new(1.2, -0.7, 0.9)] {
+            let around = |half: Vec3| {
+                Aabb::new(middle * half.y.min(1.0) - half, middle * half.y.min(1.0) + half)
+            };
+            let depth = |half, faces| depth_m(&around(half), eye, faces);
+            let order = [
+                depth(outer, Faces::In),
+                depth(inner, Faces::In),
+                depth(inner, Faces::Along),
+                depth(inner, Faces::Out),
+                depth(outer, Faces::Out),
+            ];
+            assert!(order.is_sorted_by(|farther, nearer| farther > nearer), "{order:?}");
+        }
+        let mirror = Affine3A::from_scale(Vec3::new(1.0, -1.0, 1.0));
+        assert_eq!(Faces::Out.under(&mirror), Faces::In);
+        assert_eq!(Faces::Along.under(&mirror), Faces::Along);
+    }
+}
