@@ -1,8 +1,9 @@
-//! Executes plans as the renderer does, and brings answers home with all mishaps there are.
+//! Executes plans as the renderer does: writes results to memory, which are read frames later, with
+//! all mishaps there are. They are read as answers by the same [`ResultReader`] as those of a GPU.
 
 use antumbra_cull::{
-    Aabb, Answer, FramePlan, Hierarchy, LeafIndex, LeafRange, ProxyTest, QueryKind, QueryTag,
-    Tester, View,
+    Aabb, Answer, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList, LeafRange,
+    NodeId, PendingTest, ProxyTest, QueryKind, QueryTag, ResultReader, Tester, View,
 };
 
 use crate::image::{Image, Shift};
@@ -17,12 +18,88 @@ pub struct Mishaps {
     pub late: f32,
     pub lost: f32,
     pub twice: f32,
+    /// Leaves that the list of a frame has room for.
+    pub listed: usize,
 }
 
 impl Mishaps {
     pub const fn none(latency: u64) -> Self {
-        Self { latency, late: 0.0, lost: 0.0, twice: 0.0 }
+        Self { latency, late: 0.0, lost: 0.0, twice: 0.0, listed: usize::MAX }
     }
+}
+
+/// The memory of a frame that is executed: its tests, and the words that they left.
+struct Written {
+    frame: (FrameId, Generation),
+    queries: Vec<(PendingTest<()>, u32)>,
+    tests: Vec<PendingTest<()>>,
+    /// One per test; that of a test which shares another's proxy is never written.
+    words: Vec<u32>,
+    /// The leaves that showed where they were tested one by one.
+    leaves: Vec<u32>,
+    /// The truth about each test: true if its node showed, or one of its leaves where another box
+    /// answers for it.
+    showed: Vec<bool>,
+}
+
+impl Written {
+    fn new(plan: &FramePlan, hierarchy: &Hierarchy) -> Self {
+        let pending = |test: &ProxyTest| pending(test.tag, test.tester);
+        Self {
+            frame: (plan.frame, hierarchy.generation()),
+            queries: Vec::new(),
+            tests: plan.tests.iter().map(pending).collect(),
+            words: Vec::new(),
+            leaves: Vec::new(),
+            showed: Vec::new(),
+        }
+    }
+
+    /// Reads the results over a hierarchy that may have changed since, those of nodes before those
+    /// of their leaves.
+    fn answers(&self, hierarchy: &Hierarchy, listed: usize) -> Vec<Answer> {
+        let mut reader = ResultReader::default();
+        for (test, samples) in &self.queries {
+            reader.read_query(test, *samples);
+        }
+        for (test, samples) in self.tests.iter().zip(&self.words) {
+            if test.tester == Tester::Query {
+                reader.read_query(test, *samples);
+            }
+        }
+        reader.read_flags(&self.tests, &self.words);
+        reader.read_computed(&self.tests, &self.words);
+        let list = match self.leaves.len() > listed {
+            true => LeafList::TooMany,
+            false => LeafList::These(&self.leaves),
+        };
+        reader.read_leaves(hierarchy, self.frame, list, |_| ());
+        reader.finish();
+        let answers: Vec<Answer> = reader.results().iter().map(|result| result.answer).collect();
+        if hierarchy.generation() == self.frame.1 {
+            self.assert_true(&answers, matches!(list, LeafList::These(_)));
+        }
+        answers
+    }
+
+    /// Checks the answers about tests against what was drawn. If the list had no room, answers may
+    /// say that more shows than does.
+    fn assert_true(&self, answers: &[Answer], is_listed: bool) {
+        for (test, showed) in self.tests.iter().zip(&self.showed) {
+            let same =
+                |it: &&Answer| it.tag.node == test.tag.node && it.tag.kind != QueryKind::Leaf;
+            let answer = answers.iter().find(same).expect("each test has an answer");
+            let is_right = match is_listed {
+                true => (answer.samples > 0) == *showed,
+                false => answer.samples > 0 || !showed,
+            };
+            assert!(is_right, "{test:?} has {answer:?}, and in truth {showed}");
+        }
+    }
+}
+
+fn pending(tag: QueryTag, tester: Tester) -> PendingTest<()> {
+    PendingTest { tag, tester, contents: () }
 }
 
 /// The solids that are drawn: what is inside of the bounding boxes.
@@ -43,8 +120,10 @@ pub struct Device {
     mishaps: Mishaps,
     random: Random,
     sub_pixel_step: f64,
-    /// Answers on their way, and the frame they arrive at.
-    under_way: Vec<(u64, Answer)>,
+    /// Frames whose results are not read yet, the oldest first.
+    written: Vec<Written>,
+    /// Answers that are late, and the frame they arrive at.
+    late: Vec<(u64, Answer)>,
 }
 
 impl Device {
@@ -57,34 +136,51 @@ impl Device {
             mishaps,
             random: Random::new(seed),
             sub_pixel_step: 0.5_f64.powi(sub_pixel_bits as i32),
-            under_way: Vec::new(),
+            written: Vec::new(),
+            late: Vec::new(),
         }
     }
 
-    /// Returns the answers that are home when frame `next` is planned, in random order.
-    pub fn collect(&mut self, next: u64) -> Vec<Answer> {
-        let mut home = Vec::new();
-        self.under_way.retain(|(arrival, answer)| {
-            let is_home = *arrival <= next;
-            if is_home {
-                home.push(*answer);
-            }
-            !is_home
+    /// Returns the answers that are there when frame `next` is planned, in random order.
+    pub fn collect(&mut self, next: u64, hierarchy: &Hierarchy) -> Vec<Answer> {
+        let Mishaps { latency, late, lost, twice, listed } = self.mishaps;
+        let mut answers = Vec::new();
+        self.late.retain(|(arrival, answer)| {
+            let is_there = *arrival <= next;
+            answers.extend(is_there.then_some(*answer));
+            !is_there
         });
-        for position in (1..home.len()).rev() {
-            home.swap(position, self.random.below(position + 1));
+        let is_over = |written: &Written| written.frame.0.0 + latency <= next;
+        let over = self.written.iter().take_while(|written| is_over(written)).count();
+        for written in self.written.drain(..over) {
+            for answer in written.answers(hierarchy, listed) {
+                let copies = match () {
+                    () if self.random.chance(lost) => 0,
+                    () if self.random.chance(twice) => 2,
+                    () => 1,
+                };
+                for _ in 0..copies {
+                    match self.random.chance(late) {
+                        true => self.late.push((next + 1 + self.random.below(3) as u64, answer)),
+                        false => answers.push(answer),
+                    }
+                }
+            }
         }
-        home
+        for position in (1..answers.len()).rev() {
+            answers.swap(position, self.random.below(position + 1));
+        }
+        answers
     }
 
-    /// Returns the answers to `frame` that are still under way, those of nodes before those of
-    /// their parts.
-    pub fn answers_of(&self, frame: u64) -> Vec<Answer> {
-        let all = self.under_way.iter().map(|(_, answer)| *answer);
-        all.filter(|answer| answer.tag.frame.0 == frame).collect()
+    /// Returns the answers to `frame` that were not collected yet, those of nodes before those of
+    /// their leaves.
+    pub fn answers_of(&self, frame: FrameId, hierarchy: &Hierarchy) -> Vec<Answer> {
+        let written = self.written.iter().filter(|written| written.frame.0 == frame);
+        written.flat_map(|it| it.answers(hierarchy, self.mishaps.listed)).collect()
     }
 
-    /// A frame, in the order that a plan asks for.
+    /// Draws and tests a frame in the order that a plan asks for.
     pub fn execute(
         &mut self,
         view: &View,
@@ -95,6 +191,7 @@ impl Device {
         self.image.clear();
         self.drawn.clear();
         self.neglected.clear();
+        let mut written = Written::new(plan, hierarchy);
         let mut drawn = 0;
         for ((leaf, tag), after) in plan.queried_draws.iter().zip(&plan.queried_after) {
             for leaf in &plan.draws[drawn..*after as usize] {
@@ -102,73 +199,66 @@ impl Device {
             }
             drawn = *after as usize;
             let samples = self.draw(view, hierarchy, solids, *leaf);
-            self.answer(*tag, samples);
+            written.queries.push((pending(*tag, Tester::Query), samples));
         }
         for leaf in &plan.draws[drawn..] {
             self.draw(view, hierarchy, solids, *leaf);
         }
-        let mut words = Vec::new();
         for round in &plan.rounds {
             let tests = &plan.tests[round.clone()];
-            let shown: Vec<u32> = tests
-                .iter()
-                .map(|test| {
-                    if let Tester::SharedProxy(_) = test.tester {
-                        return 0;
-                    }
-                    let step = self.sub_pixel_step;
-                    // A device rounds the same box in the same way in every frame.
-                    let mut rounding = Random::new(test.tag.node.0.into());
-                    let shift = [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * step);
-                    self.image.test(view, &test.bounds, shift)
-                })
-                .collect();
-            words.extend(shown);
+            written.words.extend(tests.iter().map(|test| match test.tester {
+                Tester::SharedProxy(_) => 0,
+                _ => self.test(view, (test.tag.node, &test.bounds)),
+            }));
             for (number, test) in round.clone().zip(tests) {
                 let samples = match test.tester {
-                    Tester::SharedProxy(front) => words[front as usize],
-                    _ => words[number],
+                    Tester::SharedProxy(front) => written.words[front as usize],
+                    _ => written.words[number],
                 };
-                let is_behind = matches!(test.tester, Tester::SharedProxy(_));
-                if samples == 0 || !is_behind {
-                    self.answer(test.tag, samples);
-                }
                 if samples <= self.threshold_samples {
+                    written.showed.push(samples > 0);
                     self.neglected.extend((samples > 0).then_some((test.leaves, samples)));
                     continue;
                 }
-                let parts = match test.tag.kind {
-                    QueryKind::PerLeaf => self.parts(view, hierarchy, test),
+                let leaves = match test.tag.kind {
+                    QueryKind::PerLeaf => self.leaves_that_show(view, hierarchy, test),
                     _ => test.leaves.iter().collect(),
                 };
-                if is_behind {
-                    // Behind a box that shows, the leaves answer for their node.
-                    self.answer(test.tag, parts.len() as u32);
+                let is_shared = matches!(test.tester, Tester::SharedProxy(_));
+                written.showed.push(!is_shared || !leaves.is_empty());
+                if test.tag.kind == QueryKind::PerLeaf {
+                    written.leaves.extend(leaves.iter().map(|leaf| leaf.0));
                 }
-                for leaf in parts {
+                for leaf in leaves {
                     self.draw(view, hierarchy, solids, leaf);
                 }
             }
         }
+        self.written.push(written);
     }
 
-    /// Returns the leaves of a node that show, tested one by one; their answers go with the node's.
-    fn parts(&mut self, view: &View, hierarchy: &Hierarchy, test: &ProxyTest) -> Vec<LeafIndex> {
-        let mut shown = Vec::new();
-        for leaf in test.leaves.iter() {
+    /// Counts the samples of the proxy of a node. A device rounds the same box in the same way in
+    /// every frame.
+    fn test(&self, view: &View, (node, proxy): (NodeId, &Aabb)) -> u32 {
+        let mut rounding = Random::new(node.0.into());
+        let shift = [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * self.sub_pixel_step);
+        self.image.test(view, proxy, shift)
+    }
+
+    /// Returns the leaves of a node that show, tested one by one.
+    fn leaves_that_show(
+        &self,
+        view: &View,
+        hierarchy: &Hierarchy,
+        test: &ProxyTest,
+    ) -> Vec<LeafIndex> {
+        let shows = |leaf: &LeafIndex| {
             let node = hierarchy.node_of(hierarchy.leaf_objects()[leaf.0 as usize]).unwrap();
             let bounds =
                 view.margin.proxy(&hierarchy.bounds(node)).expect("far enough, as its node is");
-            let step = self.sub_pixel_step;
-            let mut rounding = Random::new(node.0.into());
-            let shift = [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * step);
-            let samples = self.image.test(view, &bounds, shift);
-            if samples > 0 {
-                shown.push(leaf);
-                self.answer(QueryTag { node, kind: QueryKind::Leaf, ..test.tag }, samples);
-            }
-        }
-        shown
+            self.test(view, (node, &bounds)) > 0
+        };
+        test.leaves.iter().filter(shows).collect()
     }
 
     fn draw(
@@ -185,22 +275,5 @@ impl Device {
         self.drawn.push(object);
         let (solid, shift) = (&solids.solids[object as usize], solids.shifts[object as usize]);
         self.image.draw(view, solid, shift)
-    }
-
-    fn answer(&mut self, tag: QueryTag, samples: u32) {
-        let copies = match () {
-            () if self.random.chance(self.mishaps.lost) => 0,
-            () if self.random.chance(self.mishaps.twice) => 2,
-            () => 1,
-        };
-        for _ in 0..copies {
-            let delay = if self.random.chance(self.mishaps.late) {
-                1 + self.random.below(3) as u64
-            } else {
-                0
-            };
-            let arrival = tag.frame.0 + self.mishaps.latency + delay;
-            self.under_way.push((arrival, Answer { tag, samples }));
-        }
     }
 }

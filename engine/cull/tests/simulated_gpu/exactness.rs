@@ -82,7 +82,7 @@ impl World {
         for strategy in [Strategy::Frustum, ours] {
             for latency in LATENCIES {
                 let calm = Mishaps::none(latency);
-                let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
+                let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, listed: 6, ..calm };
                 let mishaps = if is_rough { rough } else { calm };
                 let mut culler = Culler::with_testers(config, testers);
                 if let Some(table) = table {
@@ -284,7 +284,7 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             truth.draw(&view, solid, *shift);
         }
         for run in &mut runs {
-            let answers = run.device.collect(run.culler.frame().0 + 1);
+            let answers = run.device.collect(run.culler.frame().0 + 1, &world.hierarchy);
             run.culler.ingest(&world.hierarchy, answers);
             run.culler.plan(&world.hierarchy, run.strategy, &view, world.budget, &mut run.plan);
             let context = || format!("seed {seed}, frame {frame}, {}", run.strategy);

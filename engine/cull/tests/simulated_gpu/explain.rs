@@ -40,7 +40,7 @@ fn explain_walk(walk: &mut Walk) -> [usize; 6] {
     for frame in 0..150 {
         walk.step(&camera(frame));
         let view = View::new(&camera(frame), SIZE, 8);
-        let answers = walk.device.answers_of(walk.plan.frame.0);
+        let answers = walk.device.answers_of(walk.plan.frame, &walk.hierarchy);
         for object in 0..walk.scene.bounds.len() as u32 {
             let explained =
                 walk.culler.explain(&walk.hierarchy, &view, &walk.plan, ObjectId(object)).unwrap();

@@ -79,7 +79,7 @@ impl World {
         (1..=4)
             .map(|latency| {
                 let calm = Mishaps::none(latency);
-                let mishaps = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
+                let mishaps = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, listed: 6, ..calm };
                 Eye {
                     camera: Path::start(&mut self.random),
                     path: PATHS[self.random.below(PATHS.len())],
@@ -172,7 +172,7 @@ fn verify(seed: u64) -> Checked {
             }
             let view = View::new(&eye.camera, SIZE, world.sub_pixel_bits);
             let (hierarchy, culler) = (&world.hierarchy, &mut eye.culler);
-            culler.ingest(hierarchy, eye.device.collect(culler.frame().0 + 1));
+            culler.ingest(hierarchy, eye.device.collect(culler.frame().0 + 1, hierarchy));
             culler.plan(hierarchy, Strategy::Antumbra, &view, 1_000, &mut eye.plan);
             let context = || format!("seed {seed}, frame {frame}, eye {number}");
             invariants::check(hierarchy, Strategy::Antumbra, &view, 1_000, &eye.plan)

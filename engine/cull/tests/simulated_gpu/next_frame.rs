@@ -40,7 +40,7 @@ impl Walk {
     /// Returns a frame; answers how many pixels are wrong.
     fn step(&mut self, camera: &Camera) -> usize {
         let view = View::new(camera, SIZE, 8);
-        let answers = self.device.collect(self.culler.frame().0 + 1);
+        let answers = self.device.collect(self.culler.frame().0 + 1, &self.hierarchy);
         self.culler.ingest(&self.hierarchy, answers);
         self.culler.plan(&self.hierarchy, Strategy::NextFrame, &view, 0, &mut self.plan);
         let solids = Solids { solids: &self.scene.solids, shifts: &self.scene.shifts };

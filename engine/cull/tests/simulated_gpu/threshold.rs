@@ -64,7 +64,7 @@ fn walk(seed: u64, threshold_samples: u32) -> Found {
         for (solid, shift) in scene.solids.iter().zip(&scene.shifts) {
             truth.draw(&view, solid, *shift);
         }
-        let answers = device.collect(culler.frame().0 + 1);
+        let answers = device.collect(culler.frame().0 + 1, &hierarchy);
         culler.ingest(&hierarchy, answers);
         culler.plan(&hierarchy, Strategy::Antumbra, &view, 10_000, &mut plan);
         device.execute(&view, &hierarchy, &solids, &plan);

@@ -39,7 +39,7 @@ impl Walk {
 
     pub fn step(&mut self, camera: &Camera) {
         let view = View::new(camera, SIZE, 8);
-        let answers = self.device.collect(self.culler.frame().0 + 1);
+        let answers = self.device.collect(self.culler.frame().0 + 1, &self.hierarchy);
         self.culler.ingest(&self.hierarchy, answers);
         self.culler.plan(&self.hierarchy, Strategy::Antumbra, &view, BUDGET, &mut self.plan);
         let solids = Solids { solids: &self.scene.solids, shifts: &self.scene.shifts };
