@@ -8,7 +8,7 @@
 use std::cell::RefCell;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, Culler, FramePlan, Hierarchy, ObjectId, CullConfig, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Strategy, View,
 };
 use divan::Bencher;
 use divan::counter::ItemsCount;

@@ -95,6 +95,12 @@ impl Culler {
         self.neglected_samples = samples;
     }
 
+    /// Returns the most samples of a test that still counts as hidden.
+    #[must_use]
+    pub fn sample_threshold(&self) -> u32 {
+        self.neglected_samples
+    }
+
     /// Leaves out tests that cost more than they save, from now on. Without prices everything is
     /// tested that may be hidden.
     ///

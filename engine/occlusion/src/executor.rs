@@ -18,13 +18,8 @@ pub struct PlanExecutor {
 impl PlanExecutor {
     /// Returns what plans may make use of on `device`, for views of up to `size` pixels. With a
     /// threshold only queries tell enough: other testers do not count samples.
-    pub fn testers(
-        &self,
-        device: &Device,
-        size: [u32; 2],
-        threshold_samples: u32,
-    ) -> TesterSupport {
-        let is_exact = threshold_samples == 0;
+    pub fn testers(&self, device: &Device, size: [u32; 2]) -> TesterSupport {
+        let is_exact = self.leaves.threshold_samples() == 0;
         TesterSupport {
             flags: is_exact && self.passes.proxies.can_flag(),
             compute: is_exact && ComputeTest::check(device, size).is_ok(),

@@ -66,6 +66,7 @@ pub struct LeafTable {
     /// One [`ProxyBox`] per leaf, not enlarged.
     boxes: Buffer,
     pub(crate) predicates: Predicates,
+    threshold_samples: u32,
     mesh_draws: Arc<[MeshDraw]>,
     leaf_draws: Vec<MeshDrawId>,
     counts: LeafCounts,
@@ -119,6 +120,7 @@ impl LeafTable {
                 slots,
                 threshold_samples,
             )?,
+            threshold_samples,
             counts: LeafCounts::new(counts()),
             changes: DrawChanges::new(objects.len()),
             dirty: Vec::new(),
@@ -150,6 +152,12 @@ impl LeafTable {
     /// Returns the predicates over the draws of all leaves.
     pub fn predicates(&self) -> &Predicates {
         &self.predicates
+    }
+
+    /// Returns the most samples of a test that still counts as hidden: the one that the GPU decides
+    /// by, and hence all views and methods.
+    pub fn threshold_samples(&self) -> u32 {
+        self.threshold_samples
     }
 
     /// Makes room for another number of frames in flight.

@@ -67,8 +67,6 @@ pub struct MethodSupport<'a> {
     pub executor: &'a PlanExecutor,
     /// Size of the target in pixels.
     pub size: [u32; 2],
-    /// The most samples of a test that still counts as hidden.
-    pub threshold_samples: u32,
 }
 
 impl MethodSupport<'_> {

@@ -40,7 +40,8 @@ impl Method for PlannedMethod {
     }
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
-        let MethodSupport { device, executor, size, threshold_samples, .. } = *support;
+        let MethodSupport { device, executor, size, .. } = *support;
+        let threshold_samples = executor.leaves.threshold_samples();
         let counts_nothing =
             matches!(strategy, Strategy::AntumbraFlags | Strategy::AntumbraCompute);
         if counts_nothing && threshold_samples > 0 {

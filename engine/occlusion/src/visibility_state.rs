@@ -38,7 +38,6 @@ pub struct VisibilityState {
     pub(crate) sent: SentFrames,
     /// Up to which change of a draw the rings know the draws.
     seen_changes: u64,
-    threshold_samples: u32,
     /// By the method of the newest frame, where that is no plan.
     neglected_samples: u64,
     reader: ResultReader<LeafCount>,
@@ -91,8 +90,9 @@ impl VisibilityState {
         hierarchy: &Hierarchy,
         leaves: &LeafTable,
         frames_in_flight: usize,
-        (mut culler, threshold_samples): (Culler, u32),
+        mut culler: Culler,
     ) -> Result<Self, Error> {
+        let threshold_samples = leaves.threshold_samples();
         culler.set_sample_threshold(threshold_samples);
         Ok(Self {
             table: leaves.id,
@@ -106,7 +106,6 @@ impl VisibilityState {
             method_states: Vec::new(),
             sent: SentFrames::new(frames_in_flight),
             seen_changes: leaves.changes.count(),
-            threshold_samples,
             neglected_samples: 0,
             reader: ResultReader::default(),
             newest: Vec::new(),
@@ -129,7 +128,8 @@ impl VisibilityState {
         if self.frames_in_flight == frames_in_flight {
             return Ok(());
         }
-        self.rings = Rings::new(&self.device, hierarchy, frames_in_flight, self.threshold_samples)?;
+        self.rings =
+            Rings::new(&self.device, hierarchy, frames_in_flight, leaves.threshold_samples())?;
         self.method_states.clear();
         self.seen_changes = leaves.changes.count();
         self.outcomes.forget_pending();
@@ -216,7 +216,7 @@ impl VisibilityState {
         self.read(completed, hierarchy, leaves);
         let Self { culler, method_states, reader, newest: kept, outcomes, sent, .. } = self;
         for result in reader.results().iter().filter(|it| it.answer.samples > 0) {
-            outcomes.add(result, self.threshold_samples);
+            outcomes.add(result, culler.sample_threshold());
         }
         let answers = reader.results().iter().map(|result| result.answer);
         let mut newest = answers.clone().map(|answer| answer.tag.frame).max();
@@ -252,7 +252,7 @@ impl VisibilityState {
 
     /// Returns true if the subject of an answer shows by more than the threshold.
     pub fn shows(&self, answer: &Answer) -> bool {
-        cull::shows(answer, self.threshold_samples)
+        cull::shows(answer, self.culler.sample_threshold())
     }
 
     /// Returns all answers about the newest frame that has any.

@@ -8,7 +8,7 @@ use scene::{Light, TransparentId};
 use crate::geometry::{Geometry, bounds_in_world};
 use crate::passes::{CountPass, OpaqueIo, OpaquePass, SurfaceIo};
 use crate::shading::{DARK, DepthPass, Shading};
-use crate::skinned_meshes::{Deformers, Skinned, State};
+use crate::skinned_meshes::{Skinned, SkinnedMeshes, State};
 use crate::surfaces::SurfaceResources;
 use crate::transparent::{Transparent, TransparentObject};
 
@@ -24,7 +24,7 @@ pub(crate) struct FramePasses {
     pub(crate) counts: Option<CountPass>,
     pub(crate) light: Light,
     /// Where meshes change their form.
-    pub(crate) skinned_meshes: Option<Deformers>,
+    pub(crate) skinned_meshes: Option<SkinnedMeshes>,
     /// Where objects are blended.
     pub(crate) transparent: Option<Transparent>,
     /// For scenes with surfaces.

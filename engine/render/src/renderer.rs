@@ -21,7 +21,7 @@ use crate::limits::check_memory;
 use crate::object_bounds::{check_hierarchy, object_bounds};
 use crate::passes::{OpaquePass, OverlayPass};
 use crate::shading::Shading;
-use crate::skinned_meshes::Deformers;
+use crate::skinned_meshes::SkinnedMeshes;
 use crate::sprites::has_sprites;
 use crate::transparent::Transparent;
 use crate::update::UpdateScratch;
@@ -134,7 +134,6 @@ pub struct Renderer {
     pub(crate) learns: bool,
     cull_config: CullConfig,
     pub(crate) query_budget: usize,
-    pub(crate) threshold_samples: u32,
     costs: Option<CostTable>,
 }
 
@@ -185,7 +184,7 @@ impl Renderer {
         let shading = shading.transpose()?;
         let transparent = Transparent::new(device, &shaders, scene, surfaces)?;
         let first_vertices = |mesh| geometry.first_vertex(mesh);
-        let skinned_meshes = Deformers::new(device, &shaders, scene, first_vertices)?;
+        let skinned_meshes = SkinnedMeshes::new(device, &shaders, scene, first_vertices)?;
         let slots = options.frames_in_flight.max(1);
         let leaves = LeafTableInfo {
             mesh_draws: geometry.mesh_draws().clone(),
@@ -240,7 +239,6 @@ impl Renderer {
             learns,
             cull_config: options.cull_config,
             query_budget: options.query_budget,
-            threshold_samples: options.threshold_samples,
             costs,
         })
     }
@@ -257,7 +255,6 @@ impl Renderer {
             tracing::warn!("{error}");
         }
         let (slots, leaves) = (self.frames_in_flight(), &self.executor.leaves);
-        let culler = (culler, self.threshold_samples);
         let visibility =
             VisibilityState::new(&self.device, &self.hierarchy, leaves, slots, culler)?;
         Ok(ViewState::new(self.id, visibility))
@@ -279,7 +276,7 @@ impl Renderer {
 
     /// Returns what plans may make use of on this device.
     fn testers(&self) -> TesterSupport {
-        self.executor.testers(&self.device, self.size(), self.threshold_samples)
+        self.executor.testers(&self.device, self.size())
     }
 
     /// Refuses a strategy that the device lacks something for, with this scene and size.
@@ -300,7 +297,6 @@ impl Renderer {
             hierarchy: &self.hierarchy,
             executor: &self.executor,
             size: self.size(),
-            threshold_samples: self.threshold_samples,
         };
         self.methods[place].supports(strategy, &support)?;
         Ok(place)
@@ -308,7 +304,7 @@ impl Renderer {
 
     /// Returns true if whatever shows is drawn, with the strategies named exact.
     pub(crate) fn is_exact(&self) -> bool {
-        self.threshold_samples == 0
+        self.executor.leaves.threshold_samples() == 0
     }
 
     /// Returns the device it draws on.

@@ -17,7 +17,7 @@ use crate::limits::check_storage;
 use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS};
 
 /// All deformers of a scene and their newest poses.
-pub(crate) struct Deformers {
+pub(crate) struct SkinnedMeshes {
     pub(crate) pass: DeformPass,
     forms: Buffer,
     all: Vec<State>,
@@ -71,7 +71,7 @@ pub(crate) struct DeformedVertices {
     pub(crate) surfaces: BufferSlice,
 }
 
-impl Deformers {
+impl SkinnedMeshes {
     /// Uploads what the deformers of a scene that was validated are made of. `first_vertices` says
     /// where the vertices of each mesh begin.
     ///
@@ -181,7 +181,7 @@ impl Deformers {
     }
 
     /// Records what brings the newest poses of what `is_seen`, before anything of `frame` reads
-    /// vertices. All stay stale until the frame was [submitted](Deformers::submitted): it may never
+    /// vertices. All stay stale until the frame was [submitted](SkinnedMeshes::submitted): it may never
     /// be.
     ///
     /// # Errors
@@ -215,7 +215,7 @@ impl Deformers {
         Ok(skinned)
     }
 
-    /// Notes that the frame that [`Deformers::upload`] recorded for is on its way.
+    /// Notes that the frame that [`SkinnedMeshes::upload`] recorded for is on its way.
     pub(crate) fn submitted(&mut self) {
         for number in self.uploaded.drain(..) {
             if let Some(state) = self.all.get_mut(number) {
