@@ -3,7 +3,7 @@
 use animation::{Clip, Pose, Rig, RigNodeId, Skin};
 use cull::{Aabb, ObjectId};
 use glam::{Affine3A, Vec3};
-use scene::{DeformerId, LightId, Scene, TransparentId};
+use scene::{LightId, Scene, SkinnedMeshId, TransparentId};
 
 use crate::Note;
 
@@ -83,7 +83,7 @@ pub struct NodeAttachment {
     /// From its own space to its node's.
     pub local: Affine3A,
     /// What changes its form, with the index of its skin in [`GltfScene::skins`].
-    pub skinned_mesh: Option<(DeformerId, Option<usize>)>,
+    pub skinned_mesh: Option<(SkinnedMeshId, Option<usize>)>,
     /// A box in the world around what is seen of it at rest; empty where it does not change its
     /// form.
     pub seen_at_rest: Aabb,

@@ -1,4 +1,34 @@
 //! Scenes out of glTF 2.0 files, which are hostile until proven otherwise.
+//!
+//! [`load`] reads a file and what it refers to, [`load_bytes`] a file in memory. Container, weight
+//! of the JSON, structure and budget are checked before anything is allocated by what a file says
+//! ([`Limits`]); then files, decompression, values and images. A fault of what the shown scene
+//! needs is an [`ImportError`] with the element and the reason; any other is a note, and the
+//! element is left out. Nothing here knows a GPU.
+//!
+//! | type | what it is |
+//! |---|---|
+//! | [`GltfScene`] | the scene to draw, its cameras, clips, names and notes |
+//! | [`LoadOptions`], [`Limits`] | what is read, and how much of it at most |
+//! | [`SceneAnimator`] | time in, changes of the scene out |
+//!
+//! ```
+//! # use antumbra_import as import;
+//! use import::{LoadOptions, load_bytes};
+//! use std::ops::ControlFlow;
+//!
+//! let file = br#"{
+//!     "asset": { "version": "2.0" },
+//!     "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "name": "hinge" }]
+//! }"#;
+//! let (options, mut progress) = (LoadOptions::default(), |_| ControlFlow::Continue(()));
+//! let loaded = load_bytes(file.to_vec(), None, &options, &mut progress)?;
+//! assert!(loaded.scene.objects.is_empty());
+//!
+//! let error = load_bytes(b"{ \"asset\": ".to_vec(), None, &options, &mut progress).unwrap_err();
+//! println!("{error}"); // the file, the element, the reason
+//! # Ok::<(), import::ImportError>(())
+//! ```
 #![forbid(unsafe_code)]
 
 mod blank;

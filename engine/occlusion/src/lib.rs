@@ -12,6 +12,48 @@
 //! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
 //! | [`Method`] | the trait of all methods: [`PlannedMethod`] is ours |
 //! | [`Costs`], [`measure`] | prices of tests and draws on this device |
+//!
+//! A frame of somebody's own objects, each a box and an indexed draw:
+//!
+//! ```no_run
+//! # use antumbra_occlusion as occlusion;
+//! use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
+//! use occlusion::*;
+//!
+//! fn walk(
+//!     device: &gpu::Device,
+//!     boxes: &[Aabb],
+//!     draw: MeshDraw,
+//!     objects: &mut dyn ObjectRenderer,
+//!     cameras: &[Camera],
+//! ) -> Result<(), Box<dyn std::error::Error>> {
+//!     let (shaders, size, slots) = (ShaderSet::embedded()?, objects.target().size(), 2);
+//!     let hierarchy = Hierarchy::build(boxes)?;
+//!     let info = LeafTableInfo {
+//!         mesh_draws: [draw].into(),
+//!         predication: None,
+//!         frames_in_flight: slots,
+//!         threshold_samples: 0,
+//!     };
+//!     let leaves = LeafTable::new(device, &hierarchy, info, |_object| MeshDrawId(0))?;
+//!     let passes = OcclusionPasses::new(device, &shaders)?;
+//!     let mut executor = PlanExecutor { passes, leaves };
+//!     let culler = Culler::with_testers(CullConfig::default(), executor.testers(device, size));
+//!     let mut state = VisibilityState::new(device, &hierarchy, &executor.leaves, slots, culler)?;
+//!     let mut frames = gpu::FrameRing::new(device, slots)?;
+//!     for camera in cameras {
+//!         let bits = device.adapter().limits.sub_pixel_precision_bits;
+//!         let view = View::new(camera, size, bits);
+//!         let mut frame = frames.begin()?; // waits for the frame of two frames ago
+//!         state.collect(device.completed()?, &hierarchy, &executor.leaves);
+//!         state.plan_frame(&hierarchy, &executor.leaves, Strategy::Antumbra, (&view, 4096));
+//!         execute(&mut frame, &mut executor, &mut state, objects, (&shaders, &view))?;
+//!         let tick = frame.submit(None)?;
+//!         state.submitted(tick, &executor.leaves, None);
+//!     }
+//!     Ok(())
+//! }
+//! ```
 #![forbid(unsafe_code)]
 
 mod calibration;

@@ -124,7 +124,7 @@ pub enum Error {
     #[error("the deformer {} cannot take this pose: {reason}", skinned_mesh.0)]
     Deform {
         /// The deformer.
-        skinned_mesh: scene::DeformerId,
+        skinned_mesh: scene::SkinnedMeshId,
         /// Why not.
         reason: String,
     },

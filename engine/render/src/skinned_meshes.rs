@@ -8,7 +8,7 @@ use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, vk};
 use occlusion::ShaderSet;
 use scene::{
-    DeformerId, Mesh, MeshId, MorphTarget, PoseBounds, Scene, SkinnedMesh, SurfaceVertex,
+    Mesh, MeshId, MorphTarget, PoseBounds, Scene, SkinnedMesh, SkinnedMeshId, SurfaceVertex,
     TransparentId,
 };
 
@@ -122,7 +122,7 @@ impl SkinnedMeshes {
     }
 
     /// Returns a deformer, if the scene has it.
-    pub(crate) fn get(&self, skinned_mesh: DeformerId) -> Option<&State> {
+    pub(crate) fn get(&self, skinned_mesh: SkinnedMeshId) -> Option<&State> {
         self.all.get(skinned_mesh.0 as usize)
     }
 
@@ -132,7 +132,7 @@ impl SkinnedMeshes {
     /// A pose that it cannot take.
     pub(crate) fn bounds_in(
         &self,
-        skinned_mesh: DeformerId,
+        skinned_mesh: SkinnedMeshId,
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<Option<Aabb>, Error> {
@@ -165,7 +165,7 @@ impl SkinnedMeshes {
     /// Takes a pose that can be taken, in which the mesh has this box.
     pub(crate) fn take(
         &mut self,
-        skinned_mesh: DeformerId,
+        skinned_mesh: SkinnedMeshId,
         joints: &[Affine3A],
         weights: &[f32],
         bounds: Aabb,

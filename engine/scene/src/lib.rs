@@ -39,8 +39,8 @@ pub use outwardness::{ENCLOSING, outwardness};
 pub use pose_bounds::PoseBounds;
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
-    Alpha, DeformerId, Encoding, Filter, Image, ImageId, LightId, LightKind, LodLevel, Material,
-    MaterialId, MorphTarget, PunctualLight, Sampler, SkinWeights, SkinnedMesh, SurfaceMesh,
+    Alpha, Encoding, Filter, Image, ImageId, LightId, LightKind, LodLevel, Material, MaterialId,
+    MorphTarget, PunctualLight, Sampler, SkinWeights, SkinnedMesh, SkinnedMeshId, SurfaceMesh,
     SurfaceVertex, Surfaces, Texture, TextureId, TextureUse, TransparentId, Wrap,
 };
 pub use update::{Deformation, LightMove, SceneUpdate, TransparentMove};

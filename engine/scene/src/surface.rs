@@ -28,7 +28,7 @@ pub struct LightId(pub u32);
 
 /// Names a mesh that changes its form: an index into [`Surfaces::skinned_meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct DeformerId(pub u32);
+pub struct SkinnedMeshId(pub u32);
 
 /// The second half of a vertex, 40 bytes: what only shading needs.
 #[repr(C)]

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Affine3A;
 
-use super::{DeformerId, LightId, ObjectChange, PunctualLight, TransparentId};
+use super::{LightId, ObjectChange, PunctualLight, SkinnedMeshId, TransparentId};
 
 /// A blended object in another place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +29,7 @@ pub struct LightMove {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformation {
     /// The mesh, by its deformer.
-    pub skinned_mesh: DeformerId,
+    pub skinned_mesh: SkinnedMeshId,
     /// Its joints' matrices, in [`SceneUpdate::joints`], which those that hang on the same joints
     /// share; none without a skin.
     pub joints: Range<usize>,

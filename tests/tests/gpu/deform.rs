@@ -6,9 +6,9 @@ use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Costs, FrameRequest, Renderer, RendererOptions};
 use scene::{
-    DeformerId, Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId,
-    MorphTarget, Object, PunctualLight, Sampler, Scene, SkinWeights, SkinnedMesh, Surfaces,
-    Texture, TextureId, TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
+    Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId, MorphTarget, Object,
+    PunctualLight, Sampler, Scene, SkinWeights, SkinnedMesh, SkinnedMeshId, Surfaces, Texture,
+    TextureId, TextureUse, bounds_of_vertices, pack_normal, pack_unorm, unpack_normal,
 };
 use tests::run_on_all;
 use tests::shapes::{box_scene, cube, surface_of};
@@ -182,7 +182,7 @@ fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
 pub fn take(renderer: &mut Renderer, turns: [f32; 2]) {
     for (number, turn) in (0..).zip(turns) {
         let Pose { joints, weights } = pose(turn);
-        renderer.set_pose(DeformerId(number), &joints, &weights).unwrap();
+        renderer.set_pose(SkinnedMeshId(number), &joints, &weights).unwrap();
     }
 }
 
@@ -285,7 +285,7 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
         }];
         let mut renderer = Renderer::new(device, &skinned, &options(2)).unwrap();
         let unposed = draw(&mut renderer, Strategy::Frustum);
-        renderer.set_pose(DeformerId(0), &[mirror], &[]).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &[mirror], &[]).unwrap();
         let found = draw(&mut renderer, Strategy::Frustum);
         assert_eq!(pixels_far_apart(&expected, &found), 0);
         assert!(pixels_far_apart(&expected, &unposed) > 500, "it is somewhere else");

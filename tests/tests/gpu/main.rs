@@ -8,6 +8,8 @@
 )]
 
 mod bad_machine;
+#[cfg(feature = "shader-compiler")]
+mod bare_boxes;
 mod calibration;
 mod cold_starts;
 mod compute_test;

@@ -5,7 +5,7 @@ use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{DebugOverlay, Error, FrameRequest, Renderer, ViewState};
-use scene::{Deformation, DeformerId, MeshId, Object, ObjectChange, Scene, SceneUpdate};
+use scene::{Deformation, MeshId, Object, ObjectChange, Scene, SceneUpdate, SkinnedMeshId};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
@@ -31,7 +31,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
         let at_rest = bounds(&renderer, 0);
         let others = bounds(&renderer, 4);
         let wide = Affine3A::from_scale(vec3(3.0, 1.0, 1.0));
-        renderer.set_pose(DeformerId(0), &[wide; 3], &[0.0; 2]).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &[wide; 3], &[0.0; 2]).unwrap();
         let mut posed = at_rest;
         posed.max.x = at_rest.min.x + 3.0 * WIDTH_M;
         is_near(bounds(&renderer, 0), posed);
@@ -48,7 +48,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
                 transform: scene.objects[0].transform,
             }],
             deformations: vec![Deformation {
-                skinned_mesh: DeformerId(0),
+                skinned_mesh: SkinnedMeshId(0),
                 joints: 0..3,
                 weights: 0..2,
             }],
@@ -61,14 +61,14 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
         assert_eq!(renderer.apply(&update).unwrap().poses, 0, "it has that pose");
         assert_eq!(bounds(&renderer, 4), others);
         // Whose box would be that of another.
-        renderer.set_pose(DeformerId(0), &[wide; 3], &[0.0; 2]).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &[wide; 3], &[0.0; 2]).unwrap();
         let second = ObjectChange::Add { object: scene.objects[0] };
         let gone = ObjectChange::Remove { object: ObjectId(0) };
         assert!(renderer.update(&[second]).unwrap_err().to_string().contains("another object"));
         assert!(renderer.update(&[gone, second, second]).is_err());
         renderer.update(&[gone]).unwrap();
-        renderer.set_pose(DeformerId(0), &[Affine3A::IDENTITY; 3], &[0.0; 2]).unwrap();
-        renderer.set_pose(DeformerId(0), &[wide; 3], &[0.0; 2]).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &[Affine3A::IDENTITY; 3], &[0.0; 2]).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &[wide; 3], &[0.0; 2]).unwrap();
         let added = renderer.update(&[second]).unwrap().added;
         is_near(bounds(&renderer, added[0].0), posed);
     });
@@ -99,14 +99,14 @@ fn poses_wait_until_a_view_may_show_them() {
         // One leaves the view: its vertices are still where they were seen, so it is brought.
         let Pose { joints, weights } = pose(0.2);
         let far = |by: f32| joints.map(|it| Affine3A::from_translation(Vec3::Z * by) * it);
-        renderer.set_pose(DeformerId(0), &far(50.0), &weights).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &far(50.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, there), (1, vertices));
-        renderer.set_pose(DeformerId(0), &far(60.0), &weights).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &far(60.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, there), (0, 0), "neither is seen");
         // What is seen behind the camera is what was set last.
         assert_eq!(look(&mut renderer, away), (1, vertices));
         renderer.update(&[ObjectChange::Remove { object: ObjectId(0) }]).unwrap();
-        renderer.set_pose(DeformerId(0), &far(10.0), &weights).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &far(10.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, away), (0, 0), "no object has it");
         renderer.drain(&mut view).unwrap();
     });
@@ -163,7 +163,7 @@ fn what_is_blended_is_where_its_pose_brings_it() {
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
         let before = draw(&mut renderer, Strategy::Antumbra);
         let near = Affine3A::from_translation(vec3(0.0, 0.0, -44.0));
-        renderer.set_pose(DeformerId(0), &[near; 3], &[0.0; 2]).unwrap();
+        renderer.set_pose(SkinnedMeshId(0), &[near; 3], &[0.0; 2]).unwrap();
         let after = draw(&mut renderer, Strategy::Antumbra);
         assert!(pixels_far_apart(&before, &after) > 500, "it is before the camera now");
         let exact = draw(&mut renderer, Strategy::Frustum);
@@ -180,7 +180,8 @@ fn bad_poses_are_refused_and_change_nothing() {
         let Pose { joints, weights } = pose(0.4);
         let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
         let mut refuse = |skinned_mesh, joints: &[Affine3A], weights: &[f32], why: &str| {
-            let error = renderer.set_pose(DeformerId(skinned_mesh), joints, weights).unwrap_err();
+            let error =
+                renderer.set_pose(SkinnedMeshId(skinned_mesh), joints, weights).unwrap_err();
             let text = error.to_string();
             assert!(matches!(error, Error::Deform { .. }) && text.contains(why), "{text}");
         };
@@ -196,7 +197,7 @@ fn bad_poses_are_refused_and_change_nothing() {
         let change = ObjectChange::Move { object: ObjectId(1), transform: grows };
         renderer.update(&[change]).unwrap();
         let mut refuse = |joints: &[Affine3A], why: &str| {
-            let error = renderer.set_pose(DeformerId(1), joints, &weights).unwrap_err();
+            let error = renderer.set_pose(SkinnedMeshId(1), joints, &weights).unwrap_err();
             assert!(error.to_string().contains(why), "{error}");
         };
         refuse(&[grows; 3], "farther than anything can be");
@@ -206,6 +207,6 @@ fn bad_poses_are_refused_and_change_nothing() {
         assert_eq!(pixels_that_differ(&before.rgba8().unwrap(), &after.rgba8().unwrap()), 0);
         let plain = Scene { surfaces: None, ..scene };
         let mut renderer = Renderer::new(device, &plain, &options(2)).unwrap();
-        assert!(renderer.set_pose(DeformerId(0), &joints, &weights).is_err());
+        assert!(renderer.set_pose(SkinnedMeshId(0), &joints, &weights).is_err());
     });
 }

@@ -6,8 +6,8 @@ use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::{
-    Alpha, DeformerId, LightId, LightKind, Material, MaterialId, MeshId, MorphTarget, Object,
-    ObjectChange, PunctualLight, Scene, SkinnedMesh, TransparentId, pack_unorm,
+    Alpha, LightId, LightKind, Material, MaterialId, MeshId, MorphTarget, Object, ObjectChange,
+    PunctualLight, Scene, SkinnedMesh, SkinnedMeshId, TransparentId, pack_unorm,
 };
 use tests::run_on_all;
 use tests::shapes::{coloured_cubes, cube, surface_of};
@@ -116,7 +116,7 @@ fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
         renderer.set_light(LightId(number), lamp(number, frame)).unwrap();
     }
     let weight = (frame as f32 * 0.9).sin();
-    renderer.set_pose(DeformerId(0), &[], &[weight]).unwrap();
+    renderer.set_pose(SkinnedMeshId(0), &[], &[weight]).unwrap();
     let slide = Affine3A::from_translation(vec3(0.0, (frame % 4) as f32 * 1.5, 0.0));
     let transform = slide * scene.objects[1].transform;
     renderer.update(&[ObjectChange::Move { object: ObjectId(1), transform }]).unwrap();

@@ -3,7 +3,7 @@
 
 use animation::RigNodeId;
 use glam::Affine3A;
-use scene::{DeformerId, Object, SkinnedMesh};
+use scene::{Object, SkinnedMesh, SkinnedMeshId};
 
 use super::assembly::{Assembly, NO_TINT};
 use super::deformations::{Deformed, DeformedExtent};
@@ -110,7 +110,7 @@ impl Assembly<'_> {
         let used = skin.and_then(|used| self.skins.list.get(used.skin));
         let seen_at_rest = form.seen_at_rest(&geometry, (node, used), self.tree, &transform);
         let mesh = self.add_mesh(&geometry, material, name);
-        let skinned_mesh = DeformerId(self.surfaces.skinned_meshes.len() as u32);
+        let skinned_mesh = SkinnedMeshId(self.surfaces.skinned_meshes.len() as u32);
         self.surfaces.skinned_meshes.push(SkinnedMesh {
             mesh,
             skin: geometry.skin.take(),

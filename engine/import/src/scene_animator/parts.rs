@@ -8,8 +8,8 @@ use animation::{Clip, Pose, Rig, RigNodeId, Skeleton, Skin};
 use cull::{Aabb, Containment, PlaneMask, View};
 use glam::{Affine3A, Vec3};
 use scene::{
-    Deformation, DeformerId, LightMove, ObjectChange, PoseBounds, PunctualLight, SceneUpdate,
-    SkinnedMesh, TransparentMove, bounds_of_transformed,
+    Deformation, LightMove, ObjectChange, PoseBounds, PunctualLight, SceneUpdate, SkinnedMesh,
+    SkinnedMeshId, TransparentMove, bounds_of_transformed,
 };
 
 use crate::convert::used_joints;
@@ -187,7 +187,7 @@ impl Parts {
     }
 
     /// Returns what a part is, and what changes its form.
-    pub(super) fn placed(&self, part: usize) -> Option<(PlacedNode, Option<DeformerId>)> {
+    pub(super) fn placed(&self, part: usize) -> Option<(PlacedNode, Option<SkinnedMeshId>)> {
         let placement = &self.parts.get(part)?.placement;
         Some((placement.placed, placement.skinned_mesh.map(|(skinned_mesh, _)| skinned_mesh)))
     }

@@ -6,8 +6,8 @@ use animation::{
 use cull::{Aabb, ObjectId, View};
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use scene::{
-    DeformerId, LightId, LightKind, Mesh, MeshId, MorphTarget, Object, ObjectChange, PunctualLight,
-    Scene, SkinWeights, SkinnedMesh, SurfaceMesh, Surfaces, TransparentId,
+    LightId, LightKind, Mesh, MeshId, MorphTarget, Object, ObjectChange, PunctualLight, Scene,
+    SkinWeights, SkinnedMesh, SkinnedMeshId, SurfaceMesh, Surfaces, TransparentId,
 };
 
 use super::*;
@@ -101,7 +101,7 @@ fn imported() -> GltfScene {
     });
     let formed = |node, object, skinned_mesh, skin| NodeAttachment {
         local: Affine3A::IDENTITY,
-        skinned_mesh: Some((DeformerId(skinned_mesh), skin)),
+        skinned_mesh: Some((SkinnedMeshId(skinned_mesh), skin)),
         seen_at_rest: unit_box(1.0),
         reach: unit_box(3.0),
         ..rigid(node, PlacedNode::Object(ObjectId(object)))
@@ -311,7 +311,7 @@ fn what_hangs_on_the_same_joints_is_looked_at_once() {
     let skinned = imported.placements[1].clone();
     let surfaces = imported.scene.surfaces.as_mut().unwrap();
     for object in 4..104 {
-        let skinned_mesh = DeformerId(surfaces.skinned_meshes.len() as u32);
+        let skinned_mesh = SkinnedMeshId(surfaces.skinned_meshes.len() as u32);
         surfaces.skinned_meshes.push(surfaces.skinned_meshes[0].clone());
         imported.placements.push(NodeAttachment {
             placed: PlacedNode::Object(ObjectId(object)),

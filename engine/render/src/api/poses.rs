@@ -1,7 +1,7 @@
 //! Poses: when one is set, the box of its object follows.
 
 use glam::Affine3A;
-use scene::{Deformation, DeformerId, SceneUpdate};
+use scene::{Deformation, SceneUpdate, SkinnedMeshId};
 
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
@@ -25,7 +25,7 @@ impl Renderer {
     /// then.
     pub fn set_pose(
         &mut self,
-        skinned_mesh: DeformerId,
+        skinned_mesh: SkinnedMeshId,
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<(), Error> {
@@ -49,7 +49,7 @@ impl Renderer {
 
     fn take_all<'a>(
         &mut self,
-        poses: impl IntoIterator<Item = (DeformerId, &'a [Affine3A], &'a [f32])>,
+        poses: impl IntoIterator<Item = (SkinnedMeshId, &'a [Affine3A], &'a [f32])>,
     ) -> Result<u32, Error> {
         let mut scratch = std::mem::take(&mut self.update_scratch);
         let mut count = 0;
@@ -66,7 +66,7 @@ impl Renderer {
     /// Takes a pose; answers whether it is another than before.
     fn take_pose(
         &mut self,
-        skinned_mesh: DeformerId,
+        skinned_mesh: SkinnedMeshId,
         joints: &[Affine3A],
         weights: &[f32],
         scratch: &mut UpdateScratch,

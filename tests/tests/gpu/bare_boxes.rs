@@ -1,0 +1,191 @@
+//! The executor with another owner of objects than the renderer: a host that draws boxes by a
+//! pipeline of its own, with neither meshes nor materials.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
+use glam::{Vec3, vec3};
+use gpu::{
+    Blend, Buffer, BufferSlice, Commands, DepthMode, Device, FrameRing, GraphicsPipeline,
+    GraphicsPipelineInfo, IndirectDraw, Polygon, Readback, RenderTarget, StorageLayout, Target,
+    VertexLayout, vk,
+};
+use occlusion::{
+    Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, MethodRequest, MethodScene, ObjectPass,
+    ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod, Rendering, ShaderSet,
+    VisibilityState,
+};
+use tests::walk::pixels_that_differ;
+use tests::{Driver, run};
+
+const SIZE: [u32; 2] = [160, 90];
+/// Vertices of a box as `box.glsl` makes them up: three faces of two triangles.
+const BOX_INDICES: u32 = 18;
+const FRAMES: u32 = 24;
+
+/// The owner of the boxes.
+struct Boxes {
+    target: Target,
+    pipeline: GraphicsPipeline,
+    boxes: BufferSlice,
+    indices: Buffer,
+}
+
+impl Boxes {
+    fn new(device: &Device, shaders: &ShaderSet, leaves: &LeafTable) -> Self {
+        let fragment = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gpu/bare_boxes/number.frag");
+        let info = GraphicsPipelineInfo {
+            name: "bare boxes",
+            vertex: shaders.find("proxy.vert").unwrap(),
+            fragment: Some(&gpu::compile(Path::new(fragment)).unwrap()),
+            vertices: VertexLayout::default(),
+            storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            polygon: Polygon::Filled,
+            cull: vk::CullModeFlags::NONE,
+            depth: DepthMode::TestAndWrite,
+            blend: Blend::Opaque,
+        };
+        let indices: Vec<u32> = (0..BOX_INDICES).collect();
+        let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
+        Self {
+            target: Target::new(device, SIZE, "bare boxes").unwrap(),
+            pipeline: GraphicsPipeline::new(device, &info).unwrap(),
+            boxes: leaves.boxes(),
+            indices: device.upload("box indices", &indices, usage).unwrap(),
+        }
+    }
+}
+
+impl ObjectRenderer for Boxes {
+    fn target(&mut self) -> &mut Target {
+        &mut self.target
+    }
+
+    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
+        let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
+        self.target.render_target(clear).within(view.origin, view.size)
+    }
+
+    fn colour_rendering(&self, view: &View) -> RenderTarget {
+        self.rendering(view, Rendering::Next)
+    }
+
+    fn prepare(&mut self, _pass: ObjectPass, _shaders: &ShaderSet) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn bind(&self, commands: &Commands, view: &View, _pass: ObjectPass) {
+        commands.bind(&self.pipeline, &[self.boxes]);
+        // The shader makes up its vertices: any vertex buffer does.
+        commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
+        let mut constants = [0.0; 20];
+        constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
+        constants[16..].copy_from_slice(&view.eye.extend(1.0).to_array());
+        commands.push_constants(&self.pipeline, &constants);
+    }
+
+    fn shades_later(&self) -> bool {
+        false
+    }
+
+    fn shade(
+        &mut self,
+        _executor: &PlanExecutor,
+        _commands: &Commands,
+        _view: &View,
+        _draw: &dyn Fn(&Commands),
+    ) {
+    }
+}
+
+/// Everything that a host keeps to draw its boxes by our answers.
+struct Host {
+    device: Device,
+    shaders: ShaderSet,
+    frames: FrameRing,
+    hierarchy: Hierarchy,
+    executor: PlanExecutor,
+    objects: Boxes,
+    state: VisibilityState,
+    picture: Readback,
+}
+
+impl Host {
+    fn new(device: &Device, boxes: &[Aabb]) -> Self {
+        let shaders = ShaderSet::embedded().unwrap();
+        let hierarchy = Hierarchy::build(boxes).unwrap();
+        let draw =
+            IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
+        let info = LeafTableInfo {
+            mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
+            predication: None,
+            frames_in_flight: 2,
+            threshold_samples: 0,
+        };
+        let leaves = LeafTable::new(device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
+        let objects = Boxes::new(device, &shaders, &leaves);
+        let passes = OcclusionPasses::new(device, &shaders).unwrap();
+        let executor = PlanExecutor { passes, leaves };
+        let testers = executor.testers(device, SIZE);
+        let culler = Culler::with_testers(CullConfig::default(), testers);
+        let state = VisibilityState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
+        Self {
+            device: device.clone(),
+            frames: FrameRing::new(device, 2).unwrap(),
+            picture: Readback::new(device, SIZE).unwrap(),
+            shaders,
+            hierarchy,
+            executor,
+            objects,
+            state,
+        }
+    }
+
+    /// Draws a frame. Returns its picture.
+    fn draw(&mut self, strategy: Strategy, camera: &Camera) -> Vec<u8> {
+        let Self { device, shaders, frames, hierarchy, executor, objects, state, picture } = self;
+        let view = View::new(camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
+        let mut frame = frames.begin().unwrap();
+        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
+        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects };
+        let request =
+            MethodRequest { strategy, view: &view, visible: &[], query_budget: 4096, after: None };
+        PlannedMethod::record_planned(&mut frame, state, &mut scene, &request).unwrap();
+        objects.target.copy_to(frame.commands(), picture);
+        let tick = frame.submit(None).unwrap();
+        state.submitted(tick, &executor.leaves, None);
+        device.drain().unwrap();
+        picture.rgba8().unwrap().to_vec()
+    }
+}
+
+/// Returns a wall, and a thousand boxes behind it of which those at its edge show.
+fn boxes() -> Vec<Aabb> {
+    let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
+    let small = (0..1_000).map(|number| {
+        let [x, y, z] = [number % 20, number / 20 % 10, number / 200].map(|part| part as f32);
+        let low = vec3(x * 0.7 - 7.0, y * 0.7 - 3.5, -12.0 - z * 1.3 - 0.01 * x);
+        Aabb::new(low, low + Vec3::splat(0.45))
+    });
+    std::iter::once(wall).chain(small).collect()
+}
+
+#[test]
+fn an_owner_of_bare_boxes_gets_the_same_picture_and_draws_less() {
+    run(Driver::Lavapipe, |device| {
+        let boxes = boxes();
+        let [mut plain, mut culled] = [(); 2].map(|()| Host::new(device, &boxes));
+        for frame in 0..FRAMES {
+            let eye = vec3(frame as f32 * 0.08, 0.0, 3.0);
+            let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 0.9, near: 0.1 };
+            let expected = plain.draw(Strategy::Frustum, &camera);
+            let found = culled.draw(Strategy::Antumbra, &camera);
+            assert_eq!(pixels_that_differ(&expected, &found), 0, "frame {frame}");
+        }
+        let drawn = |host: &mut Host| host.state.take_outcomes().last().unwrap().draws;
+        let [all, few] = [&mut plain, &mut culled].map(drawn);
+        assert!(few > 1 && few < all / 2, "{few} of {all} boxes drawn");
+    });
+}
