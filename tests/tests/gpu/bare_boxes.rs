@@ -1,7 +1,6 @@
 //! The executor with another owner of objects than the renderer: a host that draws boxes by a
 //! pipeline of its own, with neither meshes nor materials.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use cull::{Aabb, Camera, CullConfig, Culler, Hierarchy, Strategy, View};
@@ -20,6 +19,15 @@ use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
 const SIZE: [u32; 2] = [160, 90];
+/// Colours a box by its number, so that no two look the same.
+const NUMBER: &str = "#version 460
+layout(location = 0) flat in uint number;
+layout(location = 0) out vec4 colour;
+void main() {
+    uvec3 bytes = (uvec3(number + 1) * 2654435761u >> uvec3(8, 16, 24)) & 255u;
+    colour = vec4(vec3(bytes) / 255.0, 1.0);
+}
+";
 /// Vertices of a box as `box.glsl` makes them up: three faces of two triangles.
 const BOX_INDICES: u32 = 18;
 const FRAMES: u32 = 24;
@@ -34,11 +42,15 @@ struct Boxes {
 
 impl Boxes {
     fn new(device: &Device, shaders: &ShaderSet, leaves: &LeafTable) -> Self {
-        let fragment = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/gpu/bare_boxes/number.frag");
+        let name = format!("antumbra-boxes-{}.frag", std::process::id());
+        let file = std::env::temp_dir().join(name);
+        std::fs::write(&file, NUMBER).unwrap();
+        let fragment = gpu::compile(&file).unwrap();
+        std::fs::remove_file(file).unwrap();
         let info = GraphicsPipelineInfo {
             name: "bare boxes",
             vertex: shaders.find("proxy.vert").unwrap(),
-            fragment: Some(&gpu::compile(Path::new(fragment)).unwrap()),
+            fragment: Some(&fragment),
             vertices: VertexLayout::default(),
             storage: StorageLayout { buffers: 1, push_bytes: 80, ..Default::default() },
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,

@@ -9,6 +9,7 @@ mod code;
 mod files;
 mod knots;
 mod manifests;
+mod map;
 mod modules;
 mod rules;
 mod tokens;
@@ -341,10 +342,23 @@ fn the_methods_of_a_type_stand_in_its_file_or_in_api() {
 }
 
 #[test]
-fn the_map_is_short() {
-    assert_obeyed(rules::architecture);
+fn the_map_is_short_and_names_what_there_is() {
+    assert_obeyed(map::length);
+    assert_obeyed(map::names);
     let long = "\n".repeat(200);
-    assert_catches(rules::architecture, &[("engine/ARCHITECTURE.md", &long)]);
+    assert_catches(map::length, &[("engine/ARCHITECTURE.md", &long)]);
+    let with = |map: &str| {
+        let code = "pub struct Frame;\npub fn submit() {}\nenum E {\n    Leaf,\n}\n";
+        let at = |path, text| SourceFile::new(path, text);
+        map::names(&[at("engine/ARCHITECTURE.md", map), at("engine/gpu/src/frame.rs", code)])
+    };
+    for wrong in ["`Fame`", "`Frame::submits`", "`frames.rs`", "`gpu/src/query/`", "`E::Leaves`"] {
+        assert_eq!(with(wrong).len(), 1, "{wrong}");
+    }
+    for right in ["`Frame::submit`", "`gpu/src/frame.rs`", "`gpu/src/`", "`E::Leaf`", "`VkDevice`"]
+    {
+        assert_eq!(with(right), [""; 0], "{right}");
+    }
 }
 
 #[test]

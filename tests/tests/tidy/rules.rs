@@ -7,7 +7,6 @@ use crate::files::SourceFile;
 pub type Rule = fn(&[SourceFile]) -> Vec<String>;
 
 const MAX_LINES: usize = 500;
-const MAX_MAP_LINES: usize = 199;
 
 /// Applies a check to each line of the Rust code, comments and strings blanked.
 fn in_code(
@@ -346,17 +345,6 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
         },
         "name it after what it is or does",
     )
-}
-
-/// Returns a map that is longer than this is not read.
-pub fn architecture(files: &[SourceFile]) -> Vec<String> {
-    const MAP: &str = "engine/ARCHITECTURE.md";
-    let Some(map) = files.iter().find(|file| file.path == MAP) else {
-        return vec![format!("{MAP}:1: is missing")];
-    };
-    let lines = map.text.lines().count();
-    let reason = format!("at most {MAX_MAP_LINES} lines");
-    if lines > MAX_MAP_LINES { vec![map.finding(lines, &reason)] } else { Vec::new() }
 }
 
 /// Returns the code that the README shows is the example that is compiled with the facade's

@@ -40,7 +40,7 @@ struct Page {
 /// Queries of one page.
 const PAGE: u32 = 256;
 
-of_device!(BlockingQueryPool: "query pages (`BlockingQueryPool`)");
+of_device!(BlockingQueryPool: "blocking queries (`BlockingQueryPool`)");
 
 impl BlockingQueryPool {
     /// Makes none yet, for `frames_in_flight` frames.

@@ -51,7 +51,7 @@ pub enum EnabledDraws<'a> {
 pub const LISTED_DRAWS: usize = 4095;
 
 impl<T> OfDevice for LeafDrawRing<T> {
-    const KIND: &'static str = "part draws (`LeafDrawRing`)";
+    const KIND: &'static str = "leaf draws (`LeafDrawRing`)";
 
     fn device_id(&self) -> OwnerId {
         self.device.id()

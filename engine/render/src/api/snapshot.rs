@@ -105,7 +105,7 @@ impl Renderer {
         picture: Option<&Readback>,
         backdrop: Backdrop,
     ) -> Result<Tick, Error> {
-        self.check_renderer(snapshot.renderer, "a moment (`VisibilitySnapshot`)")?;
+        self.check_renderer(snapshot.renderer, "a snapshot (`VisibilitySnapshot`)")?;
         picture.map_or(Ok(()), |picture| self.check_picture(picture))?;
         if self.top_down.is_none() {
             self.top_down = Some(OverlayPass::new(&self.device, &self.shaders)?);

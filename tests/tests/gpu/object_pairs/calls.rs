@@ -102,7 +102,7 @@ fn frames() -> Vec<Row> {
         row("FlagRing::begin", "a flag ring (`FlagRing`)", |ours, theirs| {
             framed(&ours.device(), |frame| theirs.flags.begin(frame, [1].into_iter()))
         }),
-        row("PartDraws::begin", "part draws (`LeafDrawRing`)", |ours, theirs| {
+        row("LeafDrawRing::begin", "leaf draws (`LeafDrawRing`)", |ours, theirs| {
             framed(&ours.device(), |frame| {
                 let range = gpu::DrawRange { first: 0, count: 1 };
                 let no_draw = |_| gpu::IndirectDraw::default();
@@ -120,7 +120,7 @@ fn frames() -> Vec<Row> {
                 ours.predicates.begin(frame, SOURCE, words, [].into_iter())
             })
         }),
-        row("QueryPages::take", "query pages (`BlockingQueryPool`)", |ours, theirs| {
+        row("BlockingQueryPool::take", "blocking queries (`BlockingQueryPool`)", |ours, theirs| {
             framed(&ours.device(), |frame| theirs.pages.take(frame.commands(), 1).map(|_| ()))
         }),
     ]

@@ -10,7 +10,7 @@ const PIPELINE: &str = "a pipeline";
 const TARGET: &str = "a target (`Target`)";
 const TEXTURE: &str = "a texture (`DynamicTexture`)";
 const QUERIES: &str = "a query ring (`QueryRing`)";
-const PAGES: &str = "query pages (`BlockingQueryPool`)";
+const PAGES: &str = "blocking queries (`BlockingQueryPool`)";
 
 fn row(
     call: &'static str,
@@ -159,18 +159,18 @@ fn rings() -> Vec<Row> {
         row("QueryRing::read_back", QUERIES, |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.queries.read_back(commands))
         }),
-        row("QueryPages::scope", PAGES, |ours, theirs| {
+        row("BlockingQueryPool::scope", PAGES, |ours, theirs| {
             recorded(&ours.device(), |commands| {
                 theirs.pages.scope(commands, QueryIndex(0), Counting::Some, |_| {});
             })
         }),
-        row("QueryPages::read_back", PAGES, |ours, theirs| {
+        row("BlockingQueryPool::read_back", PAGES, |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.pages.read_back(commands, 0..1))
         }),
         row("FlagRing::read_back", "a flag ring (`FlagRing`)", |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.flags.read_back(commands))
         }),
-        row("PartDraws::read_back", "part draws (`LeafDrawRing`)", |ours, theirs| {
+        row("LeafDrawRing::read_back", "leaf draws (`LeafDrawRing`)", |ours, theirs| {
             recorded(&ours.device(), |commands| theirs.parts.read_back(commands))
         }),
     ]

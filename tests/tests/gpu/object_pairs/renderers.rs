@@ -10,7 +10,7 @@ use super::side::{SIZE, Side};
 const PICTURE: &str = "a picture (`Readback`)";
 const TIMELINE: &str = "a timeline (`Timeline`)";
 const VIEW: &str = "a view (`ViewState`)";
-const MOMENT: &str = "a moment (`VisibilitySnapshot`)";
+const MOMENT: &str = "a snapshot (`VisibilitySnapshot`)";
 const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
 type Mistake = fn(&mut Side, &mut Side) -> String;
