@@ -24,10 +24,10 @@ use crate::plan::traverse::{Knowledge, Walk};
 use crate::plan::{budget, occluders};
 use crate::rng::SplitMix64;
 
-/// Decides for one view of one hierarchy what to draw and what to ask.
+/// The decisions for one view of one hierarchy: what to draw and what to test.
 ///
-/// The history lives here: one culler for each eye, light or probe. It follows rebuilds of its
-/// hierarchy by itself. What it believes never changes what is seen, only what that costs.
+/// It keeps the history: use one culler for each eye, light or probe. It follows rebuilds of its
+/// hierarchy by itself. Its history never changes the image, only its cost.
 #[derive(Debug)]
 pub struct Culler {
     config: CullConfig,
@@ -40,7 +40,7 @@ pub struct Culler {
     cost_model: Option<CostModel>,
     /// Samples of a query that count as none.
     neglected_samples: u32,
-    /// The policy with what the governor made of it.
+    /// The configuration as tuned by the cost model.
     tuned: CullConfig,
     /// Leaves that the last frame took as visible.
     visible: u32,
@@ -48,10 +48,10 @@ pub struct Culler {
     frame: FrameId,
     /// The frame that the history's stamps count from.
     epoch: u64,
-    /// Where the view looked in the last planned frame.
+    /// The direction of sight in the last planned frame.
     forward: Option<Vec3>,
     turned: FrameStamp,
-    /// How much coarser than wished the tests of the last frame were.
+    /// The steps by which the tests of the last frame were coarser than wished.
     coarseness: u32,
 }
 
@@ -86,11 +86,11 @@ impl Culler {
         }
     }
 
-    /// Takes what shows no more than so many samples as hidden from now on (GPU Gems 2, 6.5.4):
-    /// whoever executes the plans leaves the leaves of such tests out. Above 0 the image is not
-    /// exact, and a query must count. For plans that are answered by queries: what is set by
-    /// fragments counts nothing, and shows if it is not zero. [`Strategy::NextFrame`] goes by
-    /// whether anything shows.
+    /// Takes a test with no more than `samples` samples as hidden from now on (GPU Gems 2, 6.5.4):
+    /// the executor of the plans leaves the leaves of such tests out. Above 0 the image is not
+    /// exact, and a query must count. For plans whose tester is the query: flags that fragments set
+    /// count nothing, and show if they are not zero. [`Strategy::NextFrame`] goes by a single
+    /// sample.
     pub fn set_sample_threshold(&mut self, samples: u32) {
         self.neglected_samples = samples;
     }
@@ -104,20 +104,19 @@ impl Culler {
     /// Leaves out tests that cost more than they save, from now on. Without prices everything is
     /// tested that may be hidden.
     ///
-    /// # Errors
-    /// [`BadCost`] for prices that cannot be; the culler is then as it was.
+    /// # Errors [`BadCost`] for impossible prices; the culler is then as it was.
     pub fn set_costs(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
         self.cost_model = Some(CostModel::new(table, scene)?);
         Ok(())
     }
 
-    /// Returns what weighs costs against savings, if anything does.
+    /// Returns the cost model that weighs costs against savings, if there is one.
     #[must_use]
     pub fn cost_model(&self) -> Option<&CostModel> {
         self.cost_model.as_ref()
     }
 
-    /// Returns the same, to tell it what frames took ([`CostModel::observe`]).
+    /// Returns the same, to pass it the times of frames ([`CostModel::observe`]).
     pub fn cost_model_mut(&mut self) -> Option<&mut CostModel> {
         self.cost_model.as_mut()
     }
@@ -141,7 +140,7 @@ impl Culler {
     }
 
     /// Forgets everything; the next frame starts like the first, and answers to earlier ones are
-    /// ignored. After a change that makes the past worthless, such as a new scene.
+    /// ignored. To be called after a change that makes the past worthless, such as a new scene.
     pub fn reset(&mut self) {
         self.history.reset();
         self.next_frame.reset();
@@ -191,7 +190,7 @@ impl Culler {
     }
 
     /// Plans the next frame into `plan`, whose vectors are reused. Never asks for more than
-    /// `query_budget` queries, and draws what it could not ask about.
+    /// `query_budget` queries, and draws the leaves that are left without one.
     pub fn plan(
         &mut self,
         hierarchy: &Hierarchy,
@@ -267,7 +266,7 @@ impl Culler {
         now
     }
 
-    /// Keeps for the next frame what this one hoped for.
+    /// Notes the expected saving of this frame for the next.
     fn note_prospect(&mut self, strategy: Strategy, visible: u32) {
         self.visible = visible;
         if let Some(cost_model) = self.cost_model.as_mut().filter(|_| strategy.uses_cost_model()) {
@@ -276,7 +275,7 @@ impl Culler {
         }
     }
 
-    /// Plans the next frame from the outcome: draws `leaves` in their order and asks nothing
+    /// Plans the next frame from the outcome: draws `leaves` in their order and tests nothing
     /// ([`Strategy::Ideal`]; [`Culler::plan`] cannot know them and falls back to frustum culling).
     pub fn plan_known(
         &mut self,
@@ -328,7 +327,7 @@ impl Culler {
         self.tuned
     }
 
-    /// Returns who answers for a proxy.
+    /// Returns the tester of proxies under a strategy.
     fn tester(&self, strategy: Strategy) -> Tester {
         match strategy {
             Strategy::AntumbraQueries => Tester::Query,
@@ -344,7 +343,7 @@ impl Culler {
         if let Some(now) = self.stamp(self.frame) {
             return now;
         }
-        // Two years at 60 Hz are over: stamps are 32 bits, so the past begins anew.
+        // Two years at 60 Hz are over: stamps are 32 bits, so the past starts again.
         self.reset();
         self.epoch = self.frame.0.saturating_sub(1);
         FrameStamp::FIRST
@@ -355,7 +354,7 @@ impl Culler {
         frame.0.checked_sub(self.epoch).and_then(FrameStamp::new)
     }
 
-    /// Notes whether the view turns.
+    /// Notes if the view turns.
     fn watch(&mut self, view: &View, now: FrameStamp) {
         if let Some(before) = self.forward.replace(view.forward) {
             let sine = before.cross(view.forward).length();

@@ -21,7 +21,8 @@ pub struct LeafIndex(pub u32);
 pub struct LeafRange {
     /// The first leaf.
     pub first: LeafIndex,
-    /// How many leaves; may be 0 (see [`QueryKind::PullUpQuery`](crate::QueryKind::PullUpQuery)).
+    /// The number of leaves; may be 0 (see
+    /// [`QueryKind::PullUpQuery`](crate::QueryKind::PullUpQuery)).
     pub count: u32,
 }
 
@@ -38,7 +39,7 @@ impl LeafRange {
         (self.first.0..self.first.0.saturating_add(self.count)).map(LeafIndex)
     }
 
-    /// Returns true if there is nothing in it.
+    /// Returns true if it has no leaves.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.count == 0

@@ -1,30 +1,30 @@
-//! What to draw and what to ask: coherent occlusion culling as pure values.
+//! Coherent occlusion culling as pure values: decides what to draw and what to test.
 //!
-//! A [`Culler`] turns what it learned of earlier frames into a [`FramePlan`]: leaves to draw at
-//! once, and a *frontier* of proxies to test, each with the contiguous range of leaves to draw in
-//! the same frame if a sample of it shows. The answers come back frames later, or never, and only
-//! steer what the next plans cost: an object that owns a pixel is drawn in any case, because
-//! whatever is not drawn at once lies under a proxy that is tested now. The method follows Bittner
-//! and Wimmer's coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU Gems
-//! 2, chapter 6), with predicates on the GPU in place of waiting on the CPU.
+//! A [`Culler`] turns the results of earlier frames into a [`FramePlan`]: leaves to draw at once,
+//! and a *frontier* of proxies to test, each with the contiguous range of leaves to draw in the
+//! same frame if a sample of it shows. The answers come back frames later, or never, and only steer
+//! what the next plans cost: an object that owns a pixel is drawn in any case, because every object
+//! that is not drawn at once lies under a proxy that is tested now. The method follows Bittner and
+//! Wimmer's coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU Gems 2,
+//! chapter 6), with predicates on the GPU in place of waiting on the CPU.
 //!
 //! Nothing here knows Vulkan, reads a clock, or allocates in a steady frame, and equal inputs make
 //! equal plans.
 //!
 //! - [`Hierarchy`]: the tree over the objects' boxes. Every subtree is one range of leaves.
-//! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] says how large a
-//!   proxy must be, and why that is enough.
-//! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once a frame.
+//! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] makes proxies large
+//!   enough, with the proof.
+//! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once per frame.
 //! - [`CostModel`]: leaves out tests that cost more than they save, by the prices of a
 //!   [`CostTable`].
-//! - [`BlockingCuller`]: the methods of the literature that wait for answers within the frame, to
-//!   compare with.
+//! - [`BlockingCuller`]: the methods of the literature that wait for results within the frame, for
+//!   comparison.
 //! - [`CullConfig`]: all constants. They change costs, never the image.
 //!
 //! # Example
 //!
-//! A wall with a hundred things behind it. In this example the GPU's part is played by a closure:
-//! only the wall shows.
+//! A wall with a hundred things behind it. In this example a closure stands for the GPU: only the
+//! wall shows.
 //!
 //! ```
 //! use antumbra_cull::{

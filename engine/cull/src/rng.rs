@@ -1,6 +1,6 @@
 //! A small seeded generator for jitter: SplitMix64 (Steele, Lea, Flood 2014).
 
-/// Deterministic random numbers. Not for secrets.
+/// A generator of deterministic random numbers. Not for secrets.
 #[derive(Clone, Debug)]
 pub(crate) struct SplitMix64(u64);
 
@@ -17,12 +17,12 @@ impl SplitMix64 {
         mixed ^ (mixed >> 31)
     }
 
-    /// Evenly in 0 to 1, 1 excluded.
+    /// Returns a number evenly distributed in 0 to 1, 1 excluded.
     pub(crate) fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / (1_u32 << 24) as f32
     }
 
-    /// Evenly in `low..=high`; `low` if the range is empty.
+    /// Returns a number evenly distributed in `low..=high`; `low` if the range is empty.
     pub(crate) fn between(&mut self, low: u32, high: u32) -> u32 {
         let span = u64::from(high.saturating_sub(low)) + 1;
         low + (self.next() % span) as u32

@@ -1,4 +1,4 @@
-//! Building a hierarchy takes no more memory than it asks for beforehand: one test in a process,
+//! Building a hierarchy takes no more memory than it asks for beforehand: one test per process,
 //! whose allocator counts.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 

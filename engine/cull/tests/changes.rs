@@ -1,5 +1,5 @@
-//! A hierarchy whose objects move, come and go: always well formed, always tight, at a cost that is
-//! that of the changes.
+//! Changes of a hierarchy whose objects move, come and go: always well formed, always tight, at a
+//! cost in proportion to the changes.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -11,7 +11,8 @@ use antumbra_cull::{Aabb, Hierarchy, HierarchyError, LeafIndex, LeafRange, NodeI
 use glam::Vec3;
 use proptest::prelude::*;
 
-/// Every node is tight around the boxes of its leaves, and subtrees are contiguous.
+/// Checks that every node is tight around the boxes of its leaves, and that subtrees are
+/// contiguous.
 fn check(hierarchy: &Hierarchy, boxes: &[Aabb]) {
     assert_eq!(hierarchy.node_count(), 2 * boxes.len() - 1);
     for (object, bounds) in boxes.iter().enumerate() {
@@ -169,7 +170,7 @@ fn a_refit_touches_the_ancestors_of_what_moved_and_no_more() {
     }
 }
 
-/// Returns the areas of all inner nodes over that of the root: what a ray or a frustum pays.
+/// Returns the areas of all inner nodes over the area of the root: the cost of a ray or a frustum.
 fn cost(hierarchy: &Hierarchy) -> f32 {
     let inner = (0..hierarchy.node_count() as u32)
         .map(NodeId)

@@ -1,4 +1,4 @@
-//! Hierarchies over input that clustering does not like: ties, points, and extreme scales.
+//! Hierarchies over input that is difficult for clustering: ties, points, and extreme scales.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -13,7 +13,7 @@ use glam::Vec3;
 
 const COUNT: usize = 100_000;
 
-/// Builds, checks the shape, and answers the depth.
+/// Builds a hierarchy, checks its shape, and returns its depth.
 fn depth(name: &str, boxes: &[Aabb]) -> u32 {
     let start = Instant::now();
     let hierarchy = Hierarchy::build(boxes).unwrap();

@@ -33,7 +33,7 @@ fn any_box() -> impl Strategy<Value = Aabb> {
     })
 }
 
-/// Random boxes, some of them many times.
+/// Returns random boxes, some of them many times.
 fn boxes() -> impl Strategy<Value = Vec<Aabb>> {
     (prop::collection::vec(any_box(), 0..40), 1_usize..4)
         .prop_map(|(some, times)| some.repeat(times))
@@ -98,7 +98,7 @@ fn small_box() -> impl Strategy<Value = Aabb> {
     )
 }
 
-/// Returns where the point is on the screen (pixels) and how deep, in 64 bits.
+/// Returns the position of a point on the screen (pixels) and its view depth, in 64 bits.
 fn project(view: &View, point: DVec3) -> (DVec2, f64) {
     let offset = point - view.eye.as_dvec3();
     let depth = offset.dot(view.forward.as_dvec3());
@@ -121,7 +121,8 @@ fn enters(view: &View, bounds: &Aabb, position: DVec2) -> Option<f64> {
     (first <= last && first > 0.0).then_some(first)
 }
 
-/// Returns a point on the screen: where (0 to 1 from the upper left), and how deep (metres).
+/// Returns a point on the screen: its position (0 to 1 from the upper left) and its view depth
+/// (metres).
 fn on_screen() -> impl Strategy<Value = [f32; 3]> {
     [0.0_f32..1.0, 0.0..1.0, 1.01..90.0]
 }
@@ -217,7 +218,8 @@ proptest! {
         );
     }
 
-    /// A box with a point on the screen is never outside, with the masks of a parent neither.
+    /// Checks that a box with a point on the screen is never outside, also with the masks of a
+    /// parent.
     #[test]
     fn nothing_on_the_screen_is_rejected(
         view in view(),
@@ -232,7 +234,7 @@ proptest! {
         prop_assert_ne!(view.frustum.classify(&bounds, PlaneMask::ALL).0, Containment::Outside);
     }
 
-    /// What is inside of all planes is on the screen with every corner.
+    /// Checks that a box inside of all planes is on the screen with every corner.
     #[test]
     fn what_is_inside_is_on_the_screen(view in view(), at in on_screen(), reach in reach()) {
         let bounds = around(unproject(&view, at), reach, 0.1);
@@ -249,8 +251,9 @@ proptest! {
         }
     }
 
-    /// The claim of the margin: move a point of the object on the screen by a step of the grid, and
-    /// the ray by another, and the proxy still covers it and is nearer in 32-bit reversed depth.
+    /// Checks the claim of the margin: where a point of the object moves on the screen by a step of
+    /// the grid, and the ray by another, the proxy still covers it and is nearer in 32-bit reversed
+    /// depth.
     #[test]
     fn snapping_loses_no_sample(
         view in view(),
@@ -290,7 +293,7 @@ proptest! {
         prop_assert!(reversed(entry) >= reversed(depth));
     }
 
-    /// Boxes with a proxy are wholly ahead; those too near have none.
+    /// Checks that boxes with a proxy are wholly ahead, and that those too near have none.
     #[test]
     fn proxies_are_beyond_the_near_plane(view in view(), bounds in small_box()) {
         let ahead = |bounds: &Aabb| {

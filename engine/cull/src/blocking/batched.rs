@@ -8,7 +8,7 @@ use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, 
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 use crate::ids::NodeId;
 
-/// How [`Strategy::Batched`](crate::Strategy::Batched) works.
+/// The options of [`Strategy::Batched`](crate::Strategy::Batched).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BatchedOptions {
     /// Objects that look at least this large are drawn first, without a test: the diagonal of the
@@ -24,7 +24,7 @@ impl Default for BatchedOptions {
     }
 }
 
-/// Where a frame stands.
+/// The phase that a frame is in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Phase {
     #[default]
@@ -33,14 +33,14 @@ enum Phase {
     Reading,
 }
 
-/// All questions at once.
+/// The state of a frame that sends all queries at once.
 #[derive(Debug)]
 pub(super) struct Batched {
     options: BatchedOptions,
     phase: Phase,
     leaves: Vec<InSight>,
     next: usize,
-    /// What showed while questions were still being asked.
+    /// The nodes that showed while queries were still being sent.
     shown: Vec<NodeId>,
 }
 

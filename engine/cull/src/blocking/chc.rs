@@ -2,13 +2,13 @@
 //! visibility is the guess that keeps both sides busy, and every guess is checked within the frame.
 //!
 //! What was visible is drawn at once, its own geometry being the test; what was hidden is tested by
-//! the boxes of the topmost hidden nodes; answers are taken as they come home, and waited for only
+//! the boxes of the topmost hidden nodes; results are taken as they come back, and waited for only
 //! when there is nothing else to do.
 //!
 //! In place of the listing's flag and frame number, a node keeps the last frame in which it was
 //! found visible: it was visible in the last frame if that is the last frame.
 //!
-//! A query is on its way only once its commands are submitted, so questions are sent in batches.
+//! A query is on its way only once its commands are submitted, so queries are sent in batches.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::hierarchy::front_to_back::{InSight, NearestFirst, ViewedHierarchy};
 use crate::ids::{FrameId, Generation, NodeId, ObjectId};
 use crate::rng::SplitMix64;
 
-/// What a visible leaf is tested by.
+/// The test of a visible leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LeafTest {
     /// Its own draw, which happens anyway (6.5.2).
@@ -30,35 +30,35 @@ pub enum LeafTest {
     Box,
 }
 
-/// What is drawn while questions are asked.
+/// The draws of the phase that asks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirstPass {
     /// The picture itself.
     #[default]
     Shaded,
-    /// The depth only; the picture is drawn at the end of the frame, when all is known (6.5.3).
-    /// Where faces of one object have equal depth at a pixel, the last one then wins, and else the
-    /// first.
+    /// The depth only; the picture is drawn at the end of the frame, when every result is known
+    /// (6.5.3). Where faces of one object have equal depth at a pixel, the last one then wins, and
+    /// else the first.
     DepthOnly,
 }
 
-/// How [`Strategy::Coherent`](crate::Strategy::Coherent) works.
+/// The options of [`Strategy::Coherent`](crate::Strategy::Coherent).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CoherentOptions {
-    /// What a visible leaf is tested by.
+    /// The test of a visible leaf.
     pub leaf_test: LeafTest,
-    /// What the frame draws while it asks.
+    /// The draws of the phase that asks.
     pub first_pass: FirstPass,
-    /// What shows no more samples than this counts as hidden (6.5.4). Above 0 the image is no
-    /// longer exact, and the device must count samples precisely.
+    /// The number of samples up to which an object counts as hidden (6.5.4). Above 0 the image is
+    /// no longer exact, and the device must count samples precisely.
     pub visibility_threshold_samples: u32,
-    /// For how many frames after it was found visible a leaf is drawn without a test (6.5.5). The
+    /// The frames for which a leaf that was found visible is drawn without a test (6.5.5). The
     /// first such time is shorter at random, so that leaves do not all ask in the same frame.
     pub assumed_visible_frames: u32,
-    /// Boxes that are tested together. Fewer, and answers are home sooner; more, and there are
-    /// fewer submits.
+    /// Boxes that are tested together. Fewer of them, and results come back sooner; more, and there
+    /// are fewer submits.
     pub tests_per_submit: usize,
-    /// Draws that are sent off together, so that the GPU has work from the beginning.
+    /// Draws that are submitted together, so that the GPU has work from the beginning.
     pub draws_per_submit: usize,
 }
 
@@ -75,14 +75,14 @@ impl Default for CoherentOptions {
     }
 }
 
-/// What is kept of an object. Of frames before the first nothing is known.
+/// The record of an object. Nothing is known of frames before the first.
 #[derive(Clone, Copy, Debug)]
 struct LastTest {
     /// The last frame that drew it.
     drawn: FrameId,
     /// The last frame in which it was visible.
     shown: FrameId,
-    /// Visible without a test up to this frame.
+    /// The last frame in which it counts as visible without a test.
     assumed_until: FrameId,
 }
 
@@ -97,9 +97,9 @@ pub(super) struct Coherent {
     frame: FrameId,
     /// For each node, the last frame in which something of it was visible.
     shown: Vec<FrameId>,
-    /// By object.
+    /// The records by object.
     records: Vec<LastTest>,
-    /// Which hierarchy `shown` is about, and since when its nodes are what they are.
+    /// The hierarchy that `shown` is about, and the generation since which its nodes are the same.
     known: Option<(Arc<()>, Generation)>,
     queue: NearestFirst,
     rng: SplitMix64,
@@ -124,7 +124,7 @@ impl Coherent {
 
     /// Follows the hierarchy to its present generation. An object's new leaf was visible when its
     /// old one was, an inner node when one of its children was. Nothing is known of an object that
-    /// came since, whoever had its id before.
+    /// was inserted since, even if its id was in use before.
     fn adopt(&mut self, hierarchy: &Hierarchy) {
         let (identity, generation) = (hierarchy.journal().identity(), hierarchy.generation());
         let is_known = |known: &(Arc<()>, Generation)| {
@@ -163,7 +163,7 @@ impl Coherent {
         shown.0 > 0 && shown.0 + 1 == self.frame.0
     }
 
-    /// Something of the node is visible, hence of all above it.
+    /// Marks a node as visible, and hence all nodes above it.
     fn pull_up(&mut self, node: NodeId, viewed: &ViewedHierarchy<'_>) {
         let frame = self.frame;
         if let Some(record) = self.record(node, viewed) {
@@ -179,14 +179,14 @@ impl Coherent {
         }
     }
 
-    /// Returns what is kept of the object of a leaf; `None` for an inner node.
+    /// Returns the record of the object of a leaf; `None` for an inner node.
     fn record(&mut self, node: NodeId, viewed: &ViewedHierarchy<'_>) -> Option<&mut LastTest> {
         let leaves = viewed.hierarchy.leaves(node);
         let object = viewed.hierarchy.leaf_objects().get(leaves.first.0 as usize)?;
         self.records.get_mut(object.0 as usize).filter(|_| leaves.count == 1)
     }
 
-    /// Goes on below a node, or draws a leaf that is not drawn yet.
+    /// Traverses the children of a node, or draws a leaf that is not drawn yet.
     fn traverse(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
         if let Some(children) = recorder.viewed.children(node) {
             self.queue.extend(children);
@@ -195,14 +195,14 @@ impl Coherent {
         }
     }
 
-    /// Returns true if a leaf is to be drawn: only the first time in a frame.
+    /// Returns true if a leaf is to be drawn, which is so only the first time in a frame.
     fn draws_now(&mut self, leaf: NodeId, viewed: &ViewedHierarchy<'_>) -> bool {
         let frame = self.frame;
         let Some(record) = self.record(leaf, viewed) else { return true };
         std::mem::replace(&mut record.drawn, frame) != frame
     }
 
-    /// An answer came: the listing's first part.
+    /// Takes a result: the listing's first part.
     fn take(&mut self, answer: &QueryResult, recorder: &mut Recorder<'_>) {
         if answer.samples <= self.options.visibility_threshold_samples {
             // A leaf that was visible in the last frame is drawn beside its test.
@@ -226,7 +226,7 @@ impl Coherent {
         }
     }
 
-    /// A node has its turn: the listing's second part.
+    /// Visits a node: the listing's second part.
     fn visit(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
         recorder.stats.nodes_visited += 1;
         let was_visible = self.was_visible(node.node);
@@ -242,7 +242,7 @@ impl Coherent {
         }
     }
 
-    /// Draws a leaf that was visible in the last frame, and tests it if it is time to.
+    /// Draws a leaf that was visible in the last frame, and tests it if a test is due.
     fn draw_visible(&mut self, leaf: NodeId, proxy: Aabb, recorder: &mut Recorder<'_>) {
         let frame = self.frame;
         let is_assumed =

@@ -1,24 +1,25 @@
-//! Methods that need answers before a frame can go on: a conversation with the GPU.
+//! Methods that need results before a frame can go on.
 //!
-//! A [`BlockingCuller`] is the CPU's half of what the literature does with occlusion queries, each
-//! method as it was published: it says what to draw and to test next, takes what is known so far,
-//! and may say that it cannot go on without an answer. It is a pure state machine: who submits,
-//! waits and polls is the executor.
+//! A [`BlockingCuller`] is the CPU's half of the published methods with occlusion queries, each as
+//! in its paper. It says what to draw and to test next, takes the results so far, and may say that
+//! it cannot go on without a result. It is a pure state machine: the executor submits, waits and
+//! polls.
 //!
 //! One frame:
 //!
 //! 1. [`BlockingCuller::begin`] with the strategy and the view.
-//! 2. [`BlockingFrame::next`] fills a [`Batch`] and answers with a [`NextAction`]. The executor
-//!    records the batch: its draws in their order, those with a token under a query of their own;
-//!    then its tests, front faces of the boxes only, without writing. A batch may be empty.
-//! 3. [`NextAction::Submit`]: submits, and comes back at once with what is home.
-//!    [`NextAction::Wait`]: submits, waits for that answer, and comes back with it and what else is
-//!    home. [`NextAction::Done`]: the frame is complete with this batch.
+//! 2. [`BlockingFrame::next`] fills a [`Batch`] and returns a [`NextAction`]. The executor records
+//!    the batch: its draws in their order, those with a token under a query of their own; then its
+//!    tests, front faces of the boxes only, without writing. A batch may be empty.
+//! 3. [`NextAction::Submit`]: the executor submits, and calls again at once with the results that
+//!    are available. [`NextAction::Wait`]: it submits, waits for that result, and calls again with
+//!    it and all others that are available. [`NextAction::Done`]: the frame is complete with this
+//!    batch.
 //!
-//! An answer may be missing after a wait: what was asked about then counts as visible. Answers that
-//! come twice, or to what was never asked, are ignored. So every conversation ends, and its image
-//! is that of drawing everything, for the reason in [`Margin`](crate::Margin); a visibility
-//! threshold above 0 gives that up.
+//! A result may be missing after a wait: its node then counts as visible. Results that come twice,
+//! or of queries that were never sent, are ignored. So every frame ends, and its image is the same
+//! as with everything drawn, for the reason in [`Margin`](crate::Margin); a visibility threshold
+//! above 0 gives that up.
 
 mod batched;
 mod chc;
@@ -48,7 +49,7 @@ pub struct BlockingOptions {
     pub coherent: CoherentOptions,
 }
 
-/// The CPU's half of one view's conversations, with the history of the methods that keep one.
+/// The CPU's half of the blocking methods for one view, with the history of those that keep one.
 #[derive(Debug)]
 pub struct BlockingCuller {
     naive: Naive,
@@ -70,7 +71,7 @@ pub struct BlockingFrame<'a> {
 }
 
 impl BlockingCuller {
-    /// Knows nothing yet.
+    /// Creates a culler that knows nothing yet.
     #[must_use]
     pub fn new(options: BlockingOptions) -> Self {
         Self {
@@ -108,8 +109,8 @@ impl BlockingCuller {
 }
 
 impl BlockingFrame<'_> {
-    /// Takes what is home since the last call and says what to do next; `batch` is reused. After
-    /// [`NextAction::Done`] there is nothing more to say.
+    /// Takes the results since the last call and returns what to do next; `batch` is reused. After
+    /// [`NextAction::Done`] the frame has no further actions.
     pub fn next(&mut self, answers: &[TestAnswer], batch: &mut Batch) -> NextAction {
         batch.clear();
         self.results.clear();
@@ -132,7 +133,7 @@ impl BlockingFrame<'_> {
         step
     }
 
-    /// Returns what happened so far.
+    /// Returns the counts so far.
     #[must_use]
     pub fn stats(&self) -> BlockingStats {
         self.stats

@@ -1,10 +1,10 @@
-//! A query for every object, and a wait for each (GPU Gems, 29.2; GPU Gems 2, 6.2): what one would
-//! write first, and the reason why occlusion queries were thought to be slow.
+//! A query for every object, and a wait for each (GPU Gems, 29.2; GPU Gems 2, 6.2): the obvious
+//! method, and the reason why occlusion queries were thought to be slow.
 
 use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 
-/// Objects front to back, one at a time.
+/// The queue of the objects, front to back, one at a time.
 #[derive(Debug, Default)]
 pub(super) struct Naive {
     leaves: Vec<InSight>,

@@ -1,10 +1,10 @@
-//! What a method and the GPU say to each other in a frame: batches, steps, answers.
+//! The messages between a method and the GPU in a frame: batches, actions, results.
 
 use crate::geom::bounds::Aabb;
 use crate::hierarchy::front_to_back::ViewedHierarchy;
 use crate::ids::{LeafIndex, NodeId};
 
-/// A question of one frame. They are numbered from 0 in the order in which they are asked.
+/// A query of one frame. Queries are numbered from 0 in the order in which they are sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TestToken(pub u32);
 
@@ -13,25 +13,25 @@ pub struct TestToken(pub u32);
 pub struct BatchDraw {
     /// The leaf.
     pub leaf: LeafIndex,
-    /// The question whose answer is the number of samples that the draw leaves.
+    /// The query whose result is the number of samples that the draw leaves.
     pub token: Option<TestToken>,
 }
 
 /// A box to test against the depth so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BatchTest {
-    /// The question.
+    /// The query.
     pub token: TestToken,
     /// The box, enlarged already by the view's [margin](crate::Margin).
     pub bounds: Aabb,
 }
 
-/// What to do next: first all draws, then all tests.
+/// The commands to record next: first all draws, then all tests.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
-    /// To draw, in this order.
+    /// The draws, in this order.
     pub draws: Vec<BatchDraw>,
-    /// To test.
+    /// The tests.
     pub tests: Vec<BatchTest>,
 }
 
@@ -48,21 +48,22 @@ impl Batch {
     }
 }
 
-/// What to do once a batch is recorded.
+/// The step that follows once a batch is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextAction {
-    /// Send it off and come back with what is home.
+    /// Submit it, and call again with the results that are available.
     Submit,
-    /// Send it off, wait for the answer to this question, and come back with all that is home.
+    /// Submit it, wait for the result of this query, and call again with all results that are
+    /// available.
     Wait(TestToken),
-    /// Nothing more is asked: the frame ends with this batch.
+    /// The end of the frame: this batch is the last.
     Done,
 }
 
-/// What the GPU says.
+/// The result of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TestAnswer {
-    /// To which question.
+    /// The query.
     pub token: TestToken,
     /// Samples that passed; where queries are not precise, any number but 0 for "some".
     pub samples: u32,
@@ -81,7 +82,7 @@ pub struct BlockingStats {
     pub draws: u32,
     /// Nodes whose box would be cut by the near plane: visible without a test.
     pub too_near: u32,
-    /// Times that it could not go on without an answer.
+    /// Times that it could not go on without a result.
     pub waits: u32,
     /// Batches, the last one included.
     pub batches: u32,
@@ -95,18 +96,18 @@ pub(super) trait BlockingStrategy {
     /// Begins a frame.
     fn begin(&mut self, viewed: &ViewedHierarchy<'_>, stats: &mut BlockingStats);
 
-    /// Takes answers, each of them once, and says what to do next.
+    /// Takes results, each of them once, and returns what to do next.
     fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction;
 }
 
-/// An answer, to whoever asked about a node.
+/// A result, with the node that was tested.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QueryResult {
     pub(super) node: NodeId,
     pub(super) samples: u32,
 }
 
-/// What a method says.
+/// The commands of a method, as it records them.
 pub(super) struct Recorder<'a> {
     pub(super) viewed: ViewedHierarchy<'a>,
     pub(super) batch: &'a mut Batch,
@@ -121,7 +122,7 @@ impl Recorder<'_> {
         self.batch.draws.push(BatchDraw { leaf: self.viewed.leaf(node), token: None });
     }
 
-    /// Draws a leaf and asks how much of it shows.
+    /// Draws a leaf under a query.
     pub(super) fn draw_asking(&mut self, node: NodeId) {
         self.stats.draws += 1;
         self.stats.own_draws += 1;
@@ -129,7 +130,7 @@ impl Recorder<'_> {
         self.batch.draws.push(BatchDraw { leaf: self.viewed.leaf(node), token });
     }
 
-    /// Asks whether a node's box shows.
+    /// Tests a node's box.
     pub(super) fn ask(&mut self, node: NodeId, bounds: Aabb) -> TestToken {
         self.stats.boxes += 1;
         let token = self.pending.ask(node);
@@ -145,12 +146,12 @@ impl Recorder<'_> {
     }
 }
 
-/// The questions of one frame and which of them are open.
+/// The queries of one frame and the ones among them that are open.
 #[derive(Debug, Default)]
 pub(super) struct PendingQueries {
-    /// The node that each question is about, until it is answered.
+    /// The node that each query is about, until its result came.
     asked: Vec<Option<NodeId>>,
-    /// All questions before this one are answered.
+    /// The first query that may be open: all before it have results.
     oldest: usize,
 }
 
@@ -166,12 +167,12 @@ impl PendingQueries {
         token
     }
 
-    /// Closes a question; `None` if it is not open.
+    /// Closes a query; `None` if it is not open.
     pub(super) fn settle(&mut self, token: TestToken) -> Option<NodeId> {
         self.asked.get_mut(token.0 as usize)?.take()
     }
 
-    /// Returns the oldest open question.
+    /// Returns the oldest open query.
     pub(super) fn oldest_open(&mut self) -> Option<TestToken> {
         while self.asked.get(self.oldest)?.is_none() {
             self.oldest += 1;

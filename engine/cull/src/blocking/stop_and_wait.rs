@@ -7,12 +7,12 @@ use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 #[derive(Debug, Default)]
 pub(super) struct StopAndWait {
     stack: Vec<InSight>,
-    /// The node that was asked about.
+    /// The node whose query is open.
     asked: Option<InSight>,
 }
 
 impl StopAndWait {
-    /// Goes on below a node that shows.
+    /// Queues the children of a node that shows.
     fn open(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
         match recorder.viewed.children(node) {
             None => recorder.draw(node.node),

@@ -1,16 +1,16 @@
-//! What a frame was made of, and what that should take by the table.
+//! The contents of a frame, and the time that they should take by the table.
 
 use std::ops::AddAssign;
 
 use crate::cost::table::CostTable;
 use crate::plan::frame_plan::{FramePlan, QueryKind, Tester};
 
-/// What a frame was made of.
+/// The contents of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameContents {
     /// Objects that were drawn.
     pub draws: u64,
-    /// Their triangles.
+    /// Triangles of these objects.
     pub triangles: u64,
     /// Tests by query, own draws included.
     pub queries: u32,
@@ -31,7 +31,7 @@ pub struct FrameContents {
 }
 
 impl FrameContents {
-    /// Returns what a plan asks for. What is drawn is known when its answers are home.
+    /// Returns what a plan asks for. The draws are known when the results were read back.
     #[must_use]
     pub fn of(plan: &FramePlan) -> Self {
         let mut contents = Self {
@@ -65,7 +65,7 @@ impl FrameContents {
         contents
     }
 
-    /// Returns what this should take.
+    /// Returns the time that this should take.
     pub(crate) fn predicted(&self, table: &CostTable) -> Predicted {
         let each = |count: u32, price_ns: f32| f64::from(count) * f64::from(price_ns);
         let draw_ns = self.draws as f64 * f64::from(table.draw_ns)
@@ -85,7 +85,7 @@ impl FrameContents {
 }
 
 impl AddAssign for FrameContents {
-    /// Of several views that are drawn in one frame.
+    /// Adds the contents of another view that is drawn in the same frame.
     fn add_assign(&mut self, other: Self) {
         self.draws += other.draws;
         self.triangles += other.triangles;
@@ -100,12 +100,12 @@ impl AddAssign for FrameContents {
     }
 }
 
-/// What a frame should take, in nanoseconds of GPU time.
+/// The time that a frame should take, in nanoseconds of GPU time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Predicted {
-    /// Its draws.
+    /// The time of its draws.
     pub(crate) draw_ns: f64,
-    /// Its tests, with the breaks of rendering that they are the reason for.
+    /// The time of its tests, with the breaks of rendering that they need.
     pub(crate) test_ns: f64,
 }
 

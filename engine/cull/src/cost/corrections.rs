@@ -1,5 +1,4 @@
-//! How much dearer tests are in proportion to draws than the table says, learned from what frames
-//! took.
+//! Corrections of the prices of tests in proportion to draws, learned from the times of frames.
 //!
 //! Recursive least squares with a prior and forgetting, as a Kalman filter (R. E. Kalman 1960, "A
 //! New Approach to Linear Filtering and Prediction Problems") for
@@ -12,26 +11,27 @@
 //! nothing of: above all the shading of pixels. Tests cost `draws + excess` times what the table
 //! says. The prior is that the table is right, and that the excess is 0 whatever `draws` is: a
 //! clock that goes wrong makes all dearer and changes no decision. The rest may be anything and
-//! drifts. So only where frames differ in their tests is anything learned about tests. What was
-//! learned fades back to the prior: where tests ended because they were dear, a few are tried again
-//! after a while.
+//! drifts. So only where frames differ in their tests is anything learned about tests. The
+//! corrections fade back to the prior: where tests ended because they were dear, a few are tried
+//! again after a while.
 //!
 //! The excess counts only as far as it is sure, so that noise decides nothing. A frame that took
 //! too long to be believed is left out, unless several in a row say the same.
 
 use crate::cost::contents::Predicted;
 
-/// What frames taught about the table. Only `proportion` steers decisions.
+/// The corrections of the table that follow from the times of frames. Only `proportion` steers
+/// decisions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrections {
-    /// How many times dearer draws seem than the table says (1/8 to 8).
+    /// The factor by which draws seem dearer than the table says (1/8 to 8).
     pub draws: f32,
-    /// How many times dearer tests seem than the table says (1/8 to 8).
+    /// The factor by which tests seem dearer than the table says (1/8 to 8).
     pub tests: f32,
-    /// By what the prices of tests are multiplied: `tests` over `draws`, as far as that is sure
-    /// (1/8 to 8; 1 as long as it is not).
+    /// The factor of the prices of tests: `tests` over `draws`, as far as that is sure (1/8 to 8; 1
+    /// as long as it is not).
     pub proportion: f32,
-    /// From how many frames that was learned; 0 where the device tells no times.
+    /// The frames that these were learned from; 0 where the device measures no times.
     pub frames: u64,
 }
 
@@ -41,59 +41,59 @@ impl Default for Corrections {
     }
 }
 
-/// No correction goes farther, in either direction.
+/// The largest correction, in either direction.
 const MOST: f64 = 8.0;
 
-/// No frame takes longer: a clock that says so is wrong.
+/// The longest time of a frame (ns): a clock that says more is wrong.
 const LONGEST_NS: f64 = 60.0e9;
-/// And none is shorter.
+/// The shortest time of a frame (ns).
 const SHORTEST_NS: f64 = 1.0;
 
-/// A table that is so far from what frames take is of another world, and not to be corrected.
+/// The factor beyond which a table is so far from the times of frames that it is not corrected.
 const MOST_PREDICTED: f64 = 1.0e3;
 
-/// After so many frames what was learned about draws and tests counts half.
+/// The frames after which a lesson about draws and tests counts half.
 const HALF_LIFE_FRAMES: f64 = 64.0;
 
 /// Variance of the factor of draws, before anything is learned.
 const DRAWS_VARIANCE: f64 = 1.0;
-/// The same of the excess: that tests cost five times as much is two deviations away.
+/// The same of the excess: tests that cost five times as much are two deviations away.
 const EXCESS_VARIANCE: f64 = 4.0;
 
-/// By what share of a frame the rest drifts in each.
+/// The share of a frame by which the rest drifts in each.
 const REST_DRIFT: f64 = 0.01;
 
-/// Errors beyond so many deviations count less (Huber 1964, "Robust Estimation of a Location
+/// The deviations beyond which errors count less (Huber 1964, "Robust Estimation of a Location
 /// Parameter").
 const LARGE_ERROR: f64 = 2.0;
-/// Beyond so many they do not count at all ...
+/// The deviations beyond which they do not count at all ...
 const ODD_ERROR: f64 = 4.0;
-/// ... unless so many frames in a row are odd: then something has changed.
+/// ... unless this number of frames in a row is odd: then something has changed.
 const ODD_FRAMES: u32 = 4;
 
-/// How many deviations make sure.
+/// The deviations that make a correction sure.
 const SURE: f64 = 2.0;
 
-/// A change of prices by less is none: decisions do not flap.
+/// The least change of prices that is applied, so that decisions do not flap.
 const LEAST_CHANGE: f64 = 1.125;
 
-/// Places in the state.
+/// The places in the state.
 const DRAWS: usize = 0;
 const EXCESS: usize = 1;
 const REST: usize = 2;
 
-/// Before anything is learned.
+/// The state before anything is learned.
 const PRIOR: [(f64, f64); 2] = [(1.0, DRAWS_VARIANCE), (0.0, EXCESS_VARIANCE)];
 
-/// What is believed, and how firmly.
+/// The estimate of the corrections, and its variance.
 #[derive(Clone, Debug)]
 pub(crate) struct Learner {
     /// The factor of draws, the excess, and the rest (ns).
     state: [f64; 3],
     covariance: [[f64; 3]; 3],
-    /// About what frames take (ns).
+    /// The level of the times of frames (ns).
     level_ns: f64,
-    /// By how much they miss what was expected, on average (ns).
+    /// The average error of the expected times (ns).
     noise_ns: f64,
     odd: u32,
     frames: u64,
@@ -125,7 +125,7 @@ impl Learner {
         }
     }
 
-    /// Returns a frame took so long. Answers whether the proportion is another one now.
+    /// Takes the time of a frame. Returns true if the proportion changed.
     pub(crate) fn note(&mut self, gpu_ns: f64, predicted: Predicted) -> bool {
         let all_ns = predicted.draw_ns + predicted.test_ns;
         let can_be = (SHORTEST_NS..LONGEST_NS).contains(&gpu_ns);
@@ -145,8 +145,7 @@ impl Learner {
         self.settle()
     }
 
-    /// Goes back a step towards the prior: what was learned weighs less, what was known before as
-    /// much as ever.
+    /// Steps back towards the prior: lessons weigh less, and the prior as much as before.
     fn reset(&mut self) {
         let keep = (-std::f64::consts::LN_2 / HALF_LIFE_FRAMES).exp();
         for (place, (mean, prior)) in PRIOR.into_iter().enumerate() {
@@ -161,7 +160,7 @@ impl Learner {
         self.covariance[REST][REST] += (REST_DRIFT * self.level_ns).powi(2);
     }
 
-    /// Takes in what a frame took.
+    /// Updates the estimate with the time of a frame.
     fn correct(&mut self, gpu_ns: f64, contents: [f64; 3]) {
         let error = gpu_ns - dot(self.state, contents);
         let noise_ns = self.noise_ns.max(0.01 * self.level_ns);
@@ -197,7 +196,7 @@ impl Learner {
         }
     }
 
-    /// Nothing is known of the rest any more but that it is off by about `error_ns`.
+    /// Forgets what is known of the rest but that it is off by about `error_ns`.
     fn rest_changed(&mut self, error_ns: f64) {
         for place in [DRAWS, EXCESS] {
             self.covariance[REST][place] = 0.0;
@@ -210,7 +209,7 @@ impl Learner {
         self.covariance.map(|row| dot(row, contents))
     }
 
-    /// Returns the proportion follows as far as it is sure. Answers whether it did.
+    /// Moves the proportion as far as it is sure. Returns true if it changed.
     fn settle(&mut self) -> bool {
         let beyond_doubt = |place: usize, mean: f64| {
             let (learned, variance) = (self.state[place] - mean, self.covariance[place][place]);

@@ -1,10 +1,11 @@
-//! The governor: whether a test is worth what it costs.
+//! The cost model: decides which tests are worth their cost.
 //!
-//! It counts what tests told and sets prices against it; it reads no clock, but is told what frames
-//! took and corrects its prices by that. What it keeps from being tested is drawn, so that no image
-//! depends on it. Evidence fades, so that what was true once is tried again, and leaves that were
-//! drawn without a test are still asked about on their own draw, now and then: both together notice
-//! within a bounded number of frames when a world changes in which testing did not pay.
+//! It counts the results of tests and sets prices against them. It reads no clock: its caller
+//! passes the times of frames, and it corrects its prices by them. An object that it leaves
+//! untested is drawn, so that no image depends on it. Evidence fades, so that old findings are
+//! tried again, and leaves that were drawn without a test are still tested on their own draw, now
+//! and then. Both together notice within a bounded number of frames that tests pay again in a scene
+//! where they did not.
 
 use crate::cost::contents::FrameContents;
 use crate::cost::corrections::{Corrections, Learner};
@@ -14,34 +15,34 @@ use crate::history::record::{NodeState, RetestReason};
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{QueryKind, Tester};
 
-/// An interval of own-draw tests from which on there are none.
+/// The interval of own-draw tests from which on there are none.
 const NEVER_FRAMES: u32 = 1 << 20;
 
-/// However seldom leaves become hidden, a leaf is asked about so often ...
+/// The interval in which a leaf is tested however seldom leaves become hidden ...
 const CALM_RETEST_FRAMES: f32 = 256.0;
 /// ... unless all those tests together would cost more than this share of the draws.
 const CALM_SHARE: f32 = 0.01;
 
-/// Nobody notices a change of the world later than this for the sake of [`CALM_SHARE`].
+/// The most frames by which [`CALM_SHARE`] may delay the notice of a change in the scene.
 const MOST_GATE_FRAMES: u32 = 32;
 
-/// After so many frames in which tests could not pay, it is of little use to learn what they could
+/// The frames in which tests could not pay after which it is of little use to learn what they could
 /// hide.
 const IDLE_AFTER_FRAMES: u32 = 8;
 
-/// For how many frames it is worth knowing that something is hidden, before its own draw would have
-/// told.
+/// The frames for which it is worth knowing that something is hidden, before its own draw would
+/// have shown it.
 const HORIZON_FRAMES: f32 = 8.0;
 
-/// A hidden object's own pixels fail the depth test like those of its box, which are about twice as
-/// many.
+/// The share of its box's pixels that an object covers: those of a hidden one fail the depth test
+/// like those of the box.
 const LEAF_FILL: f32 = 0.5;
 
-/// Whether unknown nodes turn out hidden is an even bet until some were tested.
+/// The prior of unknown nodes: an even bet that they are hidden, until some were tested.
 const UNKNOWN_PRIOR: DecayingRate = DecayingRate { yes: 2.0, no: 2.0 };
-/// What is drawn shows, unless enough tests of own draws told otherwise.
+/// The prior of drawn leaves: they show, unless enough tests of own draws found otherwise.
 const DRAWN_PRIOR: DecayingRate = DecayingRate { yes: 0.0, no: 8.0 };
-/// What was hidden stays so, nine times of ten.
+/// The prior of hidden nodes: they stay hidden nine times of ten.
 const KNOWN_PRIOR: DecayingRate = DecayingRate { yes: 7.2, no: 0.8 };
 
 /// A test that could be made.
@@ -51,18 +52,18 @@ pub struct TestEstimate {
     pub leaves: u32,
     /// Pixels that its proxy covers.
     pub pixels: f32,
-    /// Nothing is known of the node.
+    /// True if nothing is known of the node.
     pub is_unknown: bool,
 }
 
-/// What speaks for a test and what against it.
+/// The saving and the cost of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostBenefit {
-    /// What it saves on average.
+    /// The average saving.
     pub saving_ns: f32,
-    /// What of that is saved in this frame.
+    /// The part of it that is saved in this frame.
     pub saving_now_ns: f32,
-    /// What it costs.
+    /// The cost.
     pub cost_ns: f32,
 }
 
@@ -74,16 +75,16 @@ impl CostBenefit {
     }
 }
 
-/// One view's prices, and its statistics of what tests told.
+/// One view's prices, and its statistics of the results of tests.
 #[derive(Clone, Debug)]
 pub struct CostModel {
     table: CostTable,
-    /// The table with what tests are found to cost in proportion to draws.
+    /// The table with the corrected prices of tests in proportion to draws.
     prices: CostTable,
     leaf_ns: f32,
     unknown: DecayingRate,
     known: DecayingRate,
-    /// Whether a leaf that is drawn is hidden by now.
+    /// The rate at which drawn leaves turn out hidden.
     drawn: DecayingRate,
     hides: HideRate,
     learner: Learner,
@@ -92,10 +93,9 @@ pub struct CostModel {
 }
 
 impl CostModel {
-    /// Creates a governor that saw nothing yet.
+    /// Creates a cost model that saw nothing yet.
     ///
-    /// # Errors
-    /// [`BadCost`] if `table` or `scene` cannot be.
+    /// # Errors [`BadCost`] if a value of `table` or `scene` is impossible.
     pub fn new(table: CostTable, scene: SceneCosts) -> Result<Self, BadCost> {
         let table = table.checked()?;
         let triangles = scene.triangles_per_leaf;
@@ -116,31 +116,31 @@ impl CostModel {
         })
     }
 
-    /// Returns the prices as they were told.
+    /// Returns the prices as they were passed in.
     #[must_use]
     pub fn table(&self) -> CostTable {
         self.table
     }
 
-    /// Returns what frames taught about them.
+    /// Returns the corrections that were learned from the times of frames.
     #[must_use]
     pub fn corrections(&self) -> Corrections {
         self.learner.corrections()
     }
 
-    /// Returns how likely an unknown node turns out hidden.
+    /// Returns the probability that an unknown node turns out hidden.
     #[must_use]
     pub fn unknown_hidden(&self) -> f32 {
         self.unknown.probability(UNKNOWN_PRIOR)
     }
 
-    /// Returns how likely a hidden node is still hidden.
+    /// Returns the probability that a hidden node is still hidden.
     #[must_use]
     pub fn still_hidden(&self) -> f32 {
         self.known.probability(KNOWN_PRIOR)
     }
 
-    /// Forgets what tests told, not what things cost.
+    /// Forgets the results of tests, but not the prices.
     pub fn reset(&mut self) {
         self.unknown = DecayingRate::default();
         self.known = DecayingRate::default();
@@ -149,7 +149,7 @@ impl CostModel {
         self.idle_frames = 0;
     }
 
-    /// A frame begins, after one in which `visible` leaves were taken as visible.
+    /// Begins a frame, after one in which `visible` leaves were taken as visible.
     pub(crate) fn begin_frame(&mut self, visible: u32) {
         self.unknown.fade();
         self.known.fade();
@@ -158,8 +158,9 @@ impl CostModel {
         self.idle_frames = self.idle_frames.saturating_add(1);
     }
 
-    /// The tests of this frame would save so much and need breaks at this price, in a frame that
-    /// takes `visible` leaves as visible: of those some are hidden by now that no test told of yet.
+    /// Notes what the tests of this frame would save and what their breaks would cost, in a frame
+    /// that takes `visible` leaves as visible. Some of those are hidden by now without a test that
+    /// found it.
     pub(crate) fn note_prospect(&mut self, saving_ns: f32, break_ns: f32, visible: u32) {
         let hidden = self.drawn.probability(DRAWN_PRIOR) * visible as f32;
         let prospect_ns = saving_ns + hidden * self.leaf_ns;
@@ -168,13 +169,13 @@ impl CostModel {
         }
     }
 
-    /// Returns true if tests have not paid for a while: what hides is drawn all the same, so to ask
-    /// which leaves those are saves nothing until they are many.
+    /// Returns true if tests have not paid for a while. Hidden leaves are then drawn all the same,
+    /// so that finding them saves nothing until they are many.
     fn is_idle(&self) -> bool {
         self.idle_frames > IDLE_AFTER_FRAMES
     }
 
-    /// A test of a node in such a state had an answer.
+    /// Learns from the result of a test of a node in the given state.
     pub(crate) fn learn(
         &mut self,
         kind: QueryKind,
@@ -203,9 +204,10 @@ impl CostModel {
         }
     }
 
-    /// After how many frames a calm leaf's own draw is tested again: a test costs its price once in
-    /// the interval T, a leaf that became hidden is drawn in vain for T / 2 frames on average, and
-    /// the sum is least at the square root of twice the price over rate and cost of draws.
+    /// Returns the frames after which a calm leaf's own draw is tested again. A test costs its
+    /// price once in the interval T, a leaf that became hidden is drawn in vain for T / 2 frames on
+    /// average, and the sum is least at the square root of twice the price over rate and cost of
+    /// draws.
     pub(crate) fn retest_frames(&self, config: &CullConfig) -> u32 {
         let least = config.retest_max.max(1) as f32;
         let price = f64::from(self.prices.query_ns) / f64::from(self.leaf_ns);
@@ -225,7 +227,7 @@ impl CostModel {
         frames.max(f64::from(least)).min(f64::from(u32::MAX / 4)) as u32
     }
 
-    /// Returns the constants of `config` as they are best now.
+    /// Returns `config` with the constants that are best now.
     pub(crate) fn tuned(&self, config: &CullConfig) -> CullConfig {
         let frames = self.retest_frames(config);
         // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
@@ -243,8 +245,8 @@ impl CostModel {
         }
     }
 
-    /// In which frames of a calm view questions are asked, so that waiting for answers costs no
-    /// more than [`CALM_SHARE`] of all.
+    /// Returns the interval of the frames of a calm view that have tests, chosen so that waiting
+    /// for results costs no more than [`CALM_SHARE`] of all.
     fn gate_frames(&self) -> u32 {
         ((self.prices.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
     }
@@ -264,8 +266,9 @@ impl CostModel {
         CostBenefit { saving_ns, saving_now_ns, cost_ns: cost_ns.min(f32::MAX) }
     }
 
-    /// Weighs a probe: it saves nothing now, but the parts of its node may be left undrawn at the
-    /// price of one test from then on. Where a test of a single leaf does not pay, one of many may.
+    /// Weighs a pull-up query. It saves nothing now, but the parts of its node may be left undrawn
+    /// at the price of one test from then on. Where a test of a single leaf does not pay, one of
+    /// many may.
     #[must_use]
     pub fn weigh_pull_up(&self, estimate: &TestEstimate, tester: Tester) -> CostBenefit {
         let benefit = self.weigh(estimate, tester);
@@ -273,7 +276,7 @@ impl CostModel {
         CostBenefit { saving_ns: saving_ns.min(f32::MAX), ..benefit }
     }
 
-    /// Returns who of those that there are answers for a box at the least cost.
+    /// Returns the available tester that tests a box at the least cost.
     #[must_use]
     pub fn cheaper(&self, estimate: &TestEstimate, has_flags: bool) -> Tester {
         let cost = |tester| self.weigh(estimate, tester).cost_ns;
@@ -284,9 +287,9 @@ impl CostModel {
         }
     }
 
-    /// Returns true if a compute shader answers for a round at the least cost: of `boxes` that
-    /// cover `pixels` together, and of `shared` ones beside that cost the others nothing. It has a
-    /// fixed price, the others are paid by the pixel.
+    /// Returns true if a compute shader tests a round at the least cost. The round has `boxes` that
+    /// cover `pixels` together, and `shared` ones beside that cost the other testers nothing. The
+    /// compute shader has a fixed price, the others are paid by the pixel.
     #[must_use]
     pub fn is_for_compute(&self, boxes: u32, shared: u32, pixels: f32, has_flags: bool) -> bool {
         let count = boxes as f32;
@@ -298,16 +301,16 @@ impl CostModel {
         self.prices.compute_round_ns + computed * self.prices.compute_box_ns < raster
     }
 
-    /// Returns what a break costs in a frame that takes `leaves` as visible: tests that save less
+    /// Returns the cost of a break in a frame that takes `leaves` as visible. Tests that save less
     /// together are left out.
     pub(crate) fn break_ns(&self, leaves: usize) -> f32 {
         let drawn = leaves as f32 * self.leaf_ns;
         (self.prices.break_ns + self.prices.break_wait_share * drawn).min(f32::MAX)
     }
 
-    /// A frame of these contents took so long on the GPU. Where frames that differ agree that tests
+    /// Takes the GPU time of a frame with these contents. Where frames that differ agree that tests
     /// are dearer or cheaper in proportion to draws than the table says, the prices of tests follow
-    /// ([`CostModel::corrections`]). Times that cannot be are ignored.
+    /// ([`CostModel::corrections`]). Impossible times are ignored.
     pub fn observe(&mut self, gpu_ns: f64, contents: &FrameContents) {
         if self.learner.note(gpu_ns, contents.predicted(&self.table)) {
             self.prices = self.table.with_tests_at(self.corrections().proportion);
@@ -330,7 +333,7 @@ impl CostModel {
     }
 }
 
-/// Returns true if an interval of own-draw tests means that there are none.
+/// Returns true if an interval stands for no own-draw tests at all.
 pub(crate) const fn is_never(retest_frames: u32) -> bool {
     retest_frames >= NEVER_FRAMES
 }

@@ -1,12 +1,12 @@
-//! Counts of what tests told, which fade: the present counts more than the past.
+//! Counts of the results of tests, which fade: the present counts more than the past.
 
-/// After so many frames evidence counts half.
+/// The frames after which evidence counts half.
 const HALF_LIFE_FRAMES: f32 = 64.0;
 
-/// More answers than this do not make it surer.
+/// The most results that count: more do not make a rate surer.
 const MOST: f32 = 256.0;
 
-/// How often something was so, and how often not.
+/// The counts of how often something was so, and how often not.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DecayingRate {
     pub(crate) yes: f32,
@@ -34,13 +34,13 @@ impl DecayingRate {
         self.no *= keep;
     }
 
-    /// Returns how likely it is so, if this is all that is known beside `prior`.
+    /// Returns the probability that it is so, if this is all that is known beside `prior`.
     pub(crate) fn probability(&self, prior: Self) -> f32 {
         (self.yes + prior.yes) / (self.yes + self.no + prior.yes + prior.no)
     }
 }
 
-/// How often visible leaves turn out hidden.
+/// The rate at which visible leaves turn out hidden.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HideRate {
     hides: f64,
@@ -48,7 +48,7 @@ pub(crate) struct HideRate {
     exposure: f64,
 }
 
-/// What the expected rate counts as much as, in leaves times frames.
+/// The weight of the expected rate, in leaves times frames.
 const EXPECTED_EXPOSURE: f64 = 256.0;
 
 impl HideRate {
@@ -56,14 +56,14 @@ impl HideRate {
         self.hides += 1.0;
     }
 
-    /// A frame with so many visible leaves.
+    /// Fades the counts by a frame with `visible` visible leaves.
     pub(crate) fn fade(&mut self, visible: u32) {
         let keep = f64::from(keep());
         self.hides *= keep;
         self.exposure = self.exposure * keep + f64::from(visible);
     }
 
-    /// Hides per leaf and frame.
+    /// Returns the probability per leaf and frame that a visible leaf becomes hidden.
     pub(crate) fn per_leaf_and_frame(&self, expected: f64) -> f64 {
         (self.hides + expected * EXPECTED_EXPOSURE) / (self.exposure + EXPECTED_EXPOSURE)
     }

@@ -1,4 +1,4 @@
-//! What tests cost and save, and what frames teach about that.
+//! The cost and the saving of tests, corrected by the times of frames.
 
 pub(crate) mod contents;
 pub(crate) mod corrections;

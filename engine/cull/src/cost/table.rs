@@ -1,8 +1,8 @@
-//! What things cost on a device: the prices that decide whether a test pays.
+//! The prices of a device's work, which decide if a test pays.
 
 use thiserror::Error;
 
-/// Prices of what a frame is made of, in nanoseconds of GPU time.
+/// The prices of the work in a frame, in nanoseconds of GPU time.
 ///
 /// Only their proportions steer decisions. They may come from a measurement of the device; no image
 /// depends on them.
@@ -24,22 +24,22 @@ pub struct CostTable {
     pub draw_ns: f32,
     /// A triangle of an object, with its share of vertices and of small pixels.
     pub triangle_ns: f32,
-    /// A break of rendering, in which answers are made ready: what it takes when there is little to
-    /// wait for.
+    /// A break of rendering, in which results are made ready: its time when there is little to wait
+    /// for.
     pub break_ns: f32,
-    /// What a break costs beyond that, as a share of the cost of all that is drawn before it, since
-    /// nothing overlaps with its end (0 to 1; the one entry that is no time).
+    /// The cost of a break beyond that, as a share of the cost of all that is drawn before it,
+    /// since nothing overlaps with its end (0 to 1; the one entry that is no time).
     pub break_wait_share: f32,
-    /// A round of tests by compute shader, however many: a copy and a reduction of the depth.
+    /// A round of tests by compute shader, of any number: a copy and a reduction of the depth.
     pub compute_round_ns: f32,
-    /// A box tested by compute shader, of whatever size.
+    /// A box tested by compute shader, of any size.
     pub compute_box_ns: f32,
 }
 
 impl Default for CostTable {
-    /// As found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720): a fallback
-    /// where nothing can be measured. A GPU is faster in all, but in similar proportions of setup
-    /// to work.
+    /// Returns the prices found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720):
+    /// a fallback where nothing can be measured. A GPU is faster in all, but in similar proportions
+    /// of setup to work.
     fn default() -> Self {
         Self {
             query_ns: 8_000.0,
@@ -58,7 +58,7 @@ impl Default for CostTable {
     }
 }
 
-/// A price that cannot be.
+/// An impossible price.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error(
     "the cost `{name}` is {value}: costs are finite and not negative, a share is at most 1; \
@@ -67,12 +67,12 @@ impl Default for CostTable {
 pub struct BadCost {
     /// The entry.
     pub name: &'static str,
-    /// What it was to be.
+    /// The refused value.
     pub value: f32,
 }
 
 impl CostTable {
-    /// Returns a table of nothing but `ns`; nobody waits at breaks.
+    /// Returns a table with `ns` for every price, and without waits at breaks.
     #[must_use]
     pub const fn uniform(ns: f32) -> Self {
         Self {
@@ -129,7 +129,7 @@ impl CostTable {
         ]
     }
 
-    /// Returns the table itself if all its entries can be.
+    /// Returns the table itself if all its entries are possible.
     ///
     /// # Errors
     /// [`BadCost`] for the first that is infinite, no number, negative, or a share above 1.
@@ -143,8 +143,8 @@ impl CostTable {
         }
     }
 
-    /// Creates the table with tests, and the breaks that they need, so many times as dear in
-    /// proportion to draws.
+    /// Returns the table with tests, and the breaks that they need, `times` as dear in proportion
+    /// to draws.
     pub(crate) fn with_tests_at(&self, times: f32) -> Self {
         let at = |price: f32| (price * times).min(f32::MAX);
         Self {
@@ -163,15 +163,15 @@ impl CostTable {
         }
     }
 
-    /// Returns what drawing an object of so many triangles costs, where it is hidden by what was
-    /// drawn before it.
+    /// Returns the cost of drawing an object of `triangles` triangles that is hidden by earlier
+    /// draws.
     #[must_use]
     pub fn leaf_ns(&self, triangles: f32) -> f32 {
         self.draw_ns + triangles * self.triangle_ns
     }
 }
 
-/// What of a scene the prices apply to.
+/// The properties of a scene that costs depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneCosts {
     /// Triangles of an object on average.

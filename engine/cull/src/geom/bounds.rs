@@ -83,7 +83,7 @@ impl Aabb {
         size.dot(Vec3::new(size.y, size.z, size.x))
     }
 
-    /// Returns true if all six coordinates are numbers and none is infinite.
+    /// Returns true if all six coordinates are finite numbers.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.min.is_finite() && self.max.is_finite()
@@ -98,8 +98,8 @@ impl Aabb {
             && self.min.cmple(self.max).all()
     }
 
-    /// Returns the largest coordinate without its sign: what single-precision rounding is relative
-    /// to.
+    /// Returns the largest coordinate without its sign: single-precision rounding is relative to
+    /// it.
     #[must_use]
     pub fn largest_coordinate(&self) -> f32 {
         self.min.abs().max(self.max.abs()).max_element()

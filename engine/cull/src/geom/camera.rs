@@ -1,4 +1,4 @@
-//! Where the eye is and what it sees: the input of a view.
+//! The camera: position, direction and angle of sight, the input of a view.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ pub struct Camera {
     pub eye: Vec3,
     /// Direction of sight; any length but 0.
     pub forward: Vec3,
-    /// What is up; not parallel to `forward`.
+    /// The direction that is up; not parallel to `forward`.
     pub up: Vec3,
     /// The full vertical angle of sight (radians), inside 0 to pi.
     pub fov_y: f32,

@@ -4,20 +4,20 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DetailLevel(pub u8);
 
-/// When an object takes another form.
+/// The rule by which an object takes another form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetailPolicy {
-    /// How far a surface may be from where it should be (pixels in the middle of the image, above
+    /// The distance by which a surface may be misplaced (pixels in the middle of the image, above
     /// 0).
     pub error_pixels: f32,
-    /// A coarser form is taken only if its error is smaller than that by this share (0 to 1), so
-    /// that an object at the limit does not change to and fro.
+    /// The share (0 to 1) by which the error of a coarser form must be below that, so that an
+    /// object at the limit does not change to and fro.
     pub hysteresis: f32,
 }
 
 impl Default for DetailPolicy {
-    /// Returns half a pixel; objects take a coarser form a quarter farther away than they take the
-    /// finer one.
+    /// Returns half a pixel, and a hysteresis by which objects take a coarser form a quarter
+    /// farther away than they take the finer one.
     fn default() -> Self {
         Self { error_pixels: 0.5, hysteresis: 0.2 }
     }
@@ -29,8 +29,8 @@ impl DetailPolicy {
     /// (as [`View::pixels_per_metre`](crate::View::pixels_per_metre) says) and the object has the
     /// form `now`.
     ///
-    /// It depends on nothing else, above all not on what is visible: all who draw the same frame
-    /// draw the same forms. Without errors, or with numbers that are none, it is the finest.
+    /// It depends on nothing else, above all not on visibility: every renderer of the same frame
+    /// draws the same forms. Without errors, or with values that are not numbers, it is the finest.
     #[must_use]
     pub fn choose(&self, pixels_per_metre: f32, errors_m: &[f32], now: DetailLevel) -> DetailLevel {
         let within = |limit_pixels: f32| {

@@ -1,12 +1,12 @@
-//! Boxes against the view frustum: the bounding sphere first, then the box, and per plane a mask
-//! so that nothing below a node is asked again about a plane that the node is wholly inside of.
+//! Boxes against the view frustum: the bounding sphere first, then the box, and per plane a mask so
+//! that nothing below a node is tested again against a plane that the node is wholly inside of.
 
 use glam::Vec3;
 
 use crate::geom::bounds::Aabb;
 use crate::geom::margin::rounding;
 
-/// How a box lies with respect to the frustum.
+/// The position of a box with respect to the frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Containment {
     /// No point of the box is in the frustum.
@@ -44,7 +44,7 @@ pub struct Frustum {
 }
 
 impl Frustum {
-    /// From an orthonormal basis at the eye and the tangents of the half angles.
+    /// Creates a frustum from an orthonormal basis at the eye and the tangents of the half angles.
     #[must_use]
     pub fn new(
         eye: Vec3,
@@ -68,7 +68,7 @@ impl Frustum {
         }
     }
 
-    /// Tests a box against the planes in `mask`; also says which planes its parts have to be
+    /// Tests a box against the planes in `mask`; also returns the planes that its parts have to be
     /// tested against. An [empty](Aabb::is_empty) box is outside of everything.
     #[must_use]
     pub fn classify(&self, bounds: &Aabb, mask: PlaneMask) -> (Containment, PlaneMask) {

@@ -1,10 +1,10 @@
-//! How much larger than its node a proxy must be, so that no sample is lost to rounding.
+//! The margin by which a proxy must be larger than its node, so that no sample is lost to rounding.
 //!
 //! A rasteriser moves every vertex to a grid of `2^-b` pixels (`b` = `subPixelPrecisionBits`)
 //! before it looks which samples a triangle covers. A fragment of the object at sample `s`
 //! therefore stands for a point `p` of the object whose true projection is up to `e = sqrt(2) *
-//! 2^-b` pixels away from `s`, and it carries the depth of `p`: what is drawn must see to that,
-//! since some rasterisers take depth from where the vertices were before
+//! 2^-b` pixels away from `s`, and it carries the depth of `p`: the vertex shader must see to that,
+//! since some rasterisers take depth from the positions of the vertices before the snapping
 //! ([`View::snap_steps`](crate::View::snap_steps)). In the same way the fragment of the proxy at
 //! `s` stands for the point `q` of the proxy's front that the true ray up to `e` away from `s`
 //! meets: that ray passes `p` in a distance of at most `2e` pixels. A shift by one pixel at view
@@ -32,7 +32,7 @@ const SLACK_PIXELS: f32 = 0.25;
 /// Relative distance that a proxy keeps from the near plane.
 const NEAR_SLACK: f32 = 1.0 / 1024.0;
 
-/// Computes proxies for one view.
+/// The computation of proxies for one view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
     eye: Vec3,
@@ -40,13 +40,14 @@ pub struct Margin {
     near: f32,
     /// Size of a pixel at view depth 1 (metres).
     footprint: f32,
-    /// How far a proxy reaches beyond its box on the screen (pixels).
+    /// The distance by which a proxy reaches beyond its box on the screen (pixels).
     pixels: f32,
 }
 
 impl Margin {
-    /// For a view at `eye` along `forward` (unit length) with pixels of `footprint` metres at view
-    /// depth 1, on a device that snaps vertices to `2^-sub_pixel_bits` pixels.
+    /// Creates the margin of a view at `eye` along `forward` (unit length) with pixels of
+    /// `footprint` metres at view depth 1, on a device that snaps vertices to `2^-sub_pixel_bits`
+    /// pixels.
     #[must_use]
     pub fn new(eye: Vec3, forward: Vec3, near: f32, footprint: f32, sub_pixel_bits: u32) -> Self {
         let grid = 0.5_f32.powi(sub_pixel_bits.min(24) as i32);
@@ -59,21 +60,22 @@ impl Margin {
         }
     }
 
-    /// Returns how far a proxy reaches beyond its box on the screen (pixels).
+    /// Returns the distance by which a proxy reaches beyond its box on the screen (pixels).
     #[must_use]
     pub fn pixels(&self) -> f32 {
         self.pixels
     }
 
-    /// Returns how far a proxy reaches beyond a box at view depth 1 (metres), rounding apart.
+    /// Returns the distance by which a proxy reaches beyond a box at view depth 1 (metres),
+    /// rounding apart.
     #[must_use]
     pub fn metres_at_depth_1(&self) -> f32 {
         self.pixels * self.footprint
     }
 
     /// Returns the box to test in place of `bounds`, or `None` if it must count as visible, because
-    /// the eye is inside or some of the proxy is nearer than the near plane. Nobody asks about an
-    /// [empty](Aabb::is_empty) box: it is in no frustum.
+    /// the eye is inside or some of the proxy is nearer than the near plane. An
+    /// [empty](Aabb::is_empty) box is never tested: it is in no frustum.
     #[must_use]
     pub fn proxy(&self, bounds: &Aabb) -> Option<Aabb> {
         let depth = self.forward.dot(bounds.centre() - self.eye);
@@ -88,7 +90,8 @@ impl Margin {
     }
 }
 
-/// Returns a bound on what single precision loses where `bounds` is seen from `eye` (metres).
+/// Returns a bound on the rounding error of single precision where `bounds` is seen from `eye`
+/// (metres).
 pub(crate) fn rounding(bounds: &Aabb, eye: Vec3) -> f32 {
     16.0 * f32::EPSILON * bounds.largest_coordinate().max(eye.abs().max_element())
 }

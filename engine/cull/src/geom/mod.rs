@@ -1,4 +1,4 @@
-//! Boxes, cameras, frustums, and how much larger a proxy must be.
+//! Boxes, cameras, frustums, and the margin of proxies.
 
 pub(crate) mod bounds;
 pub(crate) mod camera;

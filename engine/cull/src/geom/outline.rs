@@ -1,4 +1,4 @@
-//! What a box covers of the screen: its outline, and about how many pixels.
+//! The part of the screen that a box covers: its outline, and about how many pixels.
 
 use glam::Vec2;
 
@@ -14,7 +14,8 @@ pub(crate) struct Outline {
 }
 
 impl Outline {
-    /// Eight corners have six on the outline; each side of the screen can add one.
+    /// The most corners: an outline has six of a box's eight, and each side of the screen can add
+    /// one.
     const MOST: usize = 12;
 
     /// Returns the outline of a box that is in front of the eye, and its nearest depth (metres
@@ -54,11 +55,12 @@ impl Outline {
         hull
     }
 
-    /// Returns true if rounding moves it by little where it is computed and where it is drawn;
-    /// `nearest` is the depth of the nearest corner.
+    /// Returns true if rounding moves the outline by little, both where it is computed and where it
+    /// is drawn; `nearest` is the depth of the nearest corner.
     pub(crate) fn is_sharp(&self, bounds: &Aabb, nearest: f32, view: &View) -> bool {
         const MOST_PIXELS: f32 = 1.0 / 16.0;
-        // Beyond, a pixel's fractions are lost, and a product of two such no longer tells sides.
+        // Beyond, a pixel's fractions are lost, and a product of two such no longer separates the
+        // sides.
         const FARTHEST_PIXELS: f32 = 32_768.0;
         let pixels_per_metre = view.size[1] as f32 / (2.0 * view.tan_half[1] * nearest);
         rounding(bounds, view.eye) * pixels_per_metre <= MOST_PIXELS
@@ -78,7 +80,7 @@ impl Outline {
         (0..self.count).map(|at| (self.corners[at], self.corners[(at + 1) % self.count]))
     }
 
-    /// Returns the part on the screen. Empty where nothing is.
+    /// Returns the part on the screen, which may be empty.
     pub(crate) fn clipped(&self, [width, height]: [f32; 2]) -> Self {
         let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
         sides.into_iter().fold(*self, |outline, (normal, offset)| {
@@ -102,7 +104,7 @@ impl Outline {
         })
     }
 
-    /// In pixels.
+    /// Returns the area (square pixels).
     pub(crate) fn area(&self) -> f32 {
         0.5 * self.edges().map(|(from, to)| from.perp_dot(to)).sum::<f32>().abs()
     }
@@ -118,8 +120,8 @@ impl Outline {
     }
 }
 
-/// About how many pixels of `view` a box covers, at most all: its silhouette from the eye, as if
-/// all of it were as far away as its centre.
+/// Returns about how many pixels of `view` a box covers, at most all: its silhouette from the eye,
+/// as if all of it were as far away as its centre.
 pub(crate) fn covered_pixels(view: &View, bounds: &Aabb) -> f32 {
     let [width, height] = view.size.map(|pixels| pixels as f32);
     if bounds.distance_squared(view.eye) == 0.0 {

@@ -1,4 +1,4 @@
-//! What one frame derives from a camera and the size of its image.
+//! The view of one frame, derived from a camera and the size of its image.
 
 use glam::{Mat4, Vec3};
 
@@ -26,13 +26,13 @@ pub struct View {
     pub tan_half: [f32; 2],
     /// Size of the image (pixels).
     pub size: [u32; 2],
-    /// Where the image lies in a larger picture: its upper left corner (pixels). Decides nothing
-    /// here.
+    /// The place of the image in a larger picture: its upper left corner (pixels). No decision
+    /// depends on it.
     pub origin: [u32; 2],
-    /// Steps of the device's sub-pixel grid from the middle of the image to its edges: vertices
-    /// that are drawn are moved onto it, so that no triangle carries a depth that is not its own.
+    /// Steps of the device's sub-pixel grid from the middle of the image to its edges: drawn
+    /// vertices are moved onto it, so that no triangle carries a depth that is not its own.
     pub snap_steps: [f32; 2],
-    /// What is seen at all.
+    /// The volume that the view sees.
     pub frustum: Frustum,
     /// The proxies of boxes in this view.
     pub margin: Margin,
@@ -85,7 +85,7 @@ impl View {
     }
 }
 
-/// `value` kept in a range, or `otherwise` if it is no number.
+/// Returns `value` clamped to a range, or `otherwise` if it is no number.
 fn clamp_or(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
     if value.is_nan() { otherwise } else { value.clamp(low, high) }
 }
@@ -99,7 +99,8 @@ fn sideways(forward: Vec3, up: Vec3) -> Vec3 {
     forward.any_orthonormal_vector()
 }
 
-/// Right-handed: in eye space x is right, y up, and the camera looks along -z.
+/// Returns the matrix from world to eye space, right-handed: x is right, y up, and the camera looks
+/// along -z.
 fn world_to_eye(eye: Vec3, right: Vec3, up: Vec3, forward: Vec3) -> Mat4 {
     let back = -forward;
     let rotation =
@@ -108,7 +109,7 @@ fn world_to_eye(eye: Vec3, right: Vec3, up: Vec3, forward: Vec3) -> Mat4 {
     rotation * Mat4::from_translation(-eye)
 }
 
-/// Infinite far plane, reversed depth, y down.
+/// Returns the projection with infinite far plane, reversed depth, y down.
 fn projection([tan_x, tan_y]: [f32; 2], near: f32) -> Mat4 {
     use glam::Vec4;
     Mat4::from_cols(

@@ -12,16 +12,16 @@ use crate::ids::ObjectId;
 use crate::rng::SplitMix64;
 
 /// Random growth of the boxes that the clustering sees, relative to the scene. Equal distances are
-/// what it cannot stand: when all neighbours are equally good only one pair is merged in a pass,
-/// and a row of equal boxes takes quadratic time. This also bounds the depth, since distances
-/// below it look random.
+/// its worst case: when all neighbours are equally good only one pair is merged in a pass, and a
+/// row of equal boxes takes quadratic time. This also bounds the depth, since distances below it
+/// look random.
 const JITTER_OF_SCENE: f32 = 1.0 / (1 << 20) as f32;
 
 /// The same relative to the box itself, for boxes that are large against their distance.
 const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
 
-/// Returns the shape of a good hierarchy over `boxes`. What is [empty](Aabb::EMPTY) is a free leaf:
-/// those lie together in a balanced subtree beside the rest, the last of the leaves.
+/// Returns the shape of a good hierarchy over `boxes`. An [empty](Aabb::EMPTY) box makes a free
+/// leaf: free leaves lie together in a balanced subtree beside the rest, the last of the leaves.
 pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     check_count(boxes.len())?;
     check_memory(boxes.len())?;
@@ -75,7 +75,7 @@ fn balanced(objects: &[u32]) -> Vec<Split> {
     nodes
 }
 
-/// Appends the clustered tree over the `occupied` of `boxes` to `nodes`; answers its root.
+/// Appends the clustered tree over the `occupied` of `boxes` to `nodes` and returns its root.
 fn cluster(boxes: &[Aabb], occupied: Vec<u32>, nodes: &mut Vec<Split>) -> Option<u32> {
     if occupied.is_empty() {
         return None;
@@ -107,8 +107,8 @@ fn check_count(count: usize) -> Result<(), HierarchyError> {
     Ok(())
 }
 
-/// Asks for all the memory at once, and gives it back: what is allocated piece by piece ends the
-/// program where there is none.
+/// Allocates all the memory at once, and frees it: an allocation that fails in the middle of the
+/// build would end the program.
 fn check_memory(count: usize) -> Result<(), HierarchyError> {
     let wanted_bytes = count.saturating_mul(BUILD_BYTES_PER_OBJECT);
     let asked = Vec::<u8>::new().try_reserve_exact(wanted_bytes);

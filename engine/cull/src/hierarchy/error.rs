@@ -1,4 +1,4 @@
-//! What a hierarchy refuses, and its limits.
+//! The errors of a hierarchy, and its limits.
 
 use thiserror::Error;
 
@@ -11,7 +11,7 @@ pub const MAX_OBJECTS: usize = 1 << 30;
 /// Memory that building a hierarchy takes for each object, at its peak (bytes).
 pub const BUILD_BYTES_PER_OBJECT: usize = 288;
 
-/// Why a hierarchy cannot be built or refitted.
+/// The reason why a hierarchy cannot be built or changed.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HierarchyError {
@@ -30,7 +30,7 @@ pub enum HierarchyError {
     /// More objects than [`MAX_OBJECTS`].
     #[error("{count} objects are more than one hierarchy holds ({MAX_OBJECTS}): split the scene")]
     TooMany {
-        /// How many there were.
+        /// The number of objects.
         count: usize,
     },
     /// Less memory can be had than building a hierarchy takes.
@@ -39,7 +39,7 @@ pub enum HierarchyError {
         (count * BUILD_BYTES_PER_OBJECT) >> 20
     )]
     NoMemory {
-        /// How many there were.
+        /// The number of objects.
         count: usize,
     },
     /// An object that the hierarchy was not built with, or that was removed.

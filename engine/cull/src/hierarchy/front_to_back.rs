@@ -1,4 +1,4 @@
-//! What is in the frustum from front to back, for methods with a traversal of their own.
+//! The nodes in the frustum from front to back, for methods with a traversal of their own.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -16,7 +16,7 @@ pub(crate) struct ViewedHierarchy<'a> {
     pub(crate) view: &'a View,
 }
 
-/// A node in the frustum. In the order of distance, then of ids.
+/// A node in the frustum, ordered by distance, then by id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct InSight {
     /// The squared distance: floats that are not negative sort like their bits.
@@ -26,14 +26,14 @@ pub(crate) struct InSight {
 }
 
 impl InSight {
-    /// From the eye to the node's box (metres).
+    /// Returns the distance from the eye to the node's box (metres).
     pub(crate) fn distance(&self) -> f32 {
         f32::from_bits(self.distance_bits).sqrt()
     }
 }
 
 impl<'a> ViewedHierarchy<'a> {
-    /// Returns the node, if some of it may be in the frustum; `mask` is that of the node above.
+    /// Returns the node, if some of it may be in the frustum; `mask` comes from the node above.
     pub(crate) fn look(&self, node: NodeId, mask: PlaneMask) -> Option<InSight> {
         let bounds = self.hierarchy.bounds(node);
         let (containment, mask) = self.view.frustum.classify(&bounds, mask);
@@ -70,13 +70,13 @@ impl<'a> ViewedHierarchy<'a> {
         self.hierarchy.children(node).is_none()
     }
 
-    /// Returns the leaf that a leaf's node is.
+    /// Returns the leaf of a leaf's node.
     pub(crate) fn leaf(&self, node: NodeId) -> LeafIndex {
         self.hierarchy.leaves(node).first
     }
 
-    /// Fills `leaves` with the nodes of all leaves in sight, the nearest first. Answers how many
-    /// nodes that took.
+    /// Fills `leaves` with the nodes of all leaves in sight, the nearest first. Returns the number
+    /// of nodes visited.
     pub(crate) fn leaves(&self, leaves: &mut Vec<InSight>) -> u32 {
         leaves.clear();
         let mut visited = 0;

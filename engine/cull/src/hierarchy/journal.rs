@@ -1,5 +1,5 @@
-//! What happened to the nodes, for those who remember something of them: cullers read on where they
-//! stopped, each at its own pace, so several views can share one hierarchy.
+//! The changes of nodes, for cullers that keep a history of them. Each culler reads on where it
+//! stopped, so several views can share one hierarchy.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -17,28 +17,28 @@ pub(crate) const FREE_LEAF: u32 = u32::MAX - 1;
 pub(crate) enum Change {
     /// The leaf that is this node holds another object from now on.
     Recycled(u32),
-    /// The nodes of a subtree were dealt out anew.
+    /// The nodes of a subtree were assigned again.
     Restructured(Box<Restructured>),
 }
 
-/// A subtree before and after. A tree in depth-first pre-order is told by the leaf counts of its
-/// nodes alone: the left child of node `i` is `i + 1`, the right one `i` plus twice its leaves.
+/// A subtree before and after. A tree in depth-first pre-order is described by the leaf counts of
+/// its nodes alone: the left child of node `i` is `i + 1`, the right one `i` plus twice its leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Restructured {
     /// The topmost node; the others follow it.
     pub(crate) root: u32,
     pub(crate) before: Vec<u32>,
     pub(crate) after: Vec<u32>,
-    /// For each leaf, counted from the subtree's first, where its object's leaf was before;
-    /// [`NEW_LEAF`] or [`FREE_LEAF`] if it was nowhere.
+    /// For each leaf, counted from the subtree's first, the place of its object's leaf before;
+    /// [`NEW_LEAF`] or [`FREE_LEAF`] if it had none.
     pub(crate) moved_from: Vec<u32>,
 }
 
-/// The changes of late, each with the generation it began. Bounded: who reads too seldom has to
-/// start from nothing.
+/// The latest changes, each with the generation it began. Bounded: a culler that reads too seldom
+/// has to start from nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Journal {
-    /// Tells one hierarchy from another.
+    /// The identity of the hierarchy.
     identity: Arc<()>,
     changes: VecDeque<(Generation, Change)>,
     /// Words held by `changes`.
@@ -48,7 +48,7 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Whose journal it is: compare with [`Arc::ptr_eq`].
+    /// Returns the identity of the journal's hierarchy, to compare with [`Arc::ptr_eq`].
     pub(crate) fn identity(&self) -> &Arc<()> {
         &self.identity
     }
@@ -66,12 +66,12 @@ impl Journal {
         }
     }
 
-    /// Forgets all changes: whoever reads next has to start from nothing.
+    /// Forgets all changes: every reader has to start from nothing.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Returns what changed after `generation`, the oldest first; `None` if not all of it is held.
+    /// Returns the changes after `generation`, the oldest first; `None` if not all of it is held.
     pub(crate) fn since(&self, generation: Generation) -> Option<impl Iterator<Item = &Change>> {
         if self.dropped.is_some_and(|dropped| dropped > generation) {
             return None;

@@ -1,5 +1,5 @@
-//! The bounding-volume hierarchy: nodes in depth-first pre-order, one object a leaf, every subtree
-//! one contiguous range of leaves.
+//! The bounding-volume hierarchy: nodes in depth-first pre-order, one object per leaf, every
+//! subtree one contiguous range of leaves.
 
 mod api;
 mod build;
@@ -21,19 +21,18 @@ pub(crate) use topology::{NO_NODE, Topology};
 
 /// A bounding-volume hierarchy over the boxes of objects.
 ///
-/// An object whose box is [`Aabb::EMPTY`] is none: its leaf is free, room for one that is
+/// A box that is [`Aabb::EMPTY`] makes no object but a free leaf, room for an object that is
 /// [inserted](Hierarchy::insert) later.
 ///
-/// Ids of nodes that are not in the hierarchy are answered as if the node were empty; no accessor
-/// panics.
+/// An id of a node that is not in the hierarchy counts as an empty node; no accessor panics.
 #[derive(Clone, Debug)]
 pub struct Hierarchy {
     pub(crate) topology: Topology,
     nodes: refit::Nodes,
     generation: Generation,
-    /// Since which generation each node is what it is.
+    /// The generation since which each node has stood for the same.
     births: Vec<Generation>,
-    /// Since which generation each id is that of the object it is, by object.
+    /// The generation since which each id has stood for the same object, by object.
     arrivals: Vec<Generation>,
     journal: journal::Journal,
     worn: restructure::Worn,
@@ -69,7 +68,7 @@ impl Hierarchy {
         })
     }
 
-    /// Returns how often some node came to stand for something else.
+    /// Returns the number of changes after which some node stood for something else.
     #[must_use]
     pub fn generation(&self) -> Generation {
         self.generation
@@ -81,20 +80,19 @@ impl Hierarchy {
         (!self.nodes.bounds.is_empty()).then_some(NodeId(0))
     }
 
-    /// Returns how many nodes there are: twice the objects less one.
+    /// Returns the number of nodes: twice the leaves less one.
     #[must_use]
     pub fn node_count(&self) -> usize {
         self.nodes.bounds.len()
     }
 
-    /// Returns the object of each leaf, in depth-first order; the id that is free where the leaf
-    /// is.
+    /// Returns the object of each leaf, in depth-first order; for a free leaf, the free id.
     #[must_use]
     pub fn leaf_objects(&self) -> &[ObjectId] {
         &self.topology.leaf_objects
     }
 
-    /// Returns where an object's leaf stands in depth-first order.
+    /// Returns the position of an object's leaf in depth-first order.
     #[must_use]
     pub fn leaf_of(&self, object: ObjectId) -> Option<LeafIndex> {
         let node = *self.topology.object_nodes.get(object.0 as usize)?;
@@ -145,7 +143,7 @@ impl Hierarchy {
         (links.parent != NO_NODE).then_some(NodeId(links.parent))
     }
 
-    /// Returns how many nodes lie above; 0 for the root or a foreign id.
+    /// Returns the number of nodes above; 0 for the root or a foreign id.
     #[must_use]
     pub fn level(&self, node: NodeId) -> u32 {
         self.topology.nodes.get(node.0 as usize).map_or(0, |links| links.level)

@@ -1,5 +1,5 @@
-//! Objects that come and go: a leaf whose object went is free, with an empty box, until another
-//! object moves in.
+//! Insertion and removal of objects: the leaf of a removed object is free, with an empty box, until
+//! another object is inserted.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,7 +10,7 @@ use super::topology::{NO_NODE, Topology};
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
-/// Empties the leaf of an object; answers its node.
+/// Empties the leaf of an object and returns its node.
 pub(super) fn vacate(
     topology: &Topology,
     nodes: &mut Nodes,
@@ -21,7 +21,7 @@ pub(super) fn vacate(
     Ok(node)
 }
 
-/// Puts an object into a free leaf near it; answers the leaf's node.
+/// Puts an object into a free leaf near it and returns the leaf's node.
 pub(super) fn occupy(
     topology: &Topology,
     nodes: &mut Nodes,
@@ -35,7 +35,7 @@ pub(super) fn occupy(
     Ok(leaf)
 }
 
-/// Computes the ancestors of a leaf again; tells `touched` each.
+/// Computes the ancestors of a leaf again and calls `touched` with each.
 pub(super) fn refit_above(
     topology: &Topology,
     nodes: &mut Nodes,
@@ -54,11 +54,11 @@ pub(super) fn refit_above(
 /// among equals the deepest, which is nearest to a leaf.
 pub(super) type Search = BinaryHeap<(Reverse<u32>, u32, u32)>;
 
-/// Nodes that the search looks at before it takes the first leaf that it comes upon.
+/// Nodes that the search looks at before it takes the first leaf that it reaches.
 const SEARCHED_NODES: u32 = 512;
 
-/// Returns the free leaf in which a box makes the boxes above grow least, all together (after
-/// Bittner, Hapala and Havran 2015, "Incremental BVH construction for ray tracing").
+/// Returns the free leaf in which a box makes the boxes above grow least in total (after Bittner,
+/// Hapala and Havran 2015, "Incremental BVH construction for ray tracing").
 fn free_leaf(
     topology: &Topology,
     nodes: &Nodes,

@@ -1,4 +1,4 @@
-//! Moves boxes in a hierarchy whose shape stays: only ancestors of what moved are touched.
+//! Moves boxes in a hierarchy whose shape stays: only ancestors of moved leaves are touched.
 
 use super::error::{HierarchyError, check};
 use super::topology::{NO_NODE, Topology};
@@ -6,7 +6,7 @@ use super::wear::Wear;
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
-/// What every node knows of the objects under it.
+/// The data of every node about the objects under it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nodes {
     pub(super) bounds: Vec<Aabb>,
@@ -16,7 +16,7 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// For a hierarchy that was just built over `boxes`.
+    /// Creates the data of a hierarchy that was just built over `boxes`.
     pub(super) fn new(topology: &Topology, boxes: &[Aabb]) -> Self {
         let count = topology.nodes.len();
         let mut nodes =
@@ -28,7 +28,7 @@ impl Nodes {
         nodes
     }
 
-    /// Computes everything in a subtree from the boxes of its leaves, and calls it well built.
+    /// Computes everything in a subtree from the boxes of its leaves, and marks it as well built.
     pub(super) fn build(&mut self, topology: &Topology, root: u32) {
         let Some(links) = topology.nodes.get(root as usize) else {
             return;
@@ -60,17 +60,17 @@ impl Nodes {
     }
 }
 
-/// Kept between refits so that moving objects does not allocate.
+/// Memory that is kept between refits, so that moving objects does not allocate.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
     /// Ancestors whose box has to be computed again.
     stale: Vec<u32>,
-    /// Whether a node is among them.
+    /// True for each node among them.
     is_stale: Vec<bool>,
 }
 
-/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first. Tells
-/// `touched` every ancestor.
+/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first. Calls
+/// `touched` with every ancestor.
 pub(super) fn refit(
     topology: &Topology,
     nodes: &mut Nodes,

@@ -14,9 +14,9 @@ use crate::ids::ObjectId;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Worn {
     candidates: Vec<u32>,
-    /// Whether a node is among them.
+    /// True for each node among them.
     is_candidate: Vec<bool>,
-    /// Area saved for each leaf that is rebuilt, of every candidate.
+    /// The area that each candidate saves per rebuilt leaf, with the candidate.
     ranked: Vec<(f32, u32)>,
 }
 
@@ -41,8 +41,9 @@ impl Worn {
         }
     }
 
-    /// Fills `chosen` with the subtrees whose rebuild saves the most area a leaf, of no more than
-    /// `budget` leaves together. Some may lie in others: ask again before rebuilding each.
+    /// Fills `chosen` with the subtrees whose rebuild saves the most area per leaf, of no more than
+    /// `budget` leaves together. Some may lie in others: the caller checks each again before its
+    /// rebuild.
     pub(super) fn choose(
         &mut self,
         topology: &Topology,
@@ -72,8 +73,7 @@ impl Worn {
     }
 }
 
-/// Builds the subtree of `root` anew from the boxes of its leaves, and brings the sums above it up
-/// to date.
+/// Rebuilds the subtree of `root` from the boxes of its leaves, and updates the sums above it.
 pub(super) fn rebuild_subtree(
     topology: &mut Topology,
     nodes: &mut Nodes,
@@ -107,14 +107,15 @@ pub(super) fn rebuild_subtree(
     Ok(change)
 }
 
-/// In a subtree, objects are numbered by the leaves they had before.
+/// Returns the former leaf of an object in a subtree, where objects are numbered by their former
+/// leaves; [`FREE_LEAF`] if there is none.
 fn moved_from(boxes: &[Aabb], object: ObjectId) -> u32 {
     let is_free = boxes.get(object.0 as usize).is_none_or(Aabb::is_empty);
     if is_free { FREE_LEAF } else { object.0 }
 }
 
-/// Replaces the links below `root`, which was `top`, by those of `built`, whose objects are
-/// numbered as in `objects`.
+/// Replaces the links below `root`, which was `top`, by the links of `built`; `objects` maps its
+/// numbers of objects.
 fn splice(topology: &mut Topology, root: u32, top: &Links, built: &Topology, objects: &[ObjectId]) {
     for (node, links) in (root..).zip(&built.nodes) {
         let inside = |local: u32, outside: u32| {

@@ -5,7 +5,7 @@ use crate::ids::ObjectId;
 /// The parent of the root.
 pub(crate) const NO_NODE: u32 = u32::MAX;
 
-/// How a node hangs together with others. The left child of an inner node is the next node.
+/// The links of a node with others. The left child of an inner node is the next node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Links {
     pub(crate) right: u32,
@@ -21,7 +21,7 @@ impl Links {
         self.leaf_count == 1
     }
 
-    /// Returns the children of an inner node that is `node`.
+    /// Returns the children, where this is the inner node `node`.
     pub(crate) const fn children(&self, node: u32) -> [u32; 2] {
         [node + 1, self.right]
     }
@@ -33,7 +33,7 @@ impl Links {
     }
 }
 
-/// What a foreign tree says about one of its nodes, while it is brought into order.
+/// A node of a foreign tree, as the conversion reads it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Split {
     Leaf(ObjectId),
@@ -50,7 +50,7 @@ pub(crate) struct Topology {
 }
 
 impl Topology {
-    /// Brings the tree below `root` into depth-first pre-order. Works on a stack of its own, since
+    /// Converts the tree below `root` to depth-first pre-order. Works on a stack of its own, since
     /// degenerate scenes make trees as deep as they have objects.
     pub(crate) fn linearise(root: u32, object_count: usize, split: impl Fn(u32) -> Split) -> Self {
         let mut topology = Self {
@@ -99,7 +99,8 @@ impl Topology {
 mod tests {
     use super::*;
 
-    /// Node 2k is inner: leaf 2k + 1 on the left, node 2k + 2 on the right.
+    /// Returns a chain in which node 2k is inner: leaf 2k + 1 on the left, node 2k + 2 on the
+    /// right.
     fn chain(objects: u32) -> Topology {
         Topology::linearise(0, objects as usize, |node| {
             if node == 2 * objects - 2 {

@@ -1,28 +1,29 @@
-//! When a subtree that was refitted again and again is worth building anew.
+//! The wear of subtrees: finds those that were refitted until a rebuild pays.
 //!
 //! The measure is the surface-area cost (Goldsmith and Salmon 1987, "Automatic Creation of Object
-//! Hierarchies for Ray Tracing"): the areas of all inner nodes over that of the topmost. It does
-//! not change when a subtree moves or grows as a whole, and grows when its parts drift apart or one
-//! of them leaves. A subtree is worn when its cost is well above that after its last build.
+//! Hierarchies for Ray Tracing"): the areas of all inner nodes over the area of the topmost. It
+//! does not change when a subtree moves or grows as a whole, and grows when its parts drift apart
+//! or one of them leaves. A subtree is worn when its cost is well above the cost after its last
+//! build.
 
 use crate::geom::bounds::Aabb;
 
-/// How much a cost may grow before the subtree counts as worn. Boxes of moving things breathe:
-/// below this a rebuild would come back frame after frame and gain nothing.
+/// The factor by which a cost may grow before the subtree counts as worn. Boxes of moving objects
+/// grow and shrink: below this a rebuild would recur frame after frame and gain nothing.
 const GROWTH: f32 = 1.4;
 
-/// The least cost to compare with: that of a node alone. A subtree that was built without objects
-/// has none.
+/// The least cost to compare with: a single node's. A subtree that was built without objects has
+/// none.
 const LEAST_COST: f32 = 1.0;
 
-/// Fewer leaves can hardly be arranged better.
+/// The least leaves of a worn subtree: fewer can hardly be arranged better.
 pub(super) const LEAVES_MIN: u32 = 4;
 
-/// Leaves that one update may rebuild without being asked: a fraction of a millisecond of work.
+/// Leaves that one update may rebuild: a fraction of a millisecond of work.
 pub(super) const LEAVES_PER_UPDATE: u32 = 1024;
 
-/// A whole hierarchy up to this many leaves is rebuilt within an update where that is needed: tens
-/// of milliseconds at worst, and seldom, since a rebuild resets the measure.
+/// The most leaves of a hierarchy that an update may rebuild as a whole: tens of milliseconds at
+/// worst, and seldom, since a rebuild resets the measure.
 pub(super) const LEAVES_OF_WHOLE: u32 = 1 << 15;
 
 /// The areas under every node.
@@ -35,7 +36,8 @@ pub(super) struct Wear {
 }
 
 impl Wear {
-    /// For `nodes` nodes; every one must be [updated](Wear::update), then [reset](Wear::reset).
+    /// Creates the wear of `nodes` nodes; every one must be [updated](Wear::update), then
+    /// [reset](Wear::reset).
     pub(super) fn new(nodes: usize) -> Self {
         Self { areas: vec![0.0; nodes], built: vec![0.0; nodes] }
     }
@@ -46,12 +48,12 @@ impl Wear {
         self.areas[node as usize] = bounds.half_area() + left + right;
     }
 
-    /// A leaf has no areas under it.
+    /// Sets the areas under a leaf to none.
     pub(super) fn update_leaf(&mut self, node: u32) {
         self.areas[node as usize] = 0.0;
     }
 
-    /// The subtree of a node is as good as it gets.
+    /// Takes the present cost of a node's subtree as the cost after a build.
     pub(super) fn reset(&mut self, node: u32, bounds: &Aabb) {
         self.built[node as usize] = self.cost(node, bounds);
     }
@@ -76,7 +78,8 @@ mod tests {
 
     use super::*;
 
-    /// Returns four leaves under nodes 1 and 4 under node 0.
+    /// Returns the area that a rebuild of four leaves saves, under nodes 1 and 4 under node 0, with
+    /// the box around them.
     fn worn([left, right]: [Aabb; 2], wear: &mut Wear) -> (Aabb, Option<f32>) {
         wear.update(1, &left, [2, 3]);
         wear.update(4, &right, [5, 6]);

@@ -1,9 +1,9 @@
-//! How an answer changes the history: visibility is pulled up to the ancestors of what showed and
-//! pulled down to the parts of a node that did ("Hardware Occlusion Queries Made Useful", 6.4).
+//! The changes of the history by an answer: visibility is pulled up to the ancestors of a node that
+//! showed, and pulled down to its parts ("Hardware Occlusion Queries Made Useful", 6.4).
 //!
-//! Where the literature also pulls hidden children up to a hidden parent, the parent is probed
-//! first: its box shows in many places where the boxes of its children do not, and a parent that is
-//! merged on trust would then be drawn whole.
+//! Where the literature also pulls hidden children up to a hidden parent, a pull-up query tests the
+//! parent first: its box shows in many places where the boxes of its children do not, and a parent
+//! that is merged on trust would then be drawn whole.
 
 use crate::hierarchy::{NO_NODE, Topology};
 use crate::history::record::{FrameStamp, NodeRecord, NodeState};
@@ -12,7 +12,7 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::QueryKind;
 use crate::rng::SplitMix64;
 
-/// Takes one answer.
+/// The update of the history by one answer.
 pub(crate) struct Ingest<'a> {
     pub(crate) history: &'a mut History,
     pub(crate) topology: &'a Topology,
@@ -39,7 +39,7 @@ impl Ingest<'_> {
         }
         record.answered = self.asked;
         // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place
-        // of its test are asked about and not visited. Then, not now: what comes home very late is
+        // of its test are asked about and not visited. Then, not now: what comes back very late is
         // stale.
         record.visited = record.visited.max(self.asked);
         match (kind, samples) {
@@ -62,7 +62,7 @@ impl Ingest<'_> {
         self.topology.nodes[node as usize].is_leaf()
     }
 
-    /// For nodes that are known to exist.
+    /// Changes the record of a node that is known to exist.
     fn update(&mut self, node: u32, change: impl FnOnce(&mut NodeRecord)) {
         if let Some(record) = self.history.record_mut(node) {
             change(record);
@@ -109,8 +109,8 @@ impl Ingest<'_> {
         self.pull_up(node);
     }
 
-    /// Says little: the box may show where its leaf does not. In the end the leaf's own draw is
-    /// asked.
+    /// Notes that the box of a visible leaf showed, which says little: the box may show where its
+    /// leaf does not. In the end the leaf's own draw is tested.
     fn own_box_showed(&mut self, node: u32) {
         self.update(node, |record| record.stable_queries = record.stable_queries.saturating_add(1));
     }
@@ -137,7 +137,8 @@ impl Ingest<'_> {
         self.pull_up(node);
     }
 
-    /// A node showed, and so did those of its leaves that are told about next: all others did not.
+    /// Marks a node that showed and whose leaves were tested one by one: the leaves that showed
+    /// have answers of their own, and all others are hidden.
     fn parts_showed(&mut self, top: u32) {
         let failures = self.failures_of(top);
         let end = self.topology.nodes[top as usize].end(top);
@@ -169,7 +170,7 @@ impl Ingest<'_> {
     }
 
     /// Returns how often a node that shows was tested as one in vain: its box may show in many
-    /// places where those of its parts, all hidden, do not.
+    /// places where the boxes of its parts, all hidden, do not.
     fn failures_of(&self, node: u32) -> u8 {
         if self.is_leaf(node) {
             return 0;
@@ -182,8 +183,8 @@ impl Ingest<'_> {
         }
     }
 
-    /// Opens a node that showed and some levels below it, so that small parts are tested next. Of
-    /// those parts nothing is taken as visible: what is known of them is from before.
+    /// Opens a node that showed and some levels below it, so that small parts are tested next. None
+    /// of those parts is taken as visible: their own records are older.
     fn open(&mut self, top: u32) {
         let top_level = self.topology.nodes[top as usize].level;
         let mut node = top;
@@ -224,8 +225,8 @@ impl Ingest<'_> {
         self.now.plus(frames.saturating_add(jitter))
     }
 
-    /// The whole of an opened node did not show, as did none of its parts: from now on one query
-    /// is enough.
+    /// Merges an opened node of which neither the whole nor a part showed: from now on one query is
+    /// enough.
     fn merge(&mut self, node: u32) {
         if self.is_leaf(node) {
             return;
@@ -256,8 +257,8 @@ impl Ingest<'_> {
         });
     }
 
-    /// Something below showed, so the ancestors are visible, unless they know better from a later
-    /// frame. Stops at the first that has been told.
+    /// Marks the ancestors of a node that showed as visible, unless they have an answer of a later
+    /// frame. Stops at the first that is marked already.
     fn pull_up(&mut self, node: u32) {
         let mut parent = self.topology.nodes[node as usize].parent;
         while parent != NO_NODE {

@@ -1,4 +1,4 @@
-//! What is remembered of each node, and how answers change it.
+//! The history: a record of each node, and its changes by answers.
 
 pub(crate) mod answers;
 pub(crate) mod record;

@@ -1,28 +1,28 @@
-//! What is remembered of one node.
+//! The record of one node.
 
 use std::num::NonZeroU32;
 
-/// What is known of a node in a view.
+/// The visibility of a node in a view, as far as it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum NodeState {
-    /// Never asked, or what was known is void.
+    /// Never tested, or no longer valid.
     #[default]
     Unknown,
     /// A leaf that showed, or an inner node with something below that did.
     Visible,
-    /// Nothing of it showed when it was last asked.
+    /// Nothing of it showed when it was last tested.
     Hidden,
 }
 
-/// What an answer to a leaf's own draw says about the world.
+/// The meaning of the answer to a leaf's own draw for the cost model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum RetestReason {
-    /// Whether what was visible still is.
+    /// A visible leaf: is it still visible?
     #[default]
     None,
-    /// Whether what was unknown, and drawn without a test, is visible.
+    /// An unknown leaf that was drawn without a test: is it visible?
     Assumed,
-    /// Nothing: it sticks out of the frustum, and what shows of it may be outside.
+    /// No meaning: the leaf sticks out of the frustum, and its visible part may be outside.
     Edge,
 }
 
@@ -34,7 +34,7 @@ impl FrameStamp {
     pub(crate) const NEVER: Self = Self(0);
     pub(crate) const FIRST: Self = Self(1);
 
-    /// `None` for 0 and for what does not fit.
+    /// Creates a stamp; `None` for 0 and for what does not fit.
     pub(crate) fn new(frames: u64) -> Option<Self> {
         let frames = NonZeroU32::new(u32::try_from(frames).ok()?)?;
         Some(Self(frames.get()))
@@ -60,12 +60,12 @@ impl FrameStamp {
             && mixed.wrapping_add(self.0 / gate).is_multiple_of(turns)
     }
 
-    /// Returns true if it was less than so many frames before `now`.
+    /// Returns true if it was less than `frames` frames before `now`.
     pub(crate) fn is_within(self, now: Self, frames: u32) -> bool {
         self != Self::NEVER && now.since(self) < frames
     }
 
-    /// Frames from `earlier` to here; 0 if it is later.
+    /// Counts the frames from `earlier` to this one; 0 if `earlier` is later.
     pub(crate) const fn since(self, earlier: Self) -> u32 {
         self.0.saturating_sub(earlier.0)
     }
@@ -75,32 +75,32 @@ impl FrameStamp {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct NodeRecord {
     pub(crate) state: NodeState,
-    /// Leaves: own-draw tests that succeeded one after the other. Inner nodes: probes that failed.
+    /// Leaves: own-draw tests that succeeded one after the other. Inner nodes: pull-up queries that failed.
     pub(crate) stable_queries: u8,
-    /// Leaves: how often it showed soon after it did not.
+    /// Leaves: the times that it showed soon after it did not.
     pub(crate) flicker_count: u8,
-    /// Leaves: how much the next answer to an own draw says.
+    /// Leaves: the meaning of the next answer to an own draw.
     pub(crate) retest_reason: RetestReason,
-    /// The frame whose answer brought the state about.
+    /// The frame whose answer led to the state.
     pub(crate) since: FrameStamp,
     /// The youngest frame in which the traversal is known to have come here, or the GPU to have
-    /// looked.
+    /// tested it.
     pub(crate) visited: FrameStamp,
     /// The youngest frame that is known to have answered.
     pub(crate) answered: FrameStamp,
-    /// Visible leaves: when to test the own draw. Open inner nodes: when to probe.
+    /// Visible leaves: the frame to test the own draw in. Open inner nodes: the frame to pull up
+    /// in.
     pub(crate) due: FrameStamp,
 }
 
 impl NodeRecord {
-    /// Returns true if that was lately.
+    /// Returns true if the last visit was less than `stale_frames` ago.
     pub(crate) fn is_fresh(&self, now: FrameStamp, stale_frames: u32) -> bool {
         self.visited != FrameStamp::NEVER && now.since(self.visited) <= stale_frames
     }
 
-    /// Returns true if a visible leaf's own draw is to be tested. Where it should have been long
-    /// ago, or is not for long, leaves take turns over `spread` frames. Only in every `gate`th
-    /// frame.
+    /// Returns true if a visible leaf's own draw is to be tested. Leaves that are long overdue, or
+    /// not due for long, take turns over `spread` frames. Only in every `gate`th frame.
     pub(crate) fn is_due(&self, node: u32, now: FrameStamp, spread: u32, gate: u32) -> bool {
         let is_turn = || now.is_turn_of(node, spread, gate);
         if gate > 1 && !now.0.is_multiple_of(gate) {
@@ -115,7 +115,8 @@ impl NodeRecord {
         }
     }
 
-    /// For how long it has been watched and was hidden; time out of sight does not count.
+    /// Returns the frames for which it has been watched and was hidden; time out of sight does not
+    /// count.
     pub(crate) fn hidden_frames(&self) -> u32 {
         self.visited.since(self.since)
     }

@@ -1,4 +1,4 @@
-//! The records of all nodes, and how they follow a hierarchy that changes.
+//! The records of all nodes, which follow a hierarchy that changes.
 
 use std::sync::Arc;
 
@@ -9,16 +9,16 @@ use crate::ids::Generation;
 use crate::plan::config::CullConfig;
 use crate::rng::SplitMix64;
 
-/// One record a node, as the nodes were in the generation that is kept here.
+/// One record per node, as the nodes were in the generation that is kept here.
 #[derive(Debug)]
 pub(crate) struct History {
     records: Vec<NodeRecord>,
     generation: Generation,
-    /// Which hierarchy it is about.
+    /// The hierarchy that it is about.
     identity: Option<Arc<()>>,
-    /// Records of the leaves of a part that is carried over.
+    /// The records of the leaves of a subtree that is carried over.
     leaves: Vec<NodeRecord>,
-    /// Records of its nodes; none where there are only free leaves.
+    /// The records of its nodes; none where there are only free leaves.
     carried: Vec<Option<NodeRecord>>,
 }
 
@@ -35,7 +35,7 @@ impl Default for History {
 }
 
 impl History {
-    /// Returns what is remembered of a node; nothing of a foreign one.
+    /// Returns the record of a node; an empty one for a foreign id.
     pub(crate) fn record(&self, node: u32) -> NodeRecord {
         self.records.get(node as usize).copied().unwrap_or_default()
     }
@@ -54,7 +54,8 @@ impl History {
         }
     }
 
-    /// A leaf is drawn under a query: the next is due after its interval, even if no answer comes.
+    /// Notes that a leaf is drawn under a query: the next is due after its interval, even if no
+    /// answer comes.
     pub(crate) fn asked_own_draw(
         &mut self,
         node: u32,
@@ -67,8 +68,8 @@ impl History {
         }
     }
 
-    /// A leaf below `top` is drawn without a test although nothing is known of it: it counts as
-    /// visible until its own draw is tested, and what is above it up to `top` as open.
+    /// Notes that a leaf below `top` is drawn without a test although nothing is known of it. It
+    /// counts as visible until its own draw is tested, and the nodes above it up to `top` as open.
     pub(crate) fn assume_visible(
         &mut self,
         topology: &Topology,
@@ -107,7 +108,7 @@ impl History {
         }
     }
 
-    /// Notes what the answer to the test of a leaf by itself will say.
+    /// Notes the meaning of the next answer about a leaf by itself.
     pub(crate) fn mark_for_retest(&mut self, node: u32, containment: Containment) {
         if let Some(record) = self.record_mut(node) {
             record.retest_reason = match (containment, record.retest_reason) {
@@ -118,22 +119,22 @@ impl History {
         }
     }
 
-    /// An answer came for a leaf that had been drawn without a test.
+    /// Notes that an answer came for a leaf that had been drawn without a test.
     pub(crate) fn answered_assumed(&mut self, node: u32) {
         if let Some(record) = self.record_mut(node) {
             record.retest_reason = RetestReason::None;
         }
     }
 
-    /// A node is probed: not again before the answer had time to come.
+    /// Notes that a node has a pull-up query: it has no other before the answer had time to come.
     pub(crate) fn asked_probe(&mut self, node: u32, now: FrameStamp, config: &CullConfig) {
         if let Some(record) = self.record_mut(node) {
             record.due = now.plus(config.probe_retry);
         }
     }
 
-    /// An open node is tested as one from now on: it counts as hidden for as long as its parts,
-    /// until the answer comes.
+    /// Closes an open node, which is tested as one from now on. It counts as hidden for as long as
+    /// its parts, until the answer comes.
     pub(crate) fn closed(&mut self, topology: &Topology, node: u32) {
         let Some(links) = topology.nodes.get(node as usize) else {
             return;
@@ -149,7 +150,7 @@ impl History {
         }
     }
 
-    /// A node is tested by itself that was hidden with another above it until now.
+    /// Gives a node the state of a hidden node above it, with which it was tested until now.
     pub(crate) fn inherit(&mut self, node: u32, since: FrameStamp) {
         if let Some(record) = self.record_mut(node) {
             record.state = NodeState::Hidden;
@@ -159,8 +160,8 @@ impl History {
     }
 
     /// Follows the hierarchy to its present generation. Objects keep what was known of them; a new
-    /// inner node is hidden if all below it is, and visible if something is. Of another hierarchy,
-    /// and of one that is too far ahead, nothing is known.
+    /// inner node is hidden if all below it is hidden, and visible if something is visible. Nothing
+    /// is known of another hierarchy, or of one that is too far ahead.
     pub(crate) fn adopt(&mut self, hierarchy: &Hierarchy) {
         let (journal, generation) = (hierarchy.journal(), hierarchy.generation());
         let is_same = self.identity.as_ref().is_some_and(|i| Arc::ptr_eq(i, journal.identity()));
@@ -193,7 +194,7 @@ impl History {
         }
     }
 
-    /// Deals the records of a subtree out to the nodes that take its place.
+    /// Distributes the records of a subtree to the nodes that take its place.
     fn carry_over(&mut self, change: &Restructured) {
         self.collect_leaves(change);
         let Self { records, leaves, carried, .. } = self;
@@ -228,8 +229,9 @@ impl History {
         }
     }
 
-    /// What was known of each leaf of a subtree before it changed: the record of the topmost hidden
-    /// node that it was under, since nothing below such a node is kept up to date, or else its own.
+    /// Collects the record of each leaf of a subtree as it was before the change: the record of the
+    /// topmost hidden node above it, since nothing below such a node is kept up to date, or else
+    /// its own.
     fn collect_leaves(&mut self, change: &Restructured) {
         self.leaves.clear();
         let mut node = 0;
@@ -268,8 +270,8 @@ fn above(left: &NodeRecord, right: &NodeRecord) -> NodeRecord {
     }
 }
 
-/// Frames until a visible leaf's own draw is tested again: longer the longer it has been visible,
-/// and much longer where its proxy promised too much; the upper half of the range at random.
+/// Returns the frames until a visible leaf's own draw is tested again: more, the longer it has been
+/// visible, and many more where its proxy showed in vain; the upper half of the range at random.
 pub(crate) fn retest_interval(
     record: &NodeRecord,
     config: &CullConfig,

@@ -1,28 +1,28 @@
-//! The results of tests as testers leave them in memory, read as answers: who answers for a proxy
-//! that shares another's, and what a list of leaves says of the nodes above them.
+//! The results of tests as testers leave them in memory, read as answers, also for proxies that
+//! share another's result and for the nodes above a list of leaves.
 
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, Generation, LeafIndex, LeafRange};
 use crate::plan::frame_plan::{Answer, QueryKind, QueryTag, Tester};
 
-/// A test on its way, with what hangs on it (`C`), noted when it was planned: the scene may change
+/// A test on its way, with its contents (`C`), noted when it was planned: the scene may change
 /// before its result is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PendingTest<C> {
     /// The subject of the test.
     pub tag: QueryTag,
-    /// Who answers.
+    /// The tester.
     pub tester: Tester,
-    /// What is drawn if it shows.
+    /// The objects that are drawn if it shows.
     pub contents: C,
 }
 
-/// An answer, and what was drawn if it shows.
+/// An answer, and the objects that are drawn if it shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TestResult<C> {
     /// The answer.
     pub answer: Answer,
-    /// What hung on it.
+    /// The objects that depend on it.
     pub contents: C,
 }
 
@@ -35,7 +35,7 @@ pub enum LeafList<'a> {
     TooMany,
 }
 
-/// Reads results as answers. Keeps its memory from one reading to the next.
+/// The reader of results as answers, which keeps its memory from one reading to the next.
 #[derive(Debug)]
 pub struct ResultReader<C> {
     results: Vec<TestResult<C>>,
@@ -85,8 +85,8 @@ impl<C: Copy> ResultReader<C> {
         self.results.extend(computed.map(|(test, word)| result(test, *word)));
     }
 
-    /// Reads the list of leaves of one frame, after its flags. `contents` counts leaves as they are
-    /// now.
+    /// Reads the list of leaves of one frame, after its flags. `contents` describes leaves as they
+    /// are now.
     pub fn read_leaves(
         &mut self,
         hierarchy: &Hierarchy,
@@ -118,9 +118,8 @@ impl<C: Copy> ResultReader<C> {
         }));
     }
 
-    /// Ends a reading: sorts the results, those of older frames first, and in a frame those of
-    /// leaves after those of nodes. Fragments list leaves in any order; sorted, equal frames have
-    /// equal results.
+    /// Ends a reading: sorts the results, older frames first, and in a frame leaves after nodes.
+    /// Fragments list leaves in any order; sorted, equal frames have equal results.
     pub fn finish(&mut self) {
         self.results.sort_unstable_by_key(|TestResult { answer: Answer { tag, .. }, .. }| {
             (tag.frame, tag.kind == QueryKind::Leaf, tag.node)
@@ -171,7 +170,7 @@ mod tests {
         PendingTest { tag, tester, contents: 10 }
     }
 
-    /// Returns the root's flag, and a leaf that shares it; then the list of leaves.
+    /// Reads the root's flag, a leaf that shares it, and then the list of leaves.
     fn read(word: u32, list: Option<LeafList<'_>>) -> Vec<(NodeId, QueryKind, u32)> {
         let hierarchy = hierarchy();
         let root = hierarchy.root().unwrap();

@@ -1,4 +1,4 @@
-//! Writes what was chosen into the plan, and into the history what is asked about.
+//! Writes the chosen draws and tests into the plan, and the tests into the history.
 
 use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::view::View;
@@ -12,7 +12,7 @@ use crate::plan::cost_filter::CostFilter;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
 use crate::rng::SplitMix64;
 
-/// What the questions of one frame go by.
+/// The inputs that the tests of one frame depend on.
 pub(crate) struct Asking<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) view: &'a View,
@@ -21,9 +21,9 @@ pub(crate) struct Asking<'a> {
     pub(crate) rng: &'a mut SplitMix64,
     pub(crate) frame: FrameId,
     pub(crate) now: FrameStamp,
-    /// Leaves can be tested one by one below a node that shows.
+    /// True if leaves can be tested one by one below a node that shows.
     pub(crate) has_parts: bool,
-    /// Answers where nothing is weighed.
+    /// The tester of all tests where costs are not weighed.
     pub(crate) tester: Tester,
     pub(crate) costs: Option<&'a CostFilter<'a>>,
 }

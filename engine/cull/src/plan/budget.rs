@@ -1,8 +1,8 @@
-//! From what a traversal would like to ask to what the queries allow.
+//! Fits the tests that a traversal wishes for into the budget of queries.
 //!
 //! Tests decide about draws and come first. If there are more of them than queries, the tests with
-//! the most leaves stay and the leaves of the others are drawn. What is left of the queries is
-//! shared by probes, which save tests later on, and own-draw tests, which can as well be draws.
+//! the most leaves stay and the leaves of the others are drawn. The remaining queries are shared by
+//! pull-up queries, which save tests later on, and own-draw tests, which can as well be draws.
 
 use crate::plan::candidates::{Draw, Scratch};
 use crate::plan::config::CullConfig;
@@ -42,7 +42,7 @@ fn drop_tests(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut
     scratch.sort_draws();
 }
 
-/// Leaves out probes and own-draw tests that no queries are left for.
+/// Leaves out pull-up queries and own-draw tests that no queries are left for.
 fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stats: &mut PlanStats) {
     let frontier = scratch.frontier().count();
     let left = budget.saturating_sub(frontier);

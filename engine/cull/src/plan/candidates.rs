@@ -1,4 +1,4 @@
-//! The lists of a plan in the making: what to draw, what to test, and in which order.
+//! The lists of a plan in the making: draws and tests, in their order.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -9,7 +9,7 @@ use crate::history::record::FrameStamp;
 use crate::ids::LeafIndex;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 
-/// Squared distance from the eye as sortable bits: floats that are not negative sort like them.
+/// The squared distance from the eye as sortable bits: floats that are not negative sort like them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Nearness(u32);
 
@@ -26,11 +26,11 @@ impl Nearness {
 /// A node in the frustum that waits for its turn; the nearest comes first, then the smallest id.
 pub(crate) type Waiting = Reverse<(Nearness, u32, Above)>;
 
-/// What the nodes above a node say of it; takes no part in the order.
+/// The state that a node inherits from the nodes above; takes no part in the order.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Above {
     pub(crate) mask: PlaneMask,
-    /// Since when a node above has been hidden, as one, until now.
+    /// The frame since which a node above has been hidden, as one, until now.
     pub(crate) hidden_since: Option<FrameStamp>,
 }
 
@@ -64,7 +64,7 @@ pub(crate) struct Retest {
     pub(crate) nearness: Nearness,
     pub(crate) leaf: LeafIndex,
     pub(crate) node: u32,
-    /// How many draws come before it.
+    /// The number of draws before it.
     pub(crate) after: u32,
 }
 
@@ -72,14 +72,14 @@ pub(crate) struct Retest {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     pub(crate) node: u32,
-    /// Proxy, probe or own box.
+    /// The kind: proxy, pull-up query or own box.
     pub(crate) kind: QueryKind,
     pub(crate) proxy: Aabb,
     pub(crate) leaf_count: u32,
-    /// Since when a node above it was hidden, where nothing newer is known.
+    /// The frame since which a node above it was hidden, where nothing newer is known.
     pub(crate) inherited: Option<FrameStamp>,
-    /// For how long the node has been hidden; `None` where it is not known to be. 0 where nothing
-    /// depends on that: probes and own boxes, whose nodes are visible.
+    /// The frames for which the node has been hidden; `None` where it is not known to be. 0 where
+    /// nothing depends on that: pull-up queries and own boxes, whose nodes are visible.
     pub(crate) hidden_frames: Option<u32>,
 }
 
@@ -103,8 +103,7 @@ pub(crate) struct Scratch {
     pub(crate) stack: Vec<(u32, PlaneMask)>,
     pub(crate) by_size: Vec<u32>,
     pub(crate) is_dropped: Vec<bool>,
-    /// What all tests that pay by themselves save together, and what their breaks of rendering
-    /// cost.
+    /// The saving of all tests that pay by themselves, and the cost of their breaks of rendering.
     pub(crate) prospect_ns: [f32; 2],
 }
 
@@ -132,14 +131,14 @@ impl Scratch {
         self.tests.iter().filter(|test| test.kind == QueryKind::Proxy)
     }
 
-    /// Draws the retests from the given one on without asking.
+    /// Draws the retests from the given one on without a query.
     pub(crate) fn draw_unasked(&mut self, first: usize) {
         let excess = self.retests.drain(first.min(self.retests.len())..);
         self.draws
             .extend(excess.map(|retest| Draw { nearness: retest.nearness, leaf: retest.leaf }));
     }
 
-    /// Takes back all marks.
+    /// Clears all marks.
     pub(crate) fn keep_all(&mut self) {
         self.is_dropped.clear();
         self.is_dropped.resize(self.tests.len(), false);
@@ -156,7 +155,7 @@ impl Scratch {
         self.draws.sort_unstable_by_key(|draw| (draw.nearness, draw.leaf));
     }
 
-    /// Counts what is planned.
+    /// Adds the planned draws and tests to the counts.
     pub(crate) fn count(&self, stats: &mut PlanStats) {
         let own_boxes = self.tests.iter().filter(|test| test.kind == QueryKind::VisibleBoxQuery);
         stats.own_boxes = own_boxes.count() as u32;

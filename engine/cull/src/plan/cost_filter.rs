@@ -1,4 +1,4 @@
-//! Leaves out the tests of a plan that cost more than they save; what is not tested is drawn.
+//! Leaves out the tests of a plan that cost more than they save; untested leaves are drawn.
 
 use std::ops::Range;
 
@@ -10,19 +10,19 @@ use crate::plan::frame_plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::Walk;
 
-/// What tests are weighed by.
+/// The inputs that tests are weighed by.
 pub(crate) struct CostFilter<'a> {
     cost_model: &'a CostModel,
-    /// Who answers; `None` for whoever is cheaper.
+    /// The tester; `None` for the cheapest.
     tester: Option<Tester>,
     has_flags: bool,
-    /// Whether a compute shader may be taken for a round.
+    /// True if a compute shader may test a round.
     has_compute: bool,
 }
 
 impl<'a> CostFilter<'a> {
-    /// Returns none where nothing is weighed. [`Strategy::Antumbra`] takes the cheapest tester, all
-    /// others have the given one.
+    /// Creates a filter; `None` where costs are not weighed. [`Strategy::Antumbra`] takes the
+    /// cheapest tester, all others have the given one.
     pub(crate) fn new(
         cost_model: Option<&'a CostModel>,
         strategy: Strategy,
@@ -38,14 +38,14 @@ impl<'a> CostFilter<'a> {
         })
     }
 
-    /// Returns who answers for a box.
+    /// Returns the tester of a box.
     pub(crate) fn tester(&self, estimate: &TestEstimate) -> Tester {
         self.tester.unwrap_or_else(|| self.cost_model.cheaper(estimate, self.has_flags))
     }
 
-    /// Gives those rounds of `plan` to the compute shader that cost least so, and says how many. A
-    /// test that answers for others does not change without them, so rounds that have such in
-    /// common go together or stay.
+    /// Assigns the rounds of `plan` to the compute shader that cost least so, and returns their
+    /// number. A test whose result others share changes its tester only together with them, so that
+    /// rounds with such tests in common change together or stay.
     pub(crate) fn hand_to_compute(&self, view: &View, plan: &mut FramePlan) -> u32 {
         if !self.has_compute {
             return 0;
@@ -99,7 +99,7 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Takes out each test that does not pay by itself, and all of them if together they do not pay
+    /// Removes each test that does not pay by itself, and all of them if together they do not pay
     /// for the breaks of rendering.
     pub(crate) fn drop_unpaid(
         &self,

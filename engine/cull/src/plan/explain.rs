@@ -1,4 +1,4 @@
-//! Why an object was drawn in a frame, or was not: the plan's decision and the history behind it.
+//! Explains the decision to draw an object or not: the plan's decision and the history behind it.
 
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::{Containment, PlaneMask};
@@ -8,25 +8,25 @@ use crate::history::record::NodeState;
 use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
 use crate::plan::frame_plan::{Answer, FramePlan, QueryKind, Tester};
 
-/// What is known of a node, and since when.
+/// The state of a node, and the frame since which it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeHistory {
     /// The state.
     pub state: NodeState,
-    /// The frame whose answer brought the state about, or in which it was assumed.
+    /// The frame whose answer led to the state, or in which it was assumed.
     pub since: Option<FrameId>,
-    /// The newest frame that answered a question about the node.
+    /// The newest frame with an answer about the node.
     pub answered: Option<FrameId>,
     /// The frame from which on a visible leaf's own draw is tested again.
     pub next_test: Option<FrameId>,
 }
 
-/// What a plan decided about one object.
+/// The decision of a plan about one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// Its box is outside of the view's frustum, and it is in no group that is tested: left out.
+    /// Left out: its box is outside of the view's frustum, and it is in no group that is tested.
     Outside,
-    /// Taken as visible and drawn; nothing is asked.
+    /// Taken as visible and drawn, without a test.
     Drawn,
     /// Drawn, and the draw itself is tested for the frames to come.
     DrawnAndTested,
@@ -47,15 +47,15 @@ pub enum Decision {
         kind: QueryKind,
         /// The tester that answers.
         tester: Tester,
-        /// What is known of the node.
+        /// The history of the node.
         history: NodeHistory,
     },
-    /// In the frustum and not in the plan: a strategy decides elsewhere, or leaves out what was
-    /// hidden.
+    /// In the frustum and not in the plan: the strategy decides elsewhere, or leaves out an object
+    /// that was hidden.
     Unplanned,
 }
 
-/// What the answers of a frame say about an object that was tested in it.
+/// The result of a frame's tests for one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// A box showed, so that the object was drawn in that same frame.
@@ -64,7 +64,7 @@ pub enum Outcome {
     Hidden,
 }
 
-/// Why one object was drawn in a frame, or was not.
+/// The explanation of the decision to draw one object in a frame or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LeafExplanation {
     /// The object.
@@ -75,16 +75,16 @@ pub struct LeafExplanation {
     pub level: u32,
     /// The frame that was planned.
     pub frame: FrameId,
-    /// What is known of its leaf.
+    /// The history of its leaf.
     pub history: NodeHistory,
-    /// What the plan decided.
+    /// The decision of the plan.
     pub decision: Decision,
     leaf: LeafIndex,
     node: NodeId,
 }
 
 /// Explains what `plan`, made for `view` over the hierarchy as it is now, decided about an object;
-/// `known` tells what is known of a node. `None` if there is no such object.
+/// `known` returns the history of a node. `None` if there is no such object.
 pub(crate) fn explain(
     hierarchy: &Hierarchy,
     view: &View,
@@ -140,8 +140,8 @@ fn decision(
 }
 
 impl LeafExplanation {
-    /// Returns what `answers`, all those of one frame, say about the object; `None` if it was not
-    /// tested in that frame. `shows` tells whether an answer counts as seen.
+    /// Returns the outcome for the object by `answers`, all those of one frame; `None` if it was
+    /// not tested in that frame. `shows` returns true if an answer counts as visible.
     pub fn outcome<'a>(
         &self,
         hierarchy: &Hierarchy,

@@ -1,17 +1,17 @@
-//! The messages between the culler and whoever drives the GPU: a plan out, answers back.
+//! The messages between the culler and the executor on the GPU: a plan out, answers back.
 
 use std::ops::Range;
 
 use crate::geom::bounds::Aabb;
 use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
 
-/// What a query was for.
+/// The purpose of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum QueryKind {
-    /// A node's proxy, whose leaves are drawn if it shows.
+    /// A node's proxy: its leaves are drawn if it shows.
     Proxy,
-    /// A node's proxy that nothing hangs on: its parts are tested or drawn on their own, and the
-    /// answer says whether they could share one query from now on. Its range of leaves is empty.
+    /// A node's proxy on which no draw depends: its parts are tested or drawn on their own, and if
+    /// it does not show, they can share one query from now on. Its range of leaves is empty.
     PullUpQuery,
     /// A node's proxy; if it shows, the proxies of its leaves decide which of them are drawn.
     PerLeaf,
@@ -24,51 +24,51 @@ pub enum QueryKind {
     VisibleDrawQuery,
 }
 
-/// Who answers for a proxy. All give the same answer but for rounding; they differ in what they
+/// The mechanism that tests a proxy. All give the same result but for rounding; they differ in
 /// cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Tester {
-    /// The fragments of the proxy set a flag.
+    /// A flag that the fragments of the proxy set.
     Flag,
     /// An occlusion query.
     #[default]
     Query,
-    /// A compute shader compares the box with the depth buffer.
+    /// A compute shader that compares the box with the depth buffer.
     Compute,
     /// The flag of the test of this number in the plan, which lies in front of all of it: as long
-    /// as that stays hidden, so does this. In the same round or an earlier one.
+    /// as that one stays hidden, so does this one. In the same round or an earlier one.
     SharedProxy(u32),
 }
 
-/// What the device and the renderer offer to plans.
+/// The testers that the device and the renderer offer to plans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TesterSupport {
-    /// There are flags ([`Tester::Flag`]).
+    /// True if there are flags ([`Tester::Flag`]).
     pub flags: bool,
-    /// There is a compute test ([`Tester::Compute`]).
+    /// True if there is a compute test ([`Tester::Compute`]).
     pub compute: bool,
-    /// Leaves of a node that shows can be tested one by one in the same frame
+    /// True if leaves of a node that shows can be tested one by one in the same frame
     /// ([`QueryKind::PerLeaf`]).
     pub parts: bool,
 }
 
-/// Goes with a query to the GPU and comes back with its result.
+/// The identity of a query, which comes back with its result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct QueryTag {
-    /// The node that was asked about.
+    /// The node that was tested.
     pub node: NodeId,
     /// The generation of the hierarchy that the node belongs to.
     pub generation: Generation,
-    /// The frame that asked.
+    /// The frame of the query.
     pub frame: FrameId,
-    /// What was drawn under the query.
+    /// The purpose of the query.
     pub kind: QueryKind,
 }
 
 /// The result of a query. It may come late, never, twice, and in any order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// As it was given out in the plan.
+    /// The tag, as in the plan.
     pub tag: QueryTag,
     /// Samples that passed; where queries are not precise, any number but 0 for "some".
     pub samples: u32,
@@ -77,46 +77,47 @@ pub struct Answer {
 /// One node of the frontier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProxyTest {
-    /// For the query.
+    /// The identity of the query.
     pub tag: QueryTag,
     /// The box to test, enlarged already by the view's [margin](crate::Margin).
     pub bounds: Aabb,
-    /// What to draw in this same frame if a sample of the box shows; empty for a probe.
+    /// The leaves to draw in this same frame if a sample of the box shows; empty for a pull-up
+    /// query.
     pub leaves: LeafRange,
-    /// How deep the node lies, for views that explain what happens.
+    /// The depth of the node in the hierarchy, for debug views.
     pub level: u32,
-    /// Who answers.
+    /// The tester.
     pub tester: Tester,
 }
 
-/// What a frame draws and asks.
+/// The draws and tests of a frame.
 ///
 /// To be executed in this order: `draws` and, each under its query, `queried_draws`, merged as
 /// `queried_after` says; then for every range of `rounds`: test the proxies of the range against
-/// the depth so far, front faces only, without writing; draw the leaves of those that show. Where
+/// the depth so far, front faces only, without writing; draw the leaves of proxies that show. Where
 /// such a test is of [`QueryKind::PerLeaf`], test the [proxy](crate::Margin::proxy) of each leaf in
-/// the same way first, and draw those that show. With a threshold
-/// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold)) a query shows that
+/// the same way first, and draw the leaves that show. With a threshold
+/// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold)) a query shows if it
 /// counts more samples than that.
 ///
 /// Every leaf whose box meets the frustum is in exactly one place: in `draws`, in `queried_draws`
 /// or in the range of one test.
 #[derive(Clone, Debug)]
 pub struct FramePlan {
-    /// The frame that this is the plan of.
+    /// The planned frame.
     pub frame: FrameId,
-    /// Taken as visible, front to back.
+    /// The leaves that are taken as visible, front to back.
     pub draws: Vec<LeafIndex>,
-    /// Taken as visible and asked about on their own draw; front to back.
+    /// The leaves that are taken as visible and tested on their own draw, front to back.
     pub queried_draws: Vec<(LeafIndex, QueryTag)>,
-    /// For each of `queried_draws`, how many of `draws` come before it; ascending. Each keeps its
-    /// place from front to back: what is large would hide too little if it came last.
+    /// For each of `queried_draws`, the number of `draws` that come before it; ascending. Each
+    /// keeps its place from front to back: a large leaf would hide too little if it came last.
     pub queried_after: Vec<u32>,
     /// The frontier, front to back.
     pub tests: Vec<ProxyTest>,
     /// Contiguous slabs of `tests`, front to back, none empty.
     pub rounds: Vec<Range<usize>>,
-    /// What happened on the way.
+    /// The counts of the planning.
     pub stats: PlanStats,
 }
 
@@ -135,7 +136,7 @@ impl Default for FramePlan {
 }
 
 impl FramePlan {
-    /// Queries that the plan asks for.
+    /// Returns the number of queries that the plan asks for.
     #[must_use]
     pub fn query_count(&self) -> usize {
         let tests = self.tests.iter().filter(|test| test.tester == Tester::Query);
@@ -165,7 +166,7 @@ pub struct PlanStats {
     pub tested_leaves: u32,
     /// Tests among them of which nothing was known before.
     pub unknown: u32,
-    /// Tests that decide about nothing but the next frames.
+    /// Pull-up queries: tests that decide about nothing but the next frames.
     pub probes: u32,
     /// Boxes of visible leaves that are tested.
     pub own_boxes: u32,
@@ -177,24 +178,25 @@ pub struct PlanStats {
     pub too_near: u32,
     /// Leaves drawn because testing them would cost more than it saves.
     pub untested_by_cost: u32,
-    /// After how many frames a calm leaf's own draw is tested again; 0 without a governor.
+    /// Frames after which a calm leaf's own draw is tested again; 0 without a cost model.
     pub retest_interval_frames: u32,
-    /// What the tests are expected to save, their own cost deducted; 0 without a governor.
+    /// The expected saving of the tests, their own cost deducted; 0 without a cost model.
     pub expected_saving_ns: u64,
-    /// Pixels that the boxes of all tests cover, about; 0 without a governor.
+    /// Pixels that the boxes of all tests cover, about; 0 without a cost model.
     pub proxy_pixels: u64,
-    /// Rounds of tests that a governor gave to the compute shader, where that costs least.
+    /// Rounds of tests that the cost model assigned to the compute shader, where that costs least.
     pub rounds_by_compute: u32,
     /// Leaves drawn to have occluders when nothing is known.
     pub occluders: u32,
     /// Leaves drawn because there were too few queries to test them.
     pub over_budget: u32,
-    /// How often the allowed size of tested nodes was raised to make do with fewer tests.
+    /// Times that the allowed size of tested nodes was raised to make do with fewer tests.
     pub coarsened: u32,
 }
 
 impl std::ops::AddAssign for PlanStats {
-    /// Of several plans together; `coarsened` and `retest_interval_frames` are the largest.
+    /// Adds the counts of another plan; `coarsened` and `retest_interval_frames` become the
+    /// largest.
     fn add_assign(&mut self, other: Self) {
         self.nodes_visited += other.nodes_visited;
         self.frontier += other.frontier;

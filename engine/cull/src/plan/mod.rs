@@ -1,4 +1,4 @@
-//! The stages of a plan, a file each, and what it is made of.
+//! The stages of a plan, a file each, and its parts.
 
 pub(crate) mod asking;
 pub(crate) mod budget;

@@ -1,9 +1,9 @@
-//! A query an object that is read in a later frame, and decides about that one (GPU Gems, 29.4).
+//! A query per object that is read in a later frame, and decides about that one (GPU Gems, 29.4).
 //!
-//! What was visible when it was last asked is drawn, under a query of its own draw; what was hidden
-//! is tested by its box, every frame, and not drawn whatever the answer will be. So an object that
-//! comes into view is missing for as long as its answer takes: the image is not exact. That an
-//! object comes into the frustum is no surprise, so there it counts as visible.
+//! An object that was visible at its last test is drawn, under a query of its own draw; one that
+//! was hidden is tested by its box, every frame, and not drawn whatever the result will be. So an
+//! object that comes into view is missing until its result is read back: the image is not exact. An
+//! object that comes into the frustum counts as visible.
 
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;
@@ -11,14 +11,14 @@ use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 use crate::ids::{FrameId, Generation, NodeId};
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
 
-/// A visible object is asked again after so many frames: that it is still visible is what one
-/// expects, and costs little if it is wrong. Objects take turns.
+/// The interval of the tests of a visible object: it is expected to be still visible, and an error
+/// costs little. Objects take turns.
 const VISIBLE_INTERVAL_FRAMES: u64 = 4;
 
-/// What was out of the frustum for longer counts as visible when it comes back.
+/// The frames out of the frustum after which an object counts as visible when it comes back.
 const STALE_FRAMES: u64 = 2;
 
-/// What is known of an object; frame 0 stands for never.
+/// The record of an object; frame 0 stands for never.
 #[derive(Clone, Copy, Debug)]
 struct NodeRecord {
     is_visible: bool,
@@ -26,7 +26,8 @@ struct NodeRecord {
     answered: FrameId,
     /// The last frame that had it in the frustum.
     in_sight: FrameId,
-    /// When it was about the object that has the id; one that came later has it anew.
+    /// The generation in which it was about the object that has the id; an object that was inserted
+    /// later has a new record.
     since: Generation,
 }
 
@@ -55,12 +56,12 @@ impl NextFrame {
         }
     }
 
-    /// Nothing is known of anything.
+    /// Forgets everything.
     pub(crate) fn reset(&mut self) {
         self.records.clear();
     }
 
-    /// Plans a frame into `plan`, which is clear.
+    /// Plans a frame into `plan`, which is empty.
     pub(crate) fn plan(&mut self, hierarchy: &Hierarchy, view: &View, plan: &mut FramePlan) {
         let viewed = ViewedHierarchy { hierarchy, view };
         let mut leaves = std::mem::take(&mut self.leaves);
@@ -113,8 +114,8 @@ impl NextFrame {
         }
     }
 
-    /// Returns the record of a leaf's object, whatever generation of the hierarchy it is in: a new
-    /// one for an object that came since, under whichever id.
+    /// Returns the record of a leaf's object in any generation of the hierarchy: a new one for an
+    /// object that was inserted since, under any id.
     fn record(&mut self, hierarchy: &Hierarchy, leaf: NodeId) -> Option<&mut NodeRecord> {
         let objects = hierarchy.leaf_objects();
         if self.records.len() < objects.len() {

@@ -1,5 +1,5 @@
-//! After a cut, when most is unknown: what is near is drawn first, so that the tests of all else
-//! have something to be hidden by.
+//! Occluders after a cut, when most is unknown: near leaves are drawn first, so that the tests of
+//! all others have something to be hidden by.
 
 use crate::plan::candidates::Scratch;
 use crate::plan::config::CullConfig;

@@ -1,12 +1,12 @@
 //! Cuts the tests of a frame into slabs, front to back, each tested against the depth that the
-//! draws of the one before left.
+//! draws of the previous one left.
 
 use std::ops::Range;
 
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, Tester};
 
-/// Cuts the tests of `plan`, which `tester` answers, into rounds.
+/// Cuts the tests of `plan`, which `tester` tests, into rounds.
 pub(crate) fn schedule(plan: &mut FramePlan, tester: Tester, is_cut: bool, config: &CullConfig) {
     let most = match (tester, is_cut) {
         (Tester::Compute, false) => config.rounds_compute_calm,
@@ -47,8 +47,8 @@ fn split(
     }
 }
 
-/// Puts the tests of each round that are answered in the same way behind each other, front to back
-/// as they were: in a round nothing depends on their order. `scratch` keeps its memory.
+/// Groups the tests of each round by their tester, front to back as they were: in a round nothing
+/// depends on their order. `scratch` keeps its memory.
 pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
     let (tests, rounds) = (&mut plan.tests, &plan.rounds);
     scratch.places.clear();
@@ -76,7 +76,7 @@ pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
 #[derive(Debug, Default)]
 pub(crate) struct Grouping {
     grouped: Vec<ProxyTest>,
-    /// Where each test went.
+    /// The new place of each test.
     places: Vec<u32>,
 }
 

@@ -1,19 +1,21 @@
-//! Tests that another test answers as well: what lies behind a hidden box, and within its outline.
+//! Tests that share the result of another test: those of nodes behind a hidden box, and within its
+//! outline.
 //!
 //! If no sample of a proxy shows, the depth buffer is nearer than its front at every sample that it
 //! covers. So nothing shows of an object whose samples are all among those and which is all beyond
 //! the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden, so
-//! does what is behind it; if it shows, the leaves behind are tested one by one.
+//! does the object behind it; if it shows, the leaves behind are tested one by one.
 //!
 //! A ray from the eye has entered a box once it has passed the planes of all faces that the eye
-//! sees from outside (the slab method). So what is on the inner side of these planes and within the
-//! outline is beyond the front, be it inside of the box or behind it.
+//! sees from outside (the slab method). So every point on the inner side of these planes and within
+//! the outline is beyond the front, be it inside of the box or behind it.
 //!
-//! Rounding is paid for by the margin of the proxy behind: its outline is a quarter of a pixel and
-//! more wider than the samples of its object, and its nearest depth as much nearer (see
+//! The margin of the proxy behind covers rounding: its outline is a quarter of a pixel and more
+//! wider than the samples of its object, and its nearest depth as much nearer (see
 //! [`Margin`](crate::Margin)); the proxy in front loses less to the sub-pixel grid. But the outline
-//! of what is in front is computed here and drawn there, each with its own rounding, and the nearer
-//! it is the more pixels that is: only boxes of which it is at most a sixteenth are in front.
+//! of the proxy in front is computed here and drawn there, each with its own rounding, and the
+//! nearer it is the more pixels that is. So only boxes where it is at most a sixteenth of a pixel
+//! serve as fronts.
 
 use glam::{Vec2, Vec3};
 
@@ -24,7 +26,7 @@ use crate::plan::candidates::Candidate;
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, Tester};
 
-/// A proxy that may answer for others.
+/// A proxy whose result others may share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SharedProxy {
     test: u32,
@@ -33,13 +35,13 @@ pub(crate) struct SharedProxy {
     high: Vec2,
     area: f32,
     bounds: Aabb,
-    /// What would have to be tested if it showed.
+    /// The leaves that would have to be tested if it showed.
     leaves_behind: u32,
-    /// The most that may be.
+    /// The most leaves that it may have behind it.
     most_behind: u32,
 }
 
-/// Makes the tests of `plan`, made of these candidates, share the answers of others where they can.
+/// Makes the tests of `plan`, made of these candidates, share the results of others where they can.
 /// `fronts` keeps its memory.
 pub(crate) fn share_proxies(
     plan: &mut FramePlan,
@@ -53,11 +55,12 @@ pub(crate) fn share_proxies(
         share_in_order(&mut plan.tests, hidden_frames, view, config, fronts);
 }
 
-/// Makes tests share the answers of others, front to back, and asks for their leaves one by one.
-/// Says how many. `hidden_frames` tells of each test for how long its node has been hidden, if it
-/// is known to be: what was so for n frames is not in the next with a chance of about 1 in n
-/// (Laplace's rule of succession), so what a front may answer for grows with n, and what is
-/// expected to be paid where it shows does not. `fronts` keeps its memory.
+/// Makes tests share the results of others, front to back, and asks for their leaves one by one.
+/// Returns the number of such tests. `hidden_frames` holds for each test the frames for which its
+/// node has been hidden, if it is known to be. A node that was hidden for n frames shows in the
+/// next with a chance of about 1 in n (Laplace's rule of succession). So the leaves behind a front
+/// may grow with n, while the expected cost of a front that shows does not. `fronts` keeps its
+/// memory.
 fn share_in_order(
     tests: &mut [ProxyTest],
     hidden_frames: impl Iterator<Item = Option<u32>>,
@@ -123,7 +126,7 @@ fn keep_largest(fronts: &mut Vec<SharedProxy>, front: SharedProxy, most: usize) 
 }
 
 impl SharedProxy {
-    /// Returns true if a box is all on the inner side of the faces that are seen from `eye`.
+    /// Returns true if all of a box is on the inner side of the faces that are seen from `eye`.
     fn is_before(&self, behind: &Aabb, eye: Vec3) -> bool {
         let (low, high) = (self.bounds.min, self.bounds.max);
         let beyond_low = eye.cmpge(low) | behind.min.cmpge(low);
@@ -148,7 +151,7 @@ mod tests {
     use crate::plan::frame_plan::QueryTag;
     use crate::rng::SplitMix64;
 
-    /// Returns where a point is on the screen, in pixels, without much rounding.
+    /// Returns the position of a point on the screen, in pixels, in 64 bits.
     fn exactly(point: Vec3, view: &View) -> DVec2 {
         let offset = point.as_dvec3() - view.eye.as_dvec3();
         let along = |axis: Vec3| offset.dot(axis.as_dvec3());
@@ -194,9 +197,8 @@ mod tests {
         assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
     }
 
-    /// Returns two tests of four leaves in a row, the first of them hidden for so long and
-    /// answering for at most so many leaves, and whether the second is taken as answered by the
-    /// first.
+    /// Returns true if the second of two tests of four leaves in a row shares the first one's
+    /// result, where the first has been hidden for so long and may have so many leaves behind it.
     fn shares_after(
         hidden_frames: Option<u32>,
         leaves_behind: u32,
@@ -247,8 +249,8 @@ mod tests {
         assert!(!after(Some(u32::MAX), 3), "more than any may");
     }
 
-    /// Returns how far along the way from `eye` to `point` the box is entered, if it is on this
-    /// way.
+    /// Returns the share of the way from `eye` to `point` at which the box is entered, if it is on
+    /// this way.
     fn entry(bounds: &Aabb, eye: DVec3, point: DVec3) -> Option<f64> {
         let way = point - eye;
         let (low, high) = (bounds.min.as_dvec3() - eye, bounds.max.as_dvec3() - eye);

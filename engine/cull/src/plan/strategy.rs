@@ -1,32 +1,33 @@
-//! The ways to decide what to draw, by name.
+//! The strategies to decide what to draw, by name.
 
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
-/// A way to decide what to draw. They can be switched from frame to frame; those called
+/// A strategy to decide what to draw. Strategies can be switched from frame to frame; those called
 /// `antumbra` share one traversal and one history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Strategy {
     /// View-frustum culling only: the baseline and the reference image.
     Frustum,
-    /// A query an object, and a wait for each (GPU Gems, 29.2).
+    /// A query per object, and a wait for each (GPU Gems, 29.2).
     Naive,
-    /// A query an object, behind some large occluders, and a wait for all (GPU Gems, 29.3).
+    /// A query per object, behind some large occluders, and a wait for all (GPU Gems, 29.3).
     Batched,
-    /// A query an object that is read in a later frame and decides about that one (GPU Gems, 29.4).
-    /// Never waits, and is not exact: what shows itself is missing until its answer is home.
+    /// A query per object that is read in a later frame and decides about that one (GPU Gems,
+    /// 29.4). Never waits, and is not exact: an object that comes into view is missing until its
+    /// result is read back.
     NextFrame,
     /// The hierarchy from the root down, with a wait at each node (GPU Gems 2, 6.3).
     StopAndWait,
-    /// Coherent hierarchical culling as published, with several submits in a frame and answers
-    /// that are read between them (GPU Gems 2, 6.4 and 6.5).
+    /// Coherent hierarchical culling as published, with several submits per frame and results that
+    /// are read between them (GPU Gems 2, 6.4 and 6.5).
     Coherent,
-    /// Two phases against a depth pyramid, all on the GPU: draws what was visible in the last
-    /// frame, then what turns out to be (the way of the engines niagara and Bevy).
+    /// Two phases against a depth pyramid, all on the GPU: draws the objects that were visible in
+    /// the last frame, then those that turn out to be (as in the engines niagara and Bevy).
     Pyramid,
-    /// Coherent hierarchical culling whose answers come late, made exact by predicates.
+    /// Coherent hierarchical culling whose results come late, made exact by predicates.
     Antumbra,
     /// The same with occlusion queries for all tests.
     AntumbraQueries,
@@ -34,18 +35,18 @@ pub enum Strategy {
     AntumbraFlags,
     /// The same with a compute shader for all tests.
     AntumbraCompute,
-    /// Exactly the objects that own a pixel, found beforehand: the yardstick that nobody can beat
-    /// (the optimum of the papers on coherent hierarchical culling). Not a product.
+    /// Exactly the objects that own a pixel, found beforehand: the lower bound of every strategy
+    /// (the optimum of the papers on coherent hierarchical culling). Only for comparison.
     Ideal,
 }
 
-/// A name that is no strategy's.
+/// The error of a name that is no strategy's.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("there is no strategy `{name}`: use one of {known}")]
 pub struct UnknownStrategy {
-    /// What was asked for.
+    /// The unknown name.
     pub name: String,
-    /// The names that there are.
+    /// The names of all strategies.
     pub known: String,
 }
 
@@ -86,7 +87,7 @@ impl Strategy {
     }
 
     /// Returns true if it never misses an object that owns a pixel, and draws what plain frustum
-    /// culling draws, as long as no option takes that from it: a threshold where it [can have
+    /// culling draws, as long as no option gives that up: a threshold where it [can have
     /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
     /// [`Strategy::Coherent`], under which some devices choose another of two faces of equal depth.
     #[must_use]
@@ -107,8 +108,8 @@ impl Strategy {
         }
     }
 
-    /// Returns true if it goes by a history, asks questions in its plans and is
-    /// [governed](crate::Culler::set_costs): those called `antumbra`.
+    /// Returns true if it has a history, tests in its plans and a [cost
+    /// model](crate::Culler::set_costs): those called `antumbra`.
     #[must_use]
     pub const fn uses_cost_model(self) -> bool {
         matches!(
@@ -117,21 +118,22 @@ impl Strategy {
         )
     }
 
-    /// Returns true if it can be told to take what shows few samples as hidden, and is not exact
-    /// then ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold),
+    /// Returns true if it can take objects that show few samples as hidden, and is not exact then
+    /// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold),
     /// [`CoherentOptions`](crate::CoherentOptions)).
     #[must_use]
     pub const fn can_neglect(self) -> bool {
         matches!(self, Self::Coherent | Self::Antumbra | Self::AntumbraQueries)
     }
 
-    /// Returns true if it draws what was found beforehand, in a scene that does not change.
+    /// Returns true if it draws objects that were found beforehand, in a scene that does not
+    /// change.
     #[must_use]
     pub const fn needs_still_scene(self) -> bool {
         matches!(self, Self::Ideal)
     }
 
-    /// Returns true if it needs answers before a frame can go on: a
+    /// Returns true if it needs results before a frame can go on: a
     /// [`BlockingCuller`](crate::BlockingCuller) and no plan.
     #[must_use]
     pub const fn is_blocking(self) -> bool {

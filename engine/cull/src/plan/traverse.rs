@@ -1,4 +1,4 @@
-//! The walk through the hierarchy, front to back by a priority queue ("Hardware Occlusion Queries
+//! The traversal of the hierarchy, front to back by a priority queue ("Hardware Occlusion Queries
 //! Made Useful", 6.5.7), shared by all strategies.
 
 use std::cmp::Reverse;
@@ -15,7 +15,7 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::strategy::Strategy;
 
-/// Whether a walk looks at the past.
+/// The use of history by a traversal.
 #[derive(Clone, Copy)]
 pub(crate) enum Knowledge<'a> {
     /// Everything in the frustum is drawn.
@@ -24,13 +24,13 @@ pub(crate) enum Knowledge<'a> {
 }
 
 impl<'a> Knowledge<'a> {
-    /// Strategies that decide elsewhere get what they start from.
+    /// Returns the knowledge of a strategy: strategies that decide elsewhere ignore the history.
     pub(crate) fn of(history: &'a History, strategy: Strategy) -> Self {
         if strategy.uses_cost_model() { Self::Used(history) } else { Self::Ignored }
     }
 }
 
-/// What one walk goes by.
+/// The inputs of one traversal.
 #[derive(Clone, Copy)]
 pub(crate) struct Walk<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
@@ -39,26 +39,26 @@ pub(crate) struct Walk<'a> {
     pub(crate) knowledge: Knowledge<'a>,
     pub(crate) now: FrameStamp,
     pub(crate) is_turning: bool,
-    /// Boxes can be tested by flags.
+    /// True if boxes can be tested by flags.
     pub(crate) can_flag: bool,
-    /// Leaves can be tested one by one below a node that shows.
+    /// True if leaves can be tested one by one below a node that shows.
     pub(crate) has_parts: bool,
-    /// How often the allowed size of tested nodes was raised fourfold.
+    /// The times that the allowed size of tested nodes was raised fourfold.
     pub(crate) coarseness: u32,
 }
 
-/// What becomes of a node.
+/// The decision about a node.
 enum NodeDecision {
     Draw,
     Retest,
     /// Draw, and test the box.
     TestOwnBox(Aabb),
     Test(Aabb),
-    /// Go on to the children; the proxy is there if the node could be probed.
+    /// Go on to the children; the proxy is there if the node could have a pull-up query.
     Open(Option<Aabb>),
 }
 
-/// A node at its turn.
+/// A node that is visited.
 struct Visit {
     nearness: Nearness,
     node: u32,
@@ -66,13 +66,13 @@ struct Visit {
     leaf_count: u32,
     bounds: Aabb,
     record: NodeRecord,
-    /// If what is known of it is what was known of a node above: since when that was hidden.
+    /// The frame since which a node above was hidden, where the node inherits that.
     inherited: Option<FrameStamp>,
 }
 
 impl Walk<'_> {
-    /// Fills `scratch` with what the past wishes to draw and to test. While those are more tests
-    /// than wished, or than `budget`, larger nodes are allowed and the walk is repeated.
+    /// Fills `scratch` with the draws and tests by the history. While those are more tests than
+    /// wished, or than `budget`, larger nodes are allowed and the traversal is repeated.
     pub(crate) fn traverse(&mut self, scratch: &mut Scratch, budget: usize, stats: &mut PlanStats) {
         // Then everything there can be is small enough to be tested as one.
         const MOST_ATTEMPTS: u32 = 16;
@@ -90,7 +90,7 @@ impl Walk<'_> {
         scratch.keep_all();
     }
 
-    /// Visits what is in the frustum and sorts it into `scratch`, which is cleared first.
+    /// Visits the nodes in the frustum and sorts them into `scratch`, which is cleared first.
     fn run(&self, scratch: &mut Scratch, stats: &mut PlanStats) {
         scratch.clear();
         stats.visible = 0;
@@ -191,10 +191,10 @@ impl Walk<'_> {
         }
     }
 
-    /// Returns true if the next test of a visible leaf is one of its box rather than of its own
+    /// Returns true if the next test of a visible leaf is a test of its box rather than of its own
     /// draw.
     ///
-    /// First the box once more, now that all that is visible can hide it: it showed against less.
+    /// First the box once more, now that all visible objects can hide it: it showed against fewer.
     /// Then the draw itself, and from then on the box again for a while if it looks small.
     fn is_own_box_enough(&self, visit: &Visit) -> bool {
         let record = &visit.record;
@@ -215,19 +215,20 @@ impl Walk<'_> {
         visit.record.is_due(visit.node, self.now, retest_spread, retest_gate)
     }
 
-    /// Returns true if it is a leaf's turn where all take turns.
+    /// Returns true if it is a leaf's turn to be tested again.
     pub(crate) fn is_turn_to_retest(&self, node: u32) -> bool {
         self.now.is_turn_of(node, self.config.retest_spread, self.config.retest_gate)
     }
 
-    /// Neighbours take turns. What is on its way may be asked again: that costs little.
+    /// Returns true if a test of a leaf's own box is due. Neighbours take turns. A test may be
+    /// repeated while a result is on its way: that costs little.
     fn is_own_box_due(&self, visit: &Visit) -> bool {
         let interval = self.config.own_box_frames.saturating_add(visit.node & 1);
         visit.record.stable_queries == 0 || self.now.since(visit.record.answered) >= interval
     }
 
-    /// Puts the children that are in the frustum into the queue, and asks for a probe of the node
-    /// if all of them are hidden.
+    /// Puts the children that are in the frustum into the queue, and asks for a pull-up query of
+    /// the node if all of them are hidden.
     fn open(&self, visit: &Visit, proxy: Option<Aabb>, scratch: &mut Scratch) {
         let Some(children) = self.hierarchy.children(NodeId(visit.node)) else {
             return;
@@ -257,8 +258,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Since when every part of a node that is in the frustum is hidden; `None` if one is not, or
-    /// none is there.
+    /// Returns the frame since which every part of a node that is in the frustum is hidden; `None`
+    /// if one is not, or none is there.
     fn parts_hidden_since(&self, visit: &Visit) -> Option<FrameStamp> {
         let mut since = None;
         for child in self.hierarchy.children(NodeId(visit.node))? {
@@ -279,8 +280,8 @@ impl Walk<'_> {
         self.view.frustum.classify(&bounds, mask).0 != Containment::Outside
     }
 
-    /// Returns what is known of a node, where one above it was hidden: nothing below that was kept
-    /// up to date.
+    /// Returns the record of a node. Where it is stale and a node above was hidden, it is that
+    /// node's state, since nothing below a hidden node is kept up to date.
     fn record_below(
         &self,
         node: u32,
@@ -308,7 +309,7 @@ impl Walk<'_> {
         }
     }
 
-    /// For how long a node has been hidden; `None` if it is not known to be.
+    /// Returns the frames for which a node has been hidden; `None` if it is not known to be.
     fn hidden_frames(&self, record: &NodeRecord) -> Option<u32> {
         let is_fresh = record.is_fresh(self.now, self.config.stale_frames);
         (is_fresh && record.state == NodeState::Hidden).then(|| record.hidden_frames())

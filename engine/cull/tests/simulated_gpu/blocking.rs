@@ -1,4 +1,5 @@
-//! The literature's methods: exact whatever the answers do, and each with the cost it is known for.
+//! The literature's methods: exact whatever happens to the results, and each with the cost it is
+//! known for.
 
 use antumbra_cull::{
     BatchedOptions, BlockingCuller, BlockingOptions, BlockingStats, Camera, CoherentOptions,
@@ -42,7 +43,7 @@ fn random_options(random: &mut Random) -> BlockingOptions {
     }
 }
 
-/// Runs one seed with all methods; answers how many leaves were drawn and in sight.
+/// Runs one seed with all methods and returns the number of leaves drawn and in sight.
 fn verify(seed: u64) -> [u64; 2] {
     let mut random = Random::new(seed);
     let sub_pixel_bits = [4, 8][random.below(2)];
@@ -87,7 +88,7 @@ fn verify(seed: u64) -> [u64; 2] {
     counted
 }
 
-/// What was asked and drawn is what the frame says, and nothing of it happened twice.
+/// Checks that the tests and draws are those of the frame's counts, and that none happened twice.
 fn check_books(talk: &Talk, stats: &BlockingStats, context: &str) {
     let mut drawn = talk.drawn.clone();
     drawn.sort();
@@ -128,7 +129,7 @@ fn streets() -> (Scene, Hierarchy) {
     (scene, hierarchy)
 }
 
-/// Frames of a slow walk ahead.
+/// Runs the frames of a slow walk ahead and returns their counts.
 fn stroll(strategy: Strategy, options: BlockingOptions, trouble: Trouble) -> Vec<BlockingStats> {
     let (scene, hierarchy) = streets();
     let mut blocking = BlockingCuller::new(options);

@@ -1,4 +1,4 @@
-//! Prices decide what is tested, never what is seen.
+//! Tests of prices, which decide the tests and never the image.
 
 use std::collections::BTreeSet;
 
@@ -15,20 +15,20 @@ use crate::walk::{BUDGET, SIZE, Walk};
 const CAMERA: Camera =
     Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.2, near: 0.1 };
 
-/// Tests that cost nothing.
+/// Prices at which tests cost nothing.
 const FREE_TESTS: CostTable = CostTable { draw_ns: 1_000.0, ..CostTable::uniform(0.0) };
 
-/// Tests that cost more than anything is worth.
+/// Prices at which tests cost more than they can save.
 const DEAR_TESTS: CostTable =
     CostTable { draw_ns: 1_000.0, triangle_ns: 50.0, ..CostTable::uniform(f32::MAX) };
 
-/// Prices of this scene's scale, where a test costs half a draw.
+/// Returns prices of this scene's scale, where a test costs half a draw.
 fn prices() -> CostTable {
     let queries = CostTable { query_ns: 1_500.0, query_box_ns: 1_000.0, ..CostTable::default() };
     CostTable { break_ns: 20_000.0, ..queries }
 }
 
-/// Returns a wall that is somewhere else, and things side by side that hide nothing of each other.
+/// Returns a wall out of sight, and objects side by side that hide nothing of each other.
 fn field(columns: u32) -> Vec<Aabb> {
     let things = (0..columns * 11).map(|number| {
         let [column, row] = [number % columns, number / columns].map(|place| place as f32);
@@ -48,7 +48,7 @@ fn drawn(plan: &FramePlan) -> BTreeSet<u32> {
     plan.draws.iter().map(|leaf| leaf.0).chain(queried).collect()
 }
 
-/// Puts the wall somewhere.
+/// Moves the wall.
 fn move_wall(walk: &mut Walk, wall: Aabb) {
     walk.hierarchy.refit([(ObjectId(0), wall)]).unwrap();
     walk.scene.bounds[0] = wall;
@@ -158,7 +158,7 @@ fn where_nothing_hides_next_to_nothing_is_tested_until_a_wall_comes() {
     assert!(stats.frontier * 20 < visible, "{stats:?}");
 }
 
-/// New things come into view all the time, as on a flight over a field.
+/// Checks a flight over a field, where new objects come into view all the time.
 #[test]
 fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
     let mut walk = Walk::cost_driven(field(60), 2, prices());
@@ -182,7 +182,8 @@ fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
     assert!(frames_with_tests < 24, "{frames_with_tests} frames of 240 were broken for tests");
 }
 
-/// Some of what is in view hides, and drawing it costs less than the breaks that its tests need.
+/// Checks a scene in which some objects in view are hidden, but drawing them costs less than the
+/// breaks that their tests need.
 #[test]
 fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
     // A quarter of the things stands behind others that hide them now and then.
@@ -216,7 +217,7 @@ fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
     assert!(walk.device.drawn.len() < 20, "{} drawn", walk.device.drawn.len());
 }
 
-/// Where a test costs more than a draw, leaves behind a wall are still tested together.
+/// Checks that leaves behind a wall are still tested together where a test costs more than a draw.
 #[test]
 fn groups_pay_where_single_leaves_do_not() {
     let dear = CostTable { query_ns: 8_000.0, ..prices() };

@@ -1,5 +1,5 @@
 //! Executes plans as the renderer does: writes results to memory, which are read frames later, with
-//! all mishaps there are. They are read as answers by the same [`ResultReader`] as those of a GPU.
+//! all possible mishaps. The same [`ResultReader`] reads them as answers as those of a GPU.
 
 use antumbra_cull::{
     Aabb, Answer, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList, LeafRange,
@@ -9,12 +9,12 @@ use antumbra_cull::{
 use crate::image::{Image, Shift};
 use crate::random::Random;
 
-/// What can happen to an answer on its way.
+/// The mishaps of answers on their way.
 #[derive(Clone, Copy, Debug)]
 pub struct Mishaps {
-    /// Frames between asking and knowing.
+    /// The frames between a test and its answer.
     pub latency: u64,
-    /// Probability that it takes up to three frames longer.
+    /// The probability that an answer takes up to three frames longer.
     pub late: f32,
     pub lost: f32,
     pub twice: f32,
@@ -33,12 +33,12 @@ struct Written {
     frame: (FrameId, Generation),
     queries: Vec<(PendingTest<()>, u32)>,
     tests: Vec<PendingTest<()>>,
-    /// One per test; that of a test which shares another's proxy is never written.
+    /// One word per test; the word of a test that shares another's proxy is never written.
     words: Vec<u32>,
     /// The leaves that showed where they were tested one by one.
     leaves: Vec<u32>,
-    /// The truth about each test: true if its node showed, or one of its leaves where another box
-    /// answers for it.
+    /// The truth about each test: true if its node showed, or one of its leaves where it shares
+    /// another's proxy.
     showed: Vec<bool>,
 }
 
@@ -55,8 +55,7 @@ impl Written {
         }
     }
 
-    /// Reads the results over a hierarchy that may have changed since, those of nodes before those
-    /// of their leaves.
+    /// Reads the results over a hierarchy that may have changed since, nodes before their leaves.
     fn answers(&self, hierarchy: &Hierarchy, listed: usize) -> Vec<Answer> {
         let mut reader = ResultReader::default();
         for (test, samples) in &self.queries {
@@ -83,7 +82,7 @@ impl Written {
     }
 
     /// Checks the answers about tests against what was drawn. If the list had no room, answers may
-    /// say that more shows than does.
+    /// report more as visible than there is.
     fn assert_true(&self, answers: &[Answer], is_listed: bool) {
         for (test, showed) in self.tests.iter().zip(&self.showed) {
             let same =
@@ -102,10 +101,10 @@ fn pending(tag: QueryTag, tester: Tester) -> PendingTest<()> {
     PendingTest { tag, tester, contents: () }
 }
 
-/// The solids that are drawn: what is inside of the bounding boxes.
+/// The solids that are drawn inside of the bounding boxes.
 pub struct Solids<'a> {
     pub solids: &'a [Aabb],
-    /// How the device's grid shifts each.
+    /// The shift of each by the device's grid.
     pub shifts: &'a [Shift],
 }
 
@@ -113,16 +112,16 @@ pub struct Device {
     pub image: Image,
     /// Objects drawn by the last frame, in order.
     pub drawn: Vec<u32>,
-    /// What shows no more samples than this is not drawn.
+    /// The number of samples up to which a test counts as hidden.
     pub threshold_samples: u32,
-    /// The leaves that were left out so by the last frame, and the samples that showed.
+    /// The leaves that the last frame left out because of it, and the samples that showed.
     pub neglected: Vec<(LeafRange, u32)>,
     mishaps: Mishaps,
     random: Random,
     sub_pixel_step: f64,
     /// Frames whose results are not read yet, the oldest first.
     written: Vec<Written>,
-    /// Answers that are late, and the frame they arrive at.
+    /// The late answers, and the frame in which each arrives.
     late: Vec<(u64, Answer)>,
 }
 
@@ -141,7 +140,7 @@ impl Device {
         }
     }
 
-    /// Returns the answers that are there when frame `next` is planned, in random order.
+    /// Returns the answers that have come back when frame `next` is planned, in random order.
     pub fn collect(&mut self, next: u64, hierarchy: &Hierarchy) -> Vec<Answer> {
         let Mishaps { latency, late, lost, twice, listed } = self.mishaps;
         let mut answers = Vec::new();
@@ -173,14 +172,13 @@ impl Device {
         answers
     }
 
-    /// Returns the answers to `frame` that were not collected yet, those of nodes before those of
-    /// their leaves.
+    /// Returns the answers to `frame` that were not collected yet, nodes before their leaves.
     pub fn answers_of(&self, frame: FrameId, hierarchy: &Hierarchy) -> Vec<Answer> {
         let written = self.written.iter().filter(|written| written.frame.0 == frame);
         written.flat_map(|it| it.answers(hierarchy, self.mishaps.listed)).collect()
     }
 
-    /// Draws and tests a frame in the order that a plan asks for.
+    /// Executes a frame: draws and tests in the order of its plan.
     pub fn execute(
         &mut self,
         view: &View,

@@ -1,4 +1,4 @@
-//! Whatever happens to the answers, the image is that of drawing everything.
+//! Tests that the image is the same as with everything drawn, whatever happens to the answers.
 
 use antumbra_cull::{
     Camera, CostTable, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, SceneCosts,
@@ -25,7 +25,7 @@ struct Run {
     plan: FramePlan,
 }
 
-/// What a seed stands for.
+/// The world of a seed.
 struct World {
     random: Random,
     scene: Scene,
@@ -36,7 +36,7 @@ struct World {
     budget: usize,
     moving: bool,
     rebuilding: bool,
-    /// Whether the policy is one that nobody would choose.
+    /// True for a policy that nobody would choose.
     is_extreme: bool,
 }
 
@@ -218,7 +218,7 @@ fn extreme_policy(random: &mut Random, usual: CullConfig) -> CullConfig {
     config
 }
 
-/// Prices from nothing to more than anything is worth, each by itself.
+/// Returns prices from nothing to more than a test can save, each by itself.
 fn random_prices(random: &mut Random) -> CostTable {
     let mut price = |usual: f32| match random.below(5) {
         0 => 0.0,
@@ -243,16 +243,16 @@ fn random_prices(random: &mut Random) -> CostTable {
     }
 }
 
-/// What was checked.
+/// The counts of the checked cases.
 #[derive(Debug, Default)]
 struct Checked {
     runs: u64,
     frames: u64,
-    /// Tests that another test answered.
+    /// Tests that shared the result of another.
     behind: u64,
     /// Leaves that were not tested because of the cost.
     untested: u64,
-    /// Objects drawn, with frustum culling and with ours.
+    /// Objects drawn, with frustum culling and with the strategy.
     drawn: [u64; 2],
 }
 
@@ -346,7 +346,7 @@ fn no_policy_loses_anything_or_panics() {
     assert!(ours < frustum, "nothing was culled: {ours} of {frustum}");
 }
 
-/// That test must be able to fail: drawing every second object only is noticed.
+/// Checks that the test of exactness can fail: it notices if only every second object is drawn.
 #[test]
 fn missing_objects_are_noticed() {
     let mut noticed = 0;

@@ -1,4 +1,4 @@
-//! What is explained is what was drawn.
+//! Tests that explanations agree with the draws.
 
 use antumbra_cull::{
     Camera, CullConfig, Culler, Decision, FrameId, NodeState, ObjectId, Outcome, QueryKind,
@@ -21,7 +21,8 @@ fn camera(frame: usize) -> Camera {
     }
 }
 
-/// Of every object in every frame of a walk: drawn if and only if the explanation says so.
+/// Checks for every object in every frame of a walk that it is drawn if and only if the explanation
+/// says so.
 #[test]
 fn every_object_was_drawn_as_explained() {
     let parts = TesterSupport { flags: true, compute: false, parts: true };
@@ -33,7 +34,7 @@ fn every_object_was_drawn_as_explained() {
     }
 }
 
-/// Walks, and counts what was explained: outside, drawn, drawn and tested, hidden alone and in a
+/// Walks and counts the explanations: outside, drawn, drawn and tested, hidden alone and in a
 /// group, revealed.
 fn explain_walk(walk: &mut Walk) -> [usize; 6] {
     let mut seen = [0_usize; 6];

@@ -1,7 +1,7 @@
 //! A depth buffer that boxes are drawn into by casting the ray of each pixel.
 //!
 //! Rays are 64-bit, depths are 32-bit and reversed as on the device. Snapping to the sub-pixel grid
-//! is played by shifting the rays of a box by up to one step of the grid.
+//! is simulated by shifting the rays of a box by up to one step of the grid.
 
 use antumbra_cull::{Aabb, View};
 use glam::DVec3;
@@ -12,12 +12,12 @@ struct Span {
     leaves: f64,
 }
 
-/// How far the rays of a box are shifted (pixels), to the right and down.
+/// The shift of the rays of a box (pixels), to the right and down.
 pub type Shift = [f64; 2];
 
 pub struct Image {
     size: [u32; 2],
-    /// 0 is infinitely far; larger is nearer.
+    /// The depth of each pixel: 0 is infinitely far; larger is nearer.
     pub depths: Vec<f32>,
 }
 
@@ -30,7 +30,8 @@ impl Image {
         self.depths.fill(0.0);
     }
 
-    /// Draws a solid box; answers how many samples passed. From inside its far faces are seen.
+    /// Draws a solid box and returns the number of samples that passed. From inside its far faces
+    /// are seen.
     pub fn draw(&mut self, view: &View, bounds: &Aabb, shift: Shift) -> u32 {
         let near = f64::from(view.near);
         let mut passed = 0;

@@ -1,4 +1,4 @@
-//! The count of objects in the frustum is that of classifying each box.
+//! Tests of the count of objects in the frustum against the classification of each box.
 
 use antumbra_cull::{
     Aabb, Containment, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, PlaneMask, Strategy,
@@ -8,7 +8,7 @@ use antumbra_cull::{
 use crate::random::Random;
 use crate::scene::{PATHS, Path, Scene, cube};
 
-/// Returns what frustum culling draws, and the leaves whose box is not outside.
+/// Returns the number of draws of frustum culling, and of leaves whose box is not outside.
 fn brute_force(hierarchy: &Hierarchy, boxes: &[Aabb], view: &View) -> [usize; 2] {
     let mut plan = FramePlan::default();
     let mut culler = Culler::new(CullConfig::default());

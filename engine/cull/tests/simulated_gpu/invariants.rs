@@ -1,4 +1,4 @@
-//! What every plan promises, checked without looking at how it came about.
+//! The invariants of every plan, checked from the plan alone.
 
 use antumbra_cull::{FramePlan, Hierarchy, LeafIndex, QueryKind, Strategy, Tester, View};
 
@@ -87,7 +87,7 @@ impl Answers {
     }
 }
 
-/// Checks that a test that answers for another has a flag of its own, and early enough.
+/// Checks that a test whose result another shares has a flag of its own, and early enough.
 fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
     for round in &plan.rounds {
         for (number, test) in round.clone().zip(&plan.tests[round.clone()]) {
@@ -103,7 +103,8 @@ fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
     Ok(())
 }
 
-/// In 64 bits and without any allowance: no plane of the frustum has the whole box outside.
+/// Returns true if no plane of the frustum has the whole box outside, in 64 bits and without any
+/// allowance.
 fn meets_frustum(hierarchy: &Hierarchy, view: &View, leaf: usize) -> bool {
     let object = hierarchy.leaf_objects()[leaf];
     let bounds = hierarchy.bounds(hierarchy.node_of(object).unwrap());

@@ -1,4 +1,4 @@
-//! What is known, how it survives, and what is not believed.
+//! Tests of the history: its states, their survival, and the answers that are ignored.
 
 use antumbra_cull::{
     Aabb, Answer, Camera, CullConfig, Culler, FrameId, FramePlan, Generation, Hierarchy, NodeId,
@@ -81,7 +81,7 @@ fn an_answer_says_what_was_seen_when_it_was_asked_for() {
     let mut walk = Walk::new(city(&mut Random::new(5), 10), 12);
     walk.step(&STREET);
     walk.steps(&Camera { forward: Vec3::Z, ..STREET }, 11);
-    // Its answers are home by now, but are older than what counts as known.
+    // Its answers are back by now, but are older than what counts as known.
     walk.step(&STREET);
     assert_eq!(walk.plan.stats.visible, 0, "{:?}", walk.plan.stats);
 }
@@ -94,7 +94,7 @@ fn late_answers_do_not_make_what_was_visited_since_look_older() {
     assert!(walk.plan.stats.visible > 2, "{:?}", walk.plan.stats);
 }
 
-/// Returns every state of every node.
+/// Returns the state of every node.
 fn states(culler: &Culler, hierarchy: &Hierarchy) -> Vec<NodeState> {
     let nodes = 0..hierarchy.node_count() as u32;
     nodes.map(|node| culler.state(NodeId(node))).collect()

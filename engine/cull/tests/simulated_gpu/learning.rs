@@ -1,4 +1,5 @@
-//! What frames take corrects prices that are wrong: found in time, not by noise, and never seen.
+//! Tests of corrections: the times of frames correct wrong prices, in time, not by noise, and
+//! without effect on the image.
 
 use std::collections::VecDeque;
 
@@ -9,15 +10,15 @@ use crate::random::Random;
 use crate::scene::city;
 use crate::walk::Walk;
 
-/// Frames until a frame's time is home.
+/// The frames until a frame's time is read back.
 const LATENCY: u64 = 2;
 
-/// What a frame takes beside draws and tests.
+/// The time of a frame beside draws and tests.
 const REST_NS: f64 = 3.0e6;
 
-/// Within so many frames it is found out that tests cost five times what the table says ...
+/// The frames within which it is found out that tests cost five times the table's prices ...
 const FOUND_FRAMES: usize = 240;
-/// ... and within so many that they do not any more, or never did.
+/// ... and the frames within which it is found out that they do not any more, or never did.
 const RESUMED_FRAMES: usize = 600;
 
 fn table() -> CostTable {
@@ -25,7 +26,7 @@ fn table() -> CostTable {
     CostTable { break_ns: 5_000.0, break_wait_share: 0.05, ..queries }
 }
 
-/// Returns the same device if its tests and breaks cost so many times as much.
+/// Returns the prices of the same device with tests and breaks that cost `times` as much.
 fn dearer(times: f32) -> CostTable {
     let it = table();
     CostTable {
@@ -39,17 +40,17 @@ fn dearer(times: f32) -> CostTable {
     }
 }
 
-/// A walk through a city on a device whose true prices the governor is not told.
+/// A walk through a city on a device whose true prices the cost model does not know.
 struct Clocked {
     walk: Walk,
     camera: Camera,
     frame: u32,
-    /// How many times dearer tests are than the table says.
+    /// The factor by which tests are dearer than the table says.
     tests: f32,
     learns: bool,
-    /// Times are off by up to this share.
+    /// The share by which times may be off.
     noise: f32,
-    /// One frame in so many takes ten times as long; 0 for none.
+    /// The interval of frames that take ten times as long; 0 for none.
     odd_one_in: usize,
     random: Random,
     under_way: VecDeque<(f64, FrameContents)>,
@@ -77,8 +78,8 @@ impl Clocked {
         }
     }
 
-    /// To and fro in a street, looking around: what is seen and what is tested differ from frame to
-    /// frame.
+    /// Steps to and fro in a street, looking around: the visible and the tested objects differ from
+    /// frame to frame.
     fn step(&mut self) {
         let time = self.frame as f32;
         self.frame += 1;
@@ -105,7 +106,8 @@ impl Clocked {
         }
     }
 
-    /// Single leaves that were tested over so many frames, of which each is exact.
+    /// Returns the number of single leaves that were tested over `frames` frames, and checks that
+    /// each frame is exact.
     fn single_tests(&mut self, frames: usize) -> usize {
         let mut single = 0;
         for _ in 0..frames {
@@ -121,7 +123,7 @@ impl Clocked {
         self.walk.culler.cost_model().unwrap().corrections()
     }
 
-    /// Goes on until the proportion is as wanted; answers after how many frames.
+    /// Steps until the proportion is as wanted, and returns the number of frames that took.
     fn until(&mut self, most: usize, is_found: impl Fn(f32) -> bool) -> usize {
         for frames in 0..most {
             if is_found(self.corrections().proportion) {
@@ -133,7 +135,7 @@ impl Clocked {
     }
 }
 
-/// Returns what a frame's draws and tests take, reckoned from the plan.
+/// Returns the time of a frame's draws and tests, computed from the plan.
 fn cost_ns(plan: &FramePlan, draws: u64, prices: &CostTable) -> f64 {
     assert!(plan.tests.iter().all(|test| test.tester == Tester::Query));
     let drawing = draws as f64 * f64::from(prices.leaf_ns(100.0));
@@ -150,7 +152,7 @@ fn cost_ns(plan: &FramePlan, draws: u64, prices: &CostTable) -> f64 {
 #[test]
 fn tests_that_are_dearer_than_told_end_where_they_do_not_pay_and_come_back() {
     for seed in 0..3 {
-        // What is decided by prices that are right, and by those that are five times too low.
+        // The decisions by prices that are right, and by those that are five times too low.
         let mut right = Clocked { learns: false, ..Clocked::new(dearer(5.0), seed) };
         let mut wrong = Clocked { learns: false, ..Clocked::new(table(), seed) };
         let mut learning = Clocked { tests: 5.0, ..Clocked::new(table(), seed) };

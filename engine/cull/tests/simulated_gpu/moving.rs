@@ -26,20 +26,20 @@ struct Eye {
     pauses: f32,
 }
 
-/// What a seed stands for.
+/// The world of a seed.
 struct World {
     random: Random,
     scene: Scene,
-    /// Solids of the objects that are away.
+    /// The boxes and solids of the objects that are away.
     away: Vec<(Aabb, Aabb)>,
     hierarchy: Hierarchy,
-    /// Moves, removals and insertions a frame.
+    /// The moves, removals and insertions per frame.
     changes: [usize; 3],
     reach: f32,
     sub_pixel_bits: u32,
 }
 
-/// What was checked.
+/// The counts of the checked cases.
 #[derive(Clone, Copy, Debug, Default)]
 struct Checked {
     frames: u64,
@@ -212,7 +212,7 @@ fn nothing_visible_is_missing_while_everything_moves() {
     assert!(sum.drawn * 3 < sum.there * 2, "nothing was culled: {sum:?}");
 }
 
-/// What moves among many that do not costs no more than what it takes to draw and test it.
+/// Checks that objects that move among many still ones cost no more than their own draws and tests.
 #[test]
 fn things_that_move_behind_a_wall_stay_hidden() {
     let wall = Aabb::new(Vec3::new(-40.0, -40.0, -1.0), Vec3::new(40.0, 40.0, 0.0));

@@ -1,5 +1,4 @@
-//! Answers of earlier frames that decide about this one: cheap, exact at rest, and wrong in
-//! between.
+//! Tests of the strategy by the last frame's answers: cheap, exact at rest, and wrong in between.
 
 use antumbra_cull::{Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, Strategy, View};
 use glam::{Quat, Vec3};
@@ -37,7 +36,7 @@ impl Walk {
         }
     }
 
-    /// Returns a frame; answers how many pixels are wrong.
+    /// Runs a frame and returns the number of wrong pixels.
     fn step(&mut self, camera: &Camera) -> usize {
         let view = View::new(camera, SIZE, 8);
         let answers = self.device.collect(self.culler.frame().0 + 1, &self.hierarchy);

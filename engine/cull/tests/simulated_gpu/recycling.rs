@@ -1,4 +1,5 @@
-//! What survives when nodes come to stand for something else, and what must not.
+//! Tests of the history when nodes come to stand for something else: the parts that survive, and
+//! those that must not.
 
 use antumbra_cull::{
     Aabb, Answer, Batch, BlockingCuller, BlockingOptions, Camera, CullConfig, Culler, FramePlan,
@@ -29,14 +30,14 @@ fn leaf_state(culler: &Culler, hierarchy: &Hierarchy, object: ObjectId) -> NodeS
     culler.state(hierarchy.node_of(object).unwrap())
 }
 
-/// Returns an object that the walk has seen, in a state.
+/// Returns an object whose leaf is in a state.
 fn an_object(walk: &Walk, state: NodeState) -> ObjectId {
     let objects = walk.hierarchy.leaf_objects().iter().copied();
     let mut found = objects.filter(|o| leaf_state(&walk.culler, &walk.hierarchy, *o) == state);
     found.next().expect("an object in this state")
 }
 
-/// A plan for what is there, without looking at its answers.
+/// Plans a frame for the hierarchy and ignores the plan.
 fn plan_once(culler: &mut Culler, hierarchy: &Hierarchy) {
     let view = View::new(&STREET, SIZE, 8);
     culler.plan(hierarchy, Strategy::Antumbra, &view, BUDGET, &mut FramePlan::default());
@@ -62,7 +63,7 @@ fn a_recycled_id_inherits_neither_history_nor_answers() {
             walk.culler.ingest(&walk.hierarchy, [Answer { tag: before, samples }]);
             assert_eq!(walk.culler.state(node), NodeState::Unknown);
         }
-        // What is asked from now on counts.
+        // Tests from now on count.
         plan_once(&mut walk.culler, &walk.hierarchy);
         let after = QueryTag {
             generation: walk.hierarchy.generation(),
@@ -91,8 +92,8 @@ fn answers_about_other_nodes_count_across_a_recycling() {
     assert_eq!(leaf_state(&walk.culler, &walk.hierarchy, other), NodeState::Hidden);
 }
 
-/// Shakes the objects around the camera until a part of the tree is rebuilt that holds one that is
-/// visible; answers the part.
+/// Moves the objects around the camera until a part of the tree with a visible one is rebuilt, and
+/// returns the part.
 fn mingle(walk: &mut Walk, states: &[NodeState]) -> LeafRange {
     let count = walk.scene.bounds.len();
     let mut reordered = Vec::new();
@@ -204,7 +205,7 @@ fn another_hierarchy_is_not_taken_for_the_first() {
 }
 
 impl Walk {
-    /// Returns a second view of the same that has seen the same.
+    /// Returns the culler of a second view with the same history.
     fn culler_clone_that_follows(&self) -> Culler {
         let mut twin = Self {
             scene: crate::scene::Scene::solid(self.scene.bounds.clone()),

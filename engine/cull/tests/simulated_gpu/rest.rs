@@ -1,4 +1,4 @@
-//! A still camera comes to rest: what can be said once is not asked for ever.
+//! Tests that plans of a still camera come to rest: a test is not repeated for ever.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,8 @@ const STREET: Camera = Camera {
     near: 0.1,
 };
 
-/// Returns what a plan draws for certain and what it tests, less what is scheduled.
+/// Returns the leaves that a plan draws without a test and the nodes that it tests, apart from
+/// scheduled tests.
 fn essence(walk: &Walk) -> (BTreeSet<u32>, BTreeSet<u32>) {
     let queried = walk.plan.queried_draws.iter().map(|(leaf, _)| leaf.0);
     let draws = walk.plan.draws.iter().map(|leaf| leaf.0).chain(queried);
@@ -58,7 +59,7 @@ fn a_still_camera_comes_to_rest() {
         assert_eq!(drawn.len(), 1, "what is drawn does not change: {report}");
         assert!(drawn.iter().all(|drawn| *drawn < count / 10), "{report}");
         assert!(stats.frontier < first && stats.unknown == 0, "{report}");
-        // What still changes: leaves whose boxes show while they do not, now and then.
+        // The rest of the changes: leaves whose boxes show while they do not, now and then.
         assert!(changed < frames, "{report}");
         // Own draws are tested at half to all of the longest interval, probes now and then.
         let scheduled = frames * stats.visible as usize / 8;

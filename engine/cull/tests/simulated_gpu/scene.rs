@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::image::Shift;
 use crate::random::Random;
 
-/// Objects: their bounding boxes, what is solid in them, and how the device shifts them.
+/// A scene: the objects' bounding boxes, the solids in them, and their shifts by the device.
 pub struct Scene {
     pub bounds: Vec<Aabb>,
     pub solids: Vec<Aabb>,
@@ -31,12 +31,12 @@ impl Scene {
         Self { bounds, solids, shifts }
     }
 
-    /// Solids that fill their bounding boxes, not shifted.
+    /// Creates a scene of solids that fill their bounding boxes, not shifted.
     pub fn solid(bounds: Vec<Aabb>) -> Self {
         Self { solids: bounds.clone(), shifts: vec![[0.0; 2]; bounds.len()], bounds }
     }
 
-    /// Moves an object by a random distance; answers its number.
+    /// Moves an object by a random distance and returns its number.
     pub fn move_one(&mut self, random: &mut Random) -> usize {
         let object = random.below(self.bounds.len());
         let offset = random.point(-3.0, 3.0);
@@ -52,7 +52,7 @@ pub fn cube(centre: Vec3, random: &mut Random) -> Aabb {
     Aabb::new(centre - half, centre + half)
 }
 
-/// Blocks of different heights on a grid, with small things between.
+/// Returns blocks of different heights on a grid, with small objects between.
 pub fn city(random: &mut Random, side: usize) -> Vec<Aabb> {
     let mut boxes = Vec::new();
     for x in 0..side {
@@ -79,7 +79,7 @@ fn wall_and_clutter(random: &mut Random, count: usize) -> Vec<Aabb> {
     std::iter::once(wall).chain(clutter).collect()
 }
 
-/// Equal boxes in equal distances, touching: ties everywhere, coplanar faces.
+/// Returns equal boxes in equal distances, touching: ties everywhere, coplanar faces.
 fn row(count: usize) -> Vec<Aabb> {
     (0..count)
         .map(|number| {
@@ -89,7 +89,7 @@ fn row(count: usize) -> Vec<Aabb> {
         .collect()
 }
 
-/// Boxes without a thickness, and without any size.
+/// Returns boxes without a thickness, and without any size.
 fn flat(random: &mut Random, count: usize) -> Vec<Aabb> {
     (0..count)
         .map(|number| {
@@ -103,7 +103,7 @@ fn flat(random: &mut Random, count: usize) -> Vec<Aabb> {
         .collect()
 }
 
-/// Returns what fills a part of a bounding box, or all of it.
+/// Returns a solid that fills a part of a bounding box, or all of it.
 fn shrunken(bounds: &Aabb, random: &mut Random) -> Aabb {
     if random.chance(0.4) {
         return *bounds;
@@ -113,15 +113,15 @@ fn shrunken(bounds: &Aabb, random: &mut Random) -> Aabb {
     Aabb::new(solid.min.max(bounds.min), solid.max.min(bounds.max))
 }
 
-/// A way for the camera.
+/// A path of the camera.
 #[derive(Clone, Copy, Debug)]
 pub enum Path {
     Still,
     Forward,
     Turning,
-    /// Somewhere else every few frames.
+    /// Another place every few frames.
     Cuts,
-    /// Through everything, also through boxes.
+    /// A walk through everything, also through boxes.
     Wander,
 }
 

@@ -1,4 +1,5 @@
-//! The executor of a blocking: submits, waits and polls as the renderer does, with all mishaps.
+//! The executor of a blocking method: submits, waits and polls as the renderer does, with all
+//! mishaps.
 
 use antumbra_cull::{
     Aabb, Batch, BlockingFrame, BlockingStats, Hierarchy, LeafIndex, NextAction, TestAnswer,
@@ -9,10 +10,10 @@ use crate::device::Solids;
 use crate::image::Image;
 use crate::random::Random;
 
-/// What can happen to an answer inside of a frame.
+/// The mishaps of results inside of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Trouble {
-    /// How often one must come back before an answer is home, without waiting for it.
+    /// The number of polls before a result is available without a wait.
     pub polls: usize,
     pub lost: f32,
     pub twice: f32,
@@ -22,7 +23,7 @@ pub struct Talk {
     pub image: Image,
     /// Leaves drawn by the last frame, in order.
     pub drawn: Vec<LeafIndex>,
-    /// The tokens asked by the last frame in the order of their execution, and with which submit.
+    /// The queries of the last frame in the order of their execution, and the submit of each.
     pub asked: Vec<(TestToken, usize)>,
     submits: usize,
     pub trouble: Trouble,
@@ -31,7 +32,7 @@ pub struct Talk {
     under_way: Vec<UnderWay>,
 }
 
-/// An answer that is not home.
+/// A result that has not come back.
 #[derive(Clone, Copy)]
 struct UnderWay {
     polls: usize,
@@ -39,7 +40,7 @@ struct UnderWay {
     answer: TestAnswer,
 }
 
-/// More steps than any scene of these tests needs.
+/// The most steps, more than any scene of these tests needs.
 const STEPS: usize = 20_000;
 
 impl Talk {
@@ -56,7 +57,7 @@ impl Talk {
         }
     }
 
-    /// Returns a whole frame.
+    /// Runs a whole frame and returns its counts.
     pub fn frame(
         &mut self,
         conversation: &mut BlockingFrame<'_>,
@@ -123,7 +124,7 @@ impl Talk {
         }
     }
 
-    /// All that was submitted with a question or before is home.
+    /// Makes all results available that were submitted with a query or before.
     fn wait(&mut self, token: TestToken) {
         let asked = self.asked.iter().find(|(asked, _)| *asked == token);
         let submit = asked.expect("only what was asked is waited for").1;
@@ -132,7 +133,7 @@ impl Talk {
         }
     }
 
-    /// Returns what is home, in random order.
+    /// Returns the available results, in random order.
     fn collect(&mut self) -> Vec<TestAnswer> {
         let is_home = |it: &UnderWay| it.polls == 0;
         let mut home: Vec<_> =

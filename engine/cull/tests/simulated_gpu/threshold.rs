@@ -1,4 +1,5 @@
-//! With a threshold, what is missing is what showed no more than that, and no more of it.
+//! Tests that with a threshold only objects that showed no more samples than it are missing, and no
+//! more pixels than that.
 
 use antumbra_cull::{
     Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, NodeState, ObjectId, Strategy,
@@ -17,7 +18,7 @@ const FRAMES: u64 = 24;
 const SIZE: [u32; 2] = [40, 28];
 const SUB_PIXEL_BITS: u32 = 8;
 
-/// What a walk found.
+/// The findings of a walk.
 #[derive(Debug, Default)]
 struct Found {
     drawn: usize,
@@ -25,7 +26,7 @@ struct Found {
     neglected: u64,
 }
 
-/// Pixels of the whole image in which some of these objects is the nearest.
+/// Counts the pixels of the whole image in which some of these objects is the nearest.
 fn owned(view: &View, scene: &Scene, truth: &Image, objects: impl Iterator<Item = usize>) -> u32 {
     let mut alone = Image::new(SIZE);
     let mut is_owned = vec![false; truth.depths.len()];
@@ -101,8 +102,8 @@ fn what_is_missing_showed_no_more_than_the_threshold() {
     assert!(many.drawn < few.drawn && few.drawn < exact.drawn, "{exact:?} {few:?} {many:?}");
 }
 
-/// Something peeps out from behind a wall by some pixels: with a threshold it comes to count as
-/// hidden and costs one test a frame, without one it stays visible.
+/// Checks an object that shows some pixels beside a wall: with a threshold it comes to count as
+/// hidden and costs one test per frame, without one it stays visible.
 #[test]
 fn what_shows_little_comes_to_count_as_hidden() {
     let wall = Aabb::new(Vec3::new(-4.0, -4.0, -6.0), Vec3::new(4.0, 0.0, -5.0));

@@ -1,4 +1,4 @@
-//! A culler, a device and a scene that go on frame by frame.
+//! A culler, a device and a scene that advance frame by frame.
 
 use antumbra_cull::{
     Aabb, Camera, CostTable, CullConfig, Culler, FramePlan, Hierarchy, SceneCosts, Strategy, View,
@@ -30,7 +30,7 @@ impl Walk {
         }
     }
 
-    /// Returns the same with a governor and objects of 100 triangles.
+    /// Returns the same with a cost model and objects of 100 triangles.
     pub fn cost_driven(bounds: Vec<Aabb>, latency: u64, table: CostTable) -> Self {
         let mut walk = Self::new(bounds, latency);
         walk.culler.set_costs(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();
@@ -52,7 +52,7 @@ impl Walk {
         }
     }
 
-    /// Leaves that frustum culling would draw.
+    /// Counts the leaves that frustum culling would draw.
     pub fn count_in_frustum(&self, camera: &Camera) -> usize {
         let view = View::new(camera, SIZE, 8);
         let mut plan = FramePlan::default();
@@ -61,7 +61,7 @@ impl Walk {
         plan.draws.len()
     }
 
-    /// Returns the last frame's image is that of drawing everything.
+    /// Returns true if the last frame's image is the same as with everything drawn.
     pub fn is_exact(&self, camera: &Camera) -> bool {
         let view = View::new(camera, SIZE, 8);
         let mut truth = Image::new(SIZE);

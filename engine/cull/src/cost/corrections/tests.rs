@@ -1,4 +1,4 @@
-//! Tests of what is learned: from clear, noisy and nonsensical times.
+//! Tests of the corrections that are learned from clear, noisy and nonsensical times.
 
 use super::*;
 use crate::rng::SplitMix64;
@@ -7,11 +7,11 @@ use crate::rng::SplitMix64;
 struct Frames {
     rng: SplitMix64,
     learner: Learner,
-    /// How many times dearer draws and tests are than the table says.
+    /// The factors by which draws and tests are dearer than the table says.
     truth: [f64; 2],
-    /// Times are off by up to this share.
+    /// The share by which times may be off.
     noise: f64,
-    /// One in so many takes ten times as long; 0 for none.
+    /// The interval of frames that take ten times as long; 0 for none.
     odd_one_in: u32,
     rest_ns: f64,
 }

@@ -1,5 +1,5 @@
-//! A hierarchy that changes: objects move, go and come, and worn parts are rebuilt. The work is
-//! that of what changed, not of the scene.
+//! Changes of a hierarchy: objects move, go and come, and worn parts are rebuilt. The work grows
+//! with the changes, not with the scene.
 
 use super::super::journal::{Change, FREE_LEAF, Journal, NEW_LEAF, Restructured};
 use super::super::refit::{Nodes, refit};
@@ -9,7 +9,7 @@ use super::super::{Hierarchy, HierarchyError, build, occupancy, restructure};
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, LeafRange, NodeId, ObjectId};
 
-/// What changes have cost so far, counted since the hierarchy was made.
+/// The work that changes took, counted since the hierarchy was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HierarchyWork {
     /// Leaves whose box was set.
@@ -53,8 +53,8 @@ impl Hierarchy {
     }
 
     /// Puts an object in, in the free leaf where it fits best: one of an object that was removed,
-    /// or that was built with an empty box. Nothing of what the leaf held before is remembered of
-    /// the new object, in no view, and answers to questions about it are ignored.
+    /// or that was built with an empty box. No view remembers the leaf's former object as the new
+    /// one, and results of tests of the former are ignored.
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`]; [`HierarchyError::NoFreeLeaf`].
@@ -70,18 +70,18 @@ impl Hierarchy {
         Ok(object)
     }
 
-    /// Returns how many objects can still be inserted.
+    /// Returns the number of objects that can still be inserted.
     #[must_use]
     pub fn free_leaves(&self) -> usize {
         self.nodes.free.first().map_or(0, |free| *free as usize)
     }
 
-    /// Rebuilds what has become worn by moving, a bounded number of leaves at a time, the most
-    /// rewarding parts first; the whole only if it is worn as a whole and not large. Call it
-    /// once a frame, after what moved, came and went. Adds the ranges whose leaves are in another
+    /// Rebuilds subtrees that moving has worn, a bounded number of leaves at a time, the most
+    /// rewarding first; the whole only if it is worn as a whole and not large. To be called once
+    /// per frame, after the frame's other changes. Adds the ranges whose leaves are in another
     /// order now to `reordered`.
     ///
-    /// Objects keep their ids and cullers what they know of them.
+    /// Objects keep their ids, and cullers keep their history.
     pub fn restructure(&mut self, reordered: &mut Vec<LeafRange>) {
         if self.is_worn() && self.topology.leaf_objects.len() <= LEAVES_OF_WHOLE as usize {
             self.rebuild_below(0, reordered);
@@ -107,12 +107,12 @@ impl Hierarchy {
         root.is_some_and(|bounds| self.nodes.wear.excess(0, bounds).is_some())
     }
 
-    /// Builds anew, for instance after objects were moved so far that the old shape is a bad one,
-    /// or to make room for more. Cullers notice by themselves and carry their history over by
-    /// object: an object keeps its id, or its history is that of the object that had the id before.
+    /// Builds the hierarchy again, for instance after objects were moved so far that the old shape
+    /// is a bad one, or to make room for more. Cullers notice by themselves and carry their history
+    /// over by object: an object keeps its id, or else inherits the history of the object that had
+    /// the id before.
     ///
-    /// # Errors
-    /// As [`Hierarchy::build`]; the hierarchy is then unchanged.
+    /// # Errors Those of [`Hierarchy::build`]; the hierarchy is then unchanged.
     pub fn rebuild(&mut self, boxes: &[Aabb]) -> Result<Generation, HierarchyError> {
         let topology = build::topology(boxes)?;
         let moved_from = topology.leaf_objects.iter().map(|object| {
@@ -148,22 +148,22 @@ impl Hierarchy {
         Ok(generation)
     }
 
-    /// Returns what changes have cost so far.
+    /// Returns the work that changes took so far.
     #[must_use]
     pub fn work(&self) -> HierarchyWork {
         self.work
     }
 
-    /// Returns true if a node stood for the same in `generation` as now: what was found out about
-    /// it then is about what it is now.
+    /// Returns true if a node stood for the same in `generation` as now, so that results from then
+    /// still hold.
     #[must_use]
     pub fn is_same_since(&self, node: NodeId, generation: Generation) -> bool {
         let born = self.births.get(node.0 as usize);
         generation <= self.generation && born.is_some_and(|born| *born <= generation)
     }
 
-    /// Returns true if an object is there and was there in `generation`: what was found out about
-    /// its id then is about it and not about one that had the id before.
+    /// Returns true if an object is there and was there in `generation`, so that results from then
+    /// are not about an earlier object with the same id.
     #[must_use]
     pub fn is_same_object_since(&self, object: ObjectId, generation: Generation) -> bool {
         let arrived = self.arrivals.get(object.0 as usize);
@@ -202,8 +202,8 @@ impl Hierarchy {
         reordered.push(leaves);
     }
 
-    /// Numbers a change. After 2^32 of them the past begins anew: nobody's knowledge and no answer
-    /// is older than that.
+    /// Numbers a change. After 2^32 of them the numbers start again: no history and no result is
+    /// older than that.
     fn begin_generation(&mut self) -> Generation {
         match self.generation.0.checked_add(1) {
             Some(next) => self.generation = Generation(next),

@@ -15,7 +15,7 @@ impl Hierarchy {
     /// [`Strategy::Frustum`](crate::Strategy::Frustum) draws.
     ///
     /// Descends only into nodes that cross a plane of the frustum, so the cost grows with the
-    /// frustum's surface and not with what lies inside of it or outside. Allocates nothing.
+    /// frustum's surface and not with its contents or its surroundings. Allocates nothing.
     #[must_use]
     pub fn objects_in_frustum(&self, view: &View) -> u32 {
         let mut count = 0;

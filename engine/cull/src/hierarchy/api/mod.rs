@@ -1,4 +1,4 @@
-//! How a hierarchy is changed, and what can be asked of it.
+//! The changes and the queries of a hierarchy.
 
 pub(crate) mod changes;
 mod in_frustum;

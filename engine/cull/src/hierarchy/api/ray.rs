@@ -6,12 +6,13 @@ use super::super::Hierarchy;
 use crate::geom::bounds::Aabb;
 use crate::ids::{LeafIndex, NodeId};
 
-/// Boxes are met that a ray misses by this share of their distance: rounding loses none.
+/// The share of a box's distance by which a ray may miss it and still counts as meeting it, so that
+/// rounding loses no box.
 const TOLERANCE: f32 = 1e-4;
 
 impl Hierarchy {
-    /// Returns the leaves whose boxes are met by the ray from `origin` along `direction`, those
-    /// that it enters first in front, with the distances in lengths of `direction`. A box that
+    /// Returns the leaves whose boxes are met by the ray from `origin` along `direction`, in the
+    /// order in which it enters them, with the distances in lengths of `direction`. A box that
     /// holds the origin is met at distance 0.
     #[must_use]
     pub fn leaves_along(&self, origin: Vec3, direction: Vec3) -> Vec<(f32, LeafIndex)> {
@@ -33,7 +34,8 @@ impl Hierarchy {
     }
 }
 
-/// Returns where a ray enters a box (Kay and Kajiya 1986: slabs); `None` if it misses it.
+/// Returns the distance at which a ray enters a box (Kay and Kajiya 1986: slabs); `None` if it
+/// misses it.
 fn entry(bounds: &Aabb, origin: Vec3, direction: Vec3) -> Option<f32> {
     let (mut nearest, mut farthest) = (0.0_f32, f32::INFINITY);
     for axis in 0..3 {
