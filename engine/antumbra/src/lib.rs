@@ -1,8 +1,8 @@
 //! A Vulkan engine that draws only what can be seen, never waits for the GPU to find out, and never
 //! shows a wrong pixel.
 //!
-//! This crate is what programs depend on: the crates of the engine under their short names, and at
-//! its root what every program needs.
+//! This crate is the one that programs depend on: the crates of the engine under their short names,
+//! and at its root the items that every program needs.
 //!
 //! ```no_run
 //! use antumbra::scene::{Mesh, Scene};
@@ -26,16 +26,16 @@
 //! # Ok(()) }
 //! ```
 //!
-//! | module | what is in it |
+//! | module | contents |
 //! |---|---|
-//! | [`scene`] | meshes, materials, objects, lights, and how they change |
-//! | [`render`] | the renderer: frames, views, updates, what explains them |
-//! | [`occlusion`] | the executor of the culler's plans, for who draws objects himself |
+//! | [`scene`] | meshes, materials, objects, lights, and their changes |
+//! | [`render`] | the renderer: frames, views, updates, their explanations |
+//! | [`occlusion`] | the executor of the culler's plans, for programs that draw objects |
 //! | `methods` | the methods of the literature, with the feature `methods` |
 //! | [`gpu`] | devices, windows, pictures |
 //! | [`cull`] | cameras, strategies, the hierarchy; decisions as pure values |
 //! | `import`, `animation` | glTF files and their clips, with the feature `import` |
-//! | `pacing` | when to start a frame, with the feature `pacing` |
+//! | `pacing` | the start times of frames, with the feature `pacing` |
 #![forbid(unsafe_code)]
 
 #[cfg(feature = "import")]

@@ -1,14 +1,15 @@
 //! The frame of a method that needs results before it can go on: batch by batch, each submitted
-//! before the next is decided. What is drawn and tested is decided by a state machine of `cull`.
+//! before the next is decided. A state machine of `cull` decides the draws and tests.
 //!
 //! ```text
 //! batch       the first clears; draws, some under a query each, then boxes under a query each;
-//!             answers -> mapped memory; submit
-//! ...         as long as the method has something to ask; it says when to wait for an answer
-//! shaded      the picture, where the batches drew the depth only; `surfaces` in scenes that have any
+//!             results -> mapped memory; submit
+//! ...         as long as the method has tests; it says when to wait for a result
+//! shaded      the picture, where the batches drew the depth only; `surfaces` in scenes that have
+//!             any
 //! ```
 //!
-//! The answers to a batch are read when its tick is over: nothing asks the driver for a query.
+//! The results of a batch are read when its tick is over: no query is read through the driver.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -28,7 +29,7 @@ use occlusion::{
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
-/// What one view keeps, whichever of the methods it is drawn by.
+/// The state of one view, the same for all of the methods.
 struct BlockingState {
     blocking: BlockingCuller,
     queries: BlockingQueryPool,
@@ -42,7 +43,7 @@ pub(crate) struct BlockingMethod {
     options: BlockingOptions,
 }
 
-/// A part of a frame that was sent off and has answers to give.
+/// A part of a frame that was submitted and has results to come.
 struct Submission {
     queries: Range<u32>,
     tick: Tick,
@@ -109,15 +110,15 @@ impl BlockingMethod {
         Self { strategy, options: *options }
     }
 
-    /// Returns what queries tell: the number of samples where a threshold needs it.
+    /// Returns the kind of queries: they count samples where a threshold needs it.
     fn counting(&self) -> Counting {
         let threshold = self.options.coherent.visibility_threshold_samples;
         let counts = self.strategy == Strategy::Coherent && threshold > 0;
         if counts { Counting::Samples } else { Counting::Some }
     }
 
-    /// Returns true if the batches draw depth alone and the colour comes last: where the option
-    /// says so, in scenes that are not drawn so anyway.
+    /// Returns true if the batches draw depth alone and the colour comes last, as an option demands
+    /// it in scenes that are not drawn so anyway.
     fn is_depth_first(&self, scene: &MethodScene<'_>) -> bool {
         self.strategy == Strategy::Coherent
             && self.options.coherent.first_pass == FirstPass::DepthOnly
@@ -238,8 +239,8 @@ impl BlockingMethod {
 }
 
 impl BatchIo {
-    /// Writes `batch` into the memory of `frame`, and takes a query for each of its questions:
-    /// those of a batch have consecutive tokens, and a token is the number of its query.
+    /// Writes `batch` into the memory of `frame`, and takes a query for each of its tests: those of
+    /// a batch have consecutive tokens, and a token is the number of its query.
     fn write(
         frame: &mut Frame<'_>,
         batch: &Batch,
@@ -260,7 +261,7 @@ impl BatchIo {
     }
 }
 
-/// Draws in one call from one leaf that is asked about to the next.
+/// Draws in one call from one leaf under a query to the next.
 fn draw(
     commands: &Commands,
     leaves: &[BatchDraw],
@@ -289,7 +290,7 @@ fn draw(
     }
 }
 
-/// Waits for the piece that answers a question.
+/// Waits for the submission with a query.
 fn wait(
     frame: &mut Frame<'_>,
     under_way: &VecDeque<Submission>,
@@ -301,7 +302,7 @@ fn wait(
     }
 }
 
-/// Takes the answers of the pieces that are over, in their order.
+/// Takes the results of the submissions that are over, in their order.
 fn collect(
     completed: Tick,
     under_way: &mut VecDeque<Submission>,

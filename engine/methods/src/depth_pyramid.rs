@@ -1,21 +1,19 @@
-//! The depth pyramid of today's engines (niagara and Bevy, two phases; the pyramid is that of
-//! Greene, Kass and Miller 1993, "Hierarchical Z-Buffer Visibility"): all decisions fall on the
-//! GPU.
+//! The depth pyramid of today's engines (niagara and Bevy, two phases; the pyramid of Greene, Kass
+//! and Miller 1993, "Hierarchical Z-Buffer Visibility"): the GPU makes all decisions.
 //!
 //! ```text
-//! remembered  what was visible in the last frame and is in the frustum -> list of draws
+//! remembered  leaves visible in the last frame and in the frustum -> list of draws
 //! visible     clear; draw the list
 //! pyramid     depth image -> farthest depths at every level
-//! tests       everything in the frustum against the pyramid -> list of what shows and was not
-//!             drawn; what shows -> the next frame
+//! tests       everything in the frustum against the pyramid -> list of leaves that show and were
+//!             not drawn; leaves that show -> the next frame
 //! revealed    draw the list
 //! surfaces    both lists again, for their colour, in scenes with surfaces
 //! read back   counts -> mapped memory of this slot
 //! ```
 //!
-//! The image is exact for the reason
-//! in `pyramid.glsl`: what phase 2 leaves out is, at each sample it could own, farther than what
-//! phase 1 drew.
+//! The image is exact for the reason in `pyramid.glsl`: an object that phase 2 leaves out is, at
+//! each sample it could own, farther than the draws of phase 1.
 
 mod build;
 mod cull;
@@ -35,13 +33,13 @@ pub use build::{PyramidLevel, PyramidPass, pyramid_levels};
 use cull::{Counters, ListKind, Phase, PyramidCullIo, PyramidCullPass};
 use state::{COUNTER_BYTES, PyramidState};
 
-/// The method; what it needs on the device is made for the first frame.
+/// The method; its objects on the device are made for the first frame.
 #[derive(Default)]
 struct DepthPyramid {
     frame: Option<PyramidFrame>,
 }
 
-/// Makes the method.
+/// Creates the method.
 pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(DepthPyramid::default())
 }
@@ -80,29 +78,29 @@ impl Method for DepthPyramid {
         Ok(Box::new(Self { frame: frame.transpose()? }))
     }
 
-    /// The pyramid and its buffers are of a size; the next frame makes others.
+    /// Drops the pyramid and its buffers, which are of a size; the next frame makes others.
     fn resized(&mut self) {
         self.frame = None;
     }
 }
 
-/// What all views share: the passes and the list of draws.
+/// The passes and the list of draws, which all views share.
 struct PyramidFrame {
     pyramid: PyramidPass,
     cull: PyramidCullPass,
     list: Buffer,
     list_kind: ListKind,
-    /// Where the list of the second phase lies: over that of the first, unless both are drawn
+    /// The offset of the second phase's list: over the list of the first, unless both are drawn
     /// again.
     second_bytes: u64,
     counters: Buffer,
     leaf_count: u32,
 }
 
-/// How many of the lists of the two phases are there once a frame is drawn.
+/// The lists of the two phases that are kept once a frame is drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Lists {
-    /// That of the second: nobody wants the other any more.
+    /// The list of the second: the other is not needed any more.
     One,
     /// Both, to be drawn again.
     Both,
@@ -110,10 +108,10 @@ enum Lists {
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
-/// No device wants storage buffers to begin at multiples of more.
+/// The largest alignment of storage buffers on any device.
 const MOST_ALIGNMENT_BYTES: u64 = 256;
 
-/// Storage buffers that the second phase reads and writes.
+/// The number of storage buffers that the second phase reads and writes.
 const STORAGE_BUFFERS: u32 = 6;
 
 impl PyramidFrame {
@@ -161,11 +159,9 @@ impl PyramidFrame {
         })
     }
 
-    /// Checks that the device has what it takes for the leaves of `hierarchy` and pictures of
-    /// `size`.
+    /// Checks that the device can hold the leaves of `hierarchy` and pictures of `size`.
     ///
-    /// # Errors
-    /// What is missing or too large.
+    /// # Errors The name of what is missing or too large.
     fn check(device: &Device, hierarchy: &Hierarchy, size: [u32; 2]) -> Result<(), Error> {
         let limits = &device.adapter().limits;
         if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {
@@ -274,7 +270,7 @@ impl PyramidFrame {
         });
     }
 
-    /// Room for the list of `phase`, which is bound in a scene without leaves too.
+    /// Returns the room for the list of `phase`, which is bound in a scene without leaves too.
     fn list(&self, phase: Phase) -> BufferSlice {
         let start = if phase == Phase::Second { self.second_bytes } else { 0 };
         self.list.whole().part(start, u64::from(self.leaf_count.max(1)) * DRAW_BYTES)

@@ -1,6 +1,6 @@
 //! The ideal (the optimum of the papers on coherent hierarchical culling): draws exactly the
-//! objects that own a pixel, found beforehand, and tests nothing. The bound that no method beats;
-//! not a product.
+//! objects that own a pixel, found beforehand, and tests nothing. The lower bound of every method,
+//! for comparison only.
 
 use cull::{BlockingOptions, Strategy};
 use gpu::{Frame, Optional};
@@ -8,10 +8,10 @@ use occlusion::{
     Error, Method, MethodRequest, MethodScene, MethodStats, MethodSupport, VisibilityState, execute,
 };
 
-/// Draws what is known to be visible.
+/// The method that draws the leaves that are known to be visible.
 struct Ideal;
 
-/// Makes the method.
+/// Creates the method.
 pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(Ideal)
 }
@@ -21,7 +21,7 @@ impl Method for Ideal {
         strategy == Strategy::Ideal
     }
 
-    /// Finding out what is visible takes fragment shaders that write to buffers.
+    /// Checks that fragment shaders can write to buffers, which finding the visible objects takes.
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
         if support.device.capabilities().has(Optional::FragmentStores) {
             return Ok(());

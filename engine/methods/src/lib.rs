@@ -1,8 +1,8 @@
 //! The methods of the literature and of today's engines, a file each: they run on the same scenes,
-//! frames and passes as ours, so that comparisons compare methods and nothing else.
+//! frames and passes as Antumbra's own, so that comparisons compare methods and nothing else.
 //!
-//! A renderer carries out those that it is given ([`ALL`]). A new method is a file with a type that
-//! implements [`occlusion::Method`], and a line in [`ALL`].
+//! A renderer supports the methods that it is given ([`ALL`]). A new method is a file with a type
+//! that implements [`occlusion::Method`], and a line in [`ALL`].
 //!
 //! ```
 //! # use antumbra_methods as methods;
@@ -27,7 +27,7 @@ use occlusion::MethodConstructor;
 
 pub use depth_pyramid::{PyramidLevel, PyramidPass, pyramid_levels};
 
-/// All of them.
+/// The constructors of all methods.
 pub const ALL: &[MethodConstructor] = &[
     naive::method,
     batched::method,

@@ -6,7 +6,7 @@ use occlusion::Method;
 
 use crate::blocking::BlockingMethod;
 
-/// Makes the method. Its decisions are those of [`cull::BlockingCuller`].
+/// Creates the method. [`cull::BlockingCuller`] makes its decisions.
 pub(crate) fn method(options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(BlockingMethod::new(Strategy::Naive, options))
 }

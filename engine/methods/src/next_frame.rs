@@ -1,5 +1,5 @@
 //! Next-frame occlusion queries (GPU Gems, 29.4): a query per object that is read in a later frame
-//! and decides about that one. Never waits, and is wrong until its results are there.
+//! and decides about that one. Never waits, and is wrong until its results are read back.
 
 use cull::{BlockingOptions, Strategy};
 use gpu::Frame;
@@ -7,10 +7,10 @@ use occlusion::{
     Error, Method, MethodRequest, MethodScene, MethodStats, PlannedMethod, VisibilityState,
 };
 
-/// A plan in which nothing hangs on the tests of the frame.
+/// The method of plans in which no draw depends on the tests of the frame.
 struct NextFrame;
 
-/// Makes the method.
+/// Creates the method.
 pub(crate) fn method(_options: &BlockingOptions) -> Box<dyn Method> {
     Box::new(NextFrame)
 }

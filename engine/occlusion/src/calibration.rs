@@ -1,10 +1,11 @@
-//! Measures what things cost on this device, before the first frame.
+//! Measures the prices of tests and draws on this device, before the first frame.
 //!
-//! Each price is a difference: a batch with twice as many of a thing less one with as many, so that
-//! what both have in common is of no account, and of several times the shortest counts. GPU
-//! timestamps are used where the device has them, else the CPU's time from submit to end. Nobody
-//! depends on the outcome but for speed: what makes no sense is replaced by the default. Where
-//! there are timestamps, cost models correct the outcome by what frames take (`cull::Corrections`).
+//! Each price is a difference: the time of a batch with twice as many of a thing less the time of
+//! one with half of them, so that their common costs cancel. Of several times the shortest counts.
+//! GPU timestamps are used where the device has them, else the CPU's time from submit to end. Only
+//! speed depends on the outcome: a price that makes no sense is replaced by the default. Where
+//! there are timestamps, cost models correct the outcome by the times of frames
+//! (`cull::Corrections`).
 
 mod batch;
 mod overlap;
@@ -22,7 +23,7 @@ use crate::shader_set::ShaderSet;
 pub use batch::PATCH_TRIANGLES;
 use batch::{Batch, Bench};
 
-/// No round of measurements begins after this.
+/// The time after which no round of measurements begins.
 const BUDGET: Duration = Duration::from_millis(60);
 
 /// The most rounds: more hardly make the shortest time shorter.
@@ -31,26 +32,27 @@ const ROUNDS: usize = 5;
 /// The source of prices.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Costs {
-    /// There are none: everything is tested that may be hidden.
+    /// No prices: everything that may be hidden is tested.
     Ignored,
-    /// As told.
+    /// The given table.
     Table(CostTable),
-    /// Measured when the renderer is made, which takes a quarter of a second on a software driver.
+    /// Prices that are measured when the renderer is made, which takes a quarter of a second on a
+    /// software driver.
     #[default]
     Measured,
 }
 
-/// What prices are measured with.
+/// The objects that prices are measured with.
 pub struct CalibrationScene<'a> {
     /// The device.
     pub device: &'a Device,
     /// The shaders.
     pub shaders: &'a ShaderSet,
-    /// What tests boxes.
+    /// The passes that test boxes.
     pub passes: &'a OcclusionPasses,
-    /// How hidden draws are skipped.
+    /// The way that hidden draws are skipped.
     pub predication: Predication,
-    /// Draws hidden objects that stand for the scene's.
+    /// The renderer that draws hidden objects in place of the scene's.
     pub objects: &'a mut dyn ObjectRenderer,
     /// An object of a triangle, and one of [`PATCH_TRIANGLES`] of which half face away.
     pub draws: [IndirectDraw; 2],
@@ -74,7 +76,7 @@ pub fn cost_table<E: Display>(
     }
 }
 
-/// Takes the time of batches.
+/// The clock that times batches.
 struct Clock {
     device: Device,
     frames: FrameRing,
@@ -91,7 +93,7 @@ impl Clock {
         Ok(Self { device: device.clone(), frames, has_timestamps })
     }
 
-    /// Returns how long a batch takes (ns), alone on the GPU.
+    /// Returns the time of a batch (ns), alone on the GPU.
     fn time_ns(&mut self, bench: &mut Bench<'_>, batch: Batch) -> Result<f64, Error> {
         let mut frame = self.frames.begin()?;
         bench.prepare(&mut frame, batch)?;
@@ -109,7 +111,7 @@ impl Clock {
     }
 }
 
-/// Times of one batch with a number of things and with twice as many.
+/// The times of one batch with a number of things and with twice as many.
 struct Pair {
     single_ns: f64,
     double_ns: f64,
@@ -122,13 +124,13 @@ impl Default for Pair {
 }
 
 impl Pair {
-    /// Keeps the shortest times: what disturbs a machine makes them longer, never shorter.
+    /// Keeps the shortest times: disturbances make them longer, never shorter.
     fn add(&mut self, single_ns: f64, double_ns: f64) {
         self.single_ns = self.single_ns.min(single_ns);
         self.double_ns = self.double_ns.min(double_ns);
     }
 
-    /// Returns what one thing costs (ns), or no number if nothing was measured.
+    /// Returns the price of one thing (ns), or NaN if nothing was measured.
     fn each_ns(&self, count: u32) -> f64 {
         (self.double_ns - self.single_ns) / f64::from(count.max(1))
     }
@@ -184,7 +186,7 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<CostTable, Error> {
     Ok(table)
 }
 
-/// Prices from what batches cost each.
+/// Returns the prices that follow from the price per thing of each batch.
 fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTable {
     let draw = each(Batch::DRAWS);
     let query = each(Batch::QUERIES) - draw;
@@ -207,8 +209,8 @@ fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTabl
     }
 }
 
-/// Replaces what cannot be by the default. A small price may come out negative: then it is too
-/// small to be told from noise, and counts as nothing.
+/// Replaces impossible prices by the default. A small price may come out negative: then it is too
+/// small to be distinguished from noise, and counts as nothing.
 fn sensible(measured: CostTable, predication: Predication) -> CostTable {
     let usual = CostTable::default();
     let mut doubtful = Vec::new();

@@ -1,4 +1,4 @@
-//! What can go wrong while a plan is executed.
+//! The errors of the execution of plans.
 
 /// An error of the execution. Its text is a sentence for the user.
 #[derive(Debug, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! What plans over the leaves of one scene are executed with.
+//! The executor of plans over the leaves of one scene.
 
 use cull::TesterSupport;
 use gpu::Device;
@@ -6,18 +6,18 @@ use gpu::Device;
 use crate::leaf_table::LeafTable;
 use crate::passes::{ComputeTest, OcclusionPasses};
 
-/// What plans over the leaves of one scene are [executed](crate::execute) with; all its views share
-/// it.
+/// The passes and leaves with which plans over one scene are [executed](crate::execute); all its
+/// views share them.
 pub struct PlanExecutor {
-    /// What tests boxes and uploads.
+    /// The passes that test boxes and upload.
     pub passes: OcclusionPasses,
-    /// What can be drawn.
+    /// The leaves that can be drawn.
     pub leaves: LeafTable,
 }
 
 impl PlanExecutor {
-    /// Returns what plans may make use of on `device`, for views of up to `size` pixels. With a
-    /// threshold only queries tell enough: other testers do not count samples.
+    /// Returns the testers that plans may use on `device`, for views of up to `size` pixels. With a
+    /// threshold only queries suffice: other testers do not count samples.
     pub fn testers(&self, device: &Device, size: [u32; 2]) -> TesterSupport {
         let is_exact = self.leaves.threshold_samples() == 0;
         TesterSupport {

@@ -1,7 +1,7 @@
 //! The times of frames on the GPU, for the cost models of the views that they showed.
 //!
-//! A time is known when the slot of its frame is used again, as the frame's results are; then it is
-//! known what was drawn. Prices are the device's: where a frame shows several views, each of their
+//! A time is known when the slot of its frame is used again, together with the frame's results and
+//! hence its draws. Prices belong to the device: where a frame shows several views, each of their
 //! cost models learns from the time of the frame and the contents of all of them.
 
 use std::collections::VecDeque;
@@ -12,8 +12,8 @@ use gpu::FrameTime;
 use crate::sent_frames::TIMES_KEPT;
 use crate::visibility_state::VisibilityState;
 
-/// One of so many frames of a view is timed. Timestamps keep frames from overlapping: on a software
-/// driver a frame that has them takes a tenth longer.
+/// The interval of the timed frames of a view. Timestamps keep frames from overlapping: on a
+/// software driver a frame that has them takes a tenth longer.
 const TIMED_INTERVAL_FRAMES: u64 = 16;
 
 /// Returns true if the frame after `frame` is timed.
@@ -21,7 +21,7 @@ pub fn is_timed_after(frame: FrameId) -> bool {
     frame.0.is_multiple_of(TIMED_INTERVAL_FRAMES)
 }
 
-/// Times that no cost model learnt from yet.
+/// The times that no cost model learnt from yet.
 #[derive(Debug, Default)]
 pub struct FrameTimes {
     known: VecDeque<FrameTime>,
@@ -36,8 +36,8 @@ impl FrameTimes {
         self.known.push_back(time);
     }
 
-    /// Teaches the cost models of `views`, which were drawn together, from the frames that showed
-    /// them. The results of those frames must have been read.
+    /// Passes the times of the frames that showed `views`, which were drawn together, to their cost
+    /// models. The results of those frames must have been read.
     pub fn teach<V>(&mut self, views: &mut [V])
     where
         V: AsRef<VisibilityState> + AsMut<VisibilityState>,

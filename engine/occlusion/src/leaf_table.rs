@@ -1,5 +1,5 @@
 //! The objects as the executor sees them, in the order of the hierarchy's leaves, so that a subtree
-//! is a range of everything: a box, an indirect draw and counts per leaf, on the CPU and on the
+//! is a range of each array: a box, an indirect draw and counts per leaf, on the CPU and on the
 //! GPU.
 
 mod changes;
@@ -17,12 +17,12 @@ use changes::DrawChanges;
 pub use counts::LeafCount;
 use counts::LeafCounts;
 
-/// One thing that leaves can be: its indexed draw, and what that shows.
+/// A mesh that leaves can draw: its indexed draw and its triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshDraw {
     /// The draw; its first instance is the leaf and need not be set.
     pub draw: IndirectDraw,
-    /// How many triangles it shows.
+    /// The number of triangles.
     pub triangles: u32,
 }
 
@@ -31,16 +31,16 @@ pub struct MeshDraw {
 pub struct MeshDrawId(pub u32);
 
 impl MeshDrawId {
-    /// That of a leaf without an object: nothing is drawn.
+    /// The id for a leaf without an object: nothing is drawn.
     pub const NONE: Self = Self(u32::MAX);
 }
 
-/// How a table is made.
+/// The parameters of a table.
 #[derive(Clone, Debug)]
 pub struct LeafTableInfo {
-    /// What leaves can be.
+    /// The meshes that leaves can draw.
     pub mesh_draws: Arc<[MeshDraw]>,
-    /// How hidden draws are skipped; `None` takes the device's best.
+    /// The way that hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
     /// Frames that may be on their way to the GPU at once.
     pub frames_in_flight: usize,
@@ -48,19 +48,19 @@ pub struct LeafTableInfo {
     pub threshold_samples: u32,
 }
 
-/// The table that something was made for: what belongs to one fits no other.
+/// The identity of a table: objects made for one fit no other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct LeafTableId(u64);
 
 impl LeafTableId {
-    /// Returns one that no other table of the process has.
+    /// Creates an identity that no other table of the process has.
     fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
     }
 }
 
-/// The leaves of one scene. What changes is marked; the next frame brings it to the GPU.
+/// The leaves of one scene. Changed leaves are marked; the next frame uploads them.
 pub struct LeafTable {
     pub(crate) id: LeafTableId,
     /// One [`ProxyBox`] per leaf, not enlarged.
@@ -87,7 +87,7 @@ pub struct LeafElements {
 }
 
 impl LeafTable {
-    /// Uploads the leaves of `hierarchy`. `draw_of` says what an object is.
+    /// Uploads the leaves of `hierarchy`. `draw_of` returns the mesh of an object.
     ///
     /// # Errors
     /// No memory, a failed call; a threshold where queries do not count or under conditional
@@ -130,7 +130,7 @@ impl LeafTable {
         })
     }
 
-    /// Returns the draw of a leaf; of nothing where the leaf is free.
+    /// Returns the draw of a leaf; an empty one where the leaf is free.
     pub fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
         let id = self.leaf_draws.get(leaf.0 as usize).copied().unwrap_or(MeshDrawId::NONE);
         draw_of_leaf(&self.mesh_draws, id, leaf.0)
@@ -165,7 +165,8 @@ impl LeafTable {
         self.predicates.set_frames_in_flight(frames_in_flight);
     }
 
-    /// Notes that the object of a leaf is another, moved, or is now this: the next frame brings it.
+    /// Notes that the object of a leaf was replaced or moved, or has the mesh `now`: the next frame
+    /// uploads it.
     pub fn mark_dirty(&mut self, leaf: LeafIndex, now: MeshDrawId) {
         let place = leaf.0 as usize;
         let (Some(id), Some(is_dirty)) =
@@ -184,13 +185,13 @@ impl LeafTable {
         }
     }
 
-    /// Returns the leaves that the next frame brings to the GPU.
+    /// Returns the leaves that the next frame uploads.
     pub fn dirty(&self) -> &[LeafIndex] {
         &self.dirty
     }
 
     /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay
-    /// stale until the frame was [submitted](LeafTable::submitted): it may never be.
+    /// stale until the frame was [submitted](LeafTable::submitted), which may never happen.
     ///
     /// # Errors
     /// No memory.
@@ -223,7 +224,7 @@ impl LeafTable {
         Ok(())
     }
 
-    /// Notes that the frame that [`LeafTable::upload`] recorded for is on its way.
+    /// Notes that the frame of the last [`LeafTable::upload`] was submitted.
     pub fn submitted(&mut self) {
         for leaf in self.dirty.drain(..) {
             if let Some(is_dirty) = self.is_dirty.get_mut(leaf.0 as usize) {
@@ -243,7 +244,7 @@ fn draw_of_leaf(mesh_draws: &[MeshDraw], id: MeshDrawId, leaf: u32) -> IndirectD
     IndirectDraw { first_instance: leaf, ..draw }
 }
 
-/// Returns the box of an object, not enlarged; turned inside out if it is not there.
+/// Returns the box of an object, not enlarged; an inverted one if it is not there.
 fn leaf_box(hierarchy: &Hierarchy, object: ObjectId, count: LeafCount) -> ProxyBox {
     let node = hierarchy.node_of(object);
     let bounds = node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));

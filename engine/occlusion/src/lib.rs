@@ -1,16 +1,16 @@
 //! Occlusion culling on the GPU, the heart of Antumbra: executes a [`cull::FramePlan`] on a
-//! [`gpu::Device`] and brings the results back without waiting for them.
+//! [`gpu::Device`] and reads the results back without waiting for them.
 //!
-//! It knows boxes and indirect draws, no materials. Whoever owns the objects draws them: an
-//! [`ObjectRenderer`] binds pipelines and geometry, and the executor records which draws happen and
-//! under which predicate.
+//! It knows boxes and indirect draws, no materials. The owner of the objects draws them: an
+//! [`ObjectRenderer`] binds pipelines and geometry, and the executor records the draws and their
+//! predicates.
 //!
-//! | type | what it is |
+//! | type | purpose |
 //! |---|---|
-//! | [`LeafTable`] | a box, a draw and counts per leaf of the hierarchy, on the CPU and on the GPU |
+//! | [`LeafTable`] | box, draw and counts of each leaf of the hierarchy, on the CPU and on the GPU |
 //! | [`PlanExecutor`] | records the rounds of a plan: draws, tests, predicates, results |
 //! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
-//! | [`Method`] | the trait of all methods: [`PlannedMethod`] is ours |
+//! | [`Method`] | the trait of all methods: [`PlannedMethod`] is Antumbra's own |
 //! | [`Costs`], [`measure`] | prices of tests and draws on this device |
 //!
 //! A frame of somebody's own objects, each a box and an indexed draw:

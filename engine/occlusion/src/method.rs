@@ -1,4 +1,4 @@
-//! The trait of all methods that decide what is drawn: ours and those of the literature.
+//! The trait of all methods that decide what is drawn: Antumbra's own and those of the literature.
 
 use cull::{BlockingOptions, Hierarchy, LeafIndex, Strategy, View};
 use gpu::{Device, Frame, Optional, Tick, Timeline};
@@ -9,10 +9,10 @@ use crate::object_renderer::ObjectRenderer;
 use crate::shader_set::ShaderSet;
 use crate::visibility_state::VisibilityState;
 
-/// A way to decide what a view draws. One method serves all views of a scene; what it keeps per
-/// view is a [`MethodState`](crate::MethodState).
+/// A method to decide what a view draws. One method serves all views of a scene; its data per view
+/// is a [`MethodState`](crate::MethodState).
 pub trait Method: Send {
-    /// Returns true if it carries out `strategy`.
+    /// Returns true if it implements `strategy`.
     fn carries_out(&self, strategy: Strategy) -> bool;
 
     /// Refuses a device, scene or threshold that it cannot work with.
@@ -23,7 +23,7 @@ pub trait Method: Send {
         Ok(())
     }
 
-    /// Makes what it needs on the device, before the first frame that it records.
+    /// Creates its objects on the device, before the first frame that it records.
     ///
     /// # Errors
     /// No memory, a shader that does not compile, a failed call.
@@ -49,14 +49,14 @@ pub trait Method: Send {
     /// A shader that does not fit its pass, a failed call.
     fn reloaded(&self, scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error>;
 
-    /// Drops what depends on the size of the target: that is another now.
+    /// Drops its objects that depend on the size of the target, after a change of it.
     fn resized(&mut self) {}
 }
 
-/// Makes a method, which takes nothing from the device yet.
+/// The constructor of a method, which takes nothing from the device yet.
 pub type MethodConstructor = fn(&BlockingOptions) -> Box<dyn Method>;
 
-/// What a method must get by with.
+/// The device and the scene that a method must support.
 #[derive(Clone, Copy)]
 pub struct MethodSupport<'a> {
     /// The device.
@@ -77,7 +77,7 @@ impl MethodSupport<'_> {
     }
 }
 
-/// The scene that a method works on.
+/// The scene of a method.
 pub struct MethodScene<'a> {
     /// The device.
     pub device: &'a Device,
@@ -91,22 +91,22 @@ pub struct MethodScene<'a> {
     pub objects: &'a mut dyn ObjectRenderer,
 }
 
-/// What is wanted of one view.
+/// The request for a frame of one view.
 #[derive(Clone, Copy)]
 pub struct MethodRequest<'a> {
-    /// Which of its strategies is to be carried out.
+    /// The strategy to use, one of the method's.
     pub strategy: Strategy,
     /// The view.
     pub view: &'a View,
     /// The leaves that own a pixel, for [`Strategy::Ideal`], which knows nothing else.
     pub visible: &'a [LeafIndex],
-    /// The most occlusion queries of a plan. What cannot be tested is drawn.
+    /// The most occlusion queries of a plan. Leaves that cannot be tested are drawn.
     pub query_budget: usize,
-    /// The frame starts on the GPU once this tick of a host's timeline is reached.
+    /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }
 
-/// What a method did in a frame of one view.
+/// The counts of a method in a frame of one view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MethodStats {
     /// Proxies tested, by whatever means.

@@ -7,54 +7,55 @@ use crate::error::Error;
 use crate::executor::PlanExecutor;
 use crate::shader_set::ShaderSet;
 
-/// What the draws that follow a [bind](ObjectRenderer::bind) are for.
+/// The purpose of the draws that follow a [bind](ObjectRenderer::bind).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ObjectPass {
-    /// They decide what is visible: depth, and colour unless that is given
+    /// The draws that decide what is visible: depth, and colour unless that is added
     /// [later](ObjectRenderer::shade).
     Visibility,
     /// Depth alone, the same to the bit.
     Depth,
-    /// The colour of what [`ObjectPass::Depth`] drew.
+    /// The colour of the objects that [`ObjectPass::Depth`] drew.
     Colour,
 }
 
-/// Where among the renderings of a view one stands.
+/// The place of a rendering among those of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rendering {
     /// The first: it clears.
     First,
-    /// A later one, which draws over what is there.
+    /// A later one, which keeps the contents.
     Next,
 }
 
-/// Owns the objects and draws them: binds pipelines and geometry, so that indexed indirect draws,
-/// each of one leaf, follow.
+/// The owner of the objects: binds pipelines and geometry, so that indexed indirect draws, each of
+/// one leaf, follow.
 pub trait ObjectRenderer {
     /// Returns the images that views are drawn to.
     fn target(&mut self) -> &mut Target;
 
-    /// Returns where a rendering of a view goes that decides what is visible.
+    /// Returns the attachments of a rendering of a view that decides what is visible.
     fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget;
 
-    /// Returns where a rendering of a view goes that adds colour to what is there.
+    /// Returns the attachments of a rendering of a view that adds colour to the contents.
     fn colour_rendering(&self, view: &View) -> RenderTarget;
 
-    /// Makes what a pass needs, before the first frame that binds it. [`ObjectPass::Depth`] and
-    /// [`ObjectPass::Colour`] are for methods that an option makes draw depth first.
+    /// Creates the objects that a pass needs, before the first frame that binds it.
+    /// [`ObjectPass::Depth`] and [`ObjectPass::Colour`] are for methods with an option to draw
+    /// depth first.
     ///
     /// # Errors
     /// A shader that does not compile, a failed call.
     fn prepare(&mut self, pass: ObjectPass, shaders: &ShaderSet) -> Result<(), Error>;
 
-    /// Binds what the draws of a pass need.
+    /// Binds the objects that the draws of a pass need.
     fn bind(&self, commands: &Commands, view: &View, pass: ObjectPass);
 
-    /// Returns true if [`ObjectRenderer::shade`] gives the colours, so that the draws before it are
+    /// Returns true if [`ObjectRenderer::shade`] adds the colours, so that the draws before it are
     /// kept.
     fn shades_later(&self) -> bool;
 
-    /// Gives what the rounds drew its colour, if it has none yet: `draw` draws all of it again.
+    /// Adds the colour to what the rounds drew, if it has none yet: `draw` draws all of it again.
     /// Outside of rendering.
     fn shade(
         &mut self,

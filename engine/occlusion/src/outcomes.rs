@@ -1,4 +1,4 @@
-//! What frames turned out to be, in the order of the frames.
+//! The outcomes of frames, in the order of the frames.
 
 use std::collections::VecDeque;
 
@@ -13,13 +13,13 @@ pub struct FrameOutcome {
     pub frame: FrameId,
     /// Objects the GPU drew: those taken as visible and those whose proxy showed.
     pub draws: u64,
-    /// Triangles of those objects. Where leaves were drawn one by one, as many as they have when
-    /// that is known: if others moved in meanwhile, those count.
+    /// Triangles of those objects. Where leaves were drawn one by one, their triangles at the time
+    /// of the readback count: those of other objects, if the leaves were reused meanwhile.
     pub triangles: u64,
     /// Objects among `draws` that were drawn because a proxy showed.
     pub revealed: u64,
-    /// Samples of tests that showed, but not more than the threshold, so that what they stand for
-    /// was left out: at most so many pixels are wrong. 0 without a threshold.
+    /// Samples of tests that showed, but not more than the threshold, so that their leaves were
+    /// left out: at most so many pixels are wrong. 0 without a threshold.
     pub neglected_samples: u64,
 }
 
@@ -27,15 +27,15 @@ pub struct FrameOutcome {
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     outcome: FrameOutcome,
-    /// Nothing was asked, so that no result is to come.
+    /// True if nothing was tested, so that no result is to come.
     is_known: bool,
 }
 
-/// Outcomes that are kept for who asks seldom, or never.
+/// The most outcomes that are kept for a caller that takes them seldom, or never.
 const OUTCOMES_KEPT: usize = 1024;
 
-/// The outcomes of one view's frames: those whose results are to come, and those that nobody took
-/// yet.
+/// The outcomes of one view's frames: those whose results are to come, and those that were not
+/// taken yet.
 #[derive(Debug, Default)]
 pub struct Outcomes {
     pending: VecDeque<Pending>,
@@ -43,8 +43,7 @@ pub struct Outcomes {
 }
 
 impl Outcomes {
-    /// Adds a frame that was submitted. Returns its outcome if that is known and no earlier one is
-    /// not.
+    /// Adds a frame that was submitted. Returns its outcome if that and all earlier ones are known.
     pub(crate) fn push(&mut self, outcome: FrameOutcome, is_known: bool) -> Option<FrameOutcome> {
         if is_known && self.pending.is_empty() {
             self.keep(outcome);
@@ -60,7 +59,8 @@ impl Outcomes {
         outcomes.find(|outcome| outcome.frame == frame)
     }
 
-    /// Adds to the outcome of its frame what a result drew, or what was neglected by the threshold.
+    /// Adds the draws of a result to the outcome of its frame, or the samples that the threshold
+    /// neglected.
     pub(crate) fn add(&mut self, result: &TestResult<LeafCount>, threshold_samples: u32) {
         let Answer { tag, samples } = result.answer;
         let is_drawn = matches!(tag.kind, QueryKind::Proxy | QueryKind::Leaf);
@@ -75,7 +75,7 @@ impl Outcomes {
         }
     }
 
-    /// Takes the next outcome that is known: no results of frames up to `newest` are to come.
+    /// Takes the next known outcome: the results of all frames up to `newest` have been read.
     pub(crate) fn settle(&mut self, newest: Option<FrameId>) -> Option<FrameOutcome> {
         let is_over = |it: &mut Pending| {
             it.is_known || newest.is_some_and(|newest| it.outcome.frame <= newest)
@@ -85,12 +85,12 @@ impl Outcomes {
         Some(outcome)
     }
 
-    /// Forgets what is not known: its results were dropped.
+    /// Forgets the unknown outcomes, whose results were dropped.
     pub(crate) fn forget_pending(&mut self) {
         self.pending.clear();
     }
 
-    /// Takes all that are known: the latest 1024, if there are more.
+    /// Takes all known outcomes: the latest 1024, if there are more.
     pub(crate) fn take(&mut self) -> std::collections::vec_deque::Drain<'_, FrameOutcome> {
         self.known.drain(..)
     }

@@ -1,5 +1,5 @@
-//! Ours: coherent hierarchical culling (GPU Gems 2, 6.4) whose results come late, made exact by
-//! predicates; and plain frustum culling, which is a plan without tests.
+//! The method of plans: coherent hierarchical culling (GPU Gems 2, 6.4) whose results come late,
+//! made exact by predicates; and plain frustum culling, which is a plan without tests.
 
 use cull::Strategy;
 use gpu::{Frame, Optional};
@@ -10,12 +10,12 @@ use crate::method::{Method, MethodRequest, MethodScene, MethodStats, MethodSuppo
 use crate::passes::ComputeTest;
 use crate::visibility_state::VisibilityState;
 
-/// Plans a frame and executes the plan.
+/// The method that plans a frame and executes the plan.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlannedMethod;
 
 impl PlannedMethod {
-    /// Plans and executes a frame of one view by any strategy that is a plan.
+    /// Plans and executes a frame of one view by any strategy that has plans.
     ///
     /// # Errors
     /// No memory, a failed call.

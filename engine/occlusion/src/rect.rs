@@ -5,7 +5,7 @@ use cull::View;
 /// A part of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rect {
-    /// Its upper left corner (pixels from that of the picture).
+    /// Its upper left corner (pixels from the picture's).
     pub origin: [u32; 2],
     /// Its width and height (pixels).
     pub size: [u32; 2],
@@ -26,14 +26,14 @@ impl Rect {
         fits(0) && fits(1)
     }
 
-    /// Returns where a view is drawn.
+    /// Returns the part of the picture that a view is drawn to.
     pub fn of(view: &View) -> Self {
         Self { origin: view.origin, size: view.size }
     }
 
-    /// Parts of equal width side by side, from the left, that cover a picture of `size` pixels:
-    /// they differ by a pixel where it cannot be divided. Parts that get no pixel have a width of
-    /// 0.
+    /// Returns parts of equal width side by side, from the left, that cover a picture of `size`
+    /// pixels: they differ by a pixel where it cannot be divided. Parts that get no pixel have a
+    /// width of 0.
     pub fn side_by_side(size: [u32; 2], count: u32) -> impl Iterator<Item = Self> {
         let [width, height] = size;
         let edge =

@@ -1,4 +1,4 @@
-//! The frames of a view that were submitted and are timed: what they were made of.
+//! The frames of a view that were submitted and are timed, with their contents.
 
 use std::collections::VecDeque;
 
@@ -7,20 +7,20 @@ use gpu::Tick;
 
 use crate::outcomes::FrameOutcome;
 
-/// Times that are kept for views that are not drawn at the moment; older ones are lost.
+/// The times that are kept for views that are not drawn at the moment; older ones are lost.
 pub(crate) const TIMES_KEPT: usize = 8;
 
-/// A frame of one view that is on its way, or whose time is.
+/// A frame of one view that is in flight, or whose time is not yet used.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SentFrame {
     tick: Tick,
     frame: FrameId,
     pub(crate) contents: FrameContents,
-    /// How many views the frame showed.
+    /// The number of views that the frame showed.
     pub(crate) views: usize,
 }
 
-/// Those of one view, the latest ones.
+/// The latest frames of one view.
 #[derive(Debug)]
 pub(crate) struct SentFrames {
     frames: VecDeque<SentFrame>,
@@ -33,7 +33,7 @@ impl SentFrames {
         Self { frames: VecDeque::with_capacity(most), most }
     }
 
-    /// A frame is on its way that shows so many views.
+    /// Notes a submitted frame that shows `views` views.
     pub(crate) fn submitted(&mut self, tick: Tick, plan: &FramePlan, views: usize) {
         if self.frames.len() == self.most {
             self.frames.pop_front();
@@ -42,7 +42,7 @@ impl SentFrames {
         self.frames.push_back(SentFrame { tick, frame: plan.frame, contents, views });
     }
 
-    /// It is known what a frame drew.
+    /// Notes the draws of a frame, which are known now.
     pub(crate) fn drew(&mut self, outcome: &FrameOutcome) {
         if let Some(sent) = self.frames.iter_mut().find(|sent| sent.frame == outcome.frame) {
             sent.contents.draws = outcome.draws;

@@ -14,7 +14,7 @@ pub struct ShaderSet {
 }
 
 impl ShaderSet {
-    /// Returns the embedded ones.
+    /// Returns the embedded shaders.
     ///
     /// # Errors
     /// None, unless the build itself is broken.
@@ -23,7 +23,7 @@ impl ShaderSet {
         Ok(Self { loaded: PASSES.iter().map(load).collect::<Result<_, _>>()? })
     }
 
-    /// Returns all of them compiled from the GLSL in `folder`.
+    /// Compiles all of them from the GLSL in `folder`.
     ///
     /// # Errors
     /// The first shader that does not compile, with file and line; [`Error::NoShaderCompiler`] in
@@ -34,7 +34,7 @@ impl ShaderSet {
         Ok(Self { loaded: PASSES.iter().map(compile).collect::<Result<_, _>>()? })
     }
 
-    /// Returns all of them compiled from the GLSL in `folder`.
+    /// Fails to compile the GLSL in `folder`.
     ///
     /// # Errors
     /// Always [`Error::NoShaderCompiler`]: this build lacks the feature `shader-compiler`.

@@ -1,4 +1,4 @@
-//! The layout of a plan's tests on the GPU: which query, flag and word stands for which test.
+//! The layout of a plan's tests on the GPU: the query, flag and word of each test.
 
 use std::ops::Range;
 
@@ -7,43 +7,44 @@ use gpu::{DrawRange, PredicatedRange, ResultSource, Reveal};
 
 use crate::leaf_table::{LeafCount, LeafTable};
 
-/// The predicate that a test decides: its number among those that hang on words of one source.
+/// The predicate that a test decides: its number among those that depend on words of one source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PredicateSlot {
     pub(crate) source: ResultSource,
     pub(crate) number: u32,
 }
 
-/// A test on its way, with what its draws show.
+/// A test on its way, with the counts of its draws.
 pub(crate) type PendingTest = cull::PendingTest<LeafCount>;
 
 /// The layout of one frame's tests, kept to allocate nothing in the steady state.
 #[derive(Debug, Default)]
 pub(crate) struct TestLayout {
-    /// What each query is about: first those on visible draws, then the tests by query.
+    /// The test of each query: first those on visible draws, then the tests by query.
     pub(crate) query_tags: Vec<PendingTest>,
-    /// How many of the queries are on visible draws.
+    /// The number of the queries that are on visible draws.
     pub(crate) own_draws: u32,
-    /// What each flag is about: a place for every test if there are flags at all.
+    /// The test of each flag: a place for every test if there are flags at all.
     pub(crate) flag_tags: Vec<PendingTest>,
     /// The decision of each test.
     decisions: Vec<PredicateSlot>,
     pub(crate) rounds: Vec<RoundLayout>,
-    /// What hangs on the words of queries, on flags, and on what a compute shader writes.
+    /// The draws that depend on the words of queries, on flags, and on the words of the compute
+    /// shader.
     query_decides: Vec<PredicatedRange>,
     flag_decides: Vec<PredicatedRange>,
     compute_decides: Vec<PredicatedRange>,
-    /// What each word of the compute shader is about: a place for every test if there are any.
+    /// The test of each word of the compute shader: a place for every test if there are any.
     pub(crate) compute_tags: Vec<PendingTest>,
 }
 
-/// The tests of one round. Tests of one kind follow each other, the plan sees to that.
+/// The tests of one round. Tests of one kind follow each other, as the plan orders them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct RoundLayout {
     pub(crate) tests: Range<usize>,
     /// The tests by flag.
     pub(crate) flags: Range<u32>,
-    /// Those, and the tests that they answer for others.
+    /// Those, and the tests that share their results.
     pub(crate) flag_decisions: Range<u32>,
     /// The tests by a compute shader.
     pub(crate) computed: Range<u32>,
@@ -51,7 +52,7 @@ pub(crate) struct RoundLayout {
     pub(crate) queried_tests: Range<u32>,
     /// Their queries.
     pub(crate) queries: Range<u32>,
-    /// Whether there are tests whose leaves are tested one by one.
+    /// True if there are tests whose leaves are tested one by one.
     pub(crate) has_parts: bool,
 }
 
@@ -147,7 +148,7 @@ impl TestLayout {
         self.rounds.push(round);
     }
 
-    /// Nothing is asked.
+    /// Clears the layout: no test.
     pub(crate) fn clear(&mut self) {
         self.lay_out_counted(&FramePlan::default(), |_| LeafCount::default());
     }
@@ -160,7 +161,7 @@ impl TestLayout {
         !self.compute_tags.is_empty()
     }
 
-    /// Returns what hangs on the words of `source`.
+    /// Returns the draws that depend on the words of `source`.
     pub(crate) fn decided(&self, source: ResultSource) -> &[PredicatedRange] {
         match source {
             ResultSource::Queries => &self.query_decides,
@@ -182,8 +183,8 @@ impl TestLayout {
         })
     }
 
-    /// Returns true if nothing of this frame hangs on a round of queries: only later frames want to
-    /// know.
+    /// Returns true if nothing of this frame depends on a round of queries, which serves later
+    /// frames only.
     pub(crate) fn is_for_later(&self, round: &RoundLayout) -> bool {
         let decides = |reveal| self.revealing(Some(round), reveal).next().is_some();
         round.queries.len() == round.tests.len()

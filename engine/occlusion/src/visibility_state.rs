@@ -29,23 +29,23 @@ pub struct VisibilityState {
     rings: Rings,
     frames_in_flight: usize,
     plan: FramePlan,
-    /// That of the hierarchy that the plan is for.
+    /// The generation of the hierarchy that the plan is for.
     generation: Generation,
     pub(crate) layout: TestLayout,
-    /// What methods keep per view that go by no plan.
+    /// The state of methods without plans.
     method_states: Vec<Box<dyn MethodState>>,
-    /// What the frames were made of whose time is not known.
+    /// The frames whose time is not known, with their contents.
     pub(crate) sent: SentFrames,
-    /// Up to which change of a draw the rings know the draws.
+    /// The number of changes of draws that the rings have followed.
     seen_changes: u64,
-    /// By the method of the newest frame, where that is no plan.
+    /// The samples that the method of the newest frame neglected, where it has no plan.
     neglected_samples: u64,
     reader: ResultReader<LeafCount>,
     newest: Vec<Answer>,
     outcomes: Outcomes,
 }
 
-/// What is on its way between a view and the GPU, a slot per frame in flight.
+/// The data on its way between a view and the GPU, a slot per frame in flight.
 pub(crate) struct Rings {
     pub(crate) queries: QueryRing<PendingTest>,
     pub(crate) flags: FlagRing<PendingTest>,
@@ -81,7 +81,7 @@ impl Rings {
 }
 
 impl VisibilityState {
-    /// Makes a view that knows nothing yet, of the scene of `leaves` and `hierarchy`.
+    /// Creates a view that knows nothing yet, of the scene of `leaves` and `hierarchy`.
     ///
     /// # Errors
     /// A failed call.
@@ -113,8 +113,8 @@ impl VisibilityState {
         })
     }
 
-    /// Makes the rings again where another number of frames is in flight. What was tested is never
-    /// answered then, and the culler tests again.
+    /// Creates the rings again where another number of frames is in flight. Tests on their way
+    /// never have a result then, and the culler tests again.
     ///
     /// # Errors
     /// The leaves of another scene, a failed call.
@@ -138,7 +138,8 @@ impl VisibilityState {
         Ok(())
     }
 
-    /// Refuses the leaves of another scene: the rings have room for those of the view's.
+    /// Refuses the leaves of another scene: the rings have room for the leaves of the view's own
+    /// scene.
     ///
     /// # Errors
     /// [`Error::ForeignView`].
@@ -151,7 +152,7 @@ impl VisibilityState {
         &self.device
     }
 
-    /// Returns how many frames may be on their way at once.
+    /// Returns the number of frames that may be in flight at once.
     pub fn frames_in_flight(&self) -> usize {
         self.frames_in_flight
     }
@@ -166,7 +167,8 @@ impl VisibilityState {
         &self.plan
     }
 
-    /// Returns the plan of the newest frame, for a method that goes by none and says what it did.
+    /// Returns the plan of the newest frame, for a method without plans that reports its draws in
+    /// it.
     pub fn plan_mut(&mut self) -> &mut FramePlan {
         &mut self.plan
     }
@@ -175,7 +177,7 @@ impl VisibilityState {
         &self.rings
     }
 
-    /// Forgets everything that was seen; the next frame starts like the first.
+    /// Forgets the history; the next frame starts like the first.
     pub fn reset(&mut self) {
         self.culler.reset();
     }
@@ -199,7 +201,7 @@ impl VisibilityState {
         Ok(())
     }
 
-    /// Brings the copies of draws up to date with a scene that changed.
+    /// Updates the copies of draws to a scene that changed.
     fn follow_draws(&mut self, leaves: &LeafTable) {
         let changes = &leaves.changes;
         match changes.since(self.seen_changes) {
@@ -211,7 +213,7 @@ impl VisibilityState {
         self.seen_changes = changes.count();
     }
 
-    /// Reads every result that is there and lets the history move on. Never waits.
+    /// Reads every available result and updates the history. Never waits.
     pub fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
         self.read(completed, hierarchy, leaves);
         let Self { culler, method_states, reader, newest: kept, outcomes, sent, .. } = self;
@@ -307,8 +309,8 @@ impl VisibilityState {
         Ok(())
     }
 
-    /// Takes what a method keeps for this view, if it was [put](VisibilityState::put_method_state)
-    /// there.
+    /// Takes the state of a method for this view, if it was
+    /// [put](VisibilityState::put_method_state) there.
     pub fn take_method_state<S: MethodState>(&mut self) -> Option<Box<S>> {
         let place = self.method_states.iter().position(|state| {
             let state: &dyn Any = &**state;
@@ -318,35 +320,36 @@ impl VisibilityState {
         state.downcast().ok()
     }
 
-    /// Keeps something of a method for this view, until another number of frames is in flight.
+    /// Keeps the state of a method for this view, until another number of frames is in flight.
     pub fn put_method_state(&mut self, state: Box<dyn MethodState>) {
         self.method_states.push(state);
     }
 
-    /// Notes how many samples the newest frame neglected that no plan decided about.
+    /// Notes the number of samples that the newest frame neglected without a plan.
     pub fn neglected(&mut self, samples: u64) {
         self.neglected_samples = samples;
     }
 
-    /// Returns what frames taught this view's cost model about the prices; `None` without one.
+    /// Returns the corrections of the prices in this view's cost model; `None` without one.
     pub fn corrections(&self) -> Option<Corrections> {
         self.culler.cost_model().map(CostModel::corrections)
     }
 
-    /// Returns true if there is a cost model that learns from what frames take.
+    /// Returns true if there is a cost model that learns from the times of frames.
     pub fn has_cost_model(&self) -> bool {
         self.culler.cost_model().is_some()
     }
 
-    /// Teaches the cost model what a frame of this view took, with others that were drawn in it.
+    /// Passes the time of a frame of this view, with others that were drawn in it, to the cost
+    /// model.
     pub(crate) fn took(&mut self, time: &FrameTime, contents: &FrameContents) {
         if let Some(costs) = self.culler.cost_model_mut() {
             costs.observe(time.gpu_ms * 1.0e6, contents);
         }
     }
 
-    /// Notes that the newest frame is on its way, timed with others if it showed so many
-    /// `timed_views`.
+    /// Notes that the newest frame was submitted; it is timed if `timed_views` holds the number of
+    /// views that it showed.
     pub fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
         if let Some(views) = timed_views {
             self.sent.submitted(tick, &self.plan, views);

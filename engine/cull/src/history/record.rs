@@ -75,7 +75,8 @@ impl FrameStamp {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct NodeRecord {
     pub(crate) state: NodeState,
-    /// Leaves: own-draw tests that succeeded one after the other. Inner nodes: pull-up queries that failed.
+    /// Leaves: own-draw tests that succeeded one after the other. Inner nodes: pull-up queries that
+    /// failed.
     pub(crate) stable_queries: u8,
     /// Leaves: the times that it showed soon after it did not.
     pub(crate) flicker_count: u8,

@@ -12,7 +12,7 @@ use gpu::{
 
 use occlusion::{Error, Rect, ShaderSet};
 
-/// Levels that one dispatch builds.
+/// The levels that one dispatch builds.
 const LEVELS_A_DISPATCH: usize = 3;
 
 /// Texels along each side of a workgroup's block of the third level: `local_size` of the shader.
@@ -21,7 +21,7 @@ const GROUP: u32 = 8;
 /// Texels along each side that make a level the last: a test reads as many of one level.
 const LAST_SIDE: u32 = 4;
 
-/// Where a level of a depth pyramid lies.
+/// The place of a level of a depth pyramid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PyramidLevel {
     /// Its first texel, counted from the first of level 0.
@@ -37,7 +37,7 @@ impl PyramidLevel {
 }
 
 /// Returns the levels over a picture of `size` pixels, which is level 0. Each has half of the
-/// texels of the one before in both directions, rounded up; the last has at most 4x4.
+/// texels of the previous one in both directions, rounded up; the last has at most 4x4.
 pub fn pyramid_levels(size: [u32; 2]) -> impl Iterator<Item = PyramidLevel> + Clone {
     let base = PyramidLevel { start: 0, size: size.map(|side| side.max(1)) };
     std::iter::successors(Some(base), |level| {
@@ -52,13 +52,13 @@ fn bytes_of(size: [u32; 2]) -> u64 {
     4 * pyramid_levels(size).map(PyramidLevel::texels).sum::<u64>()
 }
 
-/// Builds the depth pyramid of a target. Owns the buffer it lies in.
+/// The pass that builds the depth pyramid of a target. Owns its buffer.
 pub struct PyramidPass {
     pipeline: ComputePipeline,
     depths: Buffer,
 }
 
-/// Mirrors `pyramid_build.comp`.
+/// The push constants of `pyramid_build.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {
@@ -107,13 +107,13 @@ impl PyramidPass {
         Ok(())
     }
 
-    /// Returns all levels, a 32-bit float a texel; [`pyramid_levels`] says where they lie.
+    /// Returns all levels, a 32-bit float per texel, in the places of [`pyramid_levels`].
     pub fn depths(&self) -> BufferSlice {
         self.depths.whole()
     }
 
     /// Builds all levels from the depth of `target` as it is now in `area`, which is no larger in
-    /// either direction than was given to [`PyramidPass::new`]. Outside of rendering. Compute
+    /// either direction than the size given to [`PyramidPass::new`]. Outside of rendering. Compute
     /// shaders, and copies, may read [`PyramidPass::depths`] after it.
     pub fn record(&self, commands: &Commands, target: &mut Target, area: Rect) {
         let between = MemoryBarrier::between;

@@ -6,24 +6,25 @@ use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier,
 
 use occlusion::{Error, ShaderSet};
 
-/// Threads of a workgroup, `local_size_x` of the shaders.
+/// The threads of a workgroup, `local_size_x` of the shaders.
 const GROUP: u32 = 64;
 
-/// Relative to the largest coordinate: more than `cull::Margin` takes, so that no rounding of the
-/// shader's own can make it less conservative.
+/// The allowance for rounding relative to the largest coordinate: more than `cull::Margin` takes,
+/// so that no rounding of the shader's own can make it less conservative.
 const ROUNDING: f32 = 24.0 * f32::EPSILON;
 
 /// The same for the growth of boxes.
 const GROWTH_SLACK: f32 = 1.0 + 1.0 / 1024.0;
 
-/// Decides about every leaf: in the first phase by the last frame, in the second by the pyramid.
+/// The pass that decides about every leaf: in the first phase by the last frame, in the second by
+/// the pyramid.
 pub(crate) struct PyramidCullPass {
     first: ComputePipeline,
     second: ComputePipeline,
 }
 
-/// Reads boxes, leaves and depths; reads and writes what was seen; writes the list of draws and
-/// counts them.
+/// The buffers of the pass: reads boxes, leaves and depths; reads and writes the visibility of
+/// leaves; writes the list of draws and counts them.
 #[derive(Clone, Copy)]
 pub(crate) struct PyramidCullIo {
     /// The box of each leaf, a `ProxyBox` that is not enlarged.
@@ -38,16 +39,16 @@ pub(crate) struct PyramidCullIo {
     pub(crate) counters: BufferSlice,
     /// The depth pyramid.
     pub(crate) depths: BufferSlice,
-    /// How many leaves.
+    /// The number of leaves.
     pub(crate) leaf_count: u32,
-    /// How the list lies.
+    /// The kind of the list.
     pub(crate) list_kind: ListKind,
 }
 
-/// How a list of draws lies in its buffer.
+/// The kind of a list of draws in its buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ListKind {
-    /// What is drawn and nothing else; its count is on the GPU.
+    /// The drawn leaves and no others; their count is on the GPU.
     Compact,
     /// An entry for every leaf, with no instance if it is not drawn.
     EveryLeaf,
@@ -56,13 +57,13 @@ pub(crate) enum ListKind {
 /// The two phases of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Phase {
-    /// What was visible in the last frame.
+    /// The leaves that were visible in the last frame.
     First,
-    /// What turns out to be visible.
+    /// The leaves that turn out to be visible.
     Second,
 }
 
-/// What a phase drew; mirrors `pyramid.glsl`.
+/// The counts of a phase's draws; mirrors `pyramid.glsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub(crate) struct Counters {
@@ -74,13 +75,13 @@ pub(crate) struct Counters {
 const _: () = assert!(size_of::<Counters>() == 16);
 
 impl Counters {
-    /// Triangles of the objects drawn.
+    /// Returns the number of triangles of the objects drawn.
     pub(crate) fn triangles(&self) -> u64 {
         u64::from(self.triangles[0]) | u64::from(self.triangles[1]) << 32
     }
 }
 
-/// Mirrors `pyramid.glsl`.
+/// The push constants; mirrors `pyramid.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Constants {

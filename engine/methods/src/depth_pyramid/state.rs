@@ -1,5 +1,5 @@
-//! What one view keeps for the pyramid strategy: which leaves were visible, and counts on their way
-//! home.
+//! The state of one view for the pyramid strategy: the leaves that were visible, and counts on
+//! their way back.
 
 use cull::{FrameId, Generation, Hierarchy};
 use gpu::{
@@ -10,7 +10,7 @@ use occlusion::{Error, FrameOutcome, MethodState, Outcomes};
 
 use super::cull::Counters;
 
-/// The GPU state of one view. Believed only if it is that of the frame before.
+/// The GPU state of one view. Used only if it is from the previous frame.
 pub(crate) struct PyramidState {
     seen: Buffer,
     leaf_count: usize,
@@ -32,7 +32,7 @@ struct Slot {
 pub(crate) const COUNTER_BYTES: u64 = 2 * size_of::<Counters>() as u64;
 
 impl PyramidState {
-    /// Room for the leaves of `hierarchy`; nothing counts as visible.
+    /// Creates a state with room for the leaves of `hierarchy`; nothing counts as visible.
     pub(crate) fn new(
         device: &Device,
         hierarchy: &Hierarchy,
@@ -55,7 +55,7 @@ impl PyramidState {
         })
     }
 
-    /// Returns a word per leaf: whether it was visible in the last frame.
+    /// Returns a word per leaf, not 0 if it was visible in the last frame.
     pub(crate) fn seen(&self) -> BufferSlice {
         self.seen.whole()
     }
@@ -82,8 +82,8 @@ impl PyramidState {
         Ok(())
     }
 
-    /// If the frame before was another strategy's, or none, nothing counts as visible from here
-    /// on: an [`Access::CopyWrite`].
+    /// Clears the state if the previous frame was another strategy's, or none, so that nothing
+    /// counts as visible from here on: an [`Access::CopyWrite`].
     pub(crate) fn forget_unless_next(&self, commands: &Commands) {
         let frame = self.recording.map(|(frame, _)| frame.0);
         if self.newest.map(|newest| newest.0 + 1) != frame {
@@ -91,7 +91,7 @@ impl PyramidState {
         }
     }
 
-    /// Sends the counters of the frame home.
+    /// Records the copy of the frame's counters to mapped memory.
     pub(crate) fn read_back(&self, commands: &Commands, counters: BufferSlice) {
         if let Some((_, slot)) = self.recording
             && let Some(slot) = self.slots.get(slot.0 % self.slots.len())
@@ -144,7 +144,7 @@ fn count(outcome: &mut FrameOutcome, [first, second]: [Counters; 2]) {
     outcome.revealed = second.draws.into();
 }
 
-/// Returns a word per leaf, not written yet.
+/// Creates a buffer of a word per leaf, not written yet.
 fn seen_words(device: &Device, leaf_count: usize) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
     Ok(Buffer::new(device, "pyramid seen", leaf_count as u64 * 4, usage, MemoryKind::Device)?)

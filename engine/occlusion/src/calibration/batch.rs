@@ -14,7 +14,7 @@ use crate::object_renderer::{ObjectPass, ObjectRenderer};
 use crate::passes::{ComputeTest, ComputeTestIo, OcclusionPasses, ProxyBox, ProxyIo};
 use crate::rect::Rect;
 
-/// So many of something.
+/// A batch: a number of things of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Batch {
     thing: Thing,
@@ -43,7 +43,7 @@ enum Thing {
     Breaks,
     /// Preparations of the compute tester.
     Grids,
-    /// Its tests.
+    /// Tests by the compute tester.
     ComputedBoxes,
 }
 
@@ -83,7 +83,7 @@ impl Batch {
     }
 }
 
-/// Whether a frame waits for answers.
+/// The tests of a frame: with or without a wait for results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Asks {
     Nothing,
@@ -93,13 +93,13 @@ pub(super) enum Asks {
 /// Triangles of a patch: half of them face away, as those of solid objects do.
 pub const PATCH_TRIANGLES: u32 = 2 * 16 * 16;
 
-/// The most of any thing.
+/// The most things of a batch.
 const MOST: u32 = 512;
 
-/// How far away everything is (metres).
+/// The distance of everything from the eye (metres).
 const DISTANCE_M: f32 = 10.0;
 
-/// Everything that batches are recorded with.
+/// The objects and passes that batches are recorded with.
 pub(super) struct Bench<'a> {
     passes: &'a OcclusionPasses,
     objects: &'a mut dyn ObjectRenderer,
@@ -109,9 +109,9 @@ pub(super) struct Bench<'a> {
     queries: QueryRing<()>,
     flags: FlagRing<()>,
     view: View,
-    /// Of a single triangle, of a patch.
+    /// The draws of a single triangle and of a patch.
     draws: [IndirectDraw; 2],
-    /// What the newest frame reads.
+    /// The buffers that the newest frame reads.
     io: Option<Io>,
 }
 
@@ -173,7 +173,7 @@ impl<'a> Bench<'a> {
         width * height / 4.0
     }
 
-    /// Puts into the frame's memory what the batch reads.
+    /// Writes the data of the batch into the frame's memory.
     pub(super) fn prepare(&mut self, frame: &mut Frame<'_>, batch: Batch) -> Result<(), Error> {
         let count = batch.count.min(MOST) as usize;
         self.queries.begin(frame, &[(); MOST as usize][..count])?;
@@ -228,8 +228,8 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Draws patches that show, in one rendering without a question or in two, of which the second
-    /// is asked about.
+    /// Draws patches that show, in one rendering without a test or in two, of which the second is
+    /// tested.
     pub(super) fn record_load(&mut self, commands: &Commands, asks: Asks) {
         let Some(io) = self.io else { return };
         let parts = match asks {
@@ -332,7 +332,7 @@ impl<'a> Bench<'a> {
         self.passes.proxies.draw_all(commands, 0..batch.count);
     }
 
-    /// Patches for [`Bench::record_load`].
+    /// Returns a batch of patches for [`Bench::record_load`].
     pub(super) fn load(patches: u32) -> Batch {
         Batch { thing: Thing::Patches, count: patches }
     }

@@ -1,5 +1,5 @@
-//! What it costs to ask at all: while the device waits for what was drawn before, nothing overlaps.
-//! A frame without a question is on its way while the one before is drawn.
+//! Measures the cost of a break in a frame: while the device waits for the earlier draws, nothing
+//! overlaps. A frame without tests starts while the previous one is drawn.
 
 use std::time::Instant;
 
@@ -9,7 +9,7 @@ use super::batch::{Asks, Bench};
 use super::median;
 use crate::error::Error;
 
-/// Patches a frame: about three milliseconds on a software driver.
+/// Patches per frame: about three milliseconds on a software driver.
 const PATCHES: u32 = 48;
 
 /// Frames one after the other, several on their way at once.
@@ -35,7 +35,7 @@ pub(super) fn break_wait_share(
     Ok(if share.is_nan() { share } else { share.clamp(0.0, 1.0) })
 }
 
-/// Time of a number of frames in a row (ns).
+/// Returns the time of a number of frames in a row (ns).
 fn time_ns(
     device: &Device,
     bench: &mut Bench<'_>,

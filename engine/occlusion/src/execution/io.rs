@@ -1,4 +1,4 @@
-//! What the execution of a plan reads: the plan as it lies in the memory of its frame.
+//! The inputs of the execution of a plan: the plan as it lies in the memory of its frame.
 
 use cull::LeafIndex;
 use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
@@ -8,7 +8,7 @@ use crate::leaf_table::LeafTable;
 use crate::passes::{ComputeTestIo, ProxyBox, ProxyIo};
 use crate::visibility_state::VisibilityState;
 
-/// What one frame reads from its slot's memory.
+/// The buffers that one frame reads from its slot's memory.
 pub(super) struct FrameIo {
     pub(super) visible: BufferSlice,
     pub(super) queried: BufferSlice,

@@ -1,12 +1,14 @@
-//! The recording of a plan: what is visible, then round by round what turns out to be.
+//! The recording of a plan: the visible leaves, then round by round those that turn out to be
+//! visible.
 //!
 //! ```text
-//! draw visible   clear; all visible leaves front to back in few multi-draws, some under a query each;
-//!                proxies of round 0
+//! draw visible   clear; all visible leaves front to back in few multi-draws, some under a query
+//!                each; proxies of round 0
 //! per step       resolve tests: words of the round just tested decide
 //!                draw revealed: leaves that the step before switched on; predicated ranges of this
-//!                               round; boxes of the leaves below nodes that showed; proxies of the next
-//! shade          what was drawn once more for its colour, where the owner of the objects does that
+//!                               round; boxes of the leaves below nodes that showed; proxies of
+//!                               the next
+//! shade          all draws once more for their colour, where the owner of the objects does that
 //! copy results   words and lists -> mapped memory of this slot
 //! ```
 
@@ -21,7 +23,7 @@ use crate::rect::Rect;
 use crate::test_layout::RoundLayout;
 use crate::visibility_state::VisibilityState;
 
-/// A plan and everything that it is recorded with.
+/// A plan and the objects that it is recorded with.
 pub(super) struct Recording<'a> {
     pub(super) executor: &'a PlanExecutor,
     pub(super) state: &'a VisibilityState,
@@ -32,9 +34,10 @@ pub(super) struct Recording<'a> {
 impl Recording<'_> {
     /// Records one view's frame.
     ///
-    /// Each rendering draws what the tests before it revealed and the proxies that are tested next,
-    /// so that a round costs one break and not two. Leaves below a node that showed in round `n`
-    /// are tested while round `n + 1` is, and drawn with what that reveals.
+    /// Each rendering draws the leaves that the previous tests revealed and the proxies that are
+    /// tested next, so that a round costs one break and not two. Leaves below a node that showed in
+    /// round `n` are tested together with round `n + 1`, and drawn with the leaves that that one
+    /// reveals.
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
         let (state, io, view) = (self.state, self.io, self.view);
         let rounds = &state.layout.rounds;
@@ -86,7 +89,7 @@ impl Recording<'_> {
         });
     }
 
-    /// Draws what is taken as visible: in one call from one that is asked about to the next.
+    /// Draws the leaves that are taken as visible: in one call from one queried draw to the next.
     fn draw_visible(&self, commands: &Commands) {
         let plan = self.state.plan();
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
@@ -127,7 +130,7 @@ impl Recording<'_> {
         });
     }
 
-    /// Tests the boxes of a round that a compute shader looks at, against the depth so far.
+    /// Tests the boxes of a round whose tester is the compute shader, against the depth so far.
     fn test_by_compute(
         &self,
         commands: &Commands,
@@ -146,8 +149,8 @@ impl Recording<'_> {
         });
     }
 
-    /// Makes the answers to the `known` round decide, and the tests of leaves under the round
-    /// `before` it.
+    /// Turns the results of the `known` round into decisions, and those of the leaves under the
+    /// round `before` it.
     fn resolve(
         &self,
         commands: &Commands,
@@ -187,7 +190,7 @@ impl Recording<'_> {
         }
     }
 
-    /// Draws what all rounds of a frame drew: their words still say what that was.
+    /// Draws again what all rounds of a frame drew: their words still hold the decisions.
     fn draw_again(&self, commands: &Commands) {
         let plan = self.state.plan();
         for (draws, count) in

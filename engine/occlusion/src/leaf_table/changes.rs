@@ -1,5 +1,5 @@
-//! Which leaves have another draw than before, for views that keep copies of the draws: each reads
-//! on where it stopped.
+//! The leaves whose draw changed, for views that keep copies of the draws: each reads on where it
+//! stopped.
 
 use std::collections::VecDeque;
 
@@ -9,13 +9,14 @@ use cull::LeafIndex;
 #[derive(Debug)]
 pub struct DrawChanges {
     leaves: VecDeque<LeafIndex>,
-    /// How many came before `leaves`.
+    /// The number of changes before `leaves`.
     dropped: u64,
     most: usize,
 }
 
 impl DrawChanges {
-    /// Keeps as many as there are leaves: who missed more copies all of them anew.
+    /// Creates a log of as many changes as there are leaves: a view that missed more copies all
+    /// draws again.
     pub fn new(leaf_count: usize) -> Self {
         const MOST_MIN: usize = 1 << 10;
         Self { leaves: VecDeque::new(), dropped: 0, most: leaf_count.max(MOST_MIN) }
@@ -30,7 +31,7 @@ impl DrawChanges {
         self.leaves.push_back(leaf);
     }
 
-    /// Returns how many there have been.
+    /// Returns the number of changes so far.
     pub fn count(&self) -> u64 {
         self.dropped + self.leaves.len() as u64
     }

@@ -1,9 +1,9 @@
-//! How many objects and triangles a range of leaves holds, while leaves change: a tree of partial
+//! Counts of the objects and triangles of a range of leaves, while leaves change: a tree of partial
 //! sums (Fenwick 1994, "A New Data Structure for Cumulative Frequency Tables").
 
 use cull::LeafRange;
 
-/// Objects and triangles.
+/// The counts of objects and triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeafCount {
     /// Objects: each is one draw.
@@ -15,7 +15,8 @@ pub struct LeafCount {
 /// The counts of all leaves. Changing one and summing a range take the logarithm of their number.
 #[derive(Debug, Default)]
 pub struct LeafCounts {
-    /// Entry i - 1 is the sum of the leaves before i, as many as the lowest set bit of i says.
+    /// The partial sums: entry i - 1 is the sum of the last leaves before i, as many as the lowest
+    /// set bit of i.
     sums: Vec<LeafCount>,
 }
 

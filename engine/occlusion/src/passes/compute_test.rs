@@ -1,11 +1,11 @@
-//! The compute tester: asks whether boxes would show without rasterising them.
+//! The compute tester: tests boxes without rasterising them.
 //!
-//! A grid of 8x8-pixel cells holds the farthest depth of each. A workgroup looks at one box, at the
-//! cells it may cover first, at their pixels where a cell leaves it open. For boxes that cover many
-//! pixels, where a rasteriser that runs on a CPU touches every one of them.
+//! A grid of 8x8-pixel cells holds the farthest depth of each. A workgroup tests one box: the cells
+//! it may cover first, then their pixels where a cell does not decide. It suits boxes that cover
+//! many pixels, where a rasteriser that runs on a CPU touches every one of them.
 //!
-//! It never calls a box hidden of which [`ProxyPass`](crate::ProxyPass) would show a sample; how
-//! that holds stands in `compute_test.comp`.
+//! It never calls a box hidden of which [`ProxyPass`](crate::ProxyPass) would show a sample; the
+//! proof is in `compute_test.comp`.
 
 use bytemuck::{Pod, Zeroable};
 use cull::View;
@@ -21,14 +21,13 @@ use crate::shader_set::ShaderSet;
 /// Pixels along each side of a cell, as in the shaders.
 const CELL: u32 = 8;
 
-/// Cells a workgroup of `depth_grid.comp` looks at.
+/// Cells per workgroup of `depth_grid.comp`.
 const GRID_GROUP: u32 = 64;
 
 /// Pixels added to the sub-pixel grid of the rasteriser, for the rounding of everything else.
 const SLACK_PIXELS: f32 = 1.0 / 64.0;
 
-/// Tests boxes against a depth image in compute shaders. Owns the copy of the depth it tests
-/// against.
+/// The pass that tests boxes against a depth image in compute shaders. Owns the copy of the depth.
 pub struct ComputeTest {
     grid_pipeline: ComputePipeline,
     test_pipeline: ComputePipeline,
@@ -38,7 +37,7 @@ pub struct ComputeTest {
     most_groups: u32,
 }
 
-/// Reads boxes; writes words.
+/// The buffers of a test: reads boxes; writes words.
 #[derive(Clone, Copy)]
 pub struct ComputeTestIo {
     /// [`ProxyBox`](crate::ProxyBox)es, enlarged already, all of them before the near plane.
@@ -47,18 +46,18 @@ pub struct ComputeTestIo {
     pub words: BufferSlice,
     /// The first box, and word, of these tests.
     pub first: u32,
-    /// How many.
+    /// The number of tests.
     pub count: u32,
 }
 
-/// Mirrors `depth_grid.comp`.
+/// The push constants of `depth_grid.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct GridConstants {
     size: [u32; 2],
 }
 
-/// Mirrors `compute_test.comp`.
+/// The push constants of `compute_test.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct TestConstants {
@@ -121,9 +120,9 @@ impl ComputeTest {
         Ok(check_size(size, &device.adapter().limits)?)
     }
 
-    /// Takes the depth of `target` as it is now in `area`, which is no larger in either direction
-    /// than was given to [`ComputeTest::new`], for all tests until the next call. Outside of
-    /// rendering; to draw on, prepare the target again.
+    /// Copies the depth of `target` as it is now in `area`, for all tests until the next call.
+    /// `area` is no larger in either direction than the size given to [`ComputeTest::new`]. Outside
+    /// of rendering; the caller prepares the target again to draw on.
     pub fn record_grid(&self, commands: &Commands, target: &mut Target, area: Rect) {
         let between = MemoryBarrier::between;
         // The tests before, of this frame or another, have read what is written here.
@@ -139,7 +138,7 @@ impl ComputeTest {
     }
 
     /// Tests boxes as `view` sees them, which is the view that the depth was drawn with. Outside of
-    /// rendering, after [`ComputeTest::record_grid`]. Whoever read the words before must be over; a
+    /// rendering, after [`ComputeTest::record_grid`]. Earlier readers of the words must be over; a
     /// barrier from [`Access::ComputeWrite`] to the use must follow.
     pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &View) {
         let buffers = [io.boxes, self.depths.whole(), self.grid.whole(), io.words];
@@ -173,12 +172,12 @@ fn product([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-/// Cells along each side of `size` pixels.
+/// Returns the number of cells along each side of `size` pixels.
 fn cells(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| side.div_ceil(CELL))
 }
 
-/// Workgroups of `depth_grid.comp` for `size` pixels.
+/// Returns the number of workgroups of `depth_grid.comp` for `size` pixels.
 fn grid_groups(size: [u32; 2]) -> u64 {
     product(cells(size)).div_ceil(u64::from(GRID_GROUP))
 }

@@ -10,18 +10,19 @@ use gpu::{
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
 
-/// Draws the front faces of the leaves' proxies against the depth so far. The fragments that pass
-/// switch on the draws of their leaves.
+/// The pass that draws the front faces of the leaves' proxies against the depth so far. The
+/// fragments that pass switch on the draws of their leaves.
 pub struct LeafBoxPass {
     pipeline: GraphicsPipeline,
 }
 
-/// Reads the leaves' boxes and the depth that is being rendered to; writes draws and their list.
+/// The buffers of the pass: reads the leaves' boxes and the depth that is being rendered to; writes
+/// draws and their list.
 #[derive(Clone, Copy)]
 pub struct LeafBoxIo {
     /// One [`super::ProxyBox`] per leaf, not yet enlarged.
     pub boxes: BufferSlice,
-    /// What is switched on.
+    /// The draws that are switched on.
     pub parts: LeafDrawBuffers,
 }
 
@@ -63,7 +64,7 @@ impl LeafBoxPass {
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
 
-    /// Binds everything; the caller then draws boxes, the instance being the leaf.
+    /// Binds everything; the caller then draws boxes, with the leaf as the instance.
     pub fn bind(&self, commands: &Commands, io: &LeafBoxIo, view: &View) {
         commands.bind(&self.pipeline, &[io.boxes, io.parts.draws, io.parts.list]);
         commands.push_constants(

@@ -1,4 +1,5 @@
-//! The passes of a plan: each a struct with its pipeline, and an `Io` of what it reads and writes.
+//! The passes of a plan: each a struct with its pipeline, and an `Io` of the buffers that it reads
+//! and writes.
 
 mod compute_test;
 mod leaf_box;
@@ -16,13 +17,14 @@ pub use scatter::{ScatterIo, ScatterPass};
 
 /// The passes that all views of a scene share.
 pub struct OcclusionPasses {
-    /// Tests boxes by queries and by flags.
+    /// The pass that tests boxes by queries and by flags.
     pub proxies: ProxyPass,
-    /// Tests the leaves below a node that showed, where fragment shaders can write to buffers.
+    /// The pass that tests the leaves below a node that showed, where fragment shaders can write to
+    /// buffers.
     pub leaf_boxes: Option<LeafBoxPass>,
-    /// Tests boxes by a compute shader, made for the first frame that does.
+    /// The pass that tests boxes by a compute shader, made for the first frame that does.
     pub compute_test: Option<ComputeTest>,
-    /// Brings what changed to the GPU.
+    /// The pass that uploads changed leaves.
     pub scatter: ScatterPass,
 }
 

@@ -1,4 +1,4 @@
-//! The proxy pass: asks whether boxes would show, and changes nothing.
+//! The proxy pass: tests boxes, and changes nothing.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, View};
@@ -10,15 +10,16 @@ use gpu::{
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
 
-/// Draws the front faces of boxes against the depth so far: no colour, no depth writes. Whether a
-/// box shows is told by the query around its draw, or by a flag that its fragments set.
+/// The pass that draws the front faces of boxes against the depth so far, without colour and depth
+/// writes. The result of a box is the query around its draw, or a flag that its fragments set.
 pub struct ProxyPass {
     queried: GraphicsPipeline,
     // Where fragment shaders can write to buffers.
     flagged: Option<GraphicsPipeline>,
 }
 
-/// Reads boxes and the depth that is being rendered to; writes flags, if any.
+/// The buffers of the pass: reads boxes and the depth that is being rendered to; writes flags, if
+/// any.
 #[derive(Clone, Copy)]
 pub struct ProxyIo {
     /// One [`ProxyBox`] per test.
@@ -32,7 +33,7 @@ pub struct ProxyIo {
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct ProxyBox {
     low: [f32; 3],
-    /// Of what is in it, for testers that count; others do not look at it.
+    /// The triangles of its contents, for testers that count; others ignore it.
     triangles: u32,
     high: [f32; 3],
     unused: u32,
@@ -46,7 +47,7 @@ impl From<Aabb> for ProxyBox {
 }
 
 impl ProxyBox {
-    /// Returns the box around so many triangles.
+    /// Returns the box with the number of triangles in it.
     pub fn counting(self, triangles: u32) -> Self {
         Self { triangles, ..self }
     }

@@ -1,5 +1,5 @@
-//! The scatter pass: brings per-leaf arrays on the GPU up to date where leaves changed, at a cost
-//! that is that of the changes.
+//! The scatter pass: updates per-leaf arrays on the GPU where leaves changed, at a cost in
+//! proportion to the changes.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
@@ -7,12 +7,12 @@ use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier,
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
 
-/// Writes elements of arrays that have one element per leaf.
+/// The pass that writes elements of arrays that have one element per leaf.
 pub struct ScatterPass {
     pipeline: ComputePipeline,
 }
 
-/// Reads leaves and elements; writes the array.
+/// The buffers of the pass: reads leaves and elements; writes the array.
 #[derive(Clone, Copy)]
 pub struct ScatterIo {
     /// The leaf of each new element: one word each.
@@ -32,10 +32,10 @@ struct Constants {
 
 const GROUP_THREADS: u32 = 64;
 
-/// More groups than this do not make it faster; every device allows 65535.
+/// The most workgroups: more do not make it faster, and every device allows 65535.
 const GROUPS_MAX: u32 = 4096;
 
-/// What may look at a per-leaf array.
+/// The accesses that may read a per-leaf array.
 const USES: [Access; 5] = [
     Access::VertexRead,
     Access::FragmentRead,
@@ -61,8 +61,8 @@ impl ScatterPass {
     }
 
     /// Writes `count` new elements into each array; the second of a pair is the size of an element,
-    /// whole words. What is recorded before, in this frame or an earlier one, still reads the old
-    /// elements: one queue runs them all, so an execution barrier is enough.
+    /// whole words. Commands that were recorded before, in this frame or an earlier one, still read
+    /// the old elements: one queue runs them all, so an execution barrier is enough.
     pub fn record(&self, commands: &Commands, count: u32, arrays: &[(ScatterIo, usize)]) {
         commands.pass("upload changes", |commands| {
             commands.barrier(MemoryBarrier::between(&USES, &[Access::ComputeWrite]));
