@@ -7,7 +7,7 @@
 //!
 //! | type | purpose |
 //! |---|---|
-//! | [`LeafTable`] | box, draw and counts of each leaf of the hierarchy, on the CPU and on the GPU |
+//! | [`LeafTable`] | box, draw and counts per leaf of the hierarchy, on the CPU and the GPU |
 //! | [`PlanExecutor`] | records the rounds of a plan: draws, tests, predicates, results |
 //! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
 //! | [`Method`] | the trait of all methods: [`PlannedMethod`] is Antumbra's own |

@@ -1,13 +1,14 @@
-//! Whether the surfaces of a scene belong to it and can be drawn: nothing that is checked here can
-//! make a shader read beside what there is, or meet a number that is none.
+//! Checks that the surfaces of a scene belong to it and can be drawn: a scene that passes makes no
+//! shader read out of bounds or meet a value that is no number.
 
 use super::surface::{Material, MorphTarget, SkinWeights, SkinnedMesh, Surfaces, TextureUse};
 use super::{Scene, SceneError, bounds_of_transformed};
 
-/// The weights of a vertex are rounded to as little as eight bits each, eight of them or more.
+/// The slack of the sum of a vertex's weights, which are rounded to as little as eight bits each,
+/// eight of them or more.
 const WEIGHT_SLACK: f32 = 1.0 / 32.0;
 
-/// Which part of the surfaces, and its place among its like.
+/// A kind of part of the surfaces, and the part's place among its kind.
 type Part = (&'static str, usize);
 
 fn broken((part, index): Part, fault: &'static str) -> Result<(), SceneError> {
@@ -18,8 +19,7 @@ fn are_finite<const N: usize>(numbers: &[f32; N]) -> bool {
     numbers.iter().all(|number| number.is_finite())
 }
 
-/// Finds the first thing that is wrong with the surfaces of a scene whose meshes and objects are
-/// right.
+/// Finds the first fault in the surfaces of a scene whose meshes and objects are right.
 ///
 /// # Errors
 /// [`SceneError::BrokenSurfaces`].
@@ -56,7 +56,7 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
     check_deformers(scene, surfaces)
 }
 
-/// Of each mesh whether it is one of sprites.
+/// Returns for each mesh true if it is one of sprites.
 pub(super) fn sprite_meshes(scene: &Scene) -> Vec<bool> {
     let mut are_sprites = vec![false; scene.meshes.len()];
     for sprites in scene.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {

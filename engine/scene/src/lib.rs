@@ -1,7 +1,7 @@
-//! What there is to draw, as pure data: meshes, materials, objects, lights, and how they change.
+//! The scene as pure data: meshes, materials, objects, lights, and their changes.
 //!
-//! No Vulkan, no files, no unsafe code. [`Scene::validate`] says whether a renderer can draw a
-//! scene, [`limits`] how much of everything each takes on any device.
+//! No Vulkan, no files, no unsafe code. [`Scene::validate`] checks that a renderer can draw a
+//! scene; [`limits`] holds the sizes that every device takes.
 //!
 //! ```
 //! # use antumbra_scene as scene;
@@ -45,10 +45,10 @@ pub use surface::{
 };
 pub use update::{Deformation, LightMove, SceneUpdate, TransparentMove};
 
-/// The vertical field of view where nobody asks for another, in radians.
+/// The default of the vertical field of view, in radians.
 pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;
 
-/// The distance of the near plane where nobody asks for another, in metres.
+/// The default of the distance of the near plane, in metres.
 pub const NEAR_M: f32 = 0.2;
 
 /// A part of a scene that cannot be drawn.
@@ -59,17 +59,17 @@ pub enum SceneError {
     BrokenMesh {
         /// The mesh's name.
         mesh: String,
-        /// What is wrong with it.
+        /// The fault.
         fault: &'static str,
     },
     /// Surfaces that cannot be drawn.
     #[error("{part} {index} of the surfaces cannot be drawn: {fault}")]
     BrokenSurfaces {
-        /// Which kind of part: a mesh, a material, a deformer...
+        /// The kind of part: a mesh, a material, a deformer...
         part: &'static str,
-        /// Its place among its like.
+        /// Its place among its kind.
         index: usize,
-        /// What is wrong with it.
+        /// The fault.
         fault: &'static str,
     },
     /// An object that cannot be drawn.
@@ -77,34 +77,34 @@ pub enum SceneError {
     BrokenObject {
         /// Its place in [`Scene::objects`].
         index: usize,
-        /// What is wrong with it.
+        /// The fault.
         fault: &'static str,
     },
 }
 
-/// Something that happens to an object between two frames.
+/// A change of an object between two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ObjectChange {
-    /// It is somewhere else.
+    /// The object moves.
     Move {
         /// The object.
         object: ObjectId,
-        /// Where it is now.
+        /// Its new transform.
         transform: Affine3A,
     },
-    /// It is gone; its id may be given to another.
+    /// The object is removed; its id may be given to another.
     Remove {
         /// The object.
         object: ObjectId,
     },
-    /// It was not there before. The update says which id it gets.
+    /// The object is added. The update returns its id.
     Add {
-        /// What comes. Its mesh is one of the scene's.
+        /// The new object. Its mesh is one of the scene's.
         object: Object,
     },
 }
 
-/// One directional light, and what comes from everywhere else. All colours are linear.
+/// One directional light, and the ambient light. All colours are linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Unit vector from the scene to the sun.
@@ -115,7 +115,7 @@ pub struct Light {
     pub ambient_above: [f32; 3],
     /// Light on surfaces that face down; in between, mix by the normal's y.
     pub ambient_below: [f32; 3],
-    /// What is seen where nothing is.
+    /// The colour of the background.
     pub sky: [f32; 3],
 }
 
@@ -135,7 +135,7 @@ impl Light {
 /// A world to draw.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// What it is, for people and reports.
+    /// The name, for people and reports.
     pub name: String,
     /// The meshes that objects name.
     pub meshes: Vec<Mesh>,
@@ -143,7 +143,7 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Its light.
     pub light: Light,
-    /// What it looks like close by; `None` where vertices say it all.
+    /// The surfaces; `None` where vertices hold the whole appearance.
     pub surfaces: Option<Surfaces>,
 }
 
@@ -154,8 +154,8 @@ impl Scene {
     }
 
     /// Returns the box around an object in the world, in metres: the box of its mesh's box, exact
-    /// for quarter turns, larger than need be for others. `None` if the object's mesh is not in the
-    /// scene.
+    /// for quarter turns, larger than necessary for others. `None` if the object's mesh is not in
+    /// the scene.
     ///
     /// Each bound is computed in the order of operations of `transform * position` (after J. Arvo,
     /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex that is transformed
@@ -165,7 +165,7 @@ impl Scene {
         Some(bounds_of_transformed(&self.mesh_of(object)?.bounds, &object.transform))
     }
 
-    /// Returns how many triangles its objects have together.
+    /// Returns the number of triangles of all its objects.
     pub fn triangles(&self) -> u64 {
         let mut of_mesh: Vec<u64> = self.meshes.iter().map(Mesh::triangles).collect();
         for sprites in self.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
@@ -177,12 +177,11 @@ impl Scene {
         self.objects.iter().filter_map(of_object).sum()
     }
 
-    /// Checks that everything can be drawn.
+    /// Checks that a renderer can draw the scene.
     ///
-    /// # Errors
-    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the
-    /// first object that names no mesh or stands nowhere, or the first of its surfaces that does
-    /// not belong to it or has a number that is none.
+    /// # Errors The first mesh whose indices do not fit its vertices or whose numbers are not
+    /// finite, the first object that names no mesh or has a transform that is not finite, or the
+    /// first part of its surfaces that does not belong to it or has a value that is no number.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

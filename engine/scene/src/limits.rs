@@ -1,4 +1,4 @@
-//! How much of everything a renderer takes on any device. Many devices take more.
+//! The limits of a scene that every device supports. Many devices support more.
 
 /// Bytes that a storage buffer has on every device.
 pub const STORAGE_BYTES_ANYWHERE: u64 = 1 << 27;
@@ -7,25 +7,25 @@ pub const STORAGE_BYTES_ANYWHERE: u64 = 1 << 27;
 /// mesh.
 pub const INSTANCE_BYTES: u64 = 64;
 
-/// Objects, with room for those that come; blended ones count by themselves.
+/// The most objects, with room for those that are added; blended ones count by themselves.
 pub const OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / INSTANCE_BYTES;
 
-/// Objects together with blended ones in a scene with points' or spots' lights.
+/// The most objects together with blended ones in a scene with point or spot lights.
 pub const LIT_OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 32;
 
-/// Materials.
+/// The most materials.
 pub const MATERIALS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 64 - 1;
 
-/// Vertices of meshes that change their form, all of them together.
+/// The most vertices of deformed meshes, all of them together.
 pub const DEFORMED_VERTICES_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 40;
 
-/// Images, each counted twice that is both looked at as colours and as numbers.
+/// The most images; one that is sampled both as colours and as numbers counts twice.
 pub const IMAGES_ANYWHERE: u64 = MAX_PAGES as u64 * 256;
 
 /// The most pages of a scene: with room to spare within the 16 samplers that every device has.
 pub const MAX_PAGES: usize = 12;
 
-/// The most layers of a page, whatever the device can: a texture's place must fit a word.
+/// The most layers of a page on any device: a texture's place must fit a word.
 pub const MAX_LAYERS: u32 = 2048;
 
 /// The most texture transforms that differ, beside none at all: a transform's number has 16 bits.
@@ -34,7 +34,7 @@ pub const MAX_TEXTURE_TRANSFORMS: usize = (1 << 16) - 1;
 /// The most lights of a scene: a place in the light table has 16 bits.
 pub const MAX_LIGHTS: usize = 1 << 16;
 
-/// The most points' and spots' lights that shine on an object; weaker ones are left out.
+/// The most point and spot lights that shine on an object; weaker ones are left out.
 pub const MAX_LIGHTS_PER_OBJECT: usize = 16;
 
 /// The most directional lights that shine: each reaches every pixel.

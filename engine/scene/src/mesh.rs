@@ -3,7 +3,7 @@
 use cull::Aabb;
 use glam::{Affine3A, Vec3, Vec3A};
 
-/// Names a mesh of its scene: an index into [`Scene::meshes`](super::Scene::meshes).
+/// The id of a mesh of its scene: an index into [`Scene::meshes`](super::Scene::meshes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MeshId(pub u32);
 
@@ -15,8 +15,8 @@ pub struct Vertex {
     pub position: [f32; 3],
     /// Unit normal as snorm8x4: x in the lowest byte, w is 0.
     pub normal: u32,
-    /// **Linear** red, green, blue as unorm8x4, red in the lowest byte. Alpha is no opacity but the
-    /// share of the object's tint: `albedo = rgb * mix(vec3(1), tint.rgb, alpha)`.
+    /// **Linear** red, green, blue as unorm8x4, red in the lowest byte. Alpha is not opacity but
+    /// the share of the object's tint: `albedo = rgb * mix(vec3(1), tint.rgb, alpha)`.
     pub colour: u32,
 }
 
@@ -25,7 +25,7 @@ const _: () = assert!(size_of::<Vertex>() == 20);
 /// Triangles that many objects may share. Counter-clockwise seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
-    /// What it is, for people.
+    /// The name, for people.
     pub name: String,
     /// The vertices.
     pub vertices: Vec<Vertex>,
@@ -33,18 +33,18 @@ pub struct Mesh {
     pub indices: Vec<u32>,
     /// The tight box around the vertices, in the space of the mesh, in metres.
     pub bounds: Aabb,
-    /// Whether the back of each triangle is a triangle of its own, as meshes of double-sided
-    /// materials have it.
+    /// True if the back of each triangle is a triangle of its own, as in meshes of double-sided
+    /// materials.
     pub has_backs: bool,
 }
 
 impl Mesh {
-    /// Returns how many triangles it has; a triangle and its back are one.
+    /// Returns the number of its triangles; a triangle and its back are one.
     pub fn triangles(&self) -> u64 {
         self.triangles_of(self.indices.len())
     }
 
-    /// Returns how many triangles so many indices of it are.
+    /// Returns the number of triangles in `indices` of its indices.
     pub fn triangles_of(&self, indices: usize) -> u64 {
         let sides = if self.has_backs { 2 } else { 1 };
         // A coarser form may keep a triangle and not its back.
@@ -55,9 +55,9 @@ impl Mesh {
 /// A mesh somewhere in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
-    /// What is drawn.
+    /// The mesh.
     pub mesh: MeshId,
-    /// From the mesh's space to the world's, in metres; y is up.
+    /// The transform from the mesh's space to the world's, in metres; y is up.
     pub transform: Affine3A,
     /// Linear red, green, blue as unorm8x4, red in the lowest byte; alpha has no meaning. See
     /// [`Vertex::colour`].
@@ -75,8 +75,8 @@ pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
     Aabb { min, max }
 }
 
-/// Returns the box around a transformed box; [`Scene::bounds_of`](super::Scene::bounds_of) says how
-/// exact it is.
+/// Returns the box around a transformed box; see [`Scene::bounds_of`](super::Scene::bounds_of) for
+/// its precision.
 pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     let extremes = |column: Vec3A, low: f32, high: f32| {
         let (a, b) = (column * low, column * high);

@@ -1,19 +1,20 @@
-//! Whether triangles enclose something, and whether they look at it or away from it.
+//! A measure of triangles that enclose a volume and face outwards or inwards.
 
 use cull::Aabb;
 use glam::{DVec3, Vec3};
 
-/// From this on, and from its negative on, triangles enclose what is in their box, rather than lie
-/// in it like a sheet: long thin bottles have little more.
+/// The least outwardness, positive or negative, of triangles that enclose the contents of their
+/// box, rather than lie in it like a sheet: long thin bottles have little more.
 pub const ENCLOSING: f32 = 0.05;
 
-/// Areas of what is closed add up to nothing, those of half a ball to half of them.
+/// The share of its area by which a surface may be open: the areas of a closed surface add up to
+/// nothing, those of half a ball to half of them.
 const OPEN: f64 = 0.55;
 
-/// Returns how much counter-clockwise triangles look away from the middle of their box: 1 if all do
-/// straight, as a ball's seen from outside, -1 if all look at the middle, 0 for sheets, for what is
-/// more open than half a ball, and for triangles that come with their backs. Numbers that are none
-/// count nothing.
+/// Returns the degree to which counter-clockwise triangles face away from the middle of their box:
+/// 1 if all face straight away, as those of a ball, -1 if all face the middle, 0 for sheets, for
+/// surfaces that are more open than half a ball, and for triangles that have their backs. Values
+/// that are no numbers do not count.
 pub fn outwardness(bounds: &Aabb, triangles: impl IntoIterator<Item = [Vec3; 3]>) -> f32 {
     let middle = bounds.centre().as_dvec3();
     let (mut outwards, mut all) = (0.0, 0.0);
@@ -38,7 +39,7 @@ pub fn outwardness(bounds: &Aabb, triangles: impl IntoIterator<Item = [Vec3; 3]>
 mod tests {
     use super::*;
 
-    /// Returns an octahedron, long along y, about 5, 0, 0; and its upper half.
+    /// Returns an octahedron, long along y, around 5, 0, 0; its first half is the upper one.
     fn octahedron() -> Vec<[Vec3; 3]> {
         let corner = |x: f32, y: f32, z: f32| Vec3::new(5.0 + x, 4.0 * y, z);
         let mut triangles = Vec::new();

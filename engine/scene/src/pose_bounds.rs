@@ -11,20 +11,21 @@
 //! term lies in its weight times the box of all displacements of the target, so the sum lies in the
 //! sum of these boxes, for weights of either sign. Targets that move different vertices would add
 //! up although no vertex adds them up; so the sum is also bounded by the largest weight times the
-//! largest sum of displacements that any vertex has, and the box is what both allow.
+//! largest sum of displacements that any vertex has, and the box is the intersection of both
+//! bounds.
 //!
 //! # Rounding
 //! A GPU computes vertices in single precision, in any order and with or without fused
 //! multiplication; so does this. Each operation adds at most `u = 2^-24` of its result. Let `S` be
 //! the sum of the magnitudes of all terms of a coordinate: `sum over axes of |matrix| * P +
-//! |translation|`, where `P` is the largest magnitude of a position at rest and of what targets add
-//! to it. No partial sum is larger than `S`, and a term goes through `t + 1` operations for `t`
-//! targets, `n + 1` for `n` influences, and 5 for the product with the mixed matrix. So a vertex is
-//! off by less than `(t + n + 7) * u * S`, and this box by less than `(t + 7) * u * S`. The margin
-//! is `2 * u` instead of `u`, which covers the terms of higher order and the rounding of the margin
-//! itself. Weights that are 1 together only up to `e` scale a mix by at most `1 + e`, which moves
-//! it by at most `e * S`. (Numbers below the least normal one may be flushed to zero: some 1e-38 m,
-//! which the proxies' own margin exceeds.)
+//! |translation|`, where `P` is the largest magnitude of a position at rest and of the
+//! displacements by targets. No partial sum is larger than `S`, and a term goes through `t + 1`
+//! operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the mixed
+//! matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than `(t +
+//! 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order and
+//! the rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by at
+//! most `1 + e`, which moves it by at most `e * S`. (Numbers below the least normal one may be
+//! flushed to zero: some 1e-38 m, which the proxies' own margin exceeds.)
 
 use cull::Aabb;
 use glam::{Affine3A, Vec3, Vec3A};
@@ -42,17 +43,17 @@ const ROUNDING: f32 = f32::EPSILON;
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseBounds {
     parts: Vec<Part>,
-    /// For each morph target the box of what it adds to vertices.
+    /// For each morph target the box of its displacements.
     displacements: Vec<Aabb>,
-    /// The largest sums of all that targets add to one vertex, along each axis and against it.
+    /// The largest sums of displacements of one vertex, along each axis and against it.
     most_added: [Vec3; 2],
-    /// How many operations round, here and on the GPU.
+    /// The number of operations that round, here and on the GPU.
     roundings: f32,
-    /// How far the weights of any vertex are from 1 together.
+    /// The largest difference of a vertex's sum of weights from 1.
     weight_error: f32,
 }
 
-/// What one matrix moves.
+/// The vertices that one matrix moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Part {
     /// The joint; `None` for a mesh without a skin, which stays where it is.
@@ -68,7 +69,8 @@ impl PoseBounds {
         Self::new(positions, skinned_mesh.skin.as_ref(), &skinned_mesh.targets)
     }
 
-    /// Looks at all vertices of a mesh at rest, and at all that moves them, once.
+    /// Computes the boxes from all vertices of a mesh at rest, its morph targets and its skin,
+    /// once.
     pub fn new(
         positions: impl Iterator<Item = Vec3>,
         skin: Option<&SkinWeights>,
@@ -87,9 +89,9 @@ impl PoseBounds {
         Self { parts, displacements, most_added, roundings, weight_error }
     }
 
-    /// Returns the box of the mesh in a pose, in the space to which `joints` take it: no vertex
-    /// leaves it, with what rounding does to it on any GPU. `None` where it reaches beyond all that
-    /// can be drawn, or a joint is missing.
+    /// Returns the box of the mesh in a pose, in the space to which `joints` transform it: no
+    /// vertex leaves it, with the rounding of any GPU. `None` where it reaches beyond the
+    /// coordinates that can be drawn, or a joint is missing.
     pub fn bounds(&self, joints: &[Affine3A], weights: &[f32]) -> Option<Aabb> {
         let (added, added_size) = self.added(weights.iter().map(|weight| [*weight; 2]));
         let mut all = if self.parts.is_empty() { NOTHING } else { Aabb::EMPTY };
@@ -118,15 +120,15 @@ impl PoseBounds {
     }
 
     /// Returns for each joint that a vertex follows the box of these vertices before joints move
-    /// them, in the space of the mesh, whatever weights within these ranges morph targets have; for
-    /// the mesh as a whole where it has no skin.
+    /// them, in the space of the mesh, for all weights of morph targets within the given ranges;
+    /// for the mesh as a whole where it has no skin.
     pub fn parts(&self, weights: &[[f32; 2]]) -> impl Iterator<Item = (Option<u16>, Aabb)> {
         let (added, _) = self.added(weights.iter().copied());
         self.parts.iter().map(move |part| (part.joint, sum(&part.bounds, &added)))
     }
 
-    /// Returns the box of what all targets add together, and the sum of the magnitudes of what each
-    /// adds.
+    /// Returns the box of the summed displacements of all targets, and the sum of the magnitudes of
+    /// each.
     fn added(&self, weights: impl Iterator<Item = [f32; 2]>) -> (Aabb, Vec3) {
         let (mut all, mut size) = (NOTHING, Vec3::ZERO);
         // The largest weights that are positive, and negative.
@@ -147,7 +149,7 @@ impl PoseBounds {
     }
 }
 
-/// Returns the largest sums of what targets add to one vertex, along each axis and against it.
+/// Returns the largest sums of displacements of one vertex, along each axis and against it.
 fn most_added(targets: &[MorphTarget]) -> [Vec3; 2] {
     let vertices = targets.iter().map(|target| target.positions.len()).max().unwrap_or_default();
     let mut most = [Vec3::ZERO; 2];
@@ -175,8 +177,8 @@ fn around(points: impl Iterator<Item = Vec3>) -> Aabb {
     if all.is_empty() { NOTHING } else { all }
 }
 
-/// Returns for each joint the box of the vertices that follow it, and how far weights are from 1
-/// together.
+/// Returns for each joint the box of the vertices that follow it, and the largest difference of a
+/// sum of weights from 1.
 fn followed(positions: impl Iterator<Item = Vec3>, skin: &SkinWeights) -> (Vec<Part>, f32) {
     let mut boxes = vec![Aabb::EMPTY; skin.joint_count as usize];
     let mut weight_error = 0.0_f64;

@@ -7,9 +7,9 @@ use super::{
 };
 
 impl Mesh {
-    /// Returns a mesh of triangles, three corners each: where a corner is (metres, y is up), and
-    /// its linear red, green and blue. They run counter-clockwise seen from outside; corners left
-    /// over are left out.
+    /// Returns a mesh of triangles, three corners each: a corner is its position (metres, y is up)
+    /// and its linear red, green and blue. Triangles are counter-clockwise seen from outside;
+    /// surplus corners are left out.
     pub fn of_triangles(name: &str, corners: &[([f32; 3], [f32; 3])]) -> Self {
         let (triangles, _) = corners.as_chunks::<3>();
         let vertices = triangles.iter().flat_map(|triangle| {
@@ -33,7 +33,7 @@ impl Mesh {
 }
 
 impl Scene {
-    /// Returns a scene of one object, where its mesh has it.
+    /// Returns a scene of one object, at the place of its mesh.
     pub fn single(mesh: Mesh) -> Self {
         let (transform, tint) = (Affine3A::IDENTITY, u32::MAX);
         Self {

@@ -1,5 +1,5 @@
-//! Sprites: points and lines, of which a scene may have millions: 16 bytes an end, and no triangles
-//! of their own.
+//! Sprites: points and lines, of which a scene may have millions: 16 bytes per end, and no
+//! triangles of their own.
 
 use cull::Aabb;
 use glam::Vec3;
@@ -10,8 +10,8 @@ use super::mesh::MeshId;
 /// small.
 pub const MAX_SPRITES: usize = 1 << 16;
 
-/// How much larger the box around sprites is than that around their ends, for each metre of the
-/// radius: a little more than the diagonal of a square that is as wide as high.
+/// The growth of the box around the ends to that around the sprites, per metre of the radius: a
+/// little more than the half diagonal of a square with half sides of 1.
 const REACH: f32 = 1.4143;
 
 /// A point, or an end of a line.
@@ -26,17 +26,17 @@ pub struct SpriteEnd {
 
 const _: () = assert!(size_of::<SpriteEnd>() == 16);
 
-/// What sprites are.
+/// The shape of sprites.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SpriteShape {
-    /// Each has one end.
+    /// Points: each has one end.
     Point,
-    /// Each has two ends, one after the other.
+    /// Lines: each has two ends, one after the other.
     Line,
 }
 
 impl SpriteShape {
-    /// Returns how many ends a sprite has.
+    /// Returns the number of ends of a sprite.
     pub fn ends(self) -> usize {
         match self {
             Self::Point => 1,
@@ -51,7 +51,7 @@ impl SpriteShape {
 pub struct Sprites {
     /// The mesh.
     pub mesh: MeshId,
-    /// What they are.
+    /// The shape.
     pub shape: SpriteShape,
     /// Half of their width, in the space of the mesh, in metres.
     pub radius_m: f32,
@@ -62,12 +62,12 @@ pub struct Sprites {
 }
 
 impl Sprites {
-    /// Returns how many sprites there are.
+    /// Returns the number of sprites.
     pub fn count(&self) -> usize {
         self.ends.len() / self.shape.ends()
     }
 
-    /// Returns the box around all that is drawn of them, from wherever they are seen.
+    /// Returns the box around the drawn sprites, seen from any direction.
     pub fn bounds(&self) -> Aabb {
         let points = self.ends.iter().map(|end| Vec3::from_array(end.position));
         let all = points.fold(Aabb::EMPTY, |all, point| all.union(&Aabb::new(point, point)));
@@ -78,7 +78,7 @@ impl Sprites {
         Aabb { min: all.min - reach, max: all.max + reach }
     }
 
-    /// Returns what is wrong with them, if anything is.
+    /// Returns the fault of the sprites, if there is one.
     pub(super) fn fault(&self) -> Option<&'static str> {
         let is_whole = |colour: f32| (0.0..16_777_216.0).contains(&colour) && colour.fract() == 0.0;
         let is_end = |end: &SpriteEnd| {

@@ -1,41 +1,41 @@
-//! Surfaces: what meshes look like close by, as plain data. Materials are glTF 2.0's
-//! metallic-roughness model with its extensions `KHR_materials_unlit`,
-//! `KHR_materials_emissive_strength`, `KHR_texture_transform` and `KHR_lights_punctual`.
+//! Surfaces: the appearance of meshes, as plain data. Materials are glTF 2.0's metallic-roughness
+//! model with its extensions `KHR_materials_unlit`, `KHR_materials_emissive_strength`,
+//! `KHR_texture_transform` and `KHR_lights_punctual`.
 
 use glam::{Affine2, Vec3};
 
 use super::{MeshId, Object, Sprites};
 
-/// Names a material: an index into [`Surfaces::materials`].
+/// The id of a material: an index into [`Surfaces::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub u32);
 
-/// Names a texture: an index into [`Surfaces::textures`].
+/// The id of a texture: an index into [`Surfaces::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TextureId(pub u32);
 
-/// Names an image: an index into [`Surfaces::images`].
+/// The id of an image: an index into [`Surfaces::images`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ImageId(pub u32);
 
-/// Names a blended object: an index into [`Surfaces::transparent`].
+/// The id of a blended object: an index into [`Surfaces::transparent`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TransparentId(pub u32);
 
-/// Names a light: an index into [`Surfaces::lights`].
+/// The id of a light: an index into [`Surfaces::lights`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LightId(pub u32);
 
-/// Names a mesh that changes its form: an index into [`Surfaces::skinned_meshes`].
+/// The id of a deformed mesh: an index into [`Surfaces::skinned_meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SkinnedMeshId(pub u32);
 
-/// The second half of a vertex, 40 bytes: what only shading needs.
+/// The second half of a vertex, 40 bytes: the attributes that only shading needs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfaceVertex {
     /// Unit normal as snorm16; the last is 32767 where the mesh has both sides of each triangle, so
-    /// that it may be mirrored at one time and not at another, else 0.
+    /// that it may be mirrored in some frames and not in others, else 0.
     pub normal: [i16; 4],
     /// Unit tangent as snorm16; the last is the bitangent's sign, -32767 or 32767.
     pub tangent: [i16; 4],
@@ -47,73 +47,73 @@ pub struct SurfaceVertex {
 
 const _: () = assert!(size_of::<SurfaceVertex>() == 40);
 
-/// What a mesh of the scene looks like.
+/// The surface of a mesh of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceMesh {
-    /// As many as the mesh has vertices.
+    /// The second halves of the mesh's vertices.
     pub vertices: Vec<SurfaceVertex>,
-    /// What it is made of.
+    /// The material.
     pub material: MaterialId,
 }
 
-/// How a surface covers what is behind it.
+/// The way a surface covers the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
-    /// Wholly.
+    /// Full cover.
     Opaque,
-    /// Wholly where its alpha is at least this, elsewhere not at all.
+    /// Full cover where its alpha is at least the cutoff, none elsewhere.
     Mask {
-        /// Where it begins.
+        /// The least alpha that covers.
         cutoff: f32,
     },
-    /// As much as its alpha says.
+    /// Cover in proportion to its alpha.
     Blend,
 }
 
-/// A texture, and where on it a surface is.
+/// A texture, and the coordinates of a surface in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureUse {
-    /// Which one.
+    /// The texture.
     pub texture: TextureId,
-    /// By which of the two sets of coordinates: 0 or 1.
+    /// The set of texture coordinates: 0 or 1.
     pub uv_set: u8,
-    /// From those to coordinates in the texture.
+    /// The transform of those to coordinates in the texture.
     pub transform: Affine2,
 }
 
-/// What a surface is made of. All colours are linear.
+/// The material of a surface. All colours are linear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// What it is, for people.
+    /// The name, for people.
     pub name: String,
     /// Factor of the base colour and alpha.
     pub base_colour: [f32; 4],
     /// Base colour and alpha; sRGB.
     pub base_colour_texture: Option<TextureUse>,
-    /// Factor, 0 to 1.
+    /// Factor of metallic, 0 to 1.
     pub metallic: f32,
-    /// Factor, 0 to 1.
+    /// Factor of roughness, 0 to 1.
     pub roughness: f32,
     /// Roughness in green, metallic in blue; linear.
     pub metallic_roughness_texture: Option<TextureUse>,
     /// Normals in tangent space; linear.
     pub normal_texture: Option<TextureUse>,
-    /// Factor of their x and y.
+    /// Factor of the normals' x and y.
     pub normal_scale: f32,
     /// Occlusion of ambient light in red; linear.
     pub occlusion_texture: Option<TextureUse>,
-    /// How much of it counts, 0 to 1.
+    /// Strength of the occlusion, 0 to 1.
     pub occlusion_strength: f32,
-    /// What it gives off by itself, with its strength.
+    /// Emitted light, with its strength.
     pub emission: [f32; 3],
-    /// Factor of that; sRGB.
+    /// Factor of the emitted light; sRGB.
     pub emission_texture: Option<TextureUse>,
-    /// How it covers.
+    /// The way it covers the background.
     pub alpha: Alpha,
-    /// Whether its back is seen. Meshes of such materials have their backs as triangles of their
-    /// own, so that one pipeline draws all.
+    /// True if its back is drawn too. Meshes of such materials have their backs as triangles of
+    /// their own, so that one pipeline draws all.
     pub is_double_sided: bool,
-    /// Whether it is its base colour whatever the light.
+    /// True if its colour is the base colour in any light.
     pub is_unlit: bool,
 }
 
@@ -143,15 +143,15 @@ impl Default for Material {
 /// An image of four channels of eight bits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// What it is, for people.
+    /// The name, for people.
     pub name: String,
     /// Width and height in pixels, neither 0.
     pub size: [u32; 2],
-    /// Rows from the top without gaps, four bytes a pixel.
+    /// Rows from the top without gaps, four bytes per pixel.
     pub rgba8: Vec<u8>,
 }
 
-/// What the bytes of an image mean.
+/// The meaning of the bytes of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Encoding {
     /// Colours: red, green, blue are sRGB, alpha is linear.
@@ -160,36 +160,36 @@ pub enum Encoding {
     Linear,
 }
 
-/// What is beyond the edges of a texture.
+/// The colour beyond the edges of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// It again.
+    /// The texture again.
     Repeat,
-    /// It again, mirrored.
+    /// The texture again, mirrored.
     Mirror,
     /// Its last pixel.
     Clamp,
 }
 
-/// How pixels become a colour.
+/// The filter of a texture's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Filter {
-    /// The nearest.
+    /// The nearest pixel.
     Nearest,
-    /// A mix of those around.
+    /// A mix of the nearest pixels.
     Linear,
 }
 
-/// How a texture is looked at.
+/// The sampling of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Sampler {
-    /// Beyond its edges, across and down.
+    /// The colours beyond its edges, across and down.
     pub wrap: [Wrap; 2],
-    /// Where it is enlarged.
+    /// The filter where it is enlarged.
     pub magnified: Filter,
-    /// Where it is made smaller.
+    /// The filter where it is made smaller.
     pub minified: Filter,
-    /// Between the levels of its mip maps; `None` takes the largest alone.
+    /// The filter between the levels of its mip maps; `None` takes the largest alone.
     pub between_levels: Option<Filter>,
 }
 
@@ -204,25 +204,25 @@ impl Default for Sampler {
     }
 }
 
-/// An image and how to look at it.
+/// An image and its sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Texture {
-    /// Which image.
+    /// The image.
     pub image: ImageId,
-    /// What its bytes mean.
+    /// The meaning of its bytes.
     pub encoding: Encoding,
-    /// How to look at it.
+    /// The sampling.
     pub sampler: Sampler,
 }
 
-/// Where a light shines from and to.
+/// The kind of a light, by its origin and directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// From everywhere along its direction; intensity in lux.
+    /// Parallel light along its direction; intensity in lux.
     Directional,
-    /// From its position in all directions; intensity in candela.
+    /// Light from its position in all directions; intensity in candela.
     Point,
-    /// From its position into a cone around its direction; intensity in candela.
+    /// Light from its position into a cone around its direction; intensity in candela.
     Spot {
         /// Half the angle within which it is at its full strength, in radians.
         inner_rad: f32,
@@ -234,41 +234,42 @@ pub enum LightKind {
 /// A light of `KHR_lights_punctual`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PunctualLight {
-    /// Where it shines.
+    /// The kind.
     pub kind: LightKind,
     /// Linear red, green, blue.
     pub colour: [f32; 3],
-    /// In lux or candela, as its kind says.
+    /// The intensity in lux or candela, by its kind.
     pub intensity: f32,
-    /// How far it shines, in metres; `None` is as far as it can be told from darkness.
+    /// The distance to which it shines, in metres; `None` is as far as it can be distinguished from
+    /// darkness.
     pub range_m: Option<f32>,
-    /// Where it is, in the world.
+    /// The position in the world.
     pub position: Vec3,
     /// Unit vector along which it shines, in the world.
     pub direction: Vec3,
 }
 
-/// How the vertices of a skinned mesh hang on its joints.
+/// The binding of the vertices of a skinned mesh to its joints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkinWeights {
-    /// How many joints there are.
+    /// The number of joints.
     pub joint_count: u32,
-    /// For each vertex as many groups of four joints as there are sets.
+    /// The joints: for each vertex as many groups of four as there are sets.
     pub joints: Vec<[u16; 4]>,
     /// Their weights, which together are 1 for each vertex.
     pub weights: Vec<[f32; 4]>,
-    /// Groups of four a vertex.
+    /// Groups of four per vertex.
     pub sets: u32,
 }
 
-/// What a morph target adds to each vertex. A list is empty or as long as the mesh's.
+/// The displacements of each vertex by a morph target. A list is empty or as long as the mesh's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphTarget {
-    /// To positions.
+    /// The displacements of positions.
     pub positions: Vec<[f32; 3]>,
-    /// To normals.
+    /// The displacements of normals.
     pub normals: Vec<[f32; 3]>,
-    /// To tangents.
+    /// The displacements of tangents.
     pub tangents: Vec<[f32; 3]>,
 }
 
@@ -288,16 +289,16 @@ pub struct SkinnedMesh {
 pub struct LodLevel {
     /// Three indices for each triangle.
     pub indices: Vec<u32>,
-    /// How far its surface may be from the mesh's, in the mesh's space, in metres.
+    /// The largest distance of its surface from the mesh's, in the mesh's space, in metres.
     pub error_m: f32,
 }
 
-/// What a scene looks like close by.
+/// The surfaces of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surfaces {
-    /// One for each mesh of the scene.
+    /// The surface of each mesh of the scene.
     pub meshes: Vec<SurfaceMesh>,
-    /// What they are made of.
+    /// The materials.
     pub materials: Vec<Material>,
     /// The textures of materials.
     pub textures: Vec<Texture>,
@@ -308,7 +309,7 @@ pub struct Surfaces {
     /// Objects whose material is [`Alpha::Blend`]; none of
     /// [`Scene::objects`](super::Scene::objects) is.
     pub transparent: Vec<Object>,
-    /// What changes its form.
+    /// The deformed meshes.
     pub skinned_meshes: Vec<SkinnedMesh>,
     /// Meshes of points and lines.
     pub sprites: Vec<Sprites>,
@@ -319,7 +320,7 @@ pub struct Surfaces {
 }
 
 impl Default for Surfaces {
-    /// Nothing, at an exposure of 1.
+    /// Returns no surfaces, at an exposure of 1.
     fn default() -> Self {
         Self {
             meshes: Vec::new(),

@@ -1,4 +1,4 @@
-//! Surfaces that cannot be drawn are refused by name.
+//! Tests that surfaces that cannot be drawn are refused by name.
 
 use glam::{Affine2, Affine3A, Vec2, Vec3};
 

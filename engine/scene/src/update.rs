@@ -1,4 +1,4 @@
-//! Everything that changes in a scene between two frames, as plain values.
+//! The changes of a scene between two frames, as plain values.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use super::{LightId, ObjectChange, PunctualLight, SkinnedMeshId, TransparentId};
 pub struct TransparentMove {
     /// The object.
     pub transparent: TransparentId,
-    /// From its space to the world's.
+    /// The transform from its space to the world's.
     pub transform: Affine3A,
 }
 
@@ -20,7 +20,7 @@ pub struct TransparentMove {
 pub struct LightMove {
     /// The light.
     pub light: LightId,
-    /// As it is now; of the same kind.
+    /// Its new state, of the same kind.
     pub to: PunctualLight,
 }
 
@@ -30,14 +30,14 @@ pub struct LightMove {
 pub struct Deformation {
     /// The mesh, by its deformer.
     pub skinned_mesh: SkinnedMeshId,
-    /// Its joints' matrices, in [`SceneUpdate::joints`], which those that hang on the same joints
-    /// share; none without a skin.
+    /// Its joints' matrices, in [`SceneUpdate::joints`], which meshes with the same joints share;
+    /// none without a skin.
     pub joints: Range<usize>,
     /// Its morph targets' weights, in [`SceneUpdate::weights`]; none without targets.
     pub weights: Range<usize>,
 }
 
-/// Everything that changes in a scene between two frames.
+/// The changes of a scene between two frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SceneUpdate {
     /// Objects that move, come or go, in this order.
