@@ -98,7 +98,7 @@ pub struct MethodRequest<'a> {
     pub strategy: Strategy,
     /// The view.
     pub view: &'a View,
-    /// The leaves that own a pixel, for [`Strategy::Ideal`], which knows nothing else.
+    /// The leaves that own a pixel, for [`Strategy::Ideal`], which uses nothing else.
     pub visible: &'a [LeafIndex],
     /// The most occlusion queries of a plan. Leaves that cannot be tested are drawn.
     pub query_budget: usize,
@@ -109,7 +109,7 @@ pub struct MethodRequest<'a> {
 /// The counts of a method in a frame of one view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MethodStats {
-    /// Proxies tested, by whatever means.
+    /// Proxies tested, by any tester.
     pub tests: u32,
     /// Occlusion queries.
     pub queries: u32,

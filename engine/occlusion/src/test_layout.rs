@@ -64,7 +64,7 @@ impl TestLayout {
 
     fn lay_out_counted(&mut self, plan: &FramePlan, count: impl Fn(LeafRange) -> LeafCount) {
         self.query_tags.clear();
-        // Drawn whatever the answer says: nothing hangs on it.
+        // Drawn with any result: nothing depends on it.
         let own = |tag| PendingTest { tag, tester: Tester::Query, contents: LeafCount::default() };
         self.query_tags.extend(plan.queried_draws.iter().map(|(_, tag)| own(*tag)));
         self.own_draws = self.query_tags.len() as u32;

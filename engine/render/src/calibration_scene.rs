@@ -16,7 +16,7 @@ use crate::geometry::Geometry;
 use crate::object_bounds::object_bounds;
 use crate::passes::OpaqueIo;
 
-/// How far away the objects are (metres).
+/// The distance of the objects from the eye (metres).
 const DISTANCE_M: f32 = 10.0;
 
 /// Quads along each side of a patch.
@@ -24,7 +24,7 @@ const QUADS: u32 = 16;
 
 const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 
-/// Measures what things cost on the device of `passes`.
+/// Measures the prices of tests and draws on the device of `passes`.
 ///
 /// # Errors
 /// No memory, a failed call.
@@ -51,7 +51,7 @@ pub(crate) fn measure(
     })?)
 }
 
-/// Draws them, with the passes of a scene.
+/// The renderer of these objects, with the passes of a scene.
 struct CalibrationObjects<'a> {
     passes: &'a mut FramePasses,
     geometry: Geometry,

@@ -1,5 +1,4 @@
-//! What explains frames while they go on: wires, the boxes of the frontier, a view from above in a
-//! corner.
+//! Explanations of running frames: wires, the boxes of the frontier, a view from above in a corner.
 
 use cull::{Hierarchy, NodeState, Tester, View};
 use gpu::{BufferSlice, Device, Frame};
@@ -16,27 +15,26 @@ use crate::view_state::ViewState;
 use crate::views::view_in;
 use crate::visibility_snapshot::VisibilitySnapshot;
 
-/// What is drawn over pictures to explain them; of several views, over the first. It follows the
-/// plan of the frame and what is known when it is recorded, and waits for nothing.
+/// The overlay that explains pictures; of several views, over the first. It shows the plan of the
+/// frame and the history when it is recorded, and waits for nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct DebugOverlay {
-    /// The edges of all triangles that are taken as visible.
+    /// True to draw the edges of all triangles that are taken as visible.
     pub has_wireframe: bool,
-    /// The boxes of the nodes that are tested, seen through everything, coloured by what is known
-    /// of them ([`crate::BOX_HIDDEN`], [`crate::BOX_BEHIND`], [`crate::BOX_UNKNOWN`],
+    /// True to draw the boxes of the tested nodes, seen through everything, coloured by their state
+    /// ([`crate::BOX_HIDDEN`], [`crate::BOX_BEHIND`], [`crate::BOX_UNKNOWN`],
     /// [`crate::BOX_SHOWED`]).
     pub has_boxes: bool,
-    /// Where in the picture the view from above goes.
+    /// The part of the picture for the view from above.
     pub top_down: Option<Rect>,
 }
 
 const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
-/// The labels of the passes that explain or lie flat over pictures: what they take is not the
-/// engine's.
+/// The labels of the passes that explain or lie flat over pictures: their time is not the engine's.
 pub const OVERLAY_PASSES: [&str; 5] =
     [BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, GLYPHS, OVERLAY];
 
-/// An explanation and what draws it.
+/// An explanation and its passes.
 pub(crate) struct DebugRenderer {
     pub(crate) explanation: DebugOverlay,
     device: Device,
@@ -55,7 +53,7 @@ impl DebugRenderer {
         Ok(Self { explanation, device: device.clone(), overlay, wireframe: wireframe.transpose()? })
     }
 
-    /// Draws it over the frame that `history` was just recorded for.
+    /// Draws the explanation over the frame that `history` was just recorded for.
     pub(crate) fn record(
         &self,
         frame: &mut Frame<'_>,
@@ -90,8 +88,8 @@ impl DebugRenderer {
         self.record_corner(frame, (passes, executor, hierarchy), (&snapshot, draws))
     }
 
-    /// Draws what there is to explain of a frozen moment over its picture from elsewhere: its
-    /// wires, and the view from above. That picture has its hidden boxes itself.
+    /// Draws the explanation of a frozen moment over its picture from another eye: its wires, and
+    /// the view from above. That picture has its hidden boxes already.
     pub(crate) fn record_snapshot(
         &self,
         frame: &mut Frame<'_>,
@@ -111,7 +109,7 @@ impl DebugRenderer {
         self.record_corner(frame, (passes, executor, hierarchy), (snapshot, draws))
     }
 
-    /// Draws a moment from above, where that is wanted.
+    /// Draws a moment from above, if that is requested.
     fn record_corner(
         &self,
         frame: &mut Frame<'_>,

@@ -1,4 +1,4 @@
-//! What can go wrong between a scene and its picture.
+//! The errors of the engine.
 
 /// An error of the engine. Its text is a sentence for the user.
 #[derive(Debug, thiserror::Error)]
@@ -9,21 +9,21 @@ pub enum Error {
     /// The hierarchy could not be built.
     #[error("the scene cannot be culled: {0}")]
     Hierarchy(#[from] cull::HierarchyError),
-    /// The scene is not whole.
+    /// The scene cannot be drawn.
     #[error(transparent)]
     Scene(#[from] scene::SceneError),
     /// A scene with more of something than a renderer takes: beyond
-    /// [`MAX_LIGHTS`](scene::limits::MAX_LIGHTS) and its like, or beyond what the device's storage
-    /// buffers hold.
+    /// [`MAX_LIGHTS`](scene::limits::MAX_LIGHTS) and similar limits, or beyond the size of the
+    /// device's storage buffers.
     #[error("the scene has {wanted} {what}, and a renderer takes at most {limit} here: {instead}")]
     SceneTooLarge {
-        /// What there is too much of.
+        /// The part of the scene that is too large.
         what: &'static str,
-        /// How many there are.
+        /// The number of them.
         wanted: u64,
-        /// How many there may be, on this device.
+        /// The largest number on this device.
         limit: u64,
-        /// What to do.
+        /// The advice.
         instead: &'static str,
     },
     /// Less memory can be had than the scene takes.
@@ -32,12 +32,12 @@ pub enum Error {
         size_bytes >> 20
     )]
     NoMemory {
-        /// What the memory was for.
+        /// The purpose of the memory.
         what: &'static str,
-        /// How much was asked for.
+        /// The size of the request in bytes.
         size_bytes: usize,
     },
-    /// The strategy `ideal` without the set of what is visible.
+    /// The strategy `ideal` without a visible set.
     #[error(
         "the strategy `ideal` draws what is known to be visible: find it with `Renderer::visible_set` first"
     )]
@@ -52,7 +52,7 @@ pub enum Error {
         "this renderer has no method for the strategy `{0}`: give it the literature's with `RendererOptions {{ methods: methods::ALL, .. }}`"
     )]
     NoMethod(cull::Strategy),
-    /// A strategy that cannot tell how much shows, and a threshold.
+    /// A strategy that does not count samples, and a threshold.
     #[error(
         "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
     )]
@@ -68,21 +68,21 @@ pub enum Error {
         most
     )]
     FramesInFlight {
-        /// What was asked for.
+        /// The requested number.
         wanted: usize,
-        /// The most that there may be.
+        /// The largest number.
         most: usize,
     },
-    /// A table of costs with one that cannot be.
+    /// A table of costs with an impossible price.
     #[error(transparent)]
     Cost(#[from] cull::BadCost),
     /// A frame without a view.
     #[error("a frame needs a view, or there is nothing to draw: name at least one `ViewTarget`")]
     NoView,
-    /// Something was used that another renderer made.
+    /// An object that another renderer made.
     #[error("{thing} was made by another renderer: each renderer uses only what it made itself")]
     ForeignRenderer {
-        /// What was given.
+        /// The name of the object.
         thing: &'static str,
     },
     /// A hierarchy that was not built over the scene's objects.
@@ -93,31 +93,31 @@ pub enum Error {
         /// The first object that is not in its box, or is in the hierarchy only.
         object: cull::ObjectId,
     },
-    /// Room for a picture of another size.
+    /// A readback for a picture of another size.
     #[error(
         "the picture wanted is {}x{} pixels, the one drawn {}x{}: make the `Readback` with `Renderer::size`",
         wanted[0], wanted[1], drawn[0], drawn[1]
     )]
     PictureSize {
-        /// Size of what was to hold it in pixels.
+        /// Size of the readback in pixels.
         wanted: [u32; 2],
         /// Size of the picture in pixels.
         drawn: [u32; 2],
     },
-    /// A change of the scene that cannot be made.
+    /// An impossible change of the scene.
     #[error("change {index} of the scene cannot be made, so none was: {reason}")]
     Change {
         /// Its place among the changes.
         index: usize,
-        /// Why not, and what to do.
+        /// The reason, and the advice.
         reason: String,
     },
-    /// A blended object that cannot be moved.
+    /// A blended object that cannot be moved as requested.
     #[error("the blended object {} cannot be moved: {reason}", transparent.0)]
     Transparent {
         /// The object.
         transparent: scene::TransparentId,
-        /// Why not.
+        /// The reason.
         reason: &'static str,
     },
     /// A pose that a mesh cannot take.
@@ -125,7 +125,7 @@ pub enum Error {
     Deform {
         /// The deformer.
         skinned_mesh: scene::SkinnedMeshId,
-        /// Why not.
+        /// The reason.
         reason: String,
     },
     /// A view whose area is empty or not within the picture.
@@ -134,7 +134,7 @@ pub enum Error {
         area.size[0], area.size[1], area.origin[0], area.origin[1], picture[0], picture[1]
     )]
     Rect {
-        /// As it was asked for.
+        /// The requested area.
         area: occlusion::Rect,
         /// Size of the picture in pixels.
         picture: [u32; 2],
@@ -149,7 +149,7 @@ pub enum Error {
         origin: [u32; 2],
         /// Its size.
         size: [u32; 2],
-        /// How many pixels there were.
+        /// The number of pixels given.
         pixels: usize,
         /// Size of the atlas.
         atlas: [u32; 2],
@@ -164,18 +164,18 @@ pub enum Error {
         image: String,
         /// Its size in pixels.
         size: [u32; 2],
-        /// How many bytes there are.
+        /// The number of its bytes.
         bytes: usize,
     },
-    /// A light that cannot be changed as it was asked for.
+    /// A light that cannot be changed as requested.
     #[error("the light {} cannot be changed: {reason}", light.0)]
     Light {
         /// The light.
         light: scene::LightId,
-        /// Why not, and what to do.
+        /// The reason, and the advice.
         reason: &'static str,
     },
-    /// Shaders were asked for that this build cannot compile.
+    /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
     )]

@@ -1,4 +1,4 @@
-//! What is drawn flat over every picture: text, graphs, whatever somebody lays out in pixels.
+//! The flat overlay of every picture: text, graphs and other shapes laid out in pixels.
 
 use gpu::{Device, DynamicTexture, Frame, Target};
 
@@ -6,13 +6,13 @@ use crate::error::Error;
 use crate::passes::{FlatDraw, FlatIo, FlatPass, FlatVertex};
 use occlusion::ShaderSet;
 
-/// The pass that writes the atlas, and the one that draws.
+/// The labels of the pass that writes the atlas, and of the one that draws.
 pub(crate) const GLYPHS: &str = "HUD glyphs";
 pub(crate) const OVERLAY: &str = "HUD";
 
-/// Flat triangles over the scene, and the atlas that they are textured from. Laid out anew whenever
-/// they change ([`FlatOverlay::clear`], [`FlatOverlay::add`]); what is there is drawn over every
-/// frame.
+/// Flat triangles over the scene, and the atlas that they are textured from. The program lays them
+/// out again whenever they change ([`FlatOverlay::clear`], [`FlatOverlay::add`]); they are drawn
+/// over every frame.
 pub struct FlatOverlay {
     device: Device,
     pass: FlatPass,
@@ -45,13 +45,13 @@ impl FlatOverlay {
         })
     }
 
-    /// Draws with other shaders.
+    /// Compiles the pass again with other shaders.
     pub(crate) fn reload(&mut self, shaders: &ShaderSet) -> Result<(), Error> {
         self.pass = FlatPass::new(&self.device, shaders)?;
         Ok(())
     }
 
-    /// Begins with another atlas of `size` pixels, all of them transparent.
+    /// Begins another atlas of `size` pixels, all of them transparent.
     ///
     /// # Errors
     /// A size of 0 or beyond the device's limits; no memory.
@@ -63,10 +63,10 @@ impl FlatOverlay {
     }
 
     /// Writes a piece of the atlas: sRGB-encoded colours multiplied by alpha, and alpha, rows from
-    /// the top. Frames on their way still see what was there.
+    /// the top. Frames on their way still use the former contents.
     ///
-    /// # Errors
-    /// [`Error::Atlas`] if the piece is not within the atlas, or the pixels are not those of one.
+    /// # Errors [`Error::Atlas`] if the piece is not within the atlas, or the number of pixels does
+    /// not fit.
     pub fn write_atlas(
         &mut self,
         origin: [u32; 2],
@@ -85,7 +85,7 @@ impl FlatOverlay {
         Ok(())
     }
 
-    /// Nothing is drawn any more; the atlas stays.
+    /// Removes all triangles; the atlas stays.
     pub fn clear(&mut self) {
         self.vertices.clear();
         self.indices.clear();
@@ -93,8 +93,8 @@ impl FlatOverlay {
     }
 
     /// Adds triangles over all that was added before, cut to `size` pixels from `origin` on.
-    /// `indices` are into `vertices`, three a triangle; one with an index that is not there is left
-    /// out.
+    /// `indices` are into `vertices`, three per triangle; a triangle with an index out of range is
+    /// left out.
     pub fn add(
         &mut self,
         origin: [u32; 2],
@@ -115,7 +115,7 @@ impl FlatOverlay {
         }
     }
 
-    /// Draws it over what is in `target`.
+    /// Draws the overlay over the contents of `target`.
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -150,7 +150,7 @@ impl FlatOverlay {
         Ok(())
     }
 
-    /// The frame that was recorded last is on its way: the GPU has the atlas.
+    /// Notes that the frame recorded last was submitted: the GPU has the atlas.
     pub(crate) fn submitted(&mut self) {
         self.patches.clear();
         self.pixels.clear();

@@ -12,22 +12,22 @@ use crate::skinned_meshes::{Skinned, SkinnedMeshes, State};
 use crate::surfaces::SurfaceResources;
 use crate::transparent::{Transparent, TransparentObject};
 
-/// Everything that the objects of a scene are drawn with.
+/// The passes and data that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
     pub(crate) device: Device,
     pub(crate) target: Target,
     pub(crate) geometry: Geometry,
     pub(crate) opaque: OpaquePass,
-    /// Made for the first method that draws depth first.
+    /// The depth-first passes, made for the first method that draws depth first.
     pub(crate) depth_first: Option<DepthFirst>,
-    /// Made for the first frame that counts.
+    /// The count pass, made for the first frame that counts.
     pub(crate) counts: Option<CountPass>,
     pub(crate) light: Light,
-    /// Where meshes change their form.
+    /// The deformed meshes, if there are any.
     pub(crate) skinned_meshes: Option<SkinnedMeshes>,
-    /// Where objects are blended.
+    /// The blended objects, if there are any.
     pub(crate) transparent: Option<Transparent>,
-    /// For scenes with surfaces.
+    /// The passes of scenes with surfaces.
     pub(crate) shading: Option<Shading>,
 }
 
@@ -95,7 +95,7 @@ impl ObjectRenderer for FramePasses {
 }
 
 impl FramePasses {
-    /// Returns where a view is drawn: its part of the target.
+    /// Returns the attachments of a view: its part of the target.
     pub(crate) fn target_of(&self, view: &View, clear: Option<[f32; 4]>) -> RenderTarget {
         self.target.render_target(clear).within(view.origin, view.size)
     }
@@ -108,22 +108,22 @@ impl FramePasses {
         }
     }
 
-    /// Returns the sky's colour as it is exposed: as light, so that it is no brighter than white.
+    /// Returns the sky's colour as it is exposed, as light, so that it is no brighter than white.
     pub(crate) fn sky(&self) -> [f32; 3] {
         let surfaces = self.geometry.surfaces.as_ref();
         let exposure = surfaces.map_or(1.0, SurfaceResources::exposure);
         self.light.sky.map(|part| (part * exposure).min(1.0))
     }
 
-    /// Returns where [`FramePasses::draw_all`] goes, before such a backdrop.
+    /// Returns the attachments of [`FramePasses::draw_all`], cleared to a backdrop.
     pub(crate) fn picture_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
         let [red, green, blue] = backdrop;
         let plain = [red, green, blue, 1.0];
         self.target_of(view, Some(self.shading.as_ref().map_or(plain, |_| DARK)))
     }
 
-    /// Binds what the rounds draw objects with: those of their colours where no other pass gives
-    /// them any.
+    /// Binds the pass that the rounds draw objects with: the one with colours where no other pass
+    /// adds them.
     pub(crate) fn bind_visibility(&self, commands: &Commands, view: &View) {
         let pass = match (self.shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
             (Some(DepthPass::Masked(pass)), Some(io)) => {
@@ -144,7 +144,7 @@ impl FramePasses {
         })
     }
 
-    /// Gives what the rounds drew its colour, if it has none yet: `draw` draws all of it again.
+    /// Adds the colour to what the rounds drew, if it has none yet: `draw` draws all of it again.
     pub(crate) fn shade_surfaces(
         &mut self,
         executor: &PlanExecutor,
@@ -187,8 +187,8 @@ impl FramePasses {
         sky.draw(commands, backdrop);
     }
 
-    /// Draws all of the `draws`, of which there are so many, in their own colours, before a
-    /// backdrop, to the [picture's target](FramePasses::picture_target).
+    /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop, to
+    /// the [picture's target](FramePasses::picture_target).
     pub(crate) fn draw_all(
         &self,
         executor: &PlanExecutor,
@@ -208,7 +208,7 @@ impl FramePasses {
     }
 
     /// Gathers the blended objects of a view, which its [shading](ObjectRenderer::shade) draws.
-    /// Returns how many are in its frustum.
+    /// Returns the number in its frustum.
     ///
     /// # Errors
     /// No memory.
@@ -253,7 +253,7 @@ impl FramePasses {
         });
     }
 
-    /// Draws the blended objects of a view to what is being rendered to.
+    /// Draws the blended objects of a view to the current attachments.
     pub(crate) fn draw_transparent(
         &self,
         executor: &PlanExecutor,
@@ -265,13 +265,12 @@ impl FramePasses {
         }
     }
 
-    /// Records the upload of what changed since the last frame, before anything of `frame` reads
-    /// it. Poses that none of the `views` can show wait until one does; without views all are
-    /// brought.
+    /// Records the upload of all changes since the last frame, before anything of `frame` reads
+    /// them. Poses that none of the `views` can show wait until one can; without views all are
+    /// uploaded.
     ///
-    /// A mesh waits only where the box of its pose **and** that of the vertices that the GPU still
-    /// has are outside of all views: its draw may be part of a range that shows, and then leaves no
-    /// pixel.
+    /// A mesh waits only where the box of its pose **and** the box of the vertices on the GPU are
+    /// outside of all views: its draw may be part of a range that shows, and then leaves no pixel.
     ///
     /// # Errors
     /// No memory.
@@ -305,7 +304,7 @@ impl FramePasses {
         })
     }
 
-    /// Notes that the frame that [`FramePasses::upload_changes`] recorded for is on its way.
+    /// Notes that the frame of the last [`FramePasses::upload_changes`] was submitted.
     pub(crate) fn submitted(&mut self) {
         self.target.submitted();
         self.geometry.submitted();

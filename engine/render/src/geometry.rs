@@ -1,5 +1,5 @@
-//! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of
-//! everything.
+//! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of each
+//! array.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::sprites;
 use crate::surfaces::{SurfaceOptions, SurfaceResources};
 
 /// Memory that a renderer takes for each object while it is made (bytes): its instance, by object
-/// and by leaf, its box, its draw, and some numbers; and what of that lies on the device, whose
+/// and by leaf, its box, its draw, and some numbers; and the part of that on the device, whose
 /// memory may be the machine's.
 const UPLOAD_BYTES_PER_OBJECT: usize = 3 * size_of::<Instance>()
     + 2 * (size_of::<ProxyBox>() + size_of::<IndirectDraw>())
@@ -32,27 +32,27 @@ const UPLOAD_BYTES_PER_OBJECT: usize = 3 * size_of::<Instance>()
 /// The mesh of an id without an object.
 const NO_MESH: u32 = u32::MAX;
 
-/// Meshes, instances and what the CPU must know to draw a leaf.
+/// Meshes, instances and the CPU's data to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
-    /// How many vertices, from the first on, are those of meshes that change their form.
+    /// The number of vertices, from the first on, that belong to deformed meshes.
     deformed_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
-    /// Of scenes that have them.
+    /// The surfaces of a scene that has them.
     pub(crate) surfaces: Option<SurfaceResources>,
-    /// Of meshes, and of their coarser forms behind those.
+    /// The draws of meshes, and of their coarser forms behind those.
     mesh_draws: Arc<[MeshDraw]>,
     mesh_bounds: Vec<Aabb>,
     pub(crate) forms: LodTable,
     // By object.
     object_meshes: Vec<u32>,
-    /// Which of the draws: that of its mesh, or of a coarser form.
+    /// The draw of each object: that of its mesh, or of a coarser form.
     object_forms: Vec<u32>,
     object_instances: Vec<Instance>,
-    /// By mesh: whether it changes its form, so that its box is that of the one object it has.
+    /// By mesh: true if it is deformed, so that its box is the box of its one object.
     is_deformed: Vec<bool>,
-    /// The objects of meshes that change their form.
+    /// The objects of deformed meshes.
     owners: HashMap<u32, ObjectId>,
 }
 
@@ -133,58 +133,58 @@ impl Geometry {
         })
     }
 
-    /// Returns what leaves can be drawn as: meshes, and coarser forms behind those.
+    /// Returns the draws of leaves: of meshes, and of coarser forms behind those.
     pub(crate) fn mesh_draws(&self) -> &Arc<[MeshDraw]> {
         &self.mesh_draws
     }
 
-    /// Returns what an object is drawn as: its mesh, or a coarser form of it.
+    /// Returns the draw of an object: its mesh, or a coarser form of it.
     pub(crate) fn draw_of(&self, object: ObjectId) -> MeshDrawId {
         self.object_forms.get(object.0 as usize).map_or(MeshDrawId::NONE, |form| MeshDrawId(*form))
     }
 
-    /// Returns the draw of a mesh; of nothing where the scene does not have it.
+    /// Returns the draw of a mesh; an empty one where the scene does not have it.
     pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
         self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
     }
 
-    /// Returns what the vertex shader knows of a blended object.
+    /// Returns the vertex shader's data of a blended object.
     pub(crate) fn transparent_instance(&self, id: TransparentId, object: &Object) -> Instance {
         let slot = |surfaces: &SurfaceResources| surfaces.first_transparent_slot() + id.0;
         let surfaces = self.surfaces.as_ref();
         instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
     }
 
-    /// Returns the box of an object that is somewhere else, if it is there and can be there.
+    /// Returns the box of an object at another transform, if the object exists and the place is
+    /// possible.
     pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
         let mesh = self.object_meshes.get(object.0 as usize)?;
         self.bounds_of(*mesh, transform)
     }
 
-    /// Returns the box of a mesh somewhere, if there is such a mesh and it can be there.
+    /// Returns the box of a mesh at a transform, if there is such a mesh and the place is possible.
     pub(crate) fn bounds_of(&self, mesh: u32, transform: &Affine3A) -> Option<Aabb> {
         bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
     }
 
-    /// Gives a mesh that changes its form another box, in its own space. It keeps it for whoever
-    /// has the mesh next.
+    /// Sets the box of a deformed mesh, in its own space, for its present object and any later one.
     pub(crate) fn reshape(&mut self, mesh: MeshId, bounds: Aabb) {
         if let Some(of_mesh) = self.mesh_bounds.get_mut(mesh.0 as usize) {
             *of_mesh = bounds;
         }
     }
 
-    /// Returns true if a mesh changes its form.
+    /// Returns true if a mesh is deformed.
     pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
         self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Returns the object that has a mesh that changes its form.
+    /// Returns the object of a deformed mesh.
     pub(crate) fn owner(&self, mesh: MeshId) -> Option<ObjectId> {
         self.owners.get(&mesh.0).copied()
     }
 
-    /// Returns where an object is.
+    /// Returns the transform of an object.
     pub(crate) fn transform(&self, object: ObjectId) -> Option<Affine3A> {
         let [x, y, z] = self.object_instances.get(object.0 as usize)?.rows;
         let column = |number: usize| Vec3A::new(x[number], y[number], z[number]);
@@ -194,7 +194,7 @@ impl Geometry {
         })
     }
 
-    /// Returns where vertices are written that change.
+    /// Returns the place of the deformed vertices.
     pub(crate) fn deformed(&self) -> Option<DeformedVertices> {
         let part = |vertices: BufferSlice, vertex_bytes: usize| {
             vertices.part(0, self.deformed_vertices * vertex_bytes as u64)
@@ -205,7 +205,7 @@ impl Geometry {
         })
     }
 
-    /// Returns where the vertices of a mesh begin.
+    /// Returns the first vertex of a mesh.
     pub(crate) fn first_vertex(&self, mesh: usize) -> u32 {
         self.mesh_draws.get(mesh).map_or(0, |mesh| mesh.draw.vertex_offset as u32)
     }
@@ -217,7 +217,7 @@ impl Geometry {
         }
     }
 
-    /// Puts an object in the place of an id, or nothing. Its leaf must be marked.
+    /// Sets the object of an id, or removes it. Its leaf must be marked.
     pub(crate) fn replace(&mut self, id: ObjectId, object: Option<&Object>) {
         let surfaces = self.surfaces.as_ref();
         let now = object.map(|object| instance_of(id, object, surfaces)).unwrap_or_default();
@@ -240,8 +240,8 @@ impl Geometry {
         *instance = now;
     }
 
-    /// Lets an object take the form that fits how large it looks; answers whether it is another.
-    /// Its leaf must then be marked.
+    /// Selects the form of an object for the size it appears in. Returns true if it changed. Its
+    /// leaf must then be marked.
     pub(crate) fn select_lod(
         &mut self,
         object: ObjectId,
@@ -261,8 +261,8 @@ impl Geometry {
         chosen.is_some_and(|chosen| std::mem::replace(form, chosen) != chosen)
     }
 
-    /// Finds the lights of an object where it is now, of none if it is gone; answers whether there
-    /// are others than before. Its leaf must then be marked.
+    /// Finds the lights of an object at its present place, none if it is gone. Returns true if they
+    /// changed. Its leaf must then be marked.
     pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
         let Some(surfaces) = &mut self.surfaces else { return false };
         let node = hierarchy.node_of(object);
@@ -276,7 +276,7 @@ impl Geometry {
         is_other
     }
 
-    /// Finds the lights again of who is around a light that changed since the last frame.
+    /// Finds again the lights of objects around a light that changed since the last frame.
     pub(crate) fn relight(&mut self, hierarchy: &Hierarchy, leaves: &mut LeafTable) {
         let objects = self.surfaces.as_mut().map(SurfaceResources::relight).unwrap_or_default();
         for object in objects {
@@ -288,8 +288,9 @@ impl Geometry {
         }
     }
 
-    /// Records the upload of what changed since the last frame, before anything of `frame` reads
-    /// it. It stays changed until the frame was [submitted](Geometry::submitted): it may never be.
+    /// Records the upload of all changes since the last frame, before anything of `frame` reads
+    /// them. They stay marked until the frame was [submitted](Geometry::submitted), which may never
+    /// happen.
     pub(crate) fn upload_changes(
         &self,
         frame: &mut Frame<'_>,
@@ -316,7 +317,7 @@ impl Geometry {
         Ok(leaves.upload(frame, hierarchy, scatter, instances)?)
     }
 
-    /// Notes that the frame that [`Geometry::upload_changes`] recorded for is on its way.
+    /// Notes that the frame of the last [`Geometry::upload_changes`] was submitted.
     pub(crate) fn submitted(&mut self) {
         if let Some(surfaces) = &mut self.surfaces {
             surfaces.submitted();
@@ -385,7 +386,7 @@ fn join_meshes(scene: &Scene) -> Result<Joined, Error> {
     Ok((vertices, indices, draws))
 }
 
-/// Returns the box around a box that is somewhere, if it can be there.
+/// Returns the box around a transformed box, if the place is possible.
 pub(crate) fn bounds_in_world(bounds: &Aabb, transform: &Affine3A) -> Option<Aabb> {
     let bounds = bounds_of_transformed(bounds, transform);
     bounds.is_usable().then_some(bounds)

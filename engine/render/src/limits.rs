@@ -1,10 +1,10 @@
-//! Refuses what a renderer or a device does not take, before memory is taken for it.
+//! Refuses sizes that a renderer or a device does not support, before memory is taken for them.
 
 use gpu::Device;
 
 use crate::error::Error;
 
-/// Refuses more of something than there may be.
+/// Refuses a number beyond its limit.
 pub(crate) fn check(
     what: &'static str,
     wanted: u64,
@@ -17,7 +17,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-/// Refuses more things of so many bytes than a storage buffer of the device holds.
+/// Refuses more elements than a storage buffer of the device holds.
 pub(crate) fn check_storage(
     device: &Device,
     what: &'static str,
@@ -28,8 +28,8 @@ pub(crate) fn check_storage(
     check(what, count, limit / bytes.max(1), instead)
 }
 
-/// Refuses what there is no memory for, before it is allocated piece by piece: that would end the
-/// program. Asks for all of it and gives it back.
+/// Refuses a size that there is no memory for, before it is allocated piece by piece, which would
+/// end the program. Allocates all of it and frees it.
 pub(crate) fn check_memory(
     what: &'static str,
     count: usize,
@@ -40,7 +40,7 @@ pub(crate) fn check_memory(
     asked.map_err(|_| Error::NoMemory { what, size_bytes })
 }
 
-/// Returns an empty list with room for so many.
+/// Returns an empty list with room for `count` elements.
 pub(crate) fn room<T>(what: &'static str, count: usize) -> Result<Vec<T>, Error> {
     let mut list = Vec::new();
     let size_bytes = count.saturating_mul(size_of::<T>());

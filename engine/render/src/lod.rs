@@ -1,4 +1,4 @@
-//! Levels of detail: which form of its mesh each object has, chosen a few objects a frame.
+//! Levels of detail: the form of its mesh that each object has, chosen for a few objects per frame.
 
 use cull::{DetailLevel, DetailPolicy, ObjectId};
 use gpu::IndirectDraw;
@@ -16,9 +16,9 @@ pub(crate) struct LodTable {
 }
 
 struct MeshForms {
-    /// The number of the first coarser one.
+    /// The number of the first coarser form.
     first: u32,
-    /// Of all of them, the finest first, whose error is 0.
+    /// The errors of all of them, the finest first, whose error is 0.
     errors_m: Vec<f32>,
 }
 
@@ -71,7 +71,7 @@ impl LodTable {
         self.of_mesh.iter().any(Option::is_some)
     }
 
-    /// Returns the objects to look at now, of so many.
+    /// Returns the objects of this turn, out of `objects`.
     pub(crate) fn turn(&mut self, objects: usize) -> impl Iterator<Item = ObjectId> + use<> {
         let (first, count) = (self.next, DETAIL_OBJECTS_A_CALL.min(objects));
         self.next = (first + count) % objects.max(1);
@@ -79,7 +79,8 @@ impl LodTable {
     }
 }
 
-/// Returns how much longer a transform, given by its rows, may make a length along an axis.
+/// Returns the largest factor by which a transform, given by its rows, scales a length along an
+/// axis.
 pub(crate) fn stretch(rows: &[[f32; 4]; 3]) -> f32 {
     let squares = [0, 1, 2].map(|axis| rows.iter().map(|row| row[axis] * row[axis]).sum::<f32>());
     squares.into_iter().fold(0.0, f32::max).sqrt()

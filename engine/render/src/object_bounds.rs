@@ -1,4 +1,4 @@
-//! The boxes of a scene's objects, and whether a hierarchy is over them.
+//! The boxes of a scene's objects, and the check of a hierarchy over them.
 
 use cull::{Aabb, Hierarchy, ObjectId};
 use scene::Scene;
@@ -6,8 +6,8 @@ use scene::Scene;
 use crate::error::Error;
 use crate::limits::check_memory;
 
-/// Returns the box of each object of `scene` in the world, in their order: what a hierarchy is
-/// built over.
+/// Returns the box of each object of `scene` in the world, in their order, to build a hierarchy
+/// over.
 ///
 /// # Errors
 /// The first mesh or object that cannot be drawn.

@@ -1,6 +1,6 @@
 //! The colours that explain pictures: a family of hues for each kind of meaning, so that none is
-//! mistaken for another. States have the hues of Okabe and Ito, which are told apart with any
-//! colour vision; levels have one hue of rising lightness; the frustum has none.
+//! mistaken for another. States have the hues of Okabe and Ito, which differ for any colour vision;
+//! levels have one hue of rising lightness; the frustum has none.
 
 use glam::Vec4;
 
@@ -15,27 +15,27 @@ pub struct Swatch {
     alpha: f32,
 }
 
-/// A box that showed nothing when it was last tested.
+/// The colour of a box that showed nothing when it was last tested.
 pub const BOX_HIDDEN: Swatch = Swatch { meaning: "was hidden", rgb: [86, 180, 233], alpha: 0.9 };
-/// A box that is answered by the test of another one in front of it.
+/// The colour of a box that shares the test of another one in front of it.
 pub const BOX_BEHIND: Swatch =
     Swatch { meaning: "behind another tested box", rgb: [204, 121, 167], alpha: 0.8 };
-/// A box that was never tested.
+/// The colour of a box that was never tested.
 pub const BOX_UNKNOWN: Swatch = Swatch { meaning: "never tested", rgb: [240, 228, 66], alpha: 0.9 };
-/// A box that showed when it was last tested.
+/// The colour of a box that showed when it was last tested.
 pub const BOX_SHOWED: Swatch = Swatch { meaning: "was visible", rgb: [213, 94, 0], alpha: 0.9 };
-/// The edges of a view's frustum.
+/// The colour of the edges of a view's frustum.
 pub const FRUSTUM: Swatch =
     Swatch { meaning: "the camera's frustum", rgb: [255, 255, 255], alpha: 1.0 };
-/// The edges of triangles that are taken as visible, as `wireframe.frag` has them.
+/// The colour of the edges of triangles that are taken as visible, as in `wireframe.frag`.
 pub const WIRES: Swatch =
     Swatch { meaning: "triangles taken as visible", rgb: [50, 240, 190], alpha: 1.0 };
 
-/// The outline of the object that is selected.
+/// The colour of the outline of the object that is selected.
 pub const SELECTED: Swatch =
     Swatch { meaning: "the selected object", rgb: [150, 255, 30], alpha: 1.0 };
 
-/// Levels of the hierarchy below this one have the last colour.
+/// The deepest level with a colour of its own: those below have the same.
 const DEEPEST_LEVEL: u32 = 15;
 const COARSE: [f32; 3] = [98.0, 52.0, 196.0];
 const FINE: [f32; 3] = [206.0, 184.0, 255.0];
@@ -49,7 +49,7 @@ pub fn level_colour(level: u32) -> Swatch {
 }
 
 impl Swatch {
-    /// Its linear light and its opacity.
+    /// Returns its linear light and its opacity.
     pub(crate) fn linear(&self) -> Vec4 {
         let light = |encoded: u8| {
             let encoded = f32::from(encoded) / 255.0;
@@ -70,7 +70,7 @@ mod tests {
 
     const STATES: [Swatch; 4] = [BOX_HIDDEN, BOX_BEHIND, BOX_UNKNOWN, BOX_SHOWED];
 
-    /// Returns the hue in degrees; `None` of a grey.
+    /// Returns the hue in degrees; `None` for a grey.
     fn hue(Swatch { rgb, .. }: Swatch) -> Option<f32> {
         let [red, green, blue] = rgb.map(f32::from);
         let (most, least) = (red.max(green).max(blue), red.min(green).min(blue));
@@ -102,7 +102,8 @@ mod tests {
         assert_eq!(hue(FRUSTUM), None);
     }
 
-    /// What eyes without one kind of cones see (Vienot, Brettel and Mollon, 1999).
+    /// Checks the hues as seen by eyes without one kind of cones (Vienot, Brettel and Mollon,
+    /// 1999).
     #[test]
     fn states_are_told_apart_with_any_colour_vision() {
         let deutan =

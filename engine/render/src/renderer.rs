@@ -1,4 +1,4 @@
-//! The renderer: one frame from top to bottom, from the answers of the past to the submit.
+//! The renderer: one frame from top to bottom, from the results of earlier frames to the submit.
 
 use cull::{
     Aabb, BlockingOptions, Camera, CostTable, CullConfig, Culler, Hierarchy, ObjectId, SceneCosts,
@@ -29,41 +29,41 @@ use crate::view_state::{RendererId, ViewState};
 use crate::visible_set::{SceneRevision, SeenLeaves};
 
 /// The most frames that may be in flight: each has memory of its own for everything that a frame
-/// writes, and beyond a few they only make answers older.
+/// writes, and beyond a few they only make results older.
 pub const MAX_FRAMES_IN_FLIGHT: usize = 16;
 
-/// How to make a [`Renderer`].
+/// The options of a [`Renderer`].
 #[derive(Debug, Clone)]
 pub struct RendererOptions {
     /// Size of the picture in pixels.
     pub size: [u32; 2],
-    /// Frames that may be on their way to the GPU at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts
-    /// as 1, and more than 4 only make answers older.
+    /// Frames that may be in flight at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts as 1, and
+    /// more than 4 only make results older.
     pub frames_in_flight: usize,
-    /// How hidden draws are skipped; `None` takes the device's best.
+    /// The way that hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
     /// The shaders; `None` takes the embedded ones.
     pub shaders: Option<ShaderSet>,
-    /// How visibility is decided.
+    /// The configuration of the culler.
     pub cull_config: CullConfig,
-    /// The methods beside ours: those of the literature are `methods::ALL`.
+    /// The methods beside Antumbra's own: those of the literature are `methods::ALL`.
     pub methods: &'static [MethodConstructor],
-    /// How the methods of the literature work that wait for answers.
+    /// The options of the methods of the literature that wait for results.
     pub blocking: BlockingOptions,
-    /// The most occlusion queries a frame of ours may use. What cannot be asked is drawn.
+    /// The most occlusion queries of a frame. Leaves that are left without one are drawn.
     pub query_budget: usize,
-    /// What shows no more samples than this counts as hidden, and is not drawn: at 0 the image is
-    /// exact. Above, each test that is left out may cost as many pixels
+    /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn:
+    /// at 0 the image is exact. Above, each test that is left out may cost as many pixels
     /// ([`FrameOutcome::neglected_samples`](crate::FrameOutcome::neglected_samples) bounds them),
-    /// all tests are queries, which the device must count, and conditional rendering cannot be had.
+    /// all tests are queries, which must count samples, and conditional rendering is not available.
     /// For [`Strategy::Antumbra`] and [`Strategy::AntumbraQueries`]; [`Strategy::Coherent`] has
     /// [its own](cull::CoherentOptions::visibility_threshold_samples).
     pub threshold_samples: u32,
-    /// What things cost, so that nothing is tested at a loss. Where the device has timestamps, what
-    /// frames take corrects it.
+    /// The prices of tests and draws, so that nothing is tested at a loss. Where the device has
+    /// timestamps, the times of frames correct them.
     pub costs: Costs,
-    /// Room for objects that [come later](Renderer::update), beside the room of those that go. With
-    /// those of the scene they must not be more than a hierarchy or the device holds.
+    /// Room for objects that are [added later](Renderer::update), beside the room of removed ones.
+    /// Together with the scene's objects they must fit into a hierarchy and the device.
     pub spare_objects: usize,
 }
 
@@ -85,7 +85,7 @@ impl Default for RendererOptions {
     }
 }
 
-/// Makes our method, and those that were given.
+/// Creates Antumbra's own method, and the given ones.
 fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
     let ours: Box<dyn Method> = Box::new(PlannedMethod);
     let given = options.methods.iter().map(|new| new(&options.blocking));
@@ -93,7 +93,7 @@ fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
 }
 
 impl RendererOptions {
-    /// Refuses what can be on no device.
+    /// Refuses options that are impossible on every device.
     fn check(&self) -> Result<(), Error> {
         if self.frames_in_flight > MAX_FRAMES_IN_FLIGHT {
             return Err(Error::FramesInFlight {
@@ -108,7 +108,7 @@ impl RendererOptions {
     }
 }
 
-/// A scene on a device, and everything to draw it with.
+/// A scene on a device, with the passes that draw it.
 pub struct Renderer {
     pub(crate) id: RendererId,
     pub(crate) device: Device,
@@ -126,11 +126,11 @@ pub struct Renderer {
     pub(crate) methods: Vec<Box<dyn Method>>,
     pub(crate) edition: SceneRevision,
     pub(crate) update_scratch: UpdateScratch,
-    /// Those of the newest frame, kept to allocate nothing.
+    /// The views of the newest frame, kept to allocate nothing.
     pub(crate) views: Vec<View>,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
-    /// Whether governors are told what frames take.
+    /// True if cost models learn from the times of frames.
     pub(crate) learns: bool,
     cull_config: CullConfig,
     pub(crate) query_budget: usize,
@@ -140,11 +140,10 @@ pub struct Renderer {
 impl Renderer {
     /// Builds the hierarchy over `scene` and uploads everything.
     ///
-    /// # Errors
-    /// Options that cannot be: [`Error::FramesInFlight`], [`Error::Cost`], more objects and room
-    /// for them than there can be, a threshold where queries do not count or under conditional
-    /// rendering. A scene or size beyond the device's limits, no memory, a shader that does not
-    /// compile, a failed call.
+    /// # Errors Impossible options: [`Error::FramesInFlight`], [`Error::Cost`], too many objects
+    /// and room for them, a threshold where queries do not count or under conditional rendering. A
+    /// scene or size beyond the device's limits, no memory, a shader that does not compile, a
+    /// failed call.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
         options.check()?;
         let mut bounds = object_bounds(scene)?;
@@ -156,11 +155,10 @@ impl Renderer {
         Self::with_hierarchy(device, scene, hierarchy, options)
     }
 
-    /// Like [`Renderer::new`], with a hierarchy that is there already. Its objects are the scene's;
-    /// free leaves behind them are room for more.
+    /// Creates a renderer like [`Renderer::new`], with a hierarchy that is built already. Its
+    /// objects are the scene's; free leaves behind them are room for more.
     ///
-    /// # Errors
-    /// As [`Renderer::new`].
+    /// # Errors Those of [`Renderer::new`].
     pub fn with_hierarchy(
         device: &Device,
         scene: &Scene,
@@ -243,7 +241,7 @@ impl Renderer {
         })
     }
 
-    /// Returns a view of the scene that knows nothing yet.
+    /// Creates a view of the scene that knows nothing yet.
     ///
     /// # Errors
     /// A failed call.
@@ -260,7 +258,7 @@ impl Renderer {
         Ok(ViewState::new(self.id, visibility))
     }
 
-    /// Returns what things cost on this device, as told or measured.
+    /// Returns the prices on this device, as given or measured.
     pub fn costs(&self) -> Option<CostTable> {
         self.costs
     }
@@ -274,7 +272,7 @@ impl Renderer {
         SceneCosts { triangles_per_leaf: average.unwrap_or_default() }
     }
 
-    /// Returns what plans may make use of on this device.
+    /// Returns the testers that plans may use on this device.
     fn testers(&self) -> TesterSupport {
         self.executor.testers(&self.device, self.size())
     }
@@ -288,7 +286,7 @@ impl Renderer {
         self.method(strategy).map(drop)
     }
 
-    /// Returns the number of the method that carries out `strategy` here.
+    /// Returns the number of the method for `strategy`.
     pub(crate) fn method(&self, strategy: Strategy) -> Result<usize, Error> {
         let place = self.methods.iter().position(|method| method.carries_out(strategy));
         let place = place.ok_or(Error::NoMethod(strategy))?;
@@ -302,17 +300,17 @@ impl Renderer {
         Ok(place)
     }
 
-    /// Returns true if whatever shows is drawn, with the strategies named exact.
+    /// Returns true if every visible object is drawn, with the strategies named exact.
     pub(crate) fn is_exact(&self) -> bool {
         self.executor.leaves.threshold_samples() == 0
     }
 
-    /// Returns the device it draws on.
+    /// Returns the device that it draws on.
     pub fn device(&self) -> &Device {
         &self.device
     }
 
-    /// Size of the picture in pixels.
+    /// Returns the size of the picture in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.passes.target.size()
     }
@@ -322,16 +320,15 @@ impl Renderer {
         &self.hierarchy
     }
 
-    /// Returns how hidden draws are skipped.
+    /// Returns the way that hidden draws are skipped.
     pub fn predication(&self) -> Predication {
         self.executor.leaves.predicates().predication()
     }
 
-    /// Explains the pictures from now on; an explanation of nothing costs nothing.
+    /// Explains the pictures from now on; an empty explanation costs nothing.
     ///
-    /// # Errors
-    /// Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not within the
-    /// picture; a failed call. What was explained before still is, then.
+    /// # Errors Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not
+    /// within the picture; a failed call. The former explanation then stays.
     pub fn explain(&mut self, explanation: DebugOverlay) -> Result<(), Error> {
         explanation.top_down.map_or(Ok(()), |area| self.check_area(area))?;
         let is_something = explanation != DebugOverlay::default();
@@ -347,12 +344,12 @@ impl Renderer {
         Some(self.hierarchy.bounds(node)).filter(|bounds| !bounds.is_empty())
     }
 
-    /// Returns what is explained.
+    /// Returns the explanation in use.
     pub fn explanation(&self) -> DebugOverlay {
         self.explainer.as_ref().map(|explainer| explainer.explanation).unwrap_or_default()
     }
 
-    /// The frame that was recorded last is on its way.
+    /// Notes that the frame recorded last was submitted.
     pub(crate) fn submitted(&mut self) {
         self.passes.submitted();
         self.executor.leaves.submitted();
@@ -362,8 +359,8 @@ impl Renderer {
     }
 
     /// Returns the GPU time of each pass of the frame that used the slot of the newest one before
-    /// it: with N frames in flight, N frames earlier, whichever view it was of. Empty where that
-    /// was not measured.
+    /// it: with N frames in flight, N frames earlier, of any view. Empty where that was not
+    /// measured.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.pass_times
     }
@@ -373,8 +370,8 @@ impl Renderer {
         self.view_in(camera, Rect { origin: [0, 0], size: self.size() })
     }
 
-    /// Waits until every frame is over and picks up its answers. Not for a frame loop: it counts
-    /// as a blocking wait.
+    /// Waits until every frame is over and reads its results. Not for a frame loop: it counts as a
+    /// blocking wait.
     ///
     /// # Errors
     /// A view of another renderer, a lost device, or a frame that takes too long.

@@ -1,10 +1,10 @@
-//! How much of single objects shows: counted by the GPU where a view was asked to, home some frames
-//! later, never waited for.
+//! Counts of the visible samples of single objects: counted by the GPU where a view watches them,
+//! read back some frames later without a wait.
 //!
 //! For levels of detail, by the number of samples, and for lens flares, by the fraction of the
 //! light's proxy ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a frame is
 //! drawn, each watched object in the frustum is drawn again under a precise query, and so is its
-//! proxy, with the depth test and without. Counting changes nothing that is drawn.
+//! proxy, with the depth test and without. Counting does not change the picture.
 
 use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
 use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
@@ -13,51 +13,53 @@ use occlusion::{LeafTable, PlanExecutor, ProxyBox, ProxyIo, ProxyPass, Visibilit
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 
-/// How many samples of an object a frame showed.
+/// The number of visible samples of an object in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VisibleSamples {
     /// The object.
     pub object: ObjectId,
-    /// The frame that was looked at.
+    /// The frame of the count.
     pub frame: FrameId,
-    /// How many frames before the newest of the view that was. 0 only for what needs no looking at,
-    /// outside of the frustum, and after [`Renderer::drain`](crate::Renderer::drain).
+    /// The age of that frame in frames of the view. 0 only for objects outside of the frustum,
+    /// which need no count, and after [`Renderer::drain`](crate::Renderer::drain).
     pub age_frames: u64,
-    /// Samples of it that nothing is nearer than in the finished picture: its pixels, where no two
-    /// of its faces have the same depth. 0 outside of the frustum.
+    /// Samples of it where nothing is nearer in the finished picture: its pixels, where no two of
+    /// its faces have the same depth. 0 outside of the frustum.
     pub samples: u32,
     /// The same of its proxy. `None` where the near plane would cut it or the eye is in it, and
     /// outside of the frustum.
     pub proxy: Option<ProxySamples>,
-    /// That of the hierarchy when the frame was drawn.
+    /// The generation of the hierarchy when the frame was drawn.
     generation: Generation,
 }
 
-/// How many samples of an object's proxy, which is its box a little enlarged, a frame showed.
+/// The number of visible samples in a frame of an object's proxy, which is its box a little
+/// enlarged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ProxySamples {
-    /// Samples of its front faces that nothing is nearer than.
+    /// Samples of its front faces where nothing is nearer.
     pub visible: u32,
     /// All samples of its front faces in the picture.
     pub total: u32,
 }
 
 impl ProxySamples {
-    /// Returns how much shows of what is in the picture of it, 0 to 1; 0 if nothing is.
+    /// Returns the visible share of its part in the picture, 0 to 1; 0 if nothing of it is in the
+    /// picture.
     pub fn fraction(&self) -> f32 {
         if self.total == 0 { 0.0 } else { self.visible as f32 / self.total as f32 }
     }
 }
 
 impl VisibleSamples {
-    /// Returns how much of its proxy shows, 0 to 1 ([`ProxySamples::fraction`]), where there is
+    /// Returns the visible share of its proxy, 0 to 1 ([`ProxySamples::fraction`]), where there is
     /// one.
     pub fn fraction(&self) -> Option<f32> {
         self.proxy.map(|proxy| proxy.fraction())
     }
 }
 
-/// What a query counts. Those about one object follow each other in this order.
+/// The subject of a count. The queries of one object follow each other in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CountKind {
     Object,
@@ -65,7 +67,7 @@ enum CountKind {
     ProxyTotal,
 }
 
-/// A question on its way.
+/// A count on its way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct CountTag {
     kind: CountKind,
@@ -75,38 +77,38 @@ struct CountTag {
 }
 
 impl CountTag {
-    /// With nothing known of the proxy.
+    /// Returns the count of the object, without one of the proxy.
     fn answer(self, samples: u32) -> VisibleSamples {
         let Self { object, frame, generation, .. } = self;
         VisibleSamples { object, frame, age_frames: 0, samples, proxy: None, generation }
     }
 }
 
-/// What one view counts.
+/// The counts of one view.
 #[derive(Default)]
 pub(crate) struct SampleCounts {
-    /// Ascending, each once.
+    /// The watched objects, ascending, each once.
     watched: Vec<ObjectId>,
-    /// The newest of each object that has any, ascending by object.
+    /// The newest count of each object that has one, ascending by object.
     newest: Vec<VisibleSamples>,
     queries: Option<QueryRing<CountTag>>,
-    /// Whether the frame being recorded asks anything.
+    /// True if the frame being recorded counts.
     is_asking: bool,
     asked: CountRequests,
     home: Vec<VisibleSamples>,
 }
 
-/// What a frame asks; kept to allocate nothing in the steady state.
+/// The counts of a frame, kept to allocate nothing in the steady state.
 #[derive(Default)]
 struct CountRequests {
     tags: Vec<CountTag>,
     objects: Vec<(QueryIndex, IndirectDraw)>,
-    /// The first of the two queries about each proxy.
+    /// The first of the two queries of each proxy, and the proxy.
     proxies: Vec<(QueryIndex, ProxyBox)>,
 }
 
 impl CountRequests {
-    /// Lays out the questions about one object.
+    /// Lays out the queries of one object.
     fn push(&mut self, tag: CountTag, draw: IndirectDraw, proxy: Option<ProxyBox>) {
         let query = |tags: &Vec<CountTag>| QueryIndex(tags.len() as u32);
         self.objects.push((query(&self.tags), draw));
@@ -133,8 +135,8 @@ impl SampleCounts {
         !self.watched.is_empty()
     }
 
-    /// The ring is made again by the next frame that asks, for as many frames as are in flight
-    /// then.
+    /// Drops the ring, which the next frame that counts makes again for the number of frames in
+    /// flight then.
     pub(crate) fn forget_ring(&mut self) {
         self.queries = None;
     }
@@ -143,8 +145,8 @@ impl SampleCounts {
         &self.newest
     }
 
-    /// Picks up what is home and forgets objects that are gone. `now` is the newest frame. Never
-    /// waits.
+    /// Reads the available results and forgets objects that are gone. `now` is the newest frame.
+    /// Never waits.
     pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, now: FrameId) {
         let mut home = std::mem::take(&mut self.home);
         home.clear();
@@ -169,7 +171,7 @@ impl SampleCounts {
         self.age(now);
     }
 
-    /// Keeps what was found out unless something newer is known or nobody wants to know any more.
+    /// Keeps a count unless a newer one is known or the object is not watched any more.
     fn keep(&mut self, known: VisibleSamples) {
         if self.watched.binary_search(&known.object).is_err() {
             return;
@@ -187,7 +189,7 @@ impl SampleCounts {
         }
     }
 
-    /// Lays out what `frame` asks of `view`; what is not in the frustum is known at once.
+    /// Lays out the counts of `frame` in `view`; objects outside of the frustum are known at once.
     fn lay_out(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, view: &View, frame: FrameId) {
         let mut asked = std::mem::take(&mut self.asked);
         asked.tags.clear();
@@ -213,7 +215,7 @@ impl SampleCounts {
         self.asked = asked;
     }
 
-    /// The frame is on its way.
+    /// Notes that the frame was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick, now: FrameId) {
         if let Some(queries) = self.queries.as_mut().filter(|_| self.is_asking) {
             queries.submitted(tick);
@@ -223,7 +225,7 @@ impl SampleCounts {
     }
 }
 
-/// Counts what the view watches, once everything of its frame is drawn.
+/// Counts the objects that the view watches, once everything of its frame is drawn.
 ///
 /// # Errors
 /// No memory, or a failed call.

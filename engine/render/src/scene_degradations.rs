@@ -1,12 +1,12 @@
-//! What of a scene is shown otherwise than the scene says, and why.
+//! The parts of a scene that are shown in a degraded form, and the reasons.
 
 use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
 
-/// What of a scene is more than a renderer shows: it is shown all the same, and not quite as it is.
+/// The parts of a scene beyond a renderer's limits, which are shown in a degraded form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SceneDegradations {
-    /// Objects that more points' and spots' lights reach than [`MAX_LIGHTS_PER_OBJECT`]: the
-    /// weakest do not shine on them. As things are now; it changes where lights and objects move.
+    /// Objects that more point and spot lights reach than [`MAX_LIGHTS_PER_OBJECT`]: the weakest do
+    /// not shine on them. The present number, which changes as lights and objects move.
     pub crowded_objects: usize,
     /// Directional lights beyond [`MAX_DIRECTIONAL_LIGHTS`], the weakest: they do not shine.
     pub dark_suns: usize,
@@ -15,7 +15,7 @@ pub struct SceneDegradations {
     pub shrunk_images: usize,
     /// Images of another size than their page, which are made larger and lose nothing.
     pub enlarged_images: usize,
-    /// Textures that are looked at by another sampler than their own.
+    /// Textures that are sampled by another sampler than their own.
     pub borrowed_samplers: usize,
 }
 

@@ -1,5 +1,5 @@
-//! Meshes that change their form: what they are made of lies on the GPU since loading; what changes
-//! is a pose, which the next frame brings before anything reads the vertices.
+//! Deformed meshes: their data lies on the GPU since loading; only the pose changes, which the next
+//! frame uploads before anything reads the vertices.
 
 use std::collections::HashMap;
 
@@ -21,43 +21,43 @@ pub(crate) struct SkinnedMeshes {
     pub(crate) pass: DeformPass,
     forms: Buffer,
     all: Vec<State>,
-    /// Whose pose is not on the GPU yet.
+    /// The deformers whose pose is not on the GPU yet.
     dirty: Vec<usize>,
-    /// Whose pose the frame being recorded brings.
+    /// The deformers whose pose the frame being recorded uploads.
     uploaded: Vec<usize>,
     /// The poses of a frame, kept to allocate nothing.
     words: Vec<u32>,
 }
 
-/// A deformer as the CPU knows it.
+/// The CPU's data of a deformer.
 pub(crate) struct State {
     pub(crate) mesh: MeshId,
-    /// The blended object that has the mesh, if one does.
+    /// The blended object of the mesh, if there is one.
     pub(crate) transparent: Option<TransparentId>,
     pose_bounds: PoseBounds,
     /// The box of the newest pose, in the space of the mesh.
     pub(crate) bounds: Aabb,
-    /// The box of the vertices that the GPU has.
+    /// The box of the vertices on the GPU.
     pub(crate) shown_bounds: Aabb,
-    /// Without what its pose says.
+    /// The deformation without its pose.
     form: Deformation,
     joint_count: usize,
     targets: Vec<TargetPlaces>,
     joints: Vec<Affine3A>,
     weights: Vec<f32>,
     is_dirty: bool,
-    /// Where this frame's poses have it.
+    /// The deformation with its place among this frame's poses.
     pose: Deformation,
 }
 
-/// Where the lists of a target begin among the forms, in words, or [`NOTHING`].
+/// The places of a target's lists among the forms, in words, or [`NOTHING`].
 #[derive(Clone, Copy)]
 struct TargetPlaces([u32; 3]);
 
-/// Mirrors `deform.comp`.
+/// The place of an empty list; mirrors `deform.comp`.
 const NOTHING: u32 = u32::MAX;
 
-/// What a frame did for meshes that change their form.
+/// The work of a frame for deformed meshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Skinned {
     pub(crate) poses: u32,
@@ -72,8 +72,8 @@ pub(crate) struct DeformedVertices {
 }
 
 impl SkinnedMeshes {
-    /// Uploads what the deformers of a scene that was validated are made of. `first_vertices` says
-    /// where the vertices of each mesh begin.
+    /// Uploads the data of the deformers of a scene that was validated. `first_vertices` holds the
+    /// first vertex of each mesh.
     ///
     /// # Errors
     /// More than the device's storage buffers hold, no memory, a failed call.
@@ -128,8 +128,7 @@ impl SkinnedMeshes {
 
     /// Returns the box of the mesh in a pose, in its own space; `None` if it has this pose already.
     ///
-    /// # Errors
-    /// A pose that it cannot take.
+    /// # Errors An impossible pose.
     pub(crate) fn bounds_in(
         &self,
         skinned_mesh: SkinnedMeshId,
@@ -162,7 +161,7 @@ impl SkinnedMeshes {
         }
     }
 
-    /// Takes a pose that can be taken, in which the mesh has this box.
+    /// Takes a possible pose, in which the mesh has this box.
     pub(crate) fn take(
         &mut self,
         skinned_mesh: SkinnedMeshId,
@@ -180,9 +179,9 @@ impl SkinnedMeshes {
         }
     }
 
-    /// Records what brings the newest poses of what `is_seen`, before anything of `frame` reads
-    /// vertices. All stay stale until the frame was [submitted](SkinnedMeshes::submitted): it may never
-    /// be.
+    /// Records the upload of the newest poses of the skinned meshes that `is_seen` accepts, before
+    /// anything of `frame` reads vertices. All stay stale until the frame was
+    /// [submitted](SkinnedMeshes::submitted), which may never happen.
     ///
     /// # Errors
     /// No memory.
@@ -215,7 +214,7 @@ impl SkinnedMeshes {
         Ok(skinned)
     }
 
-    /// Notes that the frame that [`SkinnedMeshes::upload`] recorded for is on its way.
+    /// Notes that the frame of the last [`SkinnedMeshes::upload`] was submitted.
     pub(crate) fn submitted(&mut self) {
         for number in self.uploaded.drain(..) {
             if let Some(state) = self.all.get_mut(number) {
@@ -228,7 +227,7 @@ impl SkinnedMeshes {
 }
 
 impl State {
-    /// Appends what a deformer is made of to the words of all.
+    /// Appends the data of a deformer to the words of all.
     fn new(
         skinned_mesh: &SkinnedMesh,
         (mesh, surface): (&Mesh, &[SurfaceVertex]),
@@ -312,7 +311,7 @@ impl State {
     }
 }
 
-/// Returns how many words the deformers of a scene take, and the poses of all.
+/// Returns the number of words of the deformers of a scene, and of the poses of all.
 fn words_of(scene: &Scene) -> [u64; 2] {
     let mut sums = [0, 0];
     for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {
@@ -331,8 +330,8 @@ fn words_of(scene: &Scene) -> [u64; 2] {
     sums
 }
 
-/// Returns the meshes of a scene in the order of their vertices: those that change their form
-/// first, so that these are one part of the buffers that a storage buffer can be.
+/// Returns the meshes of a scene in the order of their vertices: deformed ones first, so that these
+/// are one part of the buffers that a storage buffer can be.
 pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
     let is_deformed = are_deformed(scene);
     let mut order: Vec<usize> = (0..scene.meshes.len()).collect();
@@ -340,7 +339,7 @@ pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
     order
 }
 
-/// Returns how many vertices the meshes have together that change their form.
+/// Returns the number of vertices of all deformed meshes.
 pub(crate) fn deformed_vertices(scene: &Scene) -> u64 {
     let skinned_meshes = scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes);
     let meshes =
@@ -348,7 +347,7 @@ pub(crate) fn deformed_vertices(scene: &Scene) -> u64 {
     meshes.map(|mesh| mesh.vertices.len() as u64).sum()
 }
 
-/// Returns which meshes of a scene change their form.
+/// Returns true for each mesh of a scene that is deformed.
 pub(crate) fn are_deformed(scene: &Scene) -> Vec<bool> {
     let mut are_deformed = vec![false; scene.meshes.len()];
     for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {

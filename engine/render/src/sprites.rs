@@ -1,7 +1,7 @@
 //! Sprites on the GPU: their words behind the instances, and the corners that all of them share.
 //!
-//! A mesh of sprites is drawn with the vertices and indices of one pattern, which say corner and
-//! number, so that neither takes memory for each sprite; `sprites.glsl` finds the rest from the
+//! A mesh of sprites is drawn with the vertices and indices of one pattern, which hold corner and
+//! number, so that sprites take no vertices of their own; `sprites.glsl` finds the rest from the
 //! instance.
 
 use gpu::{Device, IndirectDraw};
@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::instance::Instance;
 use crate::limits::check_storage;
 
-/// Words of four numbers in the place of an instance.
+/// The words of four numbers in the place of an instance.
 const WORDS: usize = 4;
 
 /// Corners of a sprite: end and side of each, anticlockwise.
@@ -25,12 +25,12 @@ fn of_scene(scene: &Scene) -> &[Sprites] {
     scene.surfaces.as_ref().map_or(&[], |surfaces| &surfaces.sprites)
 }
 
-/// Returns whether a mesh of the scene is made of sprites.
+/// Returns true if a mesh of the scene is made of sprites.
 pub(crate) fn has_sprites(scene: &Scene) -> bool {
     !of_scene(scene).is_empty()
 }
 
-/// Words of an end.
+/// Returns the number of words of an end.
 fn end_words(sprites: &Sprites) -> usize {
     if sprites.normals.is_empty() { 1 } else { 2 }
 }
@@ -39,7 +39,7 @@ fn words(sprites: &Sprites) -> usize {
     1 + sprites.ends.len() * end_words(sprites)
 }
 
-/// Refuses more sprites than the device can hold behind so many instances.
+/// Refuses more sprites than the device can hold behind `instances` instances.
 pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Result<(), Error> {
     check_storage(
         device,
@@ -49,12 +49,13 @@ pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Re
     )
 }
 
-/// Returns how many instances the words of all sprites take the place of.
+/// Returns the number of instances that the words of all sprites take the place of.
 fn blocks(scene: &Scene) -> usize {
     of_scene(scene).iter().map(words).sum::<usize>().div_ceil(WORDS)
 }
 
-/// For each mesh the place of its sprites' words behind so many instances; 0 without any.
+/// Returns for each mesh the place of its sprites' words behind `instances` instances; 0 without
+/// any.
 pub(crate) fn places(scene: &Scene, instances: usize) -> Vec<u32> {
     let mut places = vec![0; scene.meshes.len()];
     let mut next = instances * WORDS;
@@ -89,12 +90,12 @@ pub(crate) fn add_words(scene: &Scene, instances: &mut Vec<Instance>) {
     );
 }
 
-/// Returns how many sprites the largest mesh has.
+/// Returns the number of sprites of the largest mesh.
 fn most(scene: &Scene) -> usize {
     of_scene(scene).iter().map(Sprites::count).max().unwrap_or(0)
 }
 
-/// Returns how many vertices and indices the pattern has.
+/// Returns the number of vertices and of indices of the pattern.
 pub(crate) fn pattern_size(scene: &Scene) -> [usize; 2] {
     [CORNERS.len(), TRIANGLES.len()].map(|each| most(scene) * each)
 }

@@ -1,4 +1,4 @@
-//! The view from above of a moment: what is drawn, what is hidden as boxes, and where the eye looks
+//! The view from above of a moment: the drawn objects, the hidden ones as boxes, and the frustum
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
 use cull::{Aabb, Camera, Hierarchy, View};
@@ -11,14 +11,14 @@ use crate::palette::{FRUSTUM, Swatch, level_colour};
 use crate::passes::{OverlayIo, OverlayVertex};
 use crate::visibility_snapshot::VisibilitySnapshot;
 
-/// How far the drawn frustum reaches, as a share of what it looks over.
+/// The reach of the drawn frustum, as a share of the reach of the draws.
 const FRUSTUM_REACH: f32 = 1.0;
 pub(crate) const BACKGROUND: [f32; 3] = [0.02, 0.025, 0.035];
 
-/// The pass that draws a moment from elsewhere.
+/// The label of the pass that draws a moment from another eye.
 pub(crate) const VIEW_FROM_ABOVE: &str = "view from above";
 
-/// Returns how far from the eye the moment's story is told: what was drawn, without the few far
+/// Returns the distance from the eye that holds most of the moment's draws, without the few far
 /// ones.
 pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32 {
     let distance = |range: &cull::LeafRange| {
@@ -32,7 +32,7 @@ pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32
     distances.get(most).copied().unwrap_or(50.0).clamp(20.0, 2000.0)
 }
 
-/// Returns a camera behind and above the moment's, looking down on what it looks at.
+/// Returns a camera behind and above the moment's, looking down at its scene.
 pub(crate) fn above(snapshot: &VisibilitySnapshot, reach: f32) -> Camera {
     let reach = reach * FRUSTUM_REACH;
     let flat = Vec3::new(snapshot.view.forward.x, 0.0, snapshot.view.forward.z);
@@ -42,8 +42,7 @@ pub(crate) fn above(snapshot: &VisibilitySnapshot, reach: f32) -> Camera {
     Camera { eye, forward: target - eye, up: Vec3::Y, fov_y: 0.9, near: 0.5 }
 }
 
-/// What is drawn beside the objects: the boxes' faces, and all edges, of the boxes and of the
-/// frustum.
+/// The shapes beside the objects: the boxes' faces, and all edges, of the boxes and of the frustum.
 pub(crate) struct Sketch {
     pub(crate) triangles: Vec<OverlayVertex>,
     pub(crate) lines: Vec<OverlayVertex>,
@@ -51,7 +50,7 @@ pub(crate) struct Sketch {
 }
 
 impl Sketch {
-    /// As it looks from above.
+    /// Creates the sketch of a moment as it looks from above.
     pub(crate) fn of(snapshot: &VisibilitySnapshot, reach: f32) -> Self {
         let (mut triangles, mut lines) = (Vec::new(), Vec::new());
         for (bounds, level) in &snapshot.hidden {
@@ -71,7 +70,8 @@ impl Sketch {
         Self { triangles, lines, lines_through: Vec::new() }
     }
 
-    /// Boxes as they look to the eye itself, through all that hides them.
+    /// Creates a sketch of boxes as they look to the eye itself, through everything that hides
+    /// them.
     pub(crate) fn through(boxes: impl Iterator<Item = (Aabb, Swatch)>) -> Self {
         let mut lines_through = Vec::new();
         for (bounds, colour) in boxes {
@@ -96,7 +96,7 @@ impl Sketch {
     }
 }
 
-/// Corner `i` has the low or high x, y, z by the bits of `i`.
+/// The corners of the six faces: corner `i` has the low or high x, y, z by the bits of `i`.
 const FACES: [[usize; 4]; 6] =
     [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
@@ -112,7 +112,7 @@ fn corners_of(bounds: &Aabb) -> [Vec3; 8] {
     })
 }
 
-/// Returns the view's volume from the near plane to `reach`, with corners numbered as a box's.
+/// Returns the corners of the view's volume from the near plane to `reach`, numbered as a box's.
 fn frustum_corners(view: &View, reach: f32) -> [Vec3; 8] {
     std::array::from_fn(|corner| {
         let side = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };

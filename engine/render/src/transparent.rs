@@ -1,14 +1,15 @@
-//! Blended objects: drawn back to front over the finished picture, where they are only ever hidden
-//! and never hide.
+//! Blended objects: drawn back to front over the finished picture, where they can be hidden but
+//! hide nothing.
 //!
 //! ```text
-//! surfaces    after all opaque surfaces and the sky: boxes of the blended objects in the frustum, in one
-//!             draw; a fragment that passes the finished depth switches on the draw of its object
+//! surfaces    after all opaque surfaces and the sky: boxes of the blended objects in the
+//!             frustum, in one draw; a fragment that passes the finished depth switches on the
+//!             draw of its object
 //! blended     their draws, the farthest first, in one call
 //! ```
 //!
-//! A box that no sample of shows stands for an object that no sample of shows either: leaving it
-//! out changes nothing, and those that are drawn are drawn in the same order whatever is left out.
+//! A box without a visible sample holds an object without one: leaving it out changes nothing, and
+//! the order of the others stays the same.
 
 use std::collections::HashMap;
 
@@ -30,29 +31,29 @@ use crate::surfaces::SurfaceResources;
 pub(crate) struct Transparent {
     pub(crate) pass: SurfacePass,
     objects: Vec<TransparentObject>,
-    /// What fragments switch on, and the list of it, which nobody reads.
+    /// The draws that fragments switch on, and their list, which nothing reads.
     parts: [Buffer; 2],
-    /// Those in the frustum of the view being recorded, the farthest first.
+    /// The objects in the frustum of the view being recorded, the farthest first.
     sorted: Vec<Placed>,
-    /// What the view being recorded draws, if any.
+    /// The draws of the view being recorded, if any.
     view: Option<TransparentIo>,
 }
 
 pub(crate) struct TransparentObject {
     pub(crate) object: Object,
-    /// In its own space.
+    /// The box in its own space.
     pub(crate) own_bounds: Aabb,
     pub(crate) bounds: Aabb,
-    /// In its own space.
+    /// The direction of its faces, in its own space.
     faces: Faces,
 }
 
-/// Where the triangles of a mesh look.
+/// The direction in which the triangles of a mesh face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Faces {
-    /// Away from its middle, all around: those that are seen are on the near side.
+    /// Away from its middle, all around: the visible ones are on the near side.
     Out,
-    /// At its middle: those that are seen are on the far side.
+    /// Towards its middle: the visible ones are on the far side.
     In,
     /// Neither.
     Along,
@@ -70,7 +71,7 @@ impl Faces {
         }
     }
 
-    /// In the mirror insides are outsides.
+    /// Returns the direction under a transform: mirroring swaps inside and outside.
     fn under(self, transform: &Affine3A) -> Self {
         let is_mirrored = transform.matrix3.determinant() < 0.0;
         match self {
@@ -81,8 +82,8 @@ impl Faces {
     }
 }
 
-/// Returns how far away something is drawn: that what is in a glass comes after its far side and
-/// before its near one.
+/// Returns the distance by which something is sorted, so that the contents of a glass come after
+/// its far side and before its near one.
 fn depth_m(bounds: &Aabb, eye: Vec3, faces: Faces) -> f32 {
     let towards = bounds.centre() - eye;
     let distance_m = towards.length();
@@ -102,12 +103,12 @@ struct Placed {
     test: Test,
 }
 
-/// Whether an object is drawn.
+/// The test that decides if an object is drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Test {
-    /// Only if its box shows.
+    /// The test of its box.
     Box,
-    /// Whatever hides it.
+    /// No test: it is always drawn.
     None,
 }
 
@@ -124,7 +125,7 @@ struct TransparentIo {
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl Transparent {
-    /// Returns what the blended objects of a scene need; `None` without any.
+    /// Creates the buffers of the blended objects of a scene; `None` without any.
     ///
     /// # Errors
     /// No memory, a failed call.
@@ -173,9 +174,9 @@ impl Transparent {
         Ok(SurfacePass::new(device, shaders, SurfaceKind::Transparent, resources)?)
     }
 
-    /// Finds those in the frustum of a view and sorts them: the farthest first, by the middle of
-    /// their boxes, or by the side of it that is seen of what encloses something; of those that are
-    /// equally far the first of the scene.
+    /// Finds the objects in the frustum of a view and sorts them: the farthest first, by the middle
+    /// of their boxes, or by the visible side of the box of an object that encloses something; of
+    /// equally far ones the first of the scene.
     fn sort(&mut self, view: &View, test: Test) {
         self.sorted.clear();
         for (number, object) in self.objects.iter().enumerate() {
@@ -194,7 +195,7 @@ impl Transparent {
         });
     }
 
-    /// Writes what was sorted into the memory of a frame.
+    /// Writes the sorted objects into the memory of a frame.
     fn write(&mut self, frame: &mut Frame<'_>, geometry: &Geometry) -> Result<(), Error> {
         self.view = None;
         if self.sorted.is_empty() {
@@ -224,7 +225,7 @@ impl Transparent {
         Ok(())
     }
 
-    /// Returns where an object is.
+    /// Returns the transform of an object.
     pub(crate) fn transform(&self, id: TransparentId) -> Option<Affine3A> {
         self.objects.get(id.0 as usize).map(|transparent| transparent.object.transform)
     }
@@ -238,7 +239,7 @@ impl Transparent {
         draws.part(0, u64::from(io.count) * DRAW_BYTES)
     }
 
-    /// Gathers those of a view for the draws of its frame. Returns how many are in its frustum.
+    /// Gathers the objects of a view for the draws of its frame. Returns the number in its frustum.
     ///
     /// # Errors
     /// No memory.
@@ -253,7 +254,7 @@ impl Transparent {
         Ok(self.sorted.len() as u32)
     }
 
-    /// Changes an object, if it is there. Returns its box then.
+    /// Changes an object and returns its box, if it exists.
     pub(crate) fn change(
         &mut self,
         id: TransparentId,
@@ -274,8 +275,8 @@ impl Transparent {
         self.view.is_some()
     }
 
-    /// Records, before the rendering that tests the boxes, that none of what they decide about is
-    /// drawn.
+    /// Records, before the rendering that tests the boxes, the clear of the draws that they decide
+    /// about.
     pub(crate) fn prepare(&self, commands: &Commands) {
         let Some(io) = self.tested() else { return };
         let [draws, list] = &self.parts;
@@ -301,7 +302,7 @@ impl Transparent {
         });
     }
 
-    /// Makes what the boxes decided hold for the draws, outside of rendering.
+    /// Records the barrier from the tests of the boxes to the draws, outside of rendering.
     pub(crate) fn decide(&self, commands: &Commands) {
         if self.tested().is_some() {
             let switched_on = [Access::IndirectRead, Access::FragmentWrite];
@@ -309,7 +310,7 @@ impl Transparent {
         }
     }
 
-    /// Draws those of the view to what is being rendered to.
+    /// Draws the objects of the view to the current attachments.
     pub(crate) fn draw(
         &self,
         executor: &PlanExecutor,

@@ -9,12 +9,12 @@ use occlusion::{FrameOutcome, LeafTable, VisibilityState};
 use crate::error::Error;
 use crate::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_counts};
 
-/// The renderer that something is of: what one made fits no other.
+/// The identity of a renderer: objects made by one fit no other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct RendererId(u64);
 
 impl RendererId {
-    /// Returns one that no other renderer of the process has.
+    /// Creates an identity that no other renderer of the process has.
     pub(crate) fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
@@ -38,7 +38,7 @@ impl ViewState {
         self.visibility.plan()
     }
 
-    /// Forgets everything that was seen; the next frame starts like the first. After a change that
+    /// Forgets the history; the next frame starts like the first. To be called after a change that
     /// makes the past worthless, such as a jump to another place.
     pub fn reset(&mut self) {
         self.visibility.reset();
@@ -50,14 +50,14 @@ impl ViewState {
         self.visibility.take_outcomes()
     }
 
-    /// Returns what frames taught this view's cost model about the prices; `None` without one.
+    /// Returns the corrections of the prices in this view's cost model; `None` without one.
     pub fn corrections(&self) -> Option<Corrections> {
         self.visibility.corrections()
     }
 
-    /// Counts the visible samples of these objects in every frame from now on, and of no others. Of
-    /// an id that no object has nothing is found out until one has it. Costs two or three small
-    /// draws an object and frame, and nothing where the list is empty.
+    /// Counts the visible samples of these objects in every frame from now on, and of no others. An
+    /// id without an object has no count until an object has it. Costs two or three small draws per
+    /// object and frame, and nothing where the list is empty.
     ///
     /// # Errors
     /// A device that cannot count
@@ -70,19 +70,19 @@ impl ViewState {
         Ok(())
     }
 
-    /// Returns the newest count of each watched object that has one yet, ascending by object. What
-    /// was found out about an object that is gone is dropped, also where another has its id now.
+    /// Returns the newest count of each watched object that has one yet, ascending by object. The
+    /// count of an object that is gone is dropped, also where another has its id now.
     pub fn visible_samples(&self) -> &[VisibleSamples] {
         self.counts.newest()
     }
 
-    /// Reads every result that is there and lets the history move on. Never waits.
+    /// Reads every available result and updates the history. Never waits.
     pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
         self.visibility.collect(completed, hierarchy, leaves);
         self.counts.collect(completed, hierarchy, self.visibility.plan().frame);
     }
 
-    /// Makes the rings again where another number of frames is in flight.
+    /// Creates the rings again where another number of frames is in flight.
     pub(crate) fn set_frames_in_flight(
         &mut self,
         frames_in_flight: usize,
@@ -96,7 +96,7 @@ impl ViewState {
         Ok(())
     }
 
-    /// Notes that the newest frame is on its way.
+    /// Notes that the newest frame was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
         self.visibility.submitted(tick, leaves, timed_views);
         self.counts.submitted(tick, self.visibility.plan().frame);

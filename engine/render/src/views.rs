@@ -1,10 +1,10 @@
-//! What is wanted of a frame and known of it. A frame has one or several views of one scene: each
-//! has its own eye, its own history and its own part of the picture.
+//! The request for a frame, and its report. A frame has one or several views of one scene: each has
+//! its own eye, its own history and its own part of the picture.
 //!
-//! Views share the scene, the hierarchy and the submit, and no answers. What one eye of a stereo
-//! pair found hidden the other may see past an edge, so an answer of the one is never exact for the
-//! other; and as a guess it would cost a test all the same, since what is hidden is tested in every
-//! frame.
+//! Views share the scene, the hierarchy and the submit, but no answers. An object hidden from one
+//! eye of a stereo pair may be visible to the other past an edge, so an answer of the one is never
+//! exact for the other. As a guess it would cost a test all the same, since hidden nodes are tested
+//! in every frame.
 
 use std::time::Duration;
 
@@ -20,14 +20,14 @@ use crate::visible_set::VisibleSet;
 
 /// One view of a frame.
 pub struct ViewTarget<'a> {
-    /// What it saw so far. Every eye needs one of its own, the same in each frame.
+    /// The history of the view. Every eye needs one of its own, the same in each frame.
     pub history: &'a mut ViewState,
-    /// Where it is. Its angle of sight is that of the height of `area`.
+    /// The camera. Its angle of sight spans the height of `area`.
     pub camera: Camera,
-    /// What owns a pixel, for [`Strategy::Ideal`], which knows nothing else.
+    /// The objects that own a pixel, for [`Strategy::Ideal`], which uses nothing else.
     pub visible: Option<&'a VisibleSet>,
-    /// Where its image goes: at least a pixel, within the picture. Where areas overlap, later eyes
-    /// replace what earlier ones drew.
+    /// The part of the picture for its image: at least a pixel, within the picture. Where areas
+    /// overlap, later eyes replace what earlier ones drew.
     pub area: Rect,
 }
 
@@ -50,84 +50,86 @@ impl AsMut<VisibilityState> for ViewTarget<'_> {
     }
 }
 
-/// What is wanted of a frame of several views.
+/// The request for a frame of several views.
 #[derive(Clone, Copy)]
 pub struct ViewsRequest<'a> {
-    /// Who decides what to draw.
+    /// The strategy that decides what to draw.
     pub strategy: Strategy,
-    /// Where to copy the picture, if it is wanted. What no eye covers holds anything.
+    /// The destination of a copy of the picture, if it is wanted. Parts that no view covers are
+    /// undefined.
     pub picture: Option<&'a Readback>,
-    /// The frame starts on the GPU once this tick of a host's timeline is reached.
+    /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }
 
-/// What is wanted of one frame.
+/// The request for one frame.
 #[derive(Clone, Copy)]
 pub struct FrameRequest<'a> {
-    /// Who decides what to draw.
+    /// The strategy that decides what to draw.
     pub strategy: Strategy,
     /// The eye.
     pub camera: Camera,
-    /// What owns a pixel, for [`Strategy::Ideal`], which knows nothing else.
+    /// The objects that own a pixel, for [`Strategy::Ideal`], which uses nothing else.
     pub visible: Option<&'a VisibleSet>,
-    /// Where to copy the picture, if it is wanted. Read it when the frame is over.
+    /// The destination of a copy of the picture, if it is wanted. Read it when the frame is over.
     pub picture: Option<&'a Readback>,
-    /// Where to copy what the scene alone shows, before explanations and the flat overlay are drawn
-    /// over it, if that is wanted.
+    /// The destination of a copy of the scene's picture alone, before explanations and the flat
+    /// overlay are drawn over it, if that is wanted.
     pub scene_picture: Option<&'a Readback>,
-    /// The frame starts on the GPU once this tick of a host's timeline is reached.
+    /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
 }
 
 impl FrameRequest<'_> {
-    /// Creates a frame and nothing else.
+    /// Creates a request for a frame and nothing else.
     pub fn new(strategy: Strategy, camera: Camera) -> Self {
         Self { strategy, camera, visible: None, picture: None, scene_picture: None, after: None }
     }
 }
 
-/// What is known of a frame when it is submitted; of all its views together.
+/// The report of a frame when it is submitted, of all its views together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameReport {
     /// Its tick.
     pub tick: Tick,
     /// Time the CPU spent in the engine, without waits and without [`FrameReport::overlay_cpu`].
     pub cpu: Duration,
-    /// Time the CPU spent on what explains the picture or lies flat over it.
+    /// Time the CPU spent on explanations and the flat overlay.
     pub overlay_cpu: Duration,
-    /// Proxies tested, by whatever means.
+    /// Proxies tested, by any tester.
     pub tests: u32,
     /// Occlusion queries.
     pub queries: u32,
-    /// How often the CPU waited for an answer within the frame: never, but with the strategies that
+    /// Times that the CPU waited for a result within the frame: 0 but with the strategies that
     /// block ([`Strategy::is_blocking`]).
     pub waits: u32,
     /// Blended objects in the frustum.
     pub transparent: u32,
-    /// Poses that the GPU got: those that changed and that one of the views may show.
+    /// Poses that were uploaded: those that changed and that one of the views may show.
     pub poses: u32,
     /// Vertices that the GPU computed from these poses.
     pub skinned_vertices: u64,
     /// Ranges of draws under a predicate.
     pub predicated_draws: u32,
-    /// Age in frames of the answers that came home for this frame; `None` if none did.
+    /// Age in frames of the oldest answer that was read back for this frame; `None` if there was
+    /// none.
     pub oldest_answer_frames: Option<u64>,
     /// The same of the youngest.
     pub youngest_answer_frames: Option<u64>,
-    /// What the culler counted.
+    /// The counts of the culler.
     pub plan: cull::PlanStats,
-    /// What frames taught the governor about the prices
-    /// ([`Renderer::costs`](crate::Renderer::costs)); `None` without one.
+    /// Corrections of the prices ([`Renderer::costs`](crate::Renderer::costs)) by the cost model;
+    /// `None` without one.
     pub corrections: Option<Corrections>,
 }
 
 impl FrameReport {
-    /// Returns that of a frame that posed so much.
+    /// Creates the report of a frame with these poses.
     pub(crate) fn of(Skinned { poses, vertices }: Skinned) -> Self {
         Self { poses, skinned_vertices: vertices, ..Self::default() }
     }
 
-    /// Adds what a view did.
+    /// Adds the counts of a view.
     pub(crate) fn add(&mut self, history: &ViewState) {
         let plan = history.plan();
         let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0);
@@ -144,8 +146,8 @@ impl FrameReport {
     }
 }
 
-/// Records what comes after the views, whoever decided what they show: what is flat over them, and
-/// the copy of the picture for who wants it.
+/// Records the end of a frame after its views, under any strategy: the flat overlay, and the copy
+/// of the picture if it is wanted.
 pub(crate) fn finish_picture(
     frame: &mut Frame<'_>,
     target: &mut Target,

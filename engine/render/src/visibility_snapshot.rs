@@ -1,4 +1,4 @@
-//! One moment of a view, frozen: what was drawn, and which parts of the frontier stayed hidden.
+//! One moment of a view, frozen: the draws, and the parts of the frontier that stayed hidden.
 
 use cull::{Aabb, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState, View};
 use gpu::{BufferSlice, Frame, IndirectDraw};
@@ -7,25 +7,26 @@ use occlusion::LeafTable;
 use crate::error::Error;
 use crate::view_state::{RendererId, ViewState};
 
-/// What a view decided and found out in one frame.
+/// The decisions and the results of a view in one frame.
 #[derive(Debug, Clone)]
 pub struct VisibilitySnapshot {
     /// The frame.
     pub frame: FrameId,
     /// The view it was seen from.
     pub view: View,
-    /// The leaves that were drawn, where the CPU is told: not after a frame of
+    /// The leaves that were drawn, where the CPU knows them: not after a frame of
     /// [`Strategy::Pyramid`](cull::Strategy::Pyramid).
     pub drawn: Vec<LeafRange>,
     /// The frontier nodes that stayed hidden: box and level in the hierarchy.
     pub hidden: Vec<(Aabb, u32)>,
-    /// The one whose leaves these are.
+    /// The renderer of these leaves.
     pub(crate) renderer: RendererId,
 }
 
 impl VisibilitySnapshot {
-    /// Returns the newest frame of `history` as far as it is known while it is under way: what is
-    /// taken as visible, and the frontier nodes that were hidden when they were last asked.
+    /// Returns the newest frame of `history` as far as it is known while it is in flight: the
+    /// leaves that are taken as visible, and the frontier nodes that were hidden when they were
+    /// last tested.
     pub(crate) fn underway(history: &ViewState, hierarchy: &Hierarchy, view: View) -> Self {
         let plan = history.plan();
         let one = |first| LeafRange { first, count: 1 };
@@ -43,7 +44,7 @@ impl VisibilitySnapshot {
         }
     }
 
-    /// Returns the draws of what was drawn, of as many leaves as there still are.
+    /// Uploads the draws of the drawn leaves, as far as they still exist.
     pub(crate) fn upload(
         &self,
         frame: &mut Frame<'_>,

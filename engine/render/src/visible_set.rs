@@ -1,7 +1,7 @@
-//! The exact set of objects that own a pixel: what the strategy `ideal` draws.
+//! The exact set of objects that own a pixel, for the strategy `ideal`.
 //!
-//! Found beforehand and not in time: the frame is drawn by the exact strategy, what it drew is
-//! drawn once more against the finished depth, and the CPU waits for the answer.
+//! It is found beforehand with a wait: the frame is drawn by the exact strategy, its objects are
+//! drawn once more against the finished depth, and the CPU waits for the result.
 
 use cull::{LeafIndex, ObjectId};
 use gpu::{Buffer, Device, MemoryKind, Tick, vk};
@@ -11,12 +11,12 @@ use crate::error::Error;
 use crate::passes::SeenPass;
 use crate::view_state::RendererId;
 
-/// The leaves that own at least one pixel of a frame, nearest first. Of masked materials the holes
-/// count as theirs: those may be too many, never too few.
+/// The leaves that own at least one pixel of a frame, nearest first. The holes of masked materials
+/// count as covered: leaves with masked materials may be too many, never too few.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleSet {
     pub(crate) leaves: Vec<LeafIndex>,
-    /// The same, whatever place they get in the hierarchy.
+    /// The same objects, at any place in the hierarchy.
     pub(crate) objects: Vec<ObjectId>,
     /// The scene as it was then.
     pub(crate) edition: SceneRevision,
@@ -25,8 +25,7 @@ pub struct VisibleSet {
 /// The set's name in errors.
 pub(crate) const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
-/// Counts the changes of a renderer's scene: what is visible of one edition is not what is of
-/// another.
+/// The revision of a renderer's scene: a count of its changes, which make visible sets invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SceneRevision {
     renderer: RendererId,
@@ -54,18 +53,18 @@ impl VisibleSet {
         self.edition.renderer
     }
 
-    /// Returns true if it is of the scene as it is in this edition.
+    /// Returns true if it was found for the scene in this revision.
     pub(crate) fn is_of(&self, edition: SceneRevision) -> bool {
         self.edition == edition
     }
 }
 
-/// What finding the set needs on the GPU.
+/// The objects on the GPU that finding the set needs.
 pub(crate) struct SeenLeaves {
     pub(crate) pass: SeenPass,
     pub(crate) words: Buffer,
     pub(crate) readback: Buffer,
-    /// Of the frame whose words come last.
+    /// The tick of the frame whose words come last.
     pub(crate) newest: Tick,
 }
 

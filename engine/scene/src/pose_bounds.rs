@@ -2,10 +2,10 @@
 //!
 //! A skinned vertex is a mix of the points to which its joints take it, with weights that are not
 //! negative and 1 together, so it lies in the hull of these points. The union of the boxes that
-//! hold these points holds all vertices, whatever pose it is: of one clip, of mixed ones, of
-//! inverse kinematics, of physics. A joint takes all vertices that follow it by one matrix, so for
-//! each joint one box is enough, found when the mesh is loaded; a pose costs a few operations per
-//! joint and per morph target, and none per vertex.
+//! hold these points holds all vertices in any pose: of one clip, of mixed ones, of inverse
+//! kinematics, of physics. A joint takes all vertices that follow it by one matrix, so for each
+//! joint one box is enough, found when the mesh is loaded; a pose costs a few operations per joint
+//! and per morph target, and none per vertex.
 //!
 //! Morph targets move a vertex by the sum of weights times displacements before joints do. Each
 //! term lies in its weight times the box of all displacements of the target, so the sum lies in the

@@ -9,11 +9,11 @@
 //!
 //! where `draw_ns` and `test_ns` are what the table says of the frame, and the rest is what it says
 //! nothing of: above all the shading of pixels. Tests cost `draws + excess` times what the table
-//! says. The prior is that the table is right, and that the excess is 0 whatever `draws` is: a
-//! clock that goes wrong makes all dearer and changes no decision. The rest may be anything and
-//! drifts. So only where frames differ in their tests is anything learned about tests. The
-//! corrections fade back to the prior: where tests ended because they were dear, a few are tried
-//! again after a while.
+//! says. The prior is that the table is right, and that the excess is 0 for any `draws`: a clock
+//! that goes wrong makes all dearer and changes no decision. The rest may be anything and drifts.
+//! So only where frames differ in their tests is anything learned about tests. The corrections fade
+//! back to the prior: where tests ended because they were dear, a few are tried again after a
+//! while.
 //!
 //! The excess counts only as far as it is sure, so that noise decides nothing. A frame that took
 //! too long to be believed is left out, unless several in a row say the same.

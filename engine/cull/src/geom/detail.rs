@@ -25,7 +25,7 @@ impl Default for DetailPolicy {
 
 impl DetailPolicy {
     /// Returns the form of an object whose forms have the errors `errors_m` (metres in the world,
-    /// ascending; the first is that of the finest form), where a metre covers `pixels_per_metre`
+    /// ascending; the first belongs to the finest form), where a metre covers `pixels_per_metre`
     /// (as [`View::pixels_per_metre`](crate::View::pixels_per_metre) says) and the object has the
     /// form `now`.
     ///

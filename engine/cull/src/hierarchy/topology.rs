@@ -62,7 +62,7 @@ impl Topology {
         let mut stack = vec![(root, NO_NODE, 0_u32)];
         while let Some((source, parent, level)) = stack.pop() {
             let node = topology.nodes.len() as u32;
-            // The left child directly follows its parent, so whoever does not is a right child.
+            // The left child directly follows its parent, so any other is a right child.
             if parent != NO_NODE && node != parent + 1 {
                 topology.nodes[parent as usize].right = node;
             }

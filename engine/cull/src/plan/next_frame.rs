@@ -1,9 +1,9 @@
 //! A query per object that is read in a later frame, and decides about that one (GPU Gems, 29.4).
 //!
 //! An object that was visible at its last test is drawn, under a query of its own draw; one that
-//! was hidden is tested by its box, every frame, and not drawn whatever the result will be. So an
-//! object that comes into view is missing until its result is read back: the image is not exact. An
-//! object that comes into the frustum counts as visible.
+//! was hidden is tested by its box, every frame, and not drawn, with any result. So an object that
+//! comes into view is missing until its result is read back: the image is not exact. An object that
+//! comes into the frustum counts as visible.
 
 use crate::geom::view::View;
 use crate::hierarchy::Hierarchy;

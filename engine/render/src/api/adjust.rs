@@ -1,6 +1,5 @@
-//! What can be changed between two frames of a loop: the size of the picture, how many frames are
-//! in flight, the shaders. The scene and what views have learnt stay, and nothing waits for the
-//! GPU.
+//! Changes between two frames of a loop: the size of the picture, the number of frames in flight,
+//! the shaders. The scene and the history of views stay, and nothing waits for the GPU.
 
 use gpu::{FrameRing, Target};
 use occlusion::{ComputeTest, Method, MethodScene, ShaderSet};
@@ -41,14 +40,13 @@ impl Renderer {
         Ok(())
     }
 
-    /// Returns how many frames may be on their way to the GPU at once.
+    /// Returns the number of frames that may be in flight at once.
     pub fn frames_in_flight(&self) -> usize {
         self.frames.frames_in_flight()
     }
 
-    /// Changes how many frames may be on their way to the GPU at once; 0 counts as 1. Answers that
-    /// are still under way are lost, and what those frames took: this costs some tests and no
-    /// pixel.
+    /// Changes the number of frames that may be in flight at once; 0 counts as 1. Results and times
+    /// that are still on their way are lost, which costs some tests and no pixel.
     ///
     /// # Errors
     /// More than [`MAX_FRAMES_IN_FLIGHT`]; a failed call. Nothing has changed then.
@@ -76,7 +74,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Measures the GPU time of every pass from now on; [`Renderer::pass_times`] has them.
+    /// Measures the GPU time of every pass from now on; [`Renderer::pass_times`] returns it.
     ///
     /// # Errors
     /// A device without timestamps.
@@ -94,12 +92,13 @@ impl Renderer {
         Ok(self.frames.time_passes_of_one_in(frames)?)
     }
 
-    /// Returns of how many frames one has the GPU time of its passes measured; `None` of none.
+    /// Returns the interval of the frames in which the GPU time of passes is measured; `None`
+    /// without any.
     pub fn timed_interval(&self) -> Option<u64> {
         self.frames.timed_interval()
     }
 
-    /// Measures the GPU time of passes no more.
+    /// Stops measuring the GPU time of passes.
     pub fn stop_timing_passes(&mut self) {
         self.frames.stop_timing_passes();
         self.pass_times.clear();
@@ -162,7 +161,7 @@ impl Renderer {
     }
 }
 
-/// Makes again what there is.
+/// Makes an object again if it exists.
 fn again<T, E>(there: Option<&T>, make: impl FnOnce() -> Result<T, E>) -> Result<Option<T>, E> {
     there.map(|_| make()).transpose()
 }

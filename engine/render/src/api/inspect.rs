@@ -1,4 +1,4 @@
-//! What can be asked of a renderer besides pictures.
+//! Calls that inspect a renderer.
 
 use crate::error::Error;
 use crate::renderer::Renderer;
@@ -6,7 +6,7 @@ use crate::sample_counts::{COUNTING, check_counts};
 use crate::scene_degradations::SceneDegradations;
 
 impl Renderer {
-    /// Returns what of the scene is shown otherwise than the scene says; of what stands still it is
+    /// Returns the parts of the scene that are shown in a degraded form; for still parts it is
     /// known from the beginning.
     pub fn degradations(&self) -> SceneDegradations {
         let surfaces = self.passes.geometry.surfaces.as_ref();

@@ -1,4 +1,4 @@
-//! Levels of detail: chosen a few objects per frame.
+//! Levels of detail, chosen for a few objects per frame.
 
 use cull::{Camera, DetailPolicy, View};
 use occlusion::Rect;
@@ -7,13 +7,13 @@ use crate::renderer::Renderer;
 
 impl Renderer {
     /// Lets objects take the forms ([`Surfaces::levels`](scene::Surfaces::levels)) whose errors are
-    /// too small to be seen by any of the `cameras`; answers how many took another. Once a frame,
-    /// before it: each call looks at no more than
+    /// too small to be seen by any of the `cameras`; returns the number of objects that took
+    /// another. To be called once per frame, before it: each call looks at no more than
     /// [`DETAIL_OBJECTS_A_CALL`](crate::DETAIL_OBJECTS_A_CALL) objects, in turn, so that larger
     /// scenes follow the camera some frames late.
     ///
-    /// What is visible plays no part in it, so that frames are the same whoever decides what is
-    /// drawn. An error of 0 pixels brings the finest forms back.
+    /// Visibility plays no part in it, so that frames are the same under every strategy. An error
+    /// of 0 pixels restores the finest forms.
     pub fn choose_detail(&mut self, cameras: &[Camera], policy: &DetailPolicy) -> u32 {
         let [width, height] = self.size();
         let area = Rect { origin: [0, 0], size: [width, height] };

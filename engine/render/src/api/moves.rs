@@ -8,14 +8,13 @@ use crate::geometry::bounds_in_world;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Replaces a light of a scene with surfaces: it moved, or shines otherwise. The next frame
-    /// shows it. The cost is that of the objects around its old and its new place, not of the
-    /// scene; they find their lights once a frame, however many lights change.
+    /// Replaces a light of a scene with surfaces by a moved or changed one. The next frame shows
+    /// it. The cost grows with the objects around its old and its new place, not with the scene;
+    /// they find their lights once per frame, for any number of changed lights.
     ///
-    /// # Errors
-    /// [`Error::Light`] for a light that the scene does not have, and for one that becomes another
-    /// kind of light: pipelines are compiled for the kinds that there are. Make it dark and light
-    /// another then.
+    /// # Errors [`Error::Light`] for a light that the scene does not have, and for one that becomes
+    /// another kind of light: pipelines are compiled for the kinds in the scene. Make it dark and
+    /// light another then.
     pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
         let place = light.0 as usize;
         let geometry = &mut self.passes.geometry;
@@ -35,9 +34,8 @@ impl Renderer {
 impl Renderer {
     /// Moves a blended object. The next frame shows it.
     ///
-    /// # Errors
-    /// [`Error::Transparent`]: the scene has no such object, or it cannot be there. Nothing has
-    /// changed then.
+    /// # Errors [`Error::Transparent`]: the scene has no such object, or the place is impossible.
+    /// Nothing has changed then.
     pub fn move_transparent(
         &mut self,
         transparent: TransparentId,

@@ -1,12 +1,12 @@
-//! What lies flat over every picture.
+//! The flat overlay over every picture.
 
 use crate::error::Error;
 use crate::flat_overlay::FlatOverlay;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Returns what is drawn flat over every picture from now on, made when it is first wanted. It
-    /// costs nothing until then, nor after [`Renderer::drop_flat_overlay`].
+    /// Returns the overlay that is drawn flat over every picture from now on, created by the first
+    /// call. It costs nothing until then, nor after [`Renderer::drop_flat_overlay`].
     ///
     /// # Errors
     /// A shader that does not compile, a failed call.
@@ -18,7 +18,7 @@ impl Renderer {
         Ok(self.flat_overlay.insert(overlay))
     }
 
-    /// Draws nothing flat any more, and frees what it took.
+    /// Removes the flat overlay and frees its memory.
     pub fn drop_flat_overlay(&mut self) {
         self.flat_overlay = None;
     }

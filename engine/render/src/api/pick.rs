@@ -1,5 +1,5 @@
-//! Finds out which object owns a pixel, without a wait: a frame of that one pixel is drawn, and
-//! read when it is over.
+//! Finds the object that owns a pixel, without a wait: a frame of that one pixel is drawn, and read
+//! when it is over.
 
 use cull::{Camera, FrameId, LeafExplanation, LeafIndex, LeafRange, ObjectId, Outcome, View};
 use gpu::{Optional, Tick};
@@ -11,13 +11,14 @@ use crate::renderer::Renderer;
 use crate::view_state::ViewState;
 
 impl Renderer {
-    /// Begins to find out which object of the scene, as it was drawn last, owns the pixel at
-    /// `pixel` (from the upper left) of a picture seen from `camera`. All objects count, whether
-    /// culling left them out or not; blended ones do not. Submits a frame of one pixel, which draws
-    /// all objects whose boxes lie along its ray: only their triangles tell how far it goes.
-    /// Present the picture before or after the next.
+    /// Begins to find the object of the scene, as it was drawn last, that owns the pixel at `pixel`
+    /// (from the upper left) of a picture seen from `camera`. All objects count, also those that
+    /// culling left out; blended ones do not. Submits a frame of one pixel, which draws all objects
+    /// whose boxes lie along its ray: only their triangles decide which is hit. Present the picture
+    /// before or after the next.
     ///
-    /// On a device whose fragment shaders cannot write to buffers, the nearest box answers.
+    /// On a device whose fragment shaders cannot write to buffers, the object with the nearest box
+    /// is returned.
     ///
     /// # Errors
     /// No memory; a failed call.
@@ -53,7 +54,7 @@ impl Renderer {
     }
 
     /// Returns the object that was found; `Some(None)` if there is none, `None` while that is not
-    /// known: for ever if a newer pick, or [`Renderer::visible_set`], took its place before.
+    /// known, which is for ever if a newer pick, or [`Renderer::visible_set`], replaced it before.
     ///
     /// # Errors
     /// A pick of another renderer; a lost device.
@@ -71,9 +72,9 @@ impl Renderer {
         Ok(Some(owner.map(|(_, object)| *object)))
     }
 
-    /// Explains why an object was drawn in the newest frame of `history`, seen from `view`, or was
-    /// not, and what the newest answers say of it, with the frame that asked. `None` if there is no
-    /// such object, or the view is of another renderer.
+    /// Explains the decision to draw an object or not in the newest frame of `history`, seen from
+    /// `view`, with the outcome by the newest answers and their frame. `None` if there is no such
+    /// object, or the view is of another renderer.
     pub fn explain_object(
         &self,
         history: &ViewState,
@@ -89,8 +90,8 @@ impl Renderer {
         Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
     }
 
-    /// Returns how many triangles an object has, in the form in which it is drawn; 0 of a foreign
-    /// one.
+    /// Returns the number of triangles of an object, in the form in which it is drawn; 0 for a
+    /// foreign one.
     pub fn triangles_of(&self, object: ObjectId) -> u64 {
         let leaf = self.hierarchy.leaf_of(object);
         leaf.map_or(0, |first| self.executor.leaves.count(LeafRange { first, count: 1 }).triangles)

@@ -1,4 +1,4 @@
-//! Poses: when one is set, the box of its object follows.
+//! Poses of deformed meshes, whose objects' boxes follow.
 
 use glam::Affine3A;
 use scene::{Deformation, SceneUpdate, SkinnedMeshId};
@@ -11,18 +11,17 @@ use crate::skinned_meshes::State;
 use crate::update::UpdateScratch;
 
 impl Renderer {
-    /// Gives a mesh that changes its form a pose: the next frame shows it, frames on their way do
-    /// not. Each joint takes points of the mesh at rest to the object's own space; `weights` says
-    /// how much of each morph target is added, whatever the sum. The same pose again costs nothing,
-    /// and neither do targets of weight 0.
+    /// Sets the pose of a deformed mesh: the next frame shows it, frames on their way do not. Each
+    /// joint transforms points of the mesh at rest to the object's own space; `weights` holds the
+    /// share of each morph target, with any sum. The same pose again costs nothing, and neither do
+    /// targets of weight 0.
     ///
-    /// The box of its object follows from the pose ([`scene::PoseBounds`]), whichever it is. The
-    /// GPU looks at the vertices in the first frame that has a view that the mesh may be in.
+    /// The box of its object follows from any pose ([`scene::PoseBounds`]). The GPU computes the
+    /// vertices in the first frame with a view that the mesh may be in.
     ///
-    /// # Errors
-    /// [`Error::Deform`]: no such deformer, another number of joints or targets than it has,
-    /// numbers that are not finite or take it farther than anything can be. Nothing has changed
-    /// then.
+    /// # Errors [`Error::Deform`]: no such deformer, another number of joints or targets than it
+    /// has, values that are not finite or move it beyond the possible coordinates. Nothing has
+    /// changed then.
     pub fn set_pose(
         &mut self,
         skinned_mesh: SkinnedMeshId,
@@ -32,11 +31,9 @@ impl Renderer {
         self.take_all([(skinned_mesh, joints, weights)]).map(drop)
     }
 
-    /// Gives meshes the poses of an update, in their order. Answers how many are others than
-    /// before.
+    /// Sets the poses of an update, in their order. Returns the number of poses that changed.
     ///
-    /// # Errors
-    /// The first that cannot be taken; those before it are.
+    /// # Errors The first impossible pose; those before it are set.
     pub(crate) fn take_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
         self.take_all(update.deformations.iter().map(
             |Deformation { skinned_mesh, joints, weights }| {
@@ -63,7 +60,7 @@ impl Renderer {
         taken.and(settled.map_err(Error::from)).map(|()| count)
     }
 
-    /// Takes a pose; answers whether it is another than before.
+    /// Sets a pose. Returns true if it changed.
     fn take_pose(
         &mut self,
         skinned_mesh: SkinnedMeshId,

@@ -9,19 +9,18 @@ use crate::renderer::Renderer;
 impl Renderer {
     /// Shows the newest picture in a window that is `window_size` pixels large as far as the caller
     /// knows. A picture of another size is scaled and keeps its proportions, between black borders:
-    /// [`Renderer::resize`] before the frame fills the window. Call it after [`Renderer::render`],
-    /// as often as the picture is wanted. It waits for an image of the window, within the
+    /// [`Renderer::resize`] before the frame fills the window. To be called after
+    /// [`Renderer::render`], any number of times. It waits for an image of the window, within the
     /// swapchain's bound.
     ///
-    /// # Errors
-    /// A window of another device; no picture yet, or none since a frame failed; what has no name
-    /// in [`gpu::PresentSkipped`].
+    /// # Errors A window of another device; no picture yet, or none since a frame failed; a failure
+    /// without a name in [`gpu::PresentSkipped`].
     pub fn present(&self, window: &mut Swapchain, window_size: [u32; 2]) -> Result<Shown, Error> {
         Ok(window.show(&self.passes.target, window_size)?)
     }
 }
 
-/// A renderer may be made on one thread and used on another.
+/// A check that a renderer may be made on one thread and used on another.
 const _: () = {
     const fn is_send<T: Send>() {}
     is_send::<Renderer>();

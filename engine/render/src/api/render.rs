@@ -22,8 +22,7 @@ impl Renderer {
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
     /// and for nothing else, unless the strategy blocks ([`Strategy::is_blocking`]).
     ///
-    /// # Errors
-    /// As [`Renderer::render_views`].
+    /// # Errors Those of [`Renderer::render_views`].
     pub fn render(
         &mut self,
         history: &mut ViewState,
@@ -39,12 +38,11 @@ impl Renderer {
     /// Renders one frame of several views, one after the other, and submits them together. Waits
     /// for the frame that used this slot N frames ago, and for nothing else.
     ///
-    /// # Errors
-    /// [`Error::NoView`] where there is no eye: such a frame would leave its picture as it is. A
-    /// strategy that the device has not what it takes for; an area that is not in the picture; a
-    /// picture of another size; a view or visible set of another renderer, a picture or timeline of
-    /// another device; [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device,
-    /// a frame that takes too long.
+    /// # Errors [`Error::NoView`] without a view: such a frame would leave its picture as it is. A
+    /// strategy that the device does not support; an area that is not in the picture; a picture of
+    /// another size; a view or visible set of another renderer, a picture or timeline of another
+    /// device; [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame
+    /// that takes too long.
     pub fn render_views(
         &mut self,
         eyes: &mut [ViewTarget<'_>],
@@ -53,7 +51,7 @@ impl Renderer {
         self.render_eyes(eyes, request, None)
     }
 
-    /// Renders the same, and copies what the scene alone shows to `scene_picture`.
+    /// Renders the same, and copies the picture of the scene alone to `scene_picture`.
     pub(crate) fn render_eyes(
         &mut self,
         eyes: &mut [ViewTarget<'_>],
@@ -122,7 +120,7 @@ impl Renderer {
         views
     }
 
-    /// Refuses what cannot be drawn. Returns the number of the method that draws it.
+    /// Refuses a frame that cannot be drawn. Returns the number of the method that draws it.
     fn check_frame(
         &self,
         eyes: &mut [ViewTarget<'_>],
@@ -149,8 +147,8 @@ impl Renderer {
         Ok(method)
     }
 
-    /// Returns true if cost models learn from what the next frame takes. What explanations draw
-    /// beside a plan says nothing about prices.
+    /// Returns true if cost models learn from the time of the next frame. Draws of explanations
+    /// beside a plan falsify prices.
     fn is_timed(&self, strategy: Strategy, eyes: &[ViewTarget<'_>]) -> bool {
         let has_turn = |eye: &ViewTarget<'_>| {
             occlusion::is_timed_after(eye.history.visibility.culler().frame())
@@ -162,7 +160,7 @@ impl Renderer {
             && eyes.iter().any(has_turn)
     }
 
-    /// Notes in the views that their frame is on its way, and in the report what they planned.
+    /// Notes in the views that their frame was submitted, and in the report their plans.
     fn note_submitted(
         &mut self,
         eyes: &mut [ViewTarget<'_>],
@@ -189,7 +187,7 @@ impl Renderer {
         }
     }
 
-    /// Makes what only some methods and frames need, for the first frame that does.
+    /// Creates objects that only some methods and frames need, for the first frame that does.
     fn prepare(&mut self, method: usize, eyes: &[ViewTarget<'_>]) -> Result<(), Error> {
         let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
         let is_watching = |eye: &ViewTarget<'_>| eye.history.counts.is_watching();
@@ -210,7 +208,7 @@ impl Renderer {
         self.check_renderer(history.renderer, "a view (`ViewState`)")
     }
 
-    /// Refuses what another renderer made.
+    /// Refuses an object of another renderer.
     pub(crate) fn check_renderer(
         &self,
         maker: RendererId,
@@ -232,7 +230,7 @@ impl Renderer {
     }
 }
 
-/// What lies over the scene.
+/// The overlays over the scene.
 struct Overlays<'a> {
     explainer: Option<&'a DebugRenderer>,
     outline: Option<(Aabb, &'a OverlayPass)>,
@@ -240,8 +238,8 @@ struct Overlays<'a> {
 }
 
 impl Overlays<'_> {
-    /// Draws it over the first view, and copies the picture for who wants it. Returns the CPU's
-    /// time.
+    /// Draws them over the first view, and copies the picture if that is requested. Returns the
+    /// CPU's time.
     fn record(
         self,
         frame: &mut Frame<'_>,
@@ -265,7 +263,7 @@ impl Overlays<'_> {
     }
 }
 
-/// Takes the times of frames that are over, as they are known when a slot is used again.
+/// Notes the times of frames that are over, as they are known when a slot is used again.
 fn note_times(frame: &Frame<'_>, passes: &mut Vec<PassTime>, frames: &mut FrameTimes) {
     passes.clear();
     passes.extend_from_slice(frame.pass_times());

@@ -1,4 +1,4 @@
-//! Frozen frames: taken, and drawn from elsewhere.
+//! Snapshots: frozen frames that are taken, and drawn from other eyes.
 
 use cull::{Answer, Camera, LeafRange, QueryKind, Strategy, View};
 use gpu::{Readback, Tick};
@@ -12,7 +12,7 @@ use crate::view_state::ViewState;
 use crate::views::finish_picture;
 use crate::visibility_snapshot::VisibilitySnapshot;
 
-/// What is behind all: nothing, as in a drawing, or the scene's sky, as in its other pictures.
+/// The background: none, as in a drawing, or the scene's sky, as in its other pictures.
 enum Backdrop {
     Dark,
     Sky,
@@ -66,7 +66,7 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Draws `moment` from above into `picture` and waits for it: what was drawn in its own
+    /// Draws `moment` from above into `picture` and waits for it: the drawn objects in their own
     /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
     ///
     /// # Errors
@@ -82,10 +82,10 @@ impl Renderer {
         Ok(self.device.drain()?)
     }
 
-    /// Draws `moment` as it looks to another eye, and goes on: the culling stands still, the camera
-    /// does not. Beside what was drawn, the hidden frontier nodes and the frustum, as
-    /// [`Renderer::top_down`] has them; of what [`Renderer::explain`] shows, the wires and the view
-    /// from above.
+    /// Draws `moment` as it looks to another eye, without a wait: the culling stands still, the
+    /// camera does not. Beside the drawn objects it shows the hidden frontier nodes and the
+    /// frustum, as [`Renderer::top_down`] does; of the explanations by [`Renderer::explain`] it
+    /// shows the wires and the view from above.
     ///
     /// # Errors
     /// A moment of another renderer, a picture of another device or size, no memory, a failed call.
@@ -151,7 +151,7 @@ impl Renderer {
         Ok(tick)
     }
 
-    /// Returns how far from the eye the moment's story is told: what was drawn, without the few far
+    /// Returns the distance from the eye that holds most of the moment's draws, without the few far
     /// ones.
     fn reach(&self, snapshot: &VisibilitySnapshot) -> f32 {
         reach(&self.hierarchy, snapshot)

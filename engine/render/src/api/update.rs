@@ -1,5 +1,5 @@
-//! Changes of the scene between frames: applied to the hierarchy at once, and to what the GPU reads
-//! at the start of the next frame, in its order. Nobody waits.
+//! Changes of the scene between frames: applied to the hierarchy at once, and to the data on the
+//! GPU at the start of the next frame, in its order. Nothing waits.
 
 use std::collections::HashSet;
 use std::time::Instant;
@@ -13,11 +13,10 @@ use crate::renderer::Renderer;
 use crate::update::{UpdateReport, UpdateScratch};
 
 impl Renderer {
-    /// Applies everything that changes between two frames: objects first, with
-    /// [`Renderer::update`], then poses, blended objects and lights. The next frame shows it.
+    /// Applies all changes between two frames: objects first, with [`Renderer::update`], then
+    /// poses, blended objects and lights. The next frame shows it.
     ///
-    /// # Errors
-    /// The first change that cannot be made. Those before it are made.
+    /// # Errors The first impossible change. Those before it are made.
     pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
         let (began, before) = (Instant::now(), self.hierarchy.work());
         let added = match update.objects.as_slice() {
@@ -35,16 +34,15 @@ impl Renderer {
         Ok(UpdateReport { added, poses, cpu: began.elapsed(), ..report })
     }
 
-    /// Applies `changes` in their order: all of them, or none if one cannot be made. The next frame
-    /// shows them; frames on their way do not. The cost is that of the changes, not of the scene:
-    /// ancestors of what moved are refitted, leaves that changed are written by the GPU itself.
+    /// Applies `changes` in their order: all of them, or none if one is impossible. The next frame
+    /// shows them; frames on their way do not. The cost grows with the changes, not with the scene:
+    /// ancestors of moved leaves are refitted, changed leaves are written by the GPU itself.
     ///
     /// Changes are about objects that were there before. An id that a change frees may be given to
-    /// a later one's object at once; to move or remove that one is for the next update, when its
-    /// id is known.
+    /// a later one's object at once; that object can be moved or removed by the next update, when
+    /// its id is known.
     ///
-    /// # Errors
-    /// [`Error::Change`] for the first change that cannot be made; then nothing has changed.
+    /// # Errors [`Error::Change`] for the first impossible change; then nothing has changed.
     pub fn update(&mut self, changes: &[ObjectChange]) -> Result<UpdateReport, Error> {
         let began = Instant::now();
         let mut scratch = std::mem::take(&mut self.update_scratch);
@@ -54,7 +52,7 @@ impl Renderer {
         Ok(UpdateReport { cpu: began.elapsed(), ..outcome? })
     }
 
-    /// Finds the first change that cannot be made after those before it, and the boxes of them all.
+    /// Finds the first change that is impossible after those before it, and the boxes of them all.
     fn check_changes(
         &self,
         changes: &[ObjectChange],
@@ -96,7 +94,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Refuses an object that was not there before the update, or is gone in it.
+    /// Refuses an object that was not there before the update, or is removed in it.
     fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), String> {
         if self.hierarchy.contains(object) && !gone.contains(&object) {
             return Ok(());
@@ -110,8 +108,7 @@ impl Renderer {
         bounds.ok_or_else(|| NOWHERE.to_owned())
     }
 
-    /// Refuses a second object of a mesh that changes its form: the box of one would not hold the
-    /// other.
+    /// Refuses a second object of a deformed mesh: the box of one would not hold the other.
     fn check_alone(
         &self,
         object: &Object,
@@ -154,7 +151,7 @@ impl Renderer {
         Ok(UpdateReport { added, ..self.report_since(before) })
     }
 
-    /// Brings the hierarchy to what was changed, and marks the leaves that are others than before.
+    /// Applies the changes to the hierarchy, and marks the leaves that changed.
     pub(crate) fn settle(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
         self.move_all(scratch)?;
         self.hierarchy.restructure(&mut scratch.reordered);
@@ -162,7 +159,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Returns what was done to the hierarchy after `before`, and what is left for the next frame.
+    /// Reports the work on the hierarchy after `before`, and the uploads left for the next frame.
     fn report_since(&self, before: HierarchyWork) -> UpdateReport {
         let work = self.hierarchy.work();
         UpdateReport {
@@ -174,9 +171,9 @@ impl Renderer {
         }
     }
 
-    /// Builds the hierarchy anew over the objects as they are now, for large scenes whose
-    /// [update](Renderer::update) says that it is worn. The CPU's work is that of loading the
-    /// scene; the GPU is not waited for. Views keep what they know of objects.
+    /// Builds the hierarchy again over the objects as they are now, for large scenes whose
+    /// [update](Renderer::update) reports that it is worn. The CPU's work is the same as for
+    /// loading the scene; the GPU is not waited for. Views keep their history of objects.
     ///
     /// # Errors
     /// None for objects that were accepted before.
@@ -196,7 +193,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Makes one change; answers the id of what was added.
+    /// Makes one change and returns the id of an added object.
     fn make(
         &mut self,
         change: &ObjectChange,
@@ -235,7 +232,7 @@ impl Renderer {
         self.hierarchy.refit(scratch.moves.drain(..))
     }
 
-    /// Marks the leaves of everything that changed, where they are now.
+    /// Marks the leaves of all changed objects, where they are now.
     fn mark_dirty(&mut self, scratch: &mut UpdateScratch) {
         let (geometry, leaves) = (&mut self.passes.geometry, &mut self.executor.leaves);
         for object in scratch.changed.drain(..) {

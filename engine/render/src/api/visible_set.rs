@@ -1,6 +1,6 @@
-//! The exact set of objects that own a pixel, found out beforehand and not in time: the frame is
-//! drawn by the exact strategy, what it drew is drawn once more against the finished depth, and the
-//! CPU waits for the answer.
+//! The exact set of objects that own a pixel, found beforehand with a wait: the frame is drawn by
+//! the exact strategy, its objects are drawn once more against the finished depth, and the CPU
+//! waits for the result.
 
 use cull::{Camera, LeafIndex, Strategy};
 use glam::Vec3;
@@ -15,9 +15,9 @@ use crate::views::{ViewTarget, ViewsRequest};
 use crate::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 
 impl Renderer {
-    /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice: a
-    /// yardstick for measurements, not for a frame loop. `history` is a view kept for this, so that
-    /// it learns along the path.
+    /// Finds the objects that own a pixel of `area` seen from `camera`. Waits for the GPU, twice:
+    /// for measurements, not for a frame loop. `history` is a view kept for this, so that its
+    /// history grows along the path.
     ///
     /// # Errors
     /// A view of another renderer; a device whose fragment shaders cannot write to buffers; no
@@ -58,9 +58,9 @@ impl Renderer {
         Ok(VisibleSet { objects: objects.collect(), leaves, edition })
     }
 
-    /// Makes a set hold again that was found when the scene was as it is now, although it has
-    /// changed since then: whoever calls this answers for it that every object is where it was, and
-    /// has the form that it had. For measurements in which the same moments come again.
+    /// Makes a set valid again that was found when the scene was as it is now, although it has
+    /// changed since then. The caller guarantees that every object has the place and the form that
+    /// it had. For measurements in which the same moments recur.
     ///
     /// # Errors
     /// A set that another renderer found.
@@ -72,14 +72,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// From `eye` to the box of a leaf.
+    /// Returns the squared distance from `eye` to the box of a leaf.
     fn distance_squared(&self, leaf: LeafIndex, eye: Vec3) -> f32 {
         let object = self.hierarchy.leaf_objects().get(leaf.0 as usize);
         let node = object.and_then(|object| self.hierarchy.node_of(*object));
         node.map_or(0.0, |node| self.hierarchy.bounds(node).distance_squared(eye))
     }
 
-    /// Submits a frame that notes which of `leaves` own a pixel of `view`.
+    /// Submits a frame that notes the ones among `leaves` that own a pixel of `view`.
     pub(crate) fn submit_seen(
         &mut self,
         view: &cull::View,

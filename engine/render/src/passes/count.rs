@@ -1,5 +1,5 @@
-//! The count pass: how many samples of single objects, and of their proxies, a finished picture
-//! has.
+//! The count pass: counts the samples of single objects, and of their proxies, in a finished
+//! picture.
 
 use bytemuck::{Pod, Zeroable};
 use cull::View;
@@ -15,9 +15,9 @@ use occlusion::ProxyIo;
 use crate::passes::OpaqueIo;
 use occlusion::{Error, ShaderSet};
 
-/// Draws objects a second time against the depth that they left, and proxies whatever the depth is.
-/// Writes nothing: queries around the draws count. The positions of objects are invariant, so the
-/// samples that pass are those of which the object is the nearest.
+/// The pass that draws objects a second time against the depth that they left, and proxies at any
+/// depth. Writes nothing: queries around the draws count. The positions of objects are invariant,
+/// so the samples that pass are those where the object is the nearest.
 pub struct CountPass {
     objects: GraphicsPipeline,
     proxies: GraphicsPipeline,
@@ -90,7 +90,7 @@ impl CountPass {
     }
 
     /// Draws an object. Not indirectly: Mesa 22.3's lavapipe lets an indirect draw take the count
-    /// of the counted one before it.
+    /// of the previous counted one.
     pub fn draw(&self, commands: &Commands, draw: &IndirectDraw) {
         commands.draw_indexed(draw);
     }

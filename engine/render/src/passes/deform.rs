@@ -1,23 +1,25 @@
-//! The deform pass: meshes that change their form get it, before anything of the frame reads them.
+//! The deform pass: computes the vertices of deformed meshes, before anything of the frame reads
+//! them.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
 
 use occlusion::{Error, ShaderSet};
 
-/// Writes the vertices of meshes, morphed and skinned, into their places among all others.
+/// The pass that writes the vertices of meshes, morphed and skinned, into their places among all
+/// others.
 pub(crate) struct DeformPass {
     pipeline: ComputePipeline,
 }
 
-/// Reads forms and poses; writes positions, normals and tangents.
+/// The buffers of the pass: reads forms and poses; writes positions, normals and tangents.
 #[derive(Clone, Copy)]
 pub(crate) struct DeformIo {
-    /// [`Vertex`](scene::Vertex) after vertex.
+    /// The [`Vertex`](scene::Vertex)es of all meshes.
     pub(crate) vertices: BufferSlice,
-    /// [`SurfaceVertex`](scene::SurfaceVertex) after vertex, of the same vertices.
+    /// The [`SurfaceVertex`](scene::SurfaceVertex)es, of the same vertices.
     pub(crate) surfaces: BufferSlice,
-    /// Words: what the forms are made of.
+    /// Words: the data of the forms.
     pub(crate) forms: BufferSlice,
     /// Words: the poses of this frame.
     pub(crate) poses: BufferSlice,
@@ -33,11 +35,11 @@ pub(crate) struct Deformation {
     pub(crate) rest: u32,
     /// Among the forms: the joints and weights of each vertex.
     pub(crate) skin: u32,
-    /// Groups of four joints a vertex; 0 without a skin.
+    /// Groups of four joints per vertex; 0 without a skin.
     pub(crate) joint_sets: u32,
     /// Among the poses: the rows of each joint.
     pub(crate) joints: u32,
-    /// Among the poses: the targets that count.
+    /// Among the poses: the targets with a weight.
     pub(crate) targets: u32,
     pub(crate) target_count: u32,
 }
@@ -49,7 +51,7 @@ pub(crate) const REST_WORDS: u32 = 7;
 
 const GROUP_THREADS: u32 = 64;
 
-/// More groups than this do not make it faster; every device allows 65535.
+/// The most workgroups: more do not make it faster, and every device allows 65535.
 const GROUPS_MAX: u32 = 4096;
 
 impl DeformPass {
@@ -64,8 +66,8 @@ impl DeformPass {
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }
 
-    /// Deforms meshes of which none is named twice. What is recorded before, in this frame or an
-    /// earlier one, still reads the old form: one queue runs them all.
+    /// Deforms meshes, each at most once. Commands that were recorded before, in this frame or an
+    /// earlier one, still read the old form: one queue runs them all.
     pub(crate) fn record(
         &self,
         commands: &Commands,

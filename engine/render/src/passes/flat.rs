@@ -10,17 +10,18 @@ use gpu::{
 
 use occlusion::{Error, ShaderSet};
 
-/// Draws flat triangles out of one atlas, in their order, whatever the depth.
+/// The pass that draws flat triangles out of one atlas, in their order, at any depth.
 pub struct FlatPass {
     pipeline: GraphicsPipeline,
 }
 
-/// Reads vertices, indices and the atlas; blends into the colour that is being rendered to.
+/// The inputs of the pass: reads vertices, indices and the atlas; blends into the colour that is
+/// being rendered to.
 #[derive(Clone, Copy)]
 pub struct FlatIo<'a> {
     /// [`FlatVertex`]es.
     pub vertices: BufferSlice,
-    /// 32-bit indices into them, three a triangle.
+    /// 32-bit indices into them, three per triangle.
     pub indices: BufferSlice,
     /// The image that all of them sample.
     pub atlas: &'a DynamicTexture,

@@ -1,4 +1,4 @@
-//! The passes: each a struct with its pipeline, and an `Io` that lists what it reads and writes.
+//! The passes: each a struct with its pipeline, and an `Io` that lists its reads and writes.
 
 mod count;
 mod deform;

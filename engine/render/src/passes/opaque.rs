@@ -1,4 +1,4 @@
-//! The opaque pass: what the colour of an object is, whoever decided to draw it.
+//! The opaque pass: the colour of objects, under any strategy.
 
 use bytemuck::{Pod, Zeroable};
 use cull::View;
@@ -10,12 +10,12 @@ use scene::{Light, Vertex};
 
 use occlusion::{Error, ShaderSet};
 
-/// Draws opaque objects, nearer ones win.
+/// The pass that draws opaque objects, of which nearer ones win.
 pub struct OpaquePass {
     pipeline: GraphicsPipeline,
 }
 
-/// What a pass writes.
+/// The attachments that a pass writes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Whole,
@@ -24,10 +24,11 @@ enum Kind {
     Wireframe,
 }
 
-/// Reads vertices, indices and instances; writes the colour and depth that are being rendered to.
+/// The buffers of the pass: reads vertices, indices and instances; writes the colour and depth that
+/// are being rendered to.
 #[derive(Clone, Copy)]
 pub struct OpaqueIo {
-    /// All meshes.
+    /// The vertices of all meshes.
     pub vertices: BufferSlice,
     /// Their indices.
     pub indices: BufferSlice,
@@ -57,7 +58,7 @@ impl OpaquePass {
     }
 
     /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws
-    /// count what is as near as the depth so far, too.
+    /// also count samples that are as near as the depth so far.
     ///
     /// # Errors
     /// A failed call.
@@ -65,7 +66,7 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Depth)
     }
 
-    /// Compiles a pass that gives what [`OpaquePass::depth_only`] drew its colour.
+    /// Compiles a pass that adds the colour to objects that [`OpaquePass::depth_only`] drew.
     ///
     /// # Errors
     /// A failed call.
@@ -73,7 +74,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, Kind::Colour)
     }
 
-    /// Compiles a pass that draws the edges of what [`OpaquePass::new`] drew, in one colour.
+    /// Compiles a pass that draws the edges of objects that [`OpaquePass::new`] drew, in one
+    /// colour.
     ///
     /// # Errors
     /// A device that lacks [`gpu::Optional::Wireframe`]; a failed call.

@@ -9,21 +9,22 @@ use gpu::{
 
 use occlusion::{Error, ShaderSet};
 
-/// Draws translucent triangles and lines over a finished picture, hidden by its depth or not.
+/// The pass that draws translucent triangles and lines over a finished picture, hidden by its depth
+/// or not.
 pub struct OverlayPass {
     triangles: GraphicsPipeline,
     lines: GraphicsPipeline,
     lines_through: GraphicsPipeline,
 }
 
-/// Reads vertices; blends into the colour that is being rendered to.
+/// The buffers of the pass: reads vertices; blends into the colour that is being rendered to.
 #[derive(Clone, Copy)]
 pub struct OverlayIo {
-    /// [`OverlayVertex`]es, three a triangle, and how many.
+    /// [`OverlayVertex`]es, three per triangle, and their number.
     pub triangles: (BufferSlice, u32),
-    /// [`OverlayVertex`]es, two a line, and how many.
+    /// [`OverlayVertex`]es, two per line, and their number.
     pub lines: (BufferSlice, u32),
-    /// The same, seen through everything.
+    /// The same, of lines seen through everything.
     pub lines_through: (BufferSlice, u32),
 }
 

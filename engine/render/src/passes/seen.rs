@@ -1,4 +1,4 @@
-//! The seen pass: which objects own a pixel of a finished picture.
+//! The seen pass: finds the objects that own a pixel of a finished picture.
 
 use bytemuck::{Pod, Zeroable};
 use cull::View;
@@ -11,22 +11,24 @@ use scene::Vertex;
 use crate::passes::OpaqueIo;
 use occlusion::{Error, ShaderSet};
 
-/// Draws objects a second time against the depth that they left. A fragment that passes is one that
-/// is seen; it notes its leaf. The positions are invariant, so equal objects have equal depths.
+/// The pass that draws objects a second time against the depth that they left. A fragment that
+/// passes is visible; it notes its leaf. The positions are invariant, so equal objects have equal
+/// depths.
 pub struct SeenPass {
     pipeline: GraphicsPipeline,
 }
 
-/// Reads what the opaque pass reads, and the finished depth; writes one word per leaf.
+/// The buffers of the pass: reads those of the opaque pass, and the finished depth; writes one word
+/// per leaf.
 #[derive(Clone, Copy)]
 pub struct SeenIo {
-    /// What is drawn.
+    /// The buffers of the draws.
     pub opaque: OpaqueIo,
     /// One word per leaf of the scene: 1 for each that is seen, the others stay as they are.
     pub seen: BufferSlice,
 }
 
-/// What `seen.vert` finds positions by.
+/// The push constants by which `seen.vert` finds positions.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct SeenConstants {

@@ -8,7 +8,8 @@ use gpu::{
 
 use occlusion::{Error, ShaderSet};
 
-/// Draws one triangle over all of the area at the farthest depth: it shows where nothing is nearer.
+/// The pass that draws one triangle over all of the area at the farthest depth: it shows where
+/// nothing is nearer.
 pub struct SkyPass {
     pipeline: GraphicsPipeline,
 }

@@ -12,28 +12,29 @@ use scene::{Light, SurfaceVertex, Vertex};
 use crate::surfaces::SurfaceResources;
 use occlusion::{Error, ShaderSet};
 
-/// What a surface pass draws.
+/// The output of a surface pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
     /// Depth alone, with the holes of masked materials. Where there are none,
     /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only) draws the same depth for less.
     Depth,
-    /// The colour of what owns a pixel of the finished depth, which was drawn by either of the two.
-    /// Of what is equally near the larger of each channel is kept, so the order of draws decides
-    /// nothing: start from black.
+    /// The colour of the surfaces that own a pixel of the finished depth, which was drawn by either
+    /// of the two. Of equally near surfaces the larger value of each channel is kept, so the order
+    /// of draws decides nothing: start from black.
     Colour,
-    /// Blended objects over the finished picture, hidden by what is nearer; draw them back to
+    /// Blended objects over the finished picture, hidden by nearer surfaces; draw them back to
     /// front.
     Transparent,
 }
 
-/// Draws objects of a scene with surfaces. Compiled for what its materials and lights make use of.
+/// The pass that draws objects of a scene with surfaces. Compiled for the features that its
+/// materials and lights use.
 pub struct SurfacePass {
     pipeline: GraphicsPipeline,
 }
 
-/// Reads positions, surface vertices, indices, instances, materials, textures, lights and their
-/// lists; writes the colour and depth that are being rendered to.
+/// The inputs of the pass: reads positions, surface vertices, indices, instances, materials,
+/// textures, lights and their lists; writes the colour and depth that are being rendered to.
 #[derive(Clone, Copy)]
 pub struct SurfaceIo<'a> {
     /// [`Vertex`]es of all meshes.
@@ -43,7 +44,7 @@ pub struct SurfaceIo<'a> {
     /// One instance per leaf, or per blended object; their last words are
     /// [`SurfaceResources::instance_tail`]s.
     pub instances: BufferSlice,
-    /// What the scene's surfaces are, the second half of its vertices too.
+    /// The scene's surfaces, with the second half of its vertices.
     pub surfaces: &'a SurfaceResources,
 }
 
@@ -58,7 +59,8 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 112);
 
-/// Of a [`SurfaceVertex`]: normal, tangent, both sets of texture coordinates, colour.
+/// The attributes of a [`SurfaceVertex`]: normal, tangent, both sets of texture coordinates,
+/// colour.
 const ATTRIBUTES: [(vk::Format, u32); 5] = [
     (vk::Format::R16G16B16A16_SNORM, 0),
     (vk::Format::R16G16B16A16_SNORM, 8),
@@ -123,7 +125,7 @@ impl SurfacePass {
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
 
-    /// Binds everything; the caller then records draws of one instance each, for a draw has one
+    /// Binds everything; the caller then records draws of one instance each, since a draw has one
     /// material.
     pub fn bind(&self, commands: &Commands, io: &SurfaceIo<'_>, view: &View, light: &Light) {
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];

@@ -1,4 +1,4 @@
-//! Which points' and spots' lights reach which object: a list of a bounded number for each, the
+//! The point and spot lights that reach each object: a list of bounded length per object, the
 //! strongest first.
 
 use cull::{Aabb, Hierarchy, NodeId, ObjectId};
@@ -10,18 +10,18 @@ use crate::surfaces::light_tree::{LightTree, Reach, Strongest};
 use crate::surfaces::lights::LightTable;
 use crate::surfaces::marked::Marked;
 
-/// Two lights a word.
+/// The words of a list, with two lights per word.
 pub(crate) const LIST_WORDS: usize = MAX_LIGHTS_PER_OBJECT / 2;
 
 /// The most nodes of the tree of lights that one object's search may visit: all of them up to 8192
-/// lights. More are only wanted where thousands of lights end just short of an object.
+/// lights. More are only needed where thousands of lights end just short of an object.
 pub(crate) const MOST_VISITS: usize = 1 << 14;
 
 /// The same once the searches of a frame, or of loading, have visited [`VISITS_A_FRAME`]. Lights
-/// spread over a scene want about a hundred.
+/// spread over a scene need about a hundred.
 pub(crate) const LEAST_VISITS: usize = 1 << 9;
 
-/// A few tenths of a second.
+/// The visits of a frame after which searches get shorter: a few tenths of a second.
 pub(crate) const VISITS_A_FRAME: usize = 1 << 25;
 
 /// A list as the shaders read it, and its length.
@@ -29,35 +29,35 @@ pub(crate) const VISITS_A_FRAME: usize = 1 << 25;
 struct LightList {
     words: [u32; LIST_WORDS],
     count: u32,
-    /// Whether lights that reach the object are not in it.
+    /// True if lights that reach the object are not in it.
     leaves_out: bool,
 }
 
-/// The lists of all objects, by slots: first the objects by their ids, then what is blended.
+/// The lists of all objects, by slots: first the objects by their ids, then the blended ones.
 ///
-/// Memory is that of the slots and of the lights, whatever reaches what. Work a frame is at most
-/// that of finding every list anew once, each by a bounded search.
+/// Memory grows with the slots and the lights only. The work per frame is at most finding every
+/// list once again, each by a bounded search.
 #[derive(Debug, Default)]
 pub struct LightLists {
-    /// Whether there is anything but directional lights; a dark one may be lit later.
+    /// True if there is anything but directional lights; a dark one may be lit later.
     has_lights: bool,
     tree: LightTree,
     lists: Vec<LightList>,
-    /// How many lists leave lights out.
+    /// The number of lists that leave lights out.
     crowded: usize,
-    /// Slots whose list the GPU does not have yet.
+    /// Slots whose list is not on the GPU yet.
     dirty: Marked,
     /// Slots around which lights changed, whose lists must be found again before the next frame.
     doubtful: Marked,
-    /// Nodes that were visited to find these; once they are more than the slots are worth, all are
-    /// doubtful.
+    /// Nodes that were visited to find these; once they are more than the slots are worth, all
+    /// slots are doubtful.
     doubt_visits: usize,
     /// Nodes of the tree that the searches visited since the last frame.
     visits: usize,
 }
 
 impl LightLists {
-    /// Lists for so many slots, all of them empty.
+    /// Creates lists for `slots` slots, all of them empty.
     pub(crate) fn new(table: &LightTable, slots: usize) -> Self {
         let reaches = table.lights.iter().zip(&table.places);
         let is_local = |light: &PunctualLight| light.kind != LightKind::Directional;
@@ -78,14 +78,14 @@ impl LightLists {
         self.has_lights
     }
 
-    /// Returns how many lights reach what is in a slot.
+    /// Returns the number of lights that reach the object in a slot.
     #[must_use]
     pub fn count(&self, slot: u32) -> u32 {
         self.lists.get(slot as usize).map_or(0, |list| list.count)
     }
 
-    /// Returns the lights that reach what is in a slot, the strongest first, as places in the light
-    /// table.
+    /// Returns the lights that reach the object in a slot, the strongest first, as places in the
+    /// light table.
     #[must_use]
     pub fn entries(&self, slot: u32) -> Vec<u32> {
         let list = self.lists.get(slot as usize).copied().unwrap_or_default();
@@ -93,8 +93,8 @@ impl LightLists {
         (0..list.count as usize).map(entry).collect()
     }
 
-    /// Returns how many objects more lights reach than [`MAX_LIGHTS_PER_OBJECT`], so that the
-    /// weakest are left out.
+    /// Returns the number of objects that more lights reach than [`MAX_LIGHTS_PER_OBJECT`], so that
+    /// the weakest are left out.
     #[must_use]
     pub fn crowded(&self) -> usize {
         self.crowded
@@ -109,8 +109,8 @@ impl LightLists {
         }
     }
 
-    /// Finds the list of what is in a slot, in a box of the world, of nothing in an empty one;
-    /// answers whether it is another than it was.
+    /// Finds the list of the object in a slot, with its box in the world; an empty box makes an
+    /// empty list. Returns true if the list changed.
     pub(crate) fn find(&mut self, slot: u32, bounds: &Aabb) -> bool {
         let most_visits = if self.visits < VISITS_A_FRAME { MOST_VISITS } else { LEAST_VISITS };
         let found = self.tree.strongest(bounds, most_visits);
@@ -127,8 +127,9 @@ impl LightLists {
         is_other
     }
 
-    /// Returns a light is another now, at the same place in the table. Answers where it shone and
-    /// shines, centre and radius in metres: who is there is [doubtful](LightLists::doubt).
+    /// Replaces a light by another at the same place in the table. Returns the spheres where it
+    /// shone and shines, centre and radius in metres: the objects there are
+    /// [doubtful](LightLists::doubt).
     pub(crate) fn replace(
         &mut self,
         light: usize,
@@ -140,8 +141,8 @@ impl LightLists {
         [before, now].into_iter().flatten().map(|reach| (reach.position, reach.reach_m))
     }
 
-    /// The lists of the objects of a hierarchy, whose slots begin at `first_slot`, that are within
-    /// `radius_m` of `centre` must be found again.
+    /// Marks the lists of the objects of a hierarchy, whose slots begin at `first_slot`, that are
+    /// within `radius_m` of `centre`: they must be found again.
     pub(crate) fn doubt(
         &mut self,
         hierarchy: &Hierarchy,
@@ -163,13 +164,13 @@ impl LightLists {
         self.doubt_visits > 4 * self.lists.len() + 1000
     }
 
-    /// Slots whose lists must be found again before a frame; from now on none are.
+    /// Takes the slots whose lists must be found again before a frame.
     pub(crate) fn take_doubtful(&mut self) -> Vec<u32> {
         self.doubt_visits = 0;
         self.doubtful.drain().collect()
     }
 
-    /// Slots whose lists the GPU does not have.
+    /// Returns the slots whose lists are not on the GPU.
     pub(crate) fn dirty(&self) -> &[u32] {
         self.dirty.list()
     }
@@ -184,19 +185,20 @@ impl LightLists {
         self.lists.iter().map(|list| list.words).collect()
     }
 
-    /// Nodes of the tree of lights that were visited since the last frame.
+    /// Returns the number of nodes of the tree of lights that were visited since the last frame.
     #[cfg(test)]
     pub(crate) fn visits(&self) -> usize {
         self.visits
     }
 
-    /// Nodes of hierarchies that were visited since the last frame to find who is around a light.
+    /// Returns the number of nodes of hierarchies that were visited since the last frame to find
+    /// the objects around a light.
     #[cfg(test)]
     pub(crate) fn doubt_visits(&self) -> usize {
         self.doubt_visits
     }
 
-    /// The GPU has all lists.
+    /// Notes that all lists are on the GPU.
     pub(crate) fn submitted(&mut self) {
         self.dirty.drain().for_each(drop);
         self.visits = 0;
@@ -214,8 +216,8 @@ impl LightList {
     }
 }
 
-/// Calls `found` with every object whose box is within `radius_m` of `centre`; answers how many
-/// nodes it looked at.
+/// Calls `found` with every object whose box is within `radius_m` of `centre`; returns the number
+/// of nodes that it looked at.
 pub(crate) fn objects_within(
     hierarchy: &Hierarchy,
     centre: Vec3,

@@ -1,4 +1,4 @@
-//! Which lights reach which object, as plain data.
+//! Tests of the lights that reach each object, as plain data.
 
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
@@ -23,7 +23,7 @@ fn sun(lux: f32) -> PunctualLight {
     PunctualLight { kind: LightKind::Directional, ..bulb(Vec3::ZERO, lux, None) }
 }
 
-/// Boxes of a metre in a grid of three metres.
+/// Returns boxes of a metre in a grid of three metres.
 fn boxes() -> Vec<Aabb> {
     let corner = |number: u32| vec3((number % 10) as f32, (number / 10 % 10) as f32, 0.0) * 3.0;
     (0..100).map(corner).map(|corner| Aabb::new(corner, corner + 1.0)).collect()
@@ -33,7 +33,7 @@ fn table(lights: Vec<PunctualLight>) -> LightTable {
     LightTable::new(&Surfaces { lights, ..Surfaces::default() })
 }
 
-/// Returns the lights that reach a box, found the plain way.
+/// Returns the lights that reach a box, found by testing all of them.
 fn plain(lights: &[PunctualLight], bounds: &Aabb) -> Vec<u32> {
     let mut found: Vec<(f32, u32)> = (0..)
         .zip(lights)

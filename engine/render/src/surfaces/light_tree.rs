@@ -1,5 +1,5 @@
-//! A hierarchy over points' and spots' lights: the strongest of those that reach a box are found
-//! without asking them all.
+//! A hierarchy over point and spot lights: the strongest of those that reach a box are found
+//! without testing them all.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use scene::{LightKind, PunctualLight};
 
 use crate::surfaces::lights::{is_bright, reach_m, strongest_part};
 
-/// What decides whether a light reaches a box.
+/// The data by which a light reaches a box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     /// Its place in the light table.
@@ -20,12 +20,12 @@ pub(crate) struct Reach {
     candela: f32,
 }
 
-/// What the lights below a node can do at the most.
+/// The bound of the lights below a node.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Around their positions.
+    /// The box around their positions.
     bounds: Aabb,
-    /// Negative where all are dark.
+    /// The largest squared reach; negative where all are dark.
     reach_squared: f32,
     candela: f32,
     first_entry: u32,
@@ -35,7 +35,7 @@ struct Node {
 /// `n` lights is `2 n - 1` nodes, and no node needs to know its children.
 #[derive(Debug, Default)]
 pub(crate) struct LightTree {
-    /// By light: `None` of directional ones, and of those that give no light.
+    /// By light: `None` for directional ones, and for those that give no light.
     reaches: Vec<Option<Reach>>,
     /// The lights in the order of the leaves.
     order: Vec<u32>,
@@ -52,15 +52,15 @@ pub(crate) struct Strongest {
     /// Strengths and places in the table; the strongest first, of equal ones the first in the
     /// table.
     lights: [(f32, u32); MAX_LIGHTS_PER_OBJECT],
-    /// How many of these there are.
+    /// The number of these.
     count: usize,
-    /// Whether there may be lights that reach the box and are not among them.
+    /// True if there may be lights that reach the box and are not among them.
     pub(crate) leaves_out: bool,
     /// Nodes that were looked at.
     pub(crate) visits: usize,
 }
 
-/// A node that is to be visited: it, its leaves, and the most that one of its lights can be.
+/// A node that is to be visited: it, its leaves, and a bound of its strongest light.
 type Open = (usize, Range<usize>, (f32, u32));
 
 impl LightTree {
@@ -89,8 +89,8 @@ impl LightTree {
         self.refit(0, 0..self.order.len(), &(0..self.order.len()));
     }
 
-    /// Computes the nodes anew that are above `changed` leaves, from `node` with its `leaves` on.
-    /// No deeper than the logarithm of the number of lights.
+    /// Recomputes the nodes above `changed` leaves, from `node` with its `leaves` on. No deeper
+    /// than the logarithm of the number of lights.
     fn refit(&mut self, node: usize, leaves: Range<usize>, changed: &Range<usize>) {
         if leaves.is_empty() || leaves.start >= changed.end || changed.start >= leaves.end {
             return;
@@ -115,8 +115,8 @@ impl LightTree {
         self.nodes.get(node).copied().unwrap_or(Node::DARK)
     }
 
-    /// Replaces a light; answers what it was. The tree is split anew once as many were replaced as
-    /// there are.
+    /// Replaces a light and returns the former one. The tree is split again once as many were
+    /// replaced as there are.
     pub(crate) fn replace(&mut self, light: usize, now: Option<Reach>) -> Option<Reach> {
         let (Some(reach), Some(leaf)) = (self.reaches.get_mut(light), self.leaves.get(light))
         else {
@@ -132,8 +132,9 @@ impl LightTree {
         before
     }
 
-    /// Finds the strongest lights that reach a box. After `most_visits` nodes it is content with
-    /// what it has found, among which the strongest are likely: it goes where they can be first.
+    /// Finds the strongest lights that reach a box. After `most_visits` nodes it ends with the
+    /// lights found so far, among which the strongest are likely, since it visits the most
+    /// promising nodes first.
     pub(crate) fn strongest(&self, bounds: &Aabb, most_visits: usize) -> Strongest {
         let mut found = Strongest::default();
         if bounds.is_empty() || self.order.is_empty() {
@@ -166,15 +167,14 @@ impl LightTree {
         found
     }
 
-    /// Returns what to do about a node; nothing where none of its lights reaches the box. At a
-    /// leaf, whose node is a point, nothing is rounded otherwise than for the light itself, and
-    /// above nothing is weaker: differences, squares, sums and quotients keep their order when they
-    /// are rounded.
+    /// Returns the bound of a node to visit; `None` where none of its lights reaches the box. At a
+    /// leaf, whose node is a point, rounding is the same as for the light itself, and no node above
+    /// is weaker: differences, squares, sums and quotients keep their order when they are rounded.
     fn open(&self, node: usize, leaves: Range<usize>, bounds: &Aabb) -> Option<Open> {
         let it = self.node(node);
         let gap = (bounds.min - it.bounds.max).max(it.bounds.min - bounds.max).max(Vec3::ZERO);
         let distance_squared = gap.length_squared();
-        // What arrives where the box is nearest, in lux.
+        // The light that arrives where the box is nearest, in lux.
         let lux = it.candela / distance_squared.max(1.0e-4);
         (distance_squared <= it.reach_squared).then_some((node, leaves, (lux, it.first_entry)))
     }
@@ -213,7 +213,7 @@ fn is_stronger(a: (f32, u32), b: (f32, u32)) -> bool {
 }
 
 impl Reach {
-    /// Returns what a light reaches; `None` for one that is not local, or dark, or not in the
+    /// Returns the reach of a light; `None` for one that is not local, or dark, or not in the
     /// table.
     pub(crate) fn of(light: &PunctualLight, entry: Option<u32>) -> Option<Self> {
         let is_local = light.kind != LightKind::Directional && is_bright(light);
@@ -247,13 +247,13 @@ impl Node {
 }
 
 impl Strongest {
-    /// Their places in the table.
+    /// Returns their places in the table.
     pub(crate) fn entries(&self) -> impl Iterator<Item = u32> + '_ {
         self.lights.iter().take(self.count).map(|(_, entry)| *entry)
     }
 
-    /// Returns true if what is no stronger than that would be left out. That something is left out
-    /// must be known first.
+    /// Returns true if lights no stronger than `at_most` would be left out. The caller must know
+    /// already that some light is left out.
     fn is_hopeless(&self, at_most: (f32, u32)) -> bool {
         let weakest = self.lights.last().filter(|_| self.leaves_out);
         weakest.is_some_and(|weakest| is_stronger(*weakest, at_most))

@@ -1,28 +1,29 @@
-//! The light table: what of each light the shaders read.
+//! The light table: the shaders' data of each light.
 
 use bytemuck::{Pod, Zeroable};
 use scene::limits::MAX_DIRECTIONAL_LIGHTS;
 use scene::{LightKind, PunctualLight, Surfaces};
 
-/// A light that falls below this share of white, at an exposure of 1, is taken for dark.
+/// The share of white, at an exposure of 1, below which a light counts as dark.
 const DARK: f32 = 1.0 / 256.0;
 
 /// One light as `lights.glsl` declares it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct LightEntry {
-    /// Where it is; 1 / range in 1/m, 0 without one.
+    /// Position; 1 / range in 1/m, 0 without one.
     position: [f32; 4],
     /// Lux or candela of red, green and blue; scale of the cone.
     intensity: [f32; 4],
-    /// Along which it shines; offset of the cone.
+    /// Direction of its light; offset of the cone.
     direction: [f32; 4],
 }
 
 const _: () = assert!(size_of::<LightEntry>() == 48);
 
 impl LightEntry {
-    /// Returns what is no light (numbers that are not finite, nothing of it) is a dark one.
+    /// Creates the entry of a light; a dark one for an invalid light (numbers that are not finite,
+    /// no intensity).
     pub(crate) fn of(light: &PunctualLight) -> Self {
         if !is_bright(light) {
             return Self::default();
@@ -47,7 +48,7 @@ impl LightEntry {
     }
 }
 
-/// Returns true if a light gives any light, and all its numbers are ones.
+/// Returns true if a light gives any light, and all its numbers are finite.
 pub(crate) fn is_bright(light: &PunctualLight) -> bool {
     let angles = match light.kind {
         LightKind::Spot { inner_rad, outer_rad } => inner_rad + outer_rad,
@@ -67,7 +68,7 @@ pub(crate) fn strongest_part(light: &PunctualLight) -> f32 {
     light.colour.into_iter().fold(0.0, f32::max) * light.intensity
 }
 
-/// Returns how far a point's or spot's light reaches, in metres: its range, or where a white
+/// Returns the reach of a point or spot light, in metres: its range, or the distance where a white
 /// surface that faces it falls below 1/256 of white at an exposure of 1 (a matt one of irradiance E
 /// has radiance E / pi).
 #[must_use]
@@ -81,16 +82,16 @@ pub fn reach_m(light: &PunctualLight) -> f32 {
 pub(crate) struct LightTable {
     /// All of them as they are now, in the scene's order.
     pub(crate) lights: Vec<PunctualLight>,
-    /// The place of each in the table; `None` of directional ones that are too many.
+    /// The place of each in the table; `None` for surplus directional ones.
     pub(crate) places: Vec<Option<u32>>,
-    /// How many places directional lights take, the first ones.
+    /// The number of places that directional lights take, the first ones.
     pub(crate) directional: u32,
-    /// How many more there are, which do not shine.
+    /// The number of surplus ones, which do not shine.
     pub(crate) dark_suns: usize,
 }
 
 impl LightTable {
-    /// Creates the strongest directional lights first, then all others in their order.
+    /// Creates the table: the strongest directional lights first, then all others in their order.
     pub(crate) fn new(surfaces: &Surfaces) -> Self {
         let lights = surfaces.lights.clone();
         let is_directional = |place: &usize| {
@@ -113,7 +114,7 @@ impl LightTable {
         Self { directional: suns.len() as u32, lights, places, dark_suns }
     }
 
-    /// Returns what the GPU reads, at least one entry.
+    /// Returns the entries for the GPU, at least one.
     pub(crate) fn entries(&self) -> Vec<LightEntry> {
         let count = self.places.iter().flatten().count().max(1);
         let mut entries = vec![LightEntry::default(); count];

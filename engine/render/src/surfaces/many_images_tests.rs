@@ -1,5 +1,5 @@
-//! Pages of scenes with very many images, sizes and samplers: few enough, complete, and within
-//! their bound.
+//! Tests of pages of scenes with very many images, sizes and samplers: few enough, complete, and
+//! within their bound.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -15,7 +15,7 @@ use super::pages::PagePlan;
 
 type Look = (u32, Encoding, Sampler);
 
-/// Surfaces with an image of each size, and textures that all are used.
+/// Returns surfaces with an image of each size, and textures that all are used.
 fn surfaces(sizes: &[[u32; 2]], textures: &[Look]) -> Surfaces {
     let image = |size: &[u32; 2]| Image { name: String::new(), size: *size, rgba8: Vec::new() };
     let texture = |(image, encoding, sampler): &Look| Texture {
@@ -44,7 +44,7 @@ fn plain(sizes: &[[u32; 2]]) -> Surfaces {
     surfaces(sizes, &(0..sizes.len() as u32).map(look).collect::<Vec<_>>())
 }
 
-/// Returns what an image takes with all mip maps.
+/// Returns the bytes of an image with all mip maps.
 fn bytes([mut width, mut height]: [u32; 2]) -> u64 {
     let mut sum = 0;
     loop {
@@ -56,8 +56,8 @@ fn bytes([mut width, mut height]: [u32; 2]) -> u64 {
     }
 }
 
-/// Returns each texture has its own image, pages are few, and within their bound. Answers their
-/// bytes.
+/// Checks that each texture has its own image, and that pages are few and within their bound.
+/// Returns their bytes.
 fn assert_sound(plan: &PagePlan, surfaces: &Surfaces, max_layers: u32) -> u64 {
     assert!(plan.pages.len() <= MAX_PAGES, "{} pages", plan.pages.len());
     let mut own = BTreeSet::new();

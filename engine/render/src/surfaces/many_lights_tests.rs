@@ -1,5 +1,5 @@
-//! Light lists of scenes with very many lights: the same as those found the plain way, by work and
-//! memory that are bounded whatever reaches what.
+//! Tests of light lists of scenes with very many lights: the same as those found by testing all
+//! lights, with bounded work and memory.
 
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
@@ -10,7 +10,7 @@ use super::light_lists::{LEAST_VISITS, LightLists, MOST_VISITS, VISITS_A_FRAME};
 use super::light_tree::{LightTree, Reach};
 use super::lights::{LightTable, is_bright, reach_m, strongest_part};
 
-/// Numbers of `0.0..1.0` out of a seed.
+/// A generator of numbers of `0.0..1.0` from a seed.
 struct Random(u64);
 
 impl Random {
@@ -39,7 +39,7 @@ fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
     }
 }
 
-/// Returns one of those that scenes have, and of those that nobody would make.
+/// Returns a light of a kind that scenes have, or one that nobody would make.
 fn any_light(random: &mut Random) -> PunctualLight {
     // Many in the same place, and many that are equally strong.
     let position =
@@ -109,7 +109,7 @@ fn lists_are_those_found_the_plain_way_whatever_changes() {
         let mut lists = LightLists::new(&table, boxes.len());
         lists.fill(&hierarchy, 0);
         assert_plain(&lists, &lights, &table, &boxes);
-        // More often than there are lights in some scenes, so that their tree is split anew.
+        // More often than there are lights in some scenes, so that their tree is split again.
         for _ in 0..100 {
             let light = (random.next() * light_count as f32) as usize;
             let now = PunctualLight { kind: lights[light].kind, ..any_light(random) };
@@ -165,8 +165,8 @@ fn a_search_asks_few_of_many_lights() {
     }
 }
 
-/// Lights around a place that end just short of it: no tree of boxes tells that without asking
-/// nearly all.
+/// Returns lights around a place that end just short of it: a tree of boxes must test nearly all of
+/// them.
 fn shell(count: usize, random: &mut Random) -> Vec<PunctualLight> {
     let light = |_| {
         let direction = (random.place(2.0) - Vec3::ONE).normalize_or(Vec3::X);

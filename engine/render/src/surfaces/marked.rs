@@ -1,6 +1,7 @@
-//! Numbers that were marked, each once: what waits for a frame that may never be drawn cannot grow.
+//! Numbers that were marked, each once: changes that wait for a frame that may never be drawn
+//! cannot grow without bound.
 
-/// Numbers below a bound.
+/// A set of marked numbers below a bound.
 #[derive(Debug, Default)]
 pub(crate) struct Marked {
     list: Vec<u32>,
@@ -8,12 +9,12 @@ pub(crate) struct Marked {
 }
 
 impl Marked {
-    /// None of the numbers below `bound`.
+    /// Creates an empty set of numbers below `bound`.
     pub(crate) fn none_of(bound: usize) -> Self {
         Self { list: Vec::new(), is_marked: vec![false; bound] }
     }
 
-    /// Marks a number; one beyond the bound is none.
+    /// Marks a number; one beyond the bound is ignored.
     pub(crate) fn mark_dirty(&mut self, number: u32) {
         if let Some(is_marked) = self.is_marked.get_mut(number as usize)
             && !std::mem::replace(is_marked, true)
@@ -22,12 +23,12 @@ impl Marked {
         }
     }
 
-    /// Returns those that are marked, in the order in which they were.
+    /// Returns the marked numbers, in the order in which they were marked.
     pub(crate) fn list(&self) -> &[u32] {
         &self.list
     }
 
-    /// Unmarks all, and gives them in their order.
+    /// Unmarks all, and returns them in their order.
     pub(crate) fn drain(&mut self) -> impl Iterator<Item = u32> + '_ {
         let Self { list, is_marked } = self;
         list.drain(..).inspect(|number| {

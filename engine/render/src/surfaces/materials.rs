@@ -1,5 +1,4 @@
-//! The material table: what the shaders read of materials, and what of all this a scene makes use
-//! of.
+//! The material table: the shaders' data of materials, and the features that a scene uses.
 
 use std::collections::HashMap;
 
@@ -32,7 +31,7 @@ pub(crate) struct MaterialEntry {
 
 const _: () = assert!(size_of::<MaterialEntry>() == 64);
 
-/// From texture coordinates to those of one texture, as `texels.glsl` declares it.
+/// The transform from texture coordinates to those of one texture, as `texels.glsl` declares it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct TransformEntry {
@@ -51,8 +50,8 @@ pub(crate) struct MaterialTable {
     pub(crate) transforms: Vec<TransformEntry>,
 }
 
-/// What the materials and lights of a scene make use of. Pipelines are compiled for it, so what no
-/// material has costs no pixel anything.
+/// The features that the materials and lights of a scene use. Pipelines are compiled for them, so
+/// that a feature of no material costs no pixel anything.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Features {
     pub(crate) is_masked: bool,
@@ -62,12 +61,13 @@ pub(crate) struct Features {
     pub(crate) directional_lights: u32,
     pub(crate) has_local_lights: bool,
     pub(crate) has_spots: bool,
-    /// Of base colours, of roughness and metallic, normals, occlusion, emission: a bit a page.
+    /// The pages of base colours, of roughness and metallic, normals, occlusion, emission: a bit
+    /// per page.
     pub(crate) pages: [u32; 5],
 }
 
 impl MaterialTable {
-    /// Packs the materials, whose textures lie where `plan` says.
+    /// Packs the materials, whose textures are in the places of `plan`.
     pub(crate) fn new(surfaces: &Surfaces, plan: &PagePlan) -> Result<Self, Error> {
         let mut transforms = Transforms::default();
         transforms.number_of(Affine2::IDENTITY);
@@ -85,7 +85,7 @@ impl MaterialTable {
 }
 
 impl Features {
-    /// Returns what those materials make use of that `counts`; lights are left to the caller.
+    /// Returns the features that materials use; lights are left to the caller.
     pub(crate) fn of<'a>(materials: impl Iterator<Item = &'a Material>, plan: &PagePlan) -> Self {
         let mut found = Self::default();
         for material in materials {
@@ -128,7 +128,7 @@ impl Features {
     }
 }
 
-/// Numbers of texture transforms; equal ones share one.
+/// The numbers of texture transforms; equal ones share one.
 #[derive(Default)]
 struct Transforms {
     entries: Vec<TransformEntry>,
@@ -137,7 +137,7 @@ struct Transforms {
 
 impl Transforms {
     fn number_of(&mut self, transform: Affine2) -> u32 {
-        // What is no transform would take texels nowhere.
+        // An invalid transform would move texels to nowhere.
         let transform = if transform.is_finite() { transform } else { Affine2::IDENTITY };
         let [a, b, c, d, x, y] = transform.to_cols_array();
         let entries = &mut self.entries;
@@ -186,7 +186,7 @@ fn entry_of(material: &Material, plan: &PagePlan, transforms: &mut Transforms) -
         normal_scale: or(material.normal_scale, 1.0),
         base_colour_texture: base,
         metallic_roughness_texture: metallic_roughness,
-        // What is brighter is white all the same.
+        // Anything brighter is white all the same.
         emission: material.emission.map(|part| or(part, 0.0).clamp(0.0, 65504.0)),
         emission_texture: emission,
         normal_texture: normal,
@@ -195,7 +195,7 @@ fn entry_of(material: &Material, plan: &PagePlan, transforms: &mut Transforms) -
     }
 }
 
-/// Returns a number, or `otherwise` what should have been one.
+/// Returns `value`, or `otherwise` if it is no number.
 fn or(value: f32, otherwise: f32) -> f32 {
     if value.is_finite() { value } else { otherwise }
 }

@@ -1,4 +1,5 @@
-//! Surfaces on the GPU: textures in pages, materials, lights, and which lights reach which object.
+//! Surfaces on the GPU: textures in pages, materials, lights, and the lights that reach each
+//! object.
 
 mod light_lists;
 mod light_tree;

@@ -1,5 +1,5 @@
-//! Images that share texture pages, and how groups of them become few enough, in memory that is
-//! bounded by that of the images themselves.
+//! Groups of images that share texture pages: joined until they are few enough, in memory that is
+//! bounded by the size of the images themselves.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
@@ -7,10 +7,10 @@ use std::hash::Hash;
 use scene::limits::MAX_PAGES;
 use scene::{Encoding, ImageId, Sampler, Wrap};
 
-/// Pages may take this many bytes whatever their images take.
+/// The bytes that pages may take even if their images are smaller.
 pub const SMALL_PAGES_BYTES: u64 = 256 << 20;
 
-/// More groups are first joined by classes, near which pairs are not worth looking at.
+/// The most groups that are joined in pairs: more are first joined by classes.
 const MOST_PAIRED: usize = 96;
 
 /// Images of one size, encoding and sampler.
@@ -37,7 +37,7 @@ impl Group {
         pixels(self.size) * self.images.len() as u64
     }
 
-    /// Takes the images of another group in, each once.
+    /// Adds the images of another group, each once.
     fn absorb(&mut self, other: Self) {
         let mut known: HashSet<ImageId> = self.images.iter().copied().collect();
         self.images.extend(other.images.into_iter().filter(|image| known.insert(*image)));
@@ -45,7 +45,7 @@ impl Group {
     }
 }
 
-/// Texels of an image with all its mip maps.
+/// Returns the number of texels of an image with all its mip maps.
 fn texels(size: [u32; 2]) -> u64 {
     let levels = size[0].max(size[1]).max(1).ilog2();
     (0..=levels).map(|level| pixels(size.map(|side| (side >> level).max(1)))).sum()
@@ -56,7 +56,7 @@ fn pixels([width, height]: [u32; 2]) -> u64 {
 }
 
 /// Returns the most texels that pages may have, with all mip maps: twice those of the images, or
-/// [`SMALL_PAGES_BYTES`]. An image that is looked at as colours and as numbers is two.
+/// [`SMALL_PAGES_BYTES`]. An image that is sampled as colours and as numbers counts twice.
 pub(super) fn most_texels(groups: &[Group]) -> u64 {
     let mut known = HashSet::new();
     let own: u64 = groups
@@ -68,9 +68,8 @@ pub(super) fn most_texels(groups: &[Group]) -> u64 {
     (2 * own).max(SMALL_PAGES_BYTES / 4)
 }
 
-/// Joins groups until their pages are few enough and take no more than `most_texels`. Nothing of
-/// that fails but the number of pages, where there are more images of an encoding than all pages
-/// hold.
+/// Joins groups until their pages are few enough and take no more than `most_texels`. Only the
+/// number of pages can fail, where there are more images of an encoding than all pages hold.
 pub(super) fn joined(groups: Vec<Group>, max_layers: u32, most_texels: u64) -> Vec<Group> {
     let mut groups = without_copies(groups, most_texels);
     let pages = |groups: &[Group]| groups.iter().map(|it| it.pages(max_layers)).sum::<usize>();
@@ -106,22 +105,22 @@ pub(super) fn joined(groups: Vec<Group>, max_layers: u32, most_texels: u64) -> V
     groups
 }
 
-/// What it is to bring the images of one group to another. The order is that of what is lost.
+/// The cost of moving the images of one group to another, ordered by the loss.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Joining {
-    /// Whether there are as many pages as before.
+    /// True if there are as many pages as before.
     wins_nothing: bool,
-    /// Images are made larger before any is made smaller; then samplers of the same wrapping are
-    /// given up, others last.
+    /// The change of images: they are made larger before any is made smaller; then samplers of the
+    /// same wrapping are given up, others last.
     look: u8,
     /// The most mip levels that an image loses.
     lost_levels: u32,
-    /// The pixels that images have more, or less.
+    /// The difference in the pixels of images.
     changed: u64,
 }
 
-/// Returns the ways to bring the images of one group to another, within `room` for more texels: in
-/// the size of the other, or in one between both that takes no more than they did.
+/// Returns the ways to move the images of one group to another, within `room` for more texels: in
+/// the size of the other, or in one between both that takes no more texels than before.
 fn joinings_of(
     from: &Group,
     to: &Group,
@@ -163,8 +162,8 @@ fn between(a: [u32; 2], b: [u32; 2]) -> [u32; 2] {
     std::array::from_fn(|side| (u64::from(a[side]) * u64::from(b[side])).isqrt() as u32)
 }
 
-/// Returns a size made smaller until `count` images of it take at most so many texels; at least as
-/// many as images.
+/// Returns a size made smaller until `count` images of it take at most `most_texels`, but at least
+/// one texel each.
 fn within(mut size: [u32; 2], count: u64, most_texels: u64) -> [u32; 2] {
     while texels(size) * count > most_texels && size != [1, 1] {
         let larger = usize::from(size[1] > size[0]);
@@ -173,8 +172,8 @@ fn within(mut size: [u32; 2], count: u64, most_texels: u64) -> [u32; 2] {
     size
 }
 
-/// Returns an image takes a layer for each sampler that looks at it: where that is too much,
-/// samplers are given up, those of the same wrapping first.
+/// Returns the groups with fewer samplers where an image's layers, one per sampler, take too much:
+/// those of the same wrapping are given up first.
 fn without_copies(mut groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     for kept in [Kept::Wrap, Kept::Nothing] {
         if groups.iter().map(Group::texels).sum::<u64>() > most_texels {
@@ -185,7 +184,7 @@ fn without_copies(mut groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     groups
 }
 
-/// Joins groups of sizes that are near each other, by as coarse classes as it takes.
+/// Joins groups of similar sizes, by classes as coarse as necessary.
 fn by_classes(groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     let class = |group: &Group, (step, kept): (u32, Kept)| {
         (group.size.map(|side| side.max(1).ilog2() / step), kept.of(group))
@@ -207,7 +206,7 @@ fn by_classes(groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     if is_within { largest } else { united_by(between) }
 }
 
-/// Groups of equal keys, in the order of their first.
+/// Returns groups of equal keys, in the order of their first.
 fn classes<Key: Eq + Hash>(groups: Vec<Group>, key: impl Fn(&Group) -> Key) -> Vec<Vec<Group>> {
     let mut classes: Vec<Vec<Group>> = Vec::new();
     let mut of_key: HashMap<Key, usize> = HashMap::new();
@@ -221,9 +220,9 @@ fn classes<Key: Eq + Hash>(groups: Vec<Group>, key: impl Fn(&Group) -> Key) -> V
     classes
 }
 
-/// Returns one group of all, of the sampler that most pixels have. Its size is that of the smallest
-/// and largest sides together; where that is not the largest, it takes no more texels than they
-/// did.
+/// Returns one group of all, of the sampler that most pixels have. `size` computes its size from
+/// the smallest and the largest sides; where that is not the largest, it takes no more texels than
+/// before.
 fn united(class: Vec<Group>, size: impl Fn([u32; 2], [u32; 2]) -> [u32; 2]) -> Option<Group> {
     let before: u64 = class.iter().map(Group::texels).sum();
     let extreme = |choose: fn(u32, u32) -> u32| {
@@ -253,7 +252,7 @@ fn united(class: Vec<Group>, size: impl Fn([u32; 2], [u32; 2]) -> [u32; 2]) -> O
     Some(united)
 }
 
-/// What of samplers tells classes apart; encodings always do.
+/// The part of samplers that separates classes; encodings always do.
 #[derive(Clone, Copy)]
 enum Kept {
     All,

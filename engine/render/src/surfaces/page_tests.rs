@@ -1,4 +1,4 @@
-//! Which image lies on which page, as plain data.
+//! Tests of the page of each image, as plain data.
 
 use glam::Affine2;
 use scene::limits::MAX_PAGES;
@@ -9,7 +9,7 @@ use scene::{
 
 use super::pages::PagePlan;
 
-/// Surfaces with an image of each size, and textures that all are used.
+/// Returns surfaces with an image of each size, and textures that all are used.
 fn surfaces(sizes: &[[u32; 2]], textures: &[(u32, Encoding, Sampler)]) -> Surfaces {
     let image = |size: &[u32; 2]| Image { name: String::new(), size: *size, rgba8: Vec::new() };
     let texture = |(image, encoding, sampler): &(u32, Encoding, Sampler)| Texture {
@@ -52,7 +52,7 @@ fn samplers() -> Vec<Sampler> {
     all
 }
 
-/// Every place is that of the texture's own image.
+/// Checks that every place holds the texture's own image.
 fn assert_sound(plan: &PagePlan, surfaces: &Surfaces, max_layers: u32) {
     assert!(plan.pages.len() <= MAX_PAGES, "{}", plan.pages.len());
     for (texture, place) in surfaces.textures.iter().zip(&plan.places) {

@@ -9,7 +9,7 @@ use crate::limits;
 use crate::surfaces::pages::{Page, PagePlan};
 use crate::surfaces::resources::SurfaceOptions;
 
-/// Returns which image goes where.
+/// Plans the page of each image.
 pub(super) fn plan(device: &Device, surfaces: &Surfaces) -> Result<PagePlan, Error> {
     let limits = &device.adapter().limits;
     let (max_side, max_layers) = (limits.max_image_dimension2_d, limits.max_image_array_layers);

@@ -1,5 +1,5 @@
-//! Which image lies on which page: texture arrays of one size, encoding and sampler, few enough
-//! that any device binds them all at once.
+//! The pages of images: texture arrays of one size, encoding and sampler, few enough that any
+//! device binds them all at once.
 
 use std::collections::{HashMap, HashSet};
 
@@ -13,18 +13,18 @@ use crate::surfaces::page_groups::{Group, joined, most_texels};
 pub struct Page {
     /// Size of each layer in pixels.
     pub size: [u32; 2],
-    /// What the bytes mean.
+    /// The encoding of the bytes.
     pub encoding: Encoding,
-    /// How it is looked at.
+    /// The sampler.
     pub sampler: Sampler,
     /// The image on each layer, resampled where its size is another.
     pub layers: Vec<ImageId>,
 }
 
-/// Where each texture of a scene lies.
+/// The place of each texture of a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PagePlan {
-    /// At most [`MAX_PAGES`](scene::limits::MAX_PAGES).
+    /// The pages, at most [`MAX_PAGES`](scene::limits::MAX_PAGES).
     pub pages: Vec<Page>,
     /// Page and layer of each texture; `None` for one whose image is not there.
     pub places: Vec<Option<(usize, u32)>>,
@@ -32,27 +32,27 @@ pub struct PagePlan {
     pub resampled: usize,
     /// Those of them that lose sharpness, since the device or the memory holds no larger ones.
     pub shrunk: usize,
-    /// Textures that are looked at by another sampler than their own.
+    /// Textures that are sampled by another sampler than their own.
     pub resampled_by_others: usize,
 }
 
-/// What decides which textures can share a page as they are.
+/// The properties that textures on one page have in common.
 type Key = ([u32; 2], Encoding, Sampler);
 
 impl PagePlan {
     /// Plans pages for the textures of `surfaces` that materials use, on a device whose images have
-    /// at most `max_side` pixels a side and `max_layers` layers. Textures of the same image and
+    /// at most `max_side` pixels per side and `max_layers` layers. Textures of the same image and
     /// sampler share a layer. Images beyond the device's size are halved until they fit.
     ///
     /// Where there would be more than [`MAX_PAGES`](scene::limits::MAX_PAGES), the two pages whose
     /// union costs least become one: first those of the same sampler and aspect, so that images are
     /// made larger before any is made smaller; then those of the same wrapping; samplers are given
-    /// up last, encodings never. Where there are very many, those of sizes near each other come
-    /// together first.
+    /// up last, encodings never. Where there are very many, those of similar sizes are joined
+    /// first.
     ///
-    /// All pages together take at most twice what their images take, or
-    /// [`SMALL_PAGES_BYTES`](crate::SMALL_PAGES_BYTES) where that is more. An image that is looked
-    /// at as colours and as numbers counts twice.
+    /// All pages together take at most twice the memory of their images, or
+    /// [`SMALL_PAGES_BYTES`](crate::SMALL_PAGES_BYTES) where that is more. An image that is sampled
+    /// as colours and as numbers counts twice.
     #[must_use]
     pub fn new(surfaces: &Surfaces, max_side: u32, max_layers: u32) -> Self {
         let max_layers = max_layers.clamp(1, MAX_LAYERS);
@@ -118,7 +118,7 @@ impl PagePlan {
         }
     }
 
-    /// Adds the pages of a group; answers the first.
+    /// Adds the pages of a group and returns the first.
     fn add(&mut self, group: &Group, max_layers: u32) -> usize {
         let first = self.pages.len();
         let Group { size, encoding, sampler, .. } = *group;

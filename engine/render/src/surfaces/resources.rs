@@ -21,13 +21,13 @@ use crate::surfaces::page_upload::{plan, upload_pages};
 use crate::surfaces::pages::PagePlan;
 use occlusion::{ScatterIo, ScatterPass};
 
-/// How surfaces are brought to the GPU.
+/// The options of the upload of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceOptions {
     /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on devices that
-    /// are a CPU, where each costs as much as a texture more.
+    /// are a CPU, where each costs as much as another texture.
     pub anisotropy: Option<f32>,
-    /// Who makes the mip maps.
+    /// The maker of the mip maps.
     pub mip_making: MipMaking,
 }
 
@@ -37,10 +37,10 @@ impl Default for SurfaceOptions {
     }
 }
 
-/// Everything that the surface pass reads of a scene beside positions, indices and instances.
+/// The data that the surface pass reads of a scene beside positions, indices and instances.
 ///
-/// An object has a *slot*: its id, and, for what is blended, the number of the hierarchy's leaves
-/// and its place in [`Surfaces::transparent`].
+/// An object has a *slot*: its id, or, if it is blended, the number of the hierarchy's leaves plus
+/// its place in [`Surfaces::transparent`].
 pub struct SurfaceResources {
     /// [`SurfaceVertex`]es, beside the vertices of all meshes in their order.
     vertices: Buffer,
@@ -51,28 +51,27 @@ pub struct SurfaceResources {
     pages: Vec<TextureArray>,
     features: [Features; 2],
     mesh_materials: Vec<u32>,
-    /// Of each mesh the place of its sprites behind the instances, 0 without any.
+    /// For each mesh the place of its sprites behind the instances, 0 without any.
     mesh_sprites: Vec<u32>,
-    /// Of meshes that name no material.
+    /// The material of meshes that name none.
     default_material: u32,
     pub(crate) table: LightTable,
     pub(crate) light_lists: LightLists,
     dirty_lights: Marked,
     first_transparent_slot: u32,
-    /// Over the blended objects, so that lights find them.
+    /// The hierarchy over the blended objects, so that lights find them.
     transparent: Hierarchy,
     exposure: f32,
-    /// What is known of them once they are on the GPU.
+    /// The degradations that are known once they are on the GPU.
     degradations: SceneDegradations,
 }
 
 impl SurfaceResources {
-    /// Brings the surfaces of `scene` to the GPU and finds the lights of the objects in
-    /// `hierarchy`; `None` for a scene without surfaces. Waits for copies, on whatever thread.
+    /// Uploads the surfaces of `scene` and finds the lights of the objects in `hierarchy`; `None`
+    /// for a scene without surfaces. Waits for copies, on any thread.
     ///
-    /// # Errors
-    /// Too many lights, meshes without surface vertices, images whose bytes are not as many as
-    /// their size says; what is beyond the device's limits, no memory, a failed call.
+    /// # Errors Too many lights, meshes without surface vertices, images with a number of bytes
+    /// that does not fit their size; sizes beyond the device's limits, no memory, a failed call.
     pub fn upload(
         device: &Device,
         scene: &Scene,
@@ -145,8 +144,8 @@ impl SurfaceResources {
         }))
     }
 
-    /// Returns true if some object that is not blended has holes: then depth is drawn by a
-    /// [`SurfaceKind::Depth`](crate::SurfaceKind::Depth) pass, else by
+    /// Returns true if some object that is not blended has holes: then a
+    /// [`SurfaceKind::Depth`](crate::SurfaceKind::Depth) pass draws the depth, else
     /// [`OpaquePass::depth_only`](crate::OpaquePass::depth_only).
     pub fn is_masked(&self) -> bool {
         self.features[0].is_masked
@@ -165,44 +164,45 @@ impl SurfaceResources {
         [material, slot, self.light_lists.count(slot), sprites]
     }
 
-    /// Returns whether a mesh is made of sprites.
+    /// Returns true if a mesh is made of sprites.
     pub(crate) fn has_sprites(&self) -> bool {
         self.mesh_sprites.iter().any(|place| *place != 0)
     }
 
-    /// [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute shader may
-    /// write them.
+    /// Returns the [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute
+    /// shader may write them.
     pub fn vertices(&self) -> BufferSlice {
         self.vertices.whole()
     }
 
-    /// Returns what of them is shown otherwise than the scene says, as lights and objects are now.
+    /// Returns the parts that are shown in a degraded form, as lights and objects are now.
     pub(crate) fn degradations(&self) -> SceneDegradations {
         SceneDegradations { crowded_objects: self.light_lists.crowded(), ..self.degradations }
     }
 
-    /// Returns what lights reach which object.
+    /// Returns the lists of the lights that reach each object.
     pub fn light_lists(&self) -> &LightLists {
         &self.light_lists
     }
 
-    /// Factor of all light before tone mapping.
+    /// Returns the factor of all light before tone mapping.
     pub fn exposure(&self) -> f32 {
         self.exposure
     }
 
-    /// Sets the factor of all light before tone mapping; what is no positive number counts as 1.
+    /// Sets the factor of all light before tone mapping; a value that is negative or not finite
+    /// counts as 1.
     pub fn expose(&mut self, exposure: f32) {
         self.exposure = if exposure.is_finite() && exposure >= 0.0 { exposure } else { 1.0 };
     }
 
-    /// Returns what lies in the box of a slot is lit by others now, or not; in an empty box lies
-    /// nothing. Answers whether its instance must be brought to the GPU again.
+    /// Finds the lights of the object in a slot, with its present box; an empty box holds no
+    /// object. Returns true if its instance must be uploaded again.
     pub(crate) fn find_lights(&mut self, slot: u32, bounds: &Aabb) -> bool {
         self.light_lists.has_lights() && self.light_lists.find(slot, bounds)
     }
 
-    /// Takes note that a transparent object has moved.
+    /// Notes that a transparent object has moved.
     ///
     /// # Errors
     /// There is no such object.
@@ -237,8 +237,8 @@ impl SurfaceResources {
         }
     }
 
-    /// Blended objects find their lights again around which lights changed; answers the other
-    /// objects that must.
+    /// Finds again the lights of blended objects around which lights changed, and returns the other
+    /// objects that need the same.
     pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
         let mut objects = self.light_lists.take_doubtful();
         objects.retain(|slot| {
@@ -253,9 +253,8 @@ impl SurfaceResources {
         objects.into_iter().map(ObjectId).collect()
     }
 
-    /// Records what brings lights and lists that changed to the GPU, before anything of `frame`
-    /// reads them. They count as changed until the frame was
-    /// [submitted](SurfaceResources::submitted).
+    /// Records the upload of changed lights and lists, before anything of `frame` reads them. They
+    /// count as changed until the frame was [submitted](SurfaceResources::submitted).
     pub(crate) fn upload_changes(
         &self,
         frame: &mut Frame<'_>,
@@ -290,30 +289,31 @@ impl SurfaceResources {
         Ok(())
     }
 
-    /// The frame that [`SurfaceResources::upload`] recorded for is on its way.
+    /// Notes that the frame of the last [`SurfaceResources::upload_changes`] was submitted.
     pub(crate) fn submitted(&mut self) {
         self.light_lists.submitted();
         self.dirty_lights.drain().for_each(drop);
     }
 
-    /// Returns what opaque and masked objects, or blended ones, make use of.
+    /// Returns the features that opaque and masked objects, or blended ones, use.
     pub(crate) fn features(&self, is_transparent: bool) -> &Features {
         &self.features[usize::from(is_transparent)]
     }
 
-    /// Buffers at the bindings after the instances: materials, transforms, lights, lists.
+    /// Returns the buffers at the bindings after the instances: materials, transforms, lights,
+    /// lists.
     pub(crate) fn buffers(&self) -> [BufferSlice; 4] {
         [&self.materials, &self.transforms, &self.lights, &self.lists].map(Buffer::whole)
     }
 
-    /// As many pages as shaders declare; those that are not there are the first one.
+    /// Returns as many pages as shaders declare; missing ones are the first one.
     pub(crate) fn pages(&self) -> Vec<&TextureArray> {
         let first = self.pages.first();
         (0..MAX_PAGES).filter_map(|page| self.pages.get(page).or(first)).collect()
     }
 }
 
-/// Refuses what there is too much of for the tables that shaders read.
+/// Refuses more elements than the tables of the shaders hold.
 fn check_counts(device: &Device, surfaces: &Surfaces, hierarchy: &Hierarchy) -> Result<(), Error> {
     let (lights, transparent) = (surfaces.lights.len() as u64, surfaces.transparent.len() as u64);
     limits::check("lights", lights, MAX_LIGHTS as u64, "leave lights out, the weakest first")?;
