@@ -1,8 +1,8 @@
-//! Measures what the CPU does: build and refit of the hierarchy, plans, and answers taken, by the number
-//! of objects. `cargo bench -p antumbra-cull`; docs/measuring.md says what came out.
+//! Measures the CPU's work: build and refit of the hierarchy, plans, and ingested answers, by the
+//! number of objects. `cargo bench -p antumbra-cull`; docs/measuring.md has the results.
 //!
-//! The objects stand on a square, and a camera walks between them. Which boxes show is decided by
-//! their distance and not by a rasteriser: what shows is as much at every size.
+//! The objects stand on a square, and a camera walks between them. The distance of boxes decides
+//! which of them show, in place of a rasteriser, so that as many show at every size.
 #![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 use std::cell::RefCell;
@@ -48,7 +48,8 @@ fn build(bencher: Bencher<'_, '_>, count: usize) {
     bencher.counter(ItemsCount::new(count)).bench_local(|| Hierarchy::build(&boxes).unwrap());
 }
 
-/// One object of a hundred moves by half a metre, and back with the next call; they stand far apart.
+/// Measures a refit: one object of a hundred moves by half a metre, and back with the next call;
+/// they stand far apart.
 #[divan::bench(args = OBJECTS, sample_count = 100, sample_size = 1)]
 fn refit(bencher: Bencher<'_, '_>, count: usize) {
     let boxes = houses(count);
@@ -99,7 +100,7 @@ impl Walk {
         walk
     }
 
-    /// Does the part of the GPU in the newest plan, and takes a step.
+    /// Answers the newest plan in place of the GPU, and takes a step.
     fn answer(&mut self) {
         let (hierarchy, eye) = (&self.hierarchy, self.camera.eye);
         let tests = self.plan.tests.iter().map(|test| test.tag);
@@ -123,7 +124,7 @@ impl Walk {
     }
 }
 
-/// Nothing is known yet.
+/// Measures the first plan, when nothing is known yet.
 #[divan::bench(args = OBJECTS, sample_count = 50, sample_size = 1)]
 fn first_plan(bencher: Bencher<'_, '_>, count: usize) {
     let walk = RefCell::new(Walk::new(count));
@@ -133,7 +134,7 @@ fn first_plan(bencher: Bencher<'_, '_>, count: usize) {
         .bench_local_values(|()| walk.borrow_mut().plan());
 }
 
-/// The next step of a walk.
+/// Measures a plan of the next step of a walk.
 #[divan::bench(args = OBJECTS, sample_count = 200, sample_size = 1)]
 fn plan(bencher: Bencher<'_, '_>, count: usize) {
     let walk = RefCell::new(Walk::new(count));

@@ -104,7 +104,8 @@ impl Culler {
     /// Leaves out tests that cost more than they save, from now on. Without prices everything is
     /// tested that may be hidden.
     ///
-    /// # Errors [`BadCost`] for impossible prices; the culler is then as it was.
+    /// # Errors
+    /// [`BadCost`] for impossible prices; the culler is then as it was.
     pub fn set_costs(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
         self.cost_model = Some(CostModel::new(table, scene)?);
         Ok(())

@@ -161,7 +161,8 @@ impl PyramidFrame {
 
     /// Checks that the device can hold the leaves of `hierarchy` and pictures of `size`.
     ///
-    /// # Errors The name of what is missing or too large.
+    /// # Errors
+    /// The name of what is missing or too large.
     fn check(device: &Device, hierarchy: &Hierarchy, size: [u32; 2]) -> Result<(), Error> {
         let limits = &device.adapter().limits;
         if limits.max_per_stage_descriptor_storage_buffers < STORAGE_BUFFERS {

@@ -87,7 +87,7 @@ pub enum Error {
     },
     /// A hierarchy that was not built over the scene's objects.
     #[error(
-        "the hierarchy is not that of the scene: object {} is not where the scene has it; build it from `object_bounds`", object.0
+        "the hierarchy is not over this scene: object {} is not where the scene has it; build it from `object_bounds`", object.0
     )]
     ForeignHierarchy {
         /// The first object that is not in its box, or is in the hierarchy only.
@@ -123,7 +123,7 @@ pub enum Error {
     /// A pose that a mesh cannot take.
     #[error("the deformer {} cannot take this pose: {reason}", skinned_mesh.0)]
     Deform {
-        /// The deformer.
+        /// The skinned mesh.
         skinned_mesh: scene::SkinnedMeshId,
         /// The reason.
         reason: String,
@@ -156,7 +156,7 @@ pub enum Error {
     },
     /// An image that is not whole.
     #[error(
-        "the image \"{image}\" of {}x{} pixels has {bytes} bytes: it needs four a pixel, and at least a pixel",
+        "the image \"{image}\" of {}x{} pixels has {bytes} bytes: it needs four per pixel, and at least one pixel",
         size[0], size[1]
     )]
     Image {

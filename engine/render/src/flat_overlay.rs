@@ -65,8 +65,8 @@ impl FlatOverlay {
     /// Writes a piece of the atlas: sRGB-encoded colours multiplied by alpha, and alpha, rows from
     /// the top. Frames on their way still use the former contents.
     ///
-    /// # Errors [`Error::Atlas`] if the piece is not within the atlas, or the number of pixels does
-    /// not fit.
+    /// # Errors
+    /// [`Error::Atlas`] if the piece is not within the atlas, or the number of pixels does not fit.
     pub fn write_atlas(
         &mut self,
         origin: [u32; 2],

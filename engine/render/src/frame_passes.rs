@@ -23,7 +23,7 @@ pub(crate) struct FramePasses {
     /// The count pass, made for the first frame that counts.
     pub(crate) counts: Option<CountPass>,
     pub(crate) light: Light,
-    /// The deformed meshes, if there are any.
+    /// The skinned meshes, if there are any.
     pub(crate) skinned_meshes: Option<SkinnedMeshes>,
     /// The blended objects, if there are any.
     pub(crate) transparent: Option<Transparent>,

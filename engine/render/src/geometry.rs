@@ -35,7 +35,7 @@ const NO_MESH: u32 = u32::MAX;
 /// Meshes, instances and the CPU's data to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
-    /// The number of vertices, from the first on, that belong to deformed meshes.
+    /// The number of vertices, from the first on, that belong to skinned meshes.
     deformed_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
@@ -50,9 +50,9 @@ pub(crate) struct Geometry {
     /// The draw of each object: that of its mesh, or of a coarser form.
     object_forms: Vec<u32>,
     object_instances: Vec<Instance>,
-    /// By mesh: true if it is deformed, so that its box is the box of its one object.
+    /// By mesh: true if it is skinned, so that its box is the box of its one object.
     is_deformed: Vec<bool>,
-    /// The objects of deformed meshes.
+    /// The objects of skinned meshes.
     owners: HashMap<u32, ObjectId>,
 }
 
@@ -167,19 +167,19 @@ impl Geometry {
         bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
     }
 
-    /// Sets the box of a deformed mesh, in its own space, for its present object and any later one.
+    /// Sets the box of a skinned mesh, in its own space, for its present object and any later one.
     pub(crate) fn reshape(&mut self, mesh: MeshId, bounds: Aabb) {
         if let Some(of_mesh) = self.mesh_bounds.get_mut(mesh.0 as usize) {
             *of_mesh = bounds;
         }
     }
 
-    /// Returns true if a mesh is deformed.
+    /// Returns true if a mesh is skinned.
     pub(crate) fn is_deformed(&self, mesh: MeshId) -> bool {
         self.is_deformed.get(mesh.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Returns the object of a deformed mesh.
+    /// Returns the object of a skinned mesh.
     pub(crate) fn owner(&self, mesh: MeshId) -> Option<ObjectId> {
         self.owners.get(&mesh.0).copied()
     }

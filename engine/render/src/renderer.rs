@@ -140,10 +140,10 @@ pub struct Renderer {
 impl Renderer {
     /// Builds the hierarchy over `scene` and uploads everything.
     ///
-    /// # Errors Impossible options: [`Error::FramesInFlight`], [`Error::Cost`], too many objects
-    /// and room for them, a threshold where queries do not count or under conditional rendering. A
-    /// scene or size beyond the device's limits, no memory, a shader that does not compile, a
-    /// failed call.
+    /// # Errors
+    /// Impossible options: [`Error::FramesInFlight`], [`Error::Cost`], too many objects and room
+    /// for them, a threshold where queries do not count or under conditional rendering. A scene or
+    /// size beyond the device's limits, no memory, a shader that does not compile, a failed call.
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
         options.check()?;
         let mut bounds = object_bounds(scene)?;
@@ -158,7 +158,8 @@ impl Renderer {
     /// Creates a renderer like [`Renderer::new`], with a hierarchy that is built already. Its
     /// objects are the scene's; free leaves behind them are room for more.
     ///
-    /// # Errors Those of [`Renderer::new`].
+    /// # Errors
+    /// Those of [`Renderer::new`].
     pub fn with_hierarchy(
         device: &Device,
         scene: &Scene,
@@ -327,8 +328,9 @@ impl Renderer {
 
     /// Explains the pictures from now on; an empty explanation costs nothing.
     ///
-    /// # Errors Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not
-    /// within the picture; a failed call. The former explanation then stays.
+    /// # Errors
+    /// Wires on a device that lacks [`gpu::Optional::Wireframe`]; an area that is not within the
+    /// picture; a failed call. The former explanation then stays.
     pub fn explain(&mut self, explanation: DebugOverlay) -> Result<(), Error> {
         explanation.top_down.map_or(Ok(()), |area| self.check_area(area))?;
         let is_something = explanation != DebugOverlay::default();

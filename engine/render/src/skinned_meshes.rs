@@ -1,4 +1,4 @@
-//! Deformed meshes: their data lies on the GPU since loading; only the pose changes, which the next
+//! Skinned meshes: their data lies on the GPU since loading; only the pose changes, which the next
 //! frame uploads before anything reads the vertices.
 
 use std::collections::HashMap;
@@ -16,20 +16,20 @@ use crate::error::Error;
 use crate::limits::check_storage;
 use crate::passes::{DeformIo, DeformPass, Deformation, REST_WORDS};
 
-/// All deformers of a scene and their newest poses.
+/// All skinned meshes of a scene and their newest poses.
 pub(crate) struct SkinnedMeshes {
     pub(crate) pass: DeformPass,
     forms: Buffer,
     all: Vec<State>,
-    /// The deformers whose pose is not on the GPU yet.
+    /// The skinned meshes whose pose is not on the GPU yet.
     dirty: Vec<usize>,
-    /// The deformers whose pose the frame being recorded uploads.
+    /// The skinned meshes whose pose the frame being recorded uploads.
     uploaded: Vec<usize>,
     /// The poses of a frame, kept to allocate nothing.
     words: Vec<u32>,
 }
 
-/// The CPU's data of a deformer.
+/// The CPU's data of a skinned mesh.
 pub(crate) struct State {
     pub(crate) mesh: MeshId,
     /// The blended object of the mesh, if there is one.
@@ -57,7 +57,7 @@ struct TargetPlaces([u32; 3]);
 /// The place of an empty list; mirrors `deform.comp`.
 const NOTHING: u32 = u32::MAX;
 
-/// The work of a frame for deformed meshes.
+/// The work of a frame for skinned meshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Skinned {
     pub(crate) poses: u32,
@@ -72,8 +72,8 @@ pub(crate) struct DeformedVertices {
 }
 
 impl SkinnedMeshes {
-    /// Uploads the data of the deformers of a scene that was validated. `first_vertices` holds the
-    /// first vertex of each mesh.
+    /// Uploads the data of the skinned meshes of a scene that was validated. `first_vertices` holds
+    /// the first vertex of each mesh.
     ///
     /// # Errors
     /// More than the device's storage buffers hold, no memory, a failed call.
@@ -121,14 +121,15 @@ impl SkinnedMeshes {
         }))
     }
 
-    /// Returns a deformer, if the scene has it.
+    /// Returns a skinned mesh, if the scene has it.
     pub(crate) fn get(&self, skinned_mesh: SkinnedMeshId) -> Option<&State> {
         self.all.get(skinned_mesh.0 as usize)
     }
 
     /// Returns the box of the mesh in a pose, in its own space; `None` if it has this pose already.
     ///
-    /// # Errors An impossible pose.
+    /// # Errors
+    /// An impossible pose.
     pub(crate) fn bounds_in(
         &self,
         skinned_mesh: SkinnedMeshId,
@@ -227,7 +228,7 @@ impl SkinnedMeshes {
 }
 
 impl State {
-    /// Appends the data of a deformer to the words of all.
+    /// Appends the data of a skinned mesh to the words of all.
     fn new(
         skinned_mesh: &SkinnedMesh,
         (mesh, surface): (&Mesh, &[SurfaceVertex]),
@@ -311,7 +312,7 @@ impl State {
     }
 }
 
-/// Returns the number of words of the deformers of a scene, and of the poses of all.
+/// Returns the number of words of the skinned meshes of a scene, and of the poses of all.
 fn words_of(scene: &Scene) -> [u64; 2] {
     let mut sums = [0, 0];
     for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {
@@ -330,7 +331,7 @@ fn words_of(scene: &Scene) -> [u64; 2] {
     sums
 }
 
-/// Returns the meshes of a scene in the order of their vertices: deformed ones first, so that these
+/// Returns the meshes of a scene in the order of their vertices: skinned ones first, so that these
 /// are one part of the buffers that a storage buffer can be.
 pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
     let is_deformed = are_deformed(scene);
@@ -339,7 +340,7 @@ pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
     order
 }
 
-/// Returns the number of vertices of all deformed meshes.
+/// Returns the number of vertices of all skinned meshes.
 pub(crate) fn deformed_vertices(scene: &Scene) -> u64 {
     let skinned_meshes = scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes);
     let meshes =
@@ -347,7 +348,7 @@ pub(crate) fn deformed_vertices(scene: &Scene) -> u64 {
     meshes.map(|mesh| mesh.vertices.len() as u64).sum()
 }
 
-/// Returns true for each mesh of a scene that is deformed.
+/// Returns true for each mesh of a scene that is skinned.
 pub(crate) fn are_deformed(scene: &Scene) -> Vec<bool> {
     let mut are_deformed = vec![false; scene.meshes.len()];
     for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {

@@ -35,7 +35,7 @@ pub(crate) struct UpdateScratch {
     /// The box of the object of each change; empty where it is removed.
     pub(crate) bounds: Vec<Aabb>,
     pub(crate) gone: HashSet<ObjectId>,
-    /// The deformed meshes that get an object.
+    /// The skinned meshes that get an object.
     pub(crate) taken: HashSet<MeshId>,
     pub(crate) moves: Vec<(ObjectId, Aabb)>,
     pub(crate) changed: Vec<ObjectId>,

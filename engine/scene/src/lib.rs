@@ -65,7 +65,7 @@ pub enum SceneError {
     /// Surfaces that cannot be drawn.
     #[error("{part} {index} of the surfaces cannot be drawn: {fault}")]
     BrokenSurfaces {
-        /// The kind of part: a mesh, a material, a deformer...
+        /// The kind of part: a mesh, a material, a light...
         part: &'static str,
         /// Its place among its kind.
         index: usize,
@@ -179,9 +179,10 @@ impl Scene {
 
     /// Checks that a renderer can draw the scene.
     ///
-    /// # Errors The first mesh whose indices do not fit its vertices or whose numbers are not
-    /// finite, the first object that names no mesh or has a transform that is not finite, or the
-    /// first part of its surfaces that does not belong to it or has a value that is no number.
+    /// # Errors
+    /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the
+    /// first object that names no mesh or has a transform that is not finite, or the first part of
+    /// its surfaces that does not belong to it or has a value that is no number.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

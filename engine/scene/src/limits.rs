@@ -16,7 +16,7 @@ pub const LIT_OBJECTS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 32;
 /// The most materials.
 pub const MATERIALS_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 64 - 1;
 
-/// The most vertices of deformed meshes, all of them together.
+/// The most vertices of skinned meshes, all of them together.
 pub const DEFORMED_VERTICES_ANYWHERE: u64 = STORAGE_BYTES_ANYWHERE / 40;
 
 /// The most images; one that is sampled both as colours and as numbers counts twice.

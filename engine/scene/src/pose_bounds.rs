@@ -19,12 +19,12 @@
 //! multiplication; so does this. Each operation adds at most `u = 2^-24` of its result. Let `S` be
 //! the sum of the magnitudes of all terms of a coordinate: `sum over axes of |matrix| * P +
 //! |translation|`, where `P` is the largest magnitude of a position at rest and of the
-//! displacements by targets. No partial sum is larger than `S`, and a term goes through `t + 1`
-//! operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the mixed
-//! matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than `(t +
-//! 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order and
-//! the rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by at
-//! most `1 + e`, which moves it by at most `e * S`. (Numbers below the least normal one may be
+//! displacements that targets add to it. No partial sum is larger than `S`, and a term goes through
+//! `t + 1` operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the
+//! mixed matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than
+//! `(t + 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order
+//! and the rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by
+//! at most `1 + e`, which moves it by at most `e * S`. (Numbers below the least normal one may be
 //! flushed to zero: some 1e-38 m, which the proxies' own margin exceeds.)
 
 use cull::Aabb;
@@ -63,7 +63,7 @@ struct Part {
 }
 
 impl PoseBounds {
-    /// Returns the boxes of a mesh and its deformer.
+    /// Returns the boxes of a mesh with its skin and targets.
     pub fn of(mesh: &Mesh, skinned_mesh: &SkinnedMesh) -> Self {
         let positions = mesh.vertices.iter().map(|vertex| Vec3::from(vertex.position));
         Self::new(positions, skinned_mesh.skin.as_ref(), &skinned_mesh.targets)

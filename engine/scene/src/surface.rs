@@ -26,7 +26,7 @@ pub struct TransparentId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LightId(pub u32);
 
-/// The id of a deformed mesh: an index into [`Surfaces::skinned_meshes`].
+/// The id of a skinned mesh: an index into [`Surfaces::skinned_meshes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SkinnedMeshId(pub u32);
 
@@ -309,7 +309,7 @@ pub struct Surfaces {
     /// Objects whose material is [`Alpha::Blend`]; none of
     /// [`Scene::objects`](super::Scene::objects) is.
     pub transparent: Vec<Object>,
-    /// The deformed meshes.
+    /// The skinned meshes.
     pub skinned_meshes: Vec<SkinnedMesh>,
     /// Meshes of points and lines.
     pub sprites: Vec<Sprites>,

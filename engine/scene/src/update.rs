@@ -28,7 +28,7 @@ pub struct LightMove {
 /// [`PoseBounds`](super::PoseBounds).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deformation {
-    /// The mesh, by its deformer.
+    /// The mesh.
     pub skinned_mesh: SkinnedMeshId,
     /// Its joints' matrices, in [`SceneUpdate::joints`], which meshes with the same joints share;
     /// none without a skin.

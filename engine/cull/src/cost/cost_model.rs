@@ -95,7 +95,8 @@ pub struct CostModel {
 impl CostModel {
     /// Creates a cost model that saw nothing yet.
     ///
-    /// # Errors [`BadCost`] if a value of `table` or `scene` is impossible.
+    /// # Errors
+    /// [`BadCost`] if a value of `table` or `scene` is impossible.
     pub fn new(table: CostTable, scene: SceneCosts) -> Result<Self, BadCost> {
         let table = table.checked()?;
         let triangles = scene.triangles_per_leaf;

@@ -1,4 +1,4 @@
-//! Poses of deformed meshes, whose objects' boxes follow.
+//! Poses of skinned meshes, whose objects' boxes follow.
 
 use glam::Affine3A;
 use scene::{Deformation, SceneUpdate, SkinnedMeshId};
@@ -11,7 +11,7 @@ use crate::skinned_meshes::State;
 use crate::update::UpdateScratch;
 
 impl Renderer {
-    /// Sets the pose of a deformed mesh: the next frame shows it, frames on their way do not. Each
+    /// Sets the pose of a skinned mesh: the next frame shows it, frames on their way do not. Each
     /// joint transforms points of the mesh at rest to the object's own space; `weights` holds the
     /// share of each morph target, with any sum. The same pose again costs nothing, and neither do
     /// targets of weight 0.
@@ -19,9 +19,10 @@ impl Renderer {
     /// The box of its object follows from any pose ([`scene::PoseBounds`]). The GPU computes the
     /// vertices in the first frame with a view that the mesh may be in.
     ///
-    /// # Errors [`Error::Deform`]: no such deformer, another number of joints or targets than it
-    /// has, values that are not finite or move it beyond the possible coordinates. Nothing has
-    /// changed then.
+    /// # Errors
+    /// [`Error::Deform`]: no such skinned mesh, a number of joints or targets other than it has,
+    /// values that are not finite or move it beyond the possible coordinates. Nothing has changed
+    /// then.
     pub fn set_pose(
         &mut self,
         skinned_mesh: SkinnedMeshId,
@@ -33,7 +34,8 @@ impl Renderer {
 
     /// Sets the poses of an update, in their order. Returns the number of poses that changed.
     ///
-    /// # Errors The first impossible pose; those before it are set.
+    /// # Errors
+    /// The first impossible pose; those before it are set.
     pub(crate) fn take_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
         self.take_all(update.deformations.iter().map(
             |Deformation { skinned_mesh, joints, weights }| {

@@ -13,8 +13,9 @@ impl Renderer {
     /// [`Renderer::render`], any number of times. It waits for an image of the window, within the
     /// swapchain's bound.
     ///
-    /// # Errors A window of another device; no picture yet, or none since a frame failed; a failure
-    /// without a name in [`gpu::PresentSkipped`].
+    /// # Errors
+    /// A window of another device; no picture yet, or none since a frame failed; a failure without
+    /// a name in [`gpu::PresentSkipped`].
     pub fn present(&self, window: &mut Swapchain, window_size: [u32; 2]) -> Result<Shown, Error> {
         Ok(window.show(&self.passes.target, window_size)?)
     }

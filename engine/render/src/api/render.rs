@@ -22,7 +22,8 @@ impl Renderer {
     /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
     /// and for nothing else, unless the strategy blocks ([`Strategy::is_blocking`]).
     ///
-    /// # Errors Those of [`Renderer::render_views`].
+    /// # Errors
+    /// Those of [`Renderer::render_views`].
     pub fn render(
         &mut self,
         history: &mut ViewState,
@@ -38,11 +39,12 @@ impl Renderer {
     /// Renders one frame of several views, one after the other, and submits them together. Waits
     /// for the frame that used this slot N frames ago, and for nothing else.
     ///
-    /// # Errors [`Error::NoView`] without a view: such a frame would leave its picture as it is. A
-    /// strategy that the device does not support; an area that is not in the picture; a picture of
-    /// another size; a view or visible set of another renderer, a picture or timeline of another
-    /// device; [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame
-    /// that takes too long.
+    /// # Errors
+    /// [`Error::NoView`] without a view: such a frame would leave its picture as it is. A strategy
+    /// that the device does not support; an area that is not in the picture; a picture of another
+    /// size; a view or visible set of another renderer, a picture or timeline of another device;
+    /// [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame that
+    /// takes too long.
     pub fn render_views(
         &mut self,
         eyes: &mut [ViewTarget<'_>],

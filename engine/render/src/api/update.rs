@@ -16,7 +16,8 @@ impl Renderer {
     /// Applies all changes between two frames: objects first, with [`Renderer::update`], then
     /// poses, blended objects and lights. The next frame shows it.
     ///
-    /// # Errors The first impossible change. Those before it are made.
+    /// # Errors
+    /// The first impossible change. Those before it are made.
     pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
         let (began, before) = (Instant::now(), self.hierarchy.work());
         let added = match update.objects.as_slice() {
@@ -42,7 +43,8 @@ impl Renderer {
     /// a later one's object at once; that object can be moved or removed by the next update, when
     /// its id is known.
     ///
-    /// # Errors [`Error::Change`] for the first impossible change; then nothing has changed.
+    /// # Errors
+    /// [`Error::Change`] for the first impossible change; then nothing has changed.
     pub fn update(&mut self, changes: &[ObjectChange]) -> Result<UpdateReport, Error> {
         let began = Instant::now();
         let mut scratch = std::mem::take(&mut self.update_scratch);
@@ -108,7 +110,7 @@ impl Renderer {
         bounds.ok_or_else(|| NOWHERE.to_owned())
     }
 
-    /// Refuses a second object of a deformed mesh: the box of one would not hold the other.
+    /// Refuses a second object of a skinned mesh: the box of one would not hold the other.
     fn check_alone(
         &self,
         object: &Object,

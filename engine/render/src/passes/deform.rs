@@ -1,4 +1,4 @@
-//! The deform pass: computes the vertices of deformed meshes, before anything of the frame reads
+//! The deform pass: computes the vertices of skinned meshes, before anything of the frame reads
 //! them.
 
 use bytemuck::{Pod, Zeroable};

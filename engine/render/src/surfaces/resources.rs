@@ -70,8 +70,9 @@ impl SurfaceResources {
     /// Uploads the surfaces of `scene` and finds the lights of the objects in `hierarchy`; `None`
     /// for a scene without surfaces. Waits for copies, on any thread.
     ///
-    /// # Errors Too many lights, meshes without surface vertices, images with a number of bytes
-    /// that does not fit their size; sizes beyond the device's limits, no memory, a failed call.
+    /// # Errors
+    /// Too many lights, meshes without surface vertices, images with a number of bytes that does
+    /// not fit their size; sizes beyond the device's limits, no memory, a failed call.
     pub fn upload(
         device: &Device,
         scene: &Scene,

@@ -112,7 +112,8 @@ impl Hierarchy {
     /// over by object: an object keeps its id, or else inherits the history of the object that had
     /// the id before.
     ///
-    /// # Errors Those of [`Hierarchy::build`]; the hierarchy is then unchanged.
+    /// # Errors
+    /// Those of [`Hierarchy::build`]; the hierarchy is then unchanged.
     pub fn rebuild(&mut self, boxes: &[Aabb]) -> Result<Generation, HierarchyError> {
         let topology = build::topology(boxes)?;
         let moved_from = topology.leaf_objects.iter().map(|object| {
