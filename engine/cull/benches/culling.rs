@@ -19,7 +19,7 @@ const OBJECTS: [usize; 3] = [10_000, 100_000, 1_000_000];
 const PITCH_M: f32 = 4.0;
 const SHOWS_WITHIN_M: f32 = 60.0;
 const QUERIES: usize = 4_096;
-/// After so many frames the frontier has shrunk to what it stays.
+/// The frames after which the frontier has shrunk to its lasting size.
 const WARM_UP: u32 = 200;
 
 fn main() {

@@ -16,7 +16,7 @@ pub struct NodeId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LeafIndex(pub u32);
 
-/// Contiguous leaves: what lies under one node.
+/// A range of contiguous leaves: those under one node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LeafRange {
     /// The first leaf.
@@ -56,7 +56,7 @@ impl LeafRange {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FrameId(pub u64);
 
-/// Counts the changes after which some nodes of a hierarchy stand for something else than before:
-/// rebuilds of all or of a part, and leaves that another object moved into.
+/// The count of the changes after which some nodes of a hierarchy stand for something else than
+/// before: rebuilds of all or of a part, and leaves that another object moved into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Generation(pub u32);

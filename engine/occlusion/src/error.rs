@@ -21,7 +21,7 @@ pub enum Error {
         "this view was made for another scene's leaves: each view goes with the `LeafTable` that it was made for"
     )]
     ForeignView,
-    /// Shaders were asked for that this build cannot compile.
+    /// A request for shaders that this build cannot compile.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
     )]

@@ -26,7 +26,7 @@ pub enum Error {
         /// The advice.
         instead: &'static str,
     },
-    /// Less memory can be had than the scene takes.
+    /// Less memory than the scene takes.
     #[error(
         "there is no memory for {what} (about {} MiB): use fewer objects, or end other programs",
         size_bytes >> 20

@@ -55,7 +55,7 @@ enum Faces {
     Out,
     /// Towards its middle: the visible ones are on the far side.
     In,
-    /// Neither.
+    /// Neither of these.
     Along,
 }
 

@@ -11,10 +11,10 @@ use crate::ids::NodeId;
 /// The options of [`Strategy::Batched`](crate::Strategy::Batched).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BatchedOptions {
-    /// Objects that look at least this large are drawn first, without a test: the diagonal of the
-    /// box over its distance (radians, nearly).
+    /// The size from which on an object is drawn first, without a test: the diagonal of the box
+    /// over its distance (radians, nearly).
     pub occluder_angle: f32,
-    /// Tests that are sent off together: the GPU begins while the CPU records the others.
+    /// Tests that are submitted together: the GPU begins while the CPU records the others.
     pub tests_per_submit: usize,
 }
 

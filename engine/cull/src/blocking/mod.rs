@@ -43,9 +43,9 @@ use stop_and_wait::StopAndWait;
 /// The options of the methods that have some.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BlockingOptions {
-    /// Of [`Strategy::Batched`].
+    /// The options of [`Strategy::Batched`].
     pub batched: BatchedOptions,
-    /// Of [`Strategy::Coherent`].
+    /// The options of [`Strategy::Coherent`].
     pub coherent: CoherentOptions,
 }
 

@@ -72,7 +72,7 @@ pub struct TestAnswer {
 /// Counts of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BlockingStats {
-    /// Nodes looked at.
+    /// Nodes visited.
     pub nodes_visited: u32,
     /// Boxes tested.
     pub boxes: u32,

@@ -16,9 +16,9 @@ pub struct View {
     pub eye: Vec3,
     /// Direction of sight, unit length.
     pub forward: Vec3,
-    /// To the right of the image, unit length.
+    /// The direction to the right of the image, unit length.
     pub right: Vec3,
-    /// To the top of the image, unit length.
+    /// The direction to the top of the image, unit length.
     pub up: Vec3,
     /// Distance of the near plane (metres).
     pub near: f32,

@@ -33,7 +33,7 @@ pub enum HierarchyError {
         /// The number of objects.
         count: usize,
     },
-    /// Less memory can be had than building a hierarchy takes.
+    /// Less memory than building a hierarchy takes.
     #[error(
         "there is no memory to cull {count} objects (about {} MiB): use fewer, or end other programs",
         (count * BUILD_BYTES_PER_OBJECT) >> 20
@@ -50,7 +50,7 @@ pub enum HierarchyError {
         /// The object.
         object: ObjectId,
     },
-    /// There is an object in every leaf.
+    /// No free leaf: there is an object in every leaf.
     #[error(
         "the hierarchy has no free leaf: remove an object first, or build it with empty boxes as \
          room for more"

@@ -56,7 +56,7 @@ pub(crate) struct Strongest {
     count: usize,
     /// True if there may be lights that reach the box and are not among them.
     pub(crate) leaves_out: bool,
-    /// Nodes that were looked at.
+    /// Nodes that were visited.
     pub(crate) visits: usize,
 }
 
