@@ -218,7 +218,7 @@ impl Culler {
             can_flag: tester != Tester::Query,
             has_parts,
             is_turning: self.turned.is_within(now, config.turning_frames),
-            // What was needed last time is where to begin: each attempt is a walk.
+            // Begins with the coarseness of last time: each attempt is a walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
 

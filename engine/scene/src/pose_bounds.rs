@@ -102,7 +102,7 @@ impl PoseBounds {
                 None => &Affine3A::IDENTITY,
             };
             let moved = bounds_of_transformed(&sum(bounds, &added), matrix);
-            // What is no number would be lost in the union.
+            // A value that is no number would be lost in the union.
             if !moved.is_finite() {
                 return None;
             }

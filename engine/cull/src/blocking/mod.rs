@@ -118,7 +118,7 @@ impl BlockingFrame<'_> {
             let node = self.pending.settle(answer.token);
             self.results.extend(node.map(|node| QueryResult { node, samples: answer.samples }));
         }
-        // What was waited for and did not come counts as visible.
+        // A node whose result was waited for and did not come counts as visible.
         if let Some(node) = self.waits_for.take().and_then(|token| self.pending.settle(token)) {
             self.results.push(QueryResult { node, samples: u32::MAX });
         }

@@ -39,8 +39,8 @@ impl Ingest<'_> {
         }
         record.answered = self.asked;
         // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place
-        // of its test are asked about and not visited. Then, not now: what comes back very late is
-        // stale.
+        // of its test are asked about and not visited. Then, not now: an answer that comes back
+        // very late is stale.
         record.visited = record.visited.max(self.asked);
         match (kind, samples) {
             (QueryKind::Leaf, 0) => {}

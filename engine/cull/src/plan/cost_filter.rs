@@ -151,7 +151,7 @@ fn draw_untested(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) 
         if !is_dropped || test.kind != QueryKind::Proxy {
             continue;
         }
-        // What counts as hidden and is drawn all the same is asked about now and then: it may be
+        // A leaf that counts as hidden and is drawn all the same is tested now and then: it may be
         // visible by now, and a reason to test it with its neighbours no more.
         let is_asked =
             test.leaf_count == 1 && !test.is_unknown() && walk.is_turn_to_retest(test.node);

@@ -84,7 +84,7 @@ impl NextFrame {
         record.in_sight = frame;
         if is_new {
             record.is_visible = true;
-            // What was asked before it went away says nothing about it now.
+            // Tests from before it went away say nothing about it now.
             record.answered = FrameId(frame.0 - 1);
         }
         let Some(bounds) = viewed.proxy(node) else {

@@ -64,7 +64,7 @@ fn it_is_right_at_rest_and_draws_little() {
         for frame in 0..20 {
             assert_eq!(walk.step(&CAMERA), 0, "frame {frame}");
             assert!(walk.device.drawn.len() * 2 < all, "{} of {all}", walk.device.drawn.len());
-            // What is hidden is asked about in every frame.
+            // Hidden objects are tested in every frame.
             assert!(walk.plan.tests.len() + walk.device.drawn.len() == all, "frame {frame}");
         }
     }

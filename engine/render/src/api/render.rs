@@ -174,7 +174,7 @@ impl Renderer {
             history.submitted(report.tick, &self.executor.leaves, timed_views);
             report.add(history);
         }
-        // What they learn is for the next frame.
+        // Their lessons are for the next frame.
         self.frame_times.teach(eyes);
     }
 
