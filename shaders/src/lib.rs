@@ -28,10 +28,12 @@ macro_rules! shader {
     };
 }
 
-/// Writes results of queries into the draw counts of groups (`gpu::Predication::Counts`).
+/// The compute stage that writes query results into the draw counts of groups
+/// (`gpu::Predication::Counts`).
 pub const PREDICATE_COUNTS: Shader = shader!("predicate_counts.comp");
 
-/// Writes results of queries into instance counts of draws (`gpu::Predication::Instances`).
+/// The compute stage that writes query results into instance counts of draws
+/// (`gpu::Predication::Instances`).
 pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 
 /// Every shader of the renderer's passes.

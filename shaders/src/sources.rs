@@ -1,4 +1,4 @@
-//! Which shaders there are and what their sources hash to: shared by the compiler and its test.
+//! The list of shader stages and the hashes of their sources, shared by the compiler and its test.
 
 use std::io::Result;
 use std::path::Path;

@@ -6,9 +6,9 @@
 //! the caller. What is worth reading first:
 //!
 //! - [`FrameRing`]: N frames in flight, the waits of a frame loop.
-//! - [`QueryRing`]: occlusion queries whose answers come home through mapped memory, tagged with
-//!   whatever the caller wants back, without a blocking call.
-//! - [`BlockingQueryPool`]: queries of a frame that is sent off in pieces and reads its answers in
+//! - [`QueryRing`]: occlusion queries whose results are read back through mapped memory without a
+//!   blocking call, each with the caller's tag.
+//! - [`BlockingQueryPool`]: queries of a frame that is submitted in pieces and reads its results in
 //!   between.
 //! - [`Predicates`]: draws that the GPU skips by itself, with conditional rendering or without.
 //! - [`Swapchain`]: pictures in a window, whatever becomes of the window.
@@ -24,7 +24,8 @@
 //! let mut frames = gpu::FrameRing::new(&device, 2)?;
 //! let mut queries = gpu::QueryRing::<&str>::new(&device, 2, "doc")?;
 //! for _ in 0..8 {
-//!     let mut frame = frames.begin()?; // waits for this slot's frame of two frames ago, for nothing else
+//!     // waits for this frame slot's work of two frames ago, for nothing else
+//!     let mut frame = frames.begin()?;
 //!     queries.collect(device.completed()?, |tag, samples| println!("{tag}: {samples} samples"));
 //!     queries.begin(&mut frame, &["nothing drawn"])?;
 //!     let commands = frame.commands();

@@ -1,4 +1,4 @@
-//! The physical devices of an instance: what there is, and which one to take.
+//! The physical devices of an instance, and the choice of one.
 
 use ash::vk;
 
@@ -35,11 +35,12 @@ impl Instance {
         pick(self.adapters()?, wanted)
     }
 
-    /// Like [`Instance::pick_adapter`], of those that can show pictures in the window of `surface`.
+    /// Returns the adapter of [`Instance::pick_adapter`] among those that can present to the window
+    /// of `surface`.
     ///
     /// # Errors
-    /// As there; [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`]
-    /// when the one wanted, or none, can present to the window.
+    /// Those of [`Instance::pick_adapter`]; [`Error::Foreign`] for a surface of another instance;
+    /// [`Error::CannotPresent`] when the one wanted, or none, can present to the window.
     pub fn pick_adapter_for(
         &self,
         surface: &Surface,

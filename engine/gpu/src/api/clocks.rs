@@ -1,4 +1,4 @@
-//! The GPU's clock and ours, read at once, so that what both did can be shown on one time line.
+//! The GPU's clock and the CPU's, read at once: one time line for the work of both.
 
 use ash::{ext, vk};
 
@@ -8,17 +8,17 @@ use crate::core::error::{Called, Error};
 /// The same moment on two clocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Clocks {
-    /// The GPU's, on which passes are timed, in nanoseconds.
+    /// The GPU clock that times passes, in nanoseconds.
     pub gpu_ns: u64,
     /// `CLOCK_MONOTONIC`, in nanoseconds.
     pub monotonic_ns: u64,
-    /// At most so many nanoseconds lie between the readings.
+    /// The greatest distance between the two readings, in nanoseconds.
     pub deviation_ns: u64,
 }
 
 impl Device {
-    /// Reads both clocks; `None` where the device cannot, which has not
-    /// [`crate::Optional::CalibratedTimestamps`] or not for this clock.
+    /// Reads both clocks; `None` where the device lacks [`crate::Optional::CalibratedTimestamps`]
+    /// or cannot read this clock.
     ///
     /// # Errors
     /// A failed call.

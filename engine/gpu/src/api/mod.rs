@@ -1,4 +1,4 @@
-//! What the types of the lower rooms offer that needs the upper rooms.
+//! The methods of lower rooms' types that need the upper rooms.
 
 pub(crate) mod adapters;
 pub(crate) mod clocks;

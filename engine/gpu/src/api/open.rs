@@ -10,7 +10,7 @@ use crate::core::window_system::WindowSystem;
 use crate::present::surface::{Surface, Window};
 use crate::present::swapchain::{Swapchain, SwapchainOptions};
 
-/// Opens the machine's best device and, if there is a window, what shows its pictures there.
+/// Opens the machine's best device and, if there is a window, its swapchain.
 ///
 /// # Errors
 /// No loader, no driver, no device that can; a window that is gone.

@@ -13,7 +13,8 @@ use crate::record::pools::{
     allocate_commands, begin_commands, create_command_pool, create_descriptor_pool, end_commands,
 };
 
-/// Staging goes in pieces, so that a large scene needs no second copy of itself.
+/// The size of a staging buffer: an upload goes in pieces, so that a large scene needs no second
+/// copy of itself.
 const STAGING_BYTES: usize = 32 << 20;
 
 impl Device {
@@ -61,7 +62,7 @@ impl Device {
     /// Records commands, submits them, and waits until they are over. For loading.
     ///
     /// # Errors
-    /// What failed while recording, a failed call, or a timeout.
+    /// A failure while recording, a failed call, or a timeout.
     pub fn run_once(&self, name: &str, record: impl FnOnce(&Commands)) -> Result<(), Error> {
         let pool = create_command_pool(self, name)?;
         let descriptors = create_descriptor_pool(self, name)

@@ -1,4 +1,4 @@
-//! Physical devices: what there is, how it scores, which one to take.
+//! Physical devices: their names, scores and capabilities.
 
 use ash::vk;
 
@@ -18,17 +18,16 @@ pub struct Adapter {
     pub driver: String,
     /// The Vulkan version it speaks, `1.3.230`.
     pub api: String,
-    /// What kind of device it is.
+    /// The kind of device: integrated, discrete, software.
     pub kind: vk::PhysicalDeviceType,
     /// Its limits.
     pub limits: vk::PhysicalDeviceLimits,
-    /// What it has of the engine's table.
+    /// The entries of the engine's capability table that it has.
     pub capabilities: Capabilities,
 }
 
 impl Adapter {
-    /// Returns how much we would like to run on it: a real GPU before a software one, then by
-    /// capabilities.
+    /// Returns the preference for it: a real GPU before a software one, then by capabilities.
     pub fn score(&self) -> u32 {
         let kind = match self.kind {
             vk::PhysicalDeviceType::DISCRETE_GPU => 4,
@@ -51,7 +50,7 @@ impl Adapter {
         self.kind == vk::PhysicalDeviceType::CPU
     }
 
-    /// Returns the names of what it lacks of the required, or nothing.
+    /// Returns the names of the required capabilities that it lacks, if any.
     pub fn missing(&self) -> Option<String> {
         let names: Vec<_> = self.capabilities.missing.iter().map(|m| m.name()).collect();
         if names.is_empty() { None } else { Some(names.join(", ")) }

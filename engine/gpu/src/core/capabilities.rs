@@ -1,4 +1,5 @@
-//! The one table of what the engine requires of a device and what it makes use of if it is there.
+//! The one table of the capabilities that the engine requires of a device, and of those that it
+//! uses if present.
 
 use std::ffi::{CStr, CString};
 
@@ -6,20 +7,21 @@ use ash::{ext, google, khr, vk};
 
 use crate::core::instance::InstanceShared;
 
-/// What a device must have. A device that lacks one is refused by this name.
+/// A capability that a device must have. A device that lacks one is refused, and the refusal names
+/// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Required {
     /// Core 1.3: dynamic rendering, synchronization2.
     Vulkan13,
     /// Rendering without render-pass objects.
     DynamicRendering,
-    /// Barriers and submits of the second kind.
+    /// Barriers and submits of `VK_KHR_synchronization2`.
     Synchronization2,
-    /// One counter that tells which frames are over.
+    /// One counter that proves which frames are over.
     TimelineSemaphore,
     /// One call that draws a contiguous range of objects.
     MultiDrawIndirect,
-    /// Indirect draws that say which instance they draw.
+    /// Indirect draws with a first instance other than 0.
     DrawIndirectFirstInstance,
     /// A queue family with graphics and compute.
     GraphicsQueue,
@@ -40,7 +42,7 @@ impl Required {
         Required::Depth32,
     ];
 
-    /// Returns what the user reads.
+    /// Returns the name shown to the user.
     pub fn name(self) -> &'static str {
         match self {
             Required::Vulkan13 => "Vulkan 1.3",
@@ -55,10 +57,10 @@ impl Required {
     }
 }
 
-/// What a device may have; each has a fallback.
+/// A capability that a device may have; each has a fallback.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Optional {
-    /// `VK_EXT_conditional_rendering`: the GPU skips draws by a word in memory.
+    /// `VK_EXT_conditional_rendering`: the GPU skips draws by 32 bits in memory.
     ConditionalRendering,
     /// Indirect draws whose count the GPU reads.
     DrawIndirectCount,
@@ -70,18 +72,18 @@ pub enum Optional {
     FragmentStores,
     /// Triangles drawn as their edges.
     Wireframe,
-    /// Textures that stay sharp where they are seen at a grazing angle.
+    /// Textures that stay sharp at grazing angles.
     Anisotropy,
-    /// Reading the GPU's clock and ours at once.
+    /// Reading the clocks of GPU and CPU at once.
     CalibratedTimestamps,
     /// Pictures in windows. This one and those below are there only if the instance was made for
     /// windows ([`crate::InstanceOptions::windows`]).
     Swapchain,
-    /// Fences that tell when a present is done with what it was given.
+    /// Fences that are signalled when a present no longer uses its semaphore and image.
     PresentFences,
-    /// Asking which present is on the screen.
+    /// Waiting for a present to be on the screen.
     PresentWait,
-    /// When presents were on the screen, and how long a refresh takes.
+    /// The times at which presents were on the screen, and the duration of a refresh.
     DisplayTiming,
 }
 
@@ -102,7 +104,7 @@ impl Optional {
         Optional::DisplayTiming,
     ];
 
-    /// Returns what the user reads.
+    /// Returns the name shown to the user.
     pub fn name(self) -> &'static str {
         match self {
             Optional::ConditionalRendering => "VK_EXT_conditional_rendering",
@@ -121,7 +123,7 @@ impl Optional {
     }
 }
 
-/// What one device has of the table.
+/// The capabilities of one device.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Capabilities {
     /// The required ones it lacks.

@@ -30,19 +30,19 @@ pub(crate) trait RetiredObject: Send {
     fn destroy(self: Box<Self>, device: &ash::Device);
 }
 
-/// Tells one recording from all others of its device, of reused command buffers too. They are
-/// numbered from 1 in the order in which they are opened.
+/// The identity of one recording among all of its device, those of reused command buffers included.
+/// Recordings are numbered from 1 in the order in which they are opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) struct Recording(u64);
 
-/// What was retired, in the order in which it is freed.
+/// Retired objects, in the order in which they are freed.
 pub(crate) struct DeletionQueue<T> {
     newest: Recording,
     /// Recordings that are neither submitted nor given up, oldest first.
     open: Vec<Recording>,
-    /// What these may use: nothing opened after the recording named does.
+    /// Objects that these may use: no recording opened after the one named uses them.
     recorded: VecDeque<(Recording, T)>,
-    /// What only the GPU may still use, until a tick.
+    /// Objects that only the GPU may still use, until a tick.
     submitted: VecDeque<(Tick, T)>,
 }
 
@@ -63,7 +63,7 @@ impl<T> DeletionQueue<T> {
         self.newest
     }
 
-    /// Ends a recording that was submitted, no later than as `submitted`, or never will be.
+    /// Ends a recording that was submitted at `submitted` or before, or never will be.
     pub(crate) fn close(&mut self, recording: Recording, submitted: Tick) {
         self.open.retain(|open| *open != recording);
         let oldest = self.open.first().copied();
@@ -76,8 +76,8 @@ impl<T> DeletionQueue<T> {
     }
 
     /// Keeps `payload` until every recording that is open is closed, and then until the last submit
-    /// before that is over; with none open, until `submitted` is, the newest tick. Those never fall
-    /// from call to call.
+    /// before that is over. With none open, keeps it until `submitted`, the newest tick, is over.
+    /// `submitted` never falls from call to call.
     pub(crate) fn retire(&mut self, submitted: Tick, payload: T) {
         debug_assert!(self.submitted.back().is_none_or(|(last, _)| *last <= submitted));
         if self.open.is_empty() {

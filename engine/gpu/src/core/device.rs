@@ -19,18 +19,18 @@ use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
 use crate::core::timeline::Timeline;
 
-/// How often the CPU waited for the GPU since the device was made.
+/// The number of times the CPU waited for the GPU since the device was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct WaitCounts {
-    /// Waits for a frame slot's own tick of N frames ago: what bounds the frames in flight.
+    /// Waits for a frame slot's own tick of N frames ago: these bound the frames in flight.
     pub slot: u64,
     /// All others: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is a
     /// stall.
     pub other: u64,
 }
 
-/// What a submit comes after, and what it signals beside its tick. Binary semaphores are a
-/// window's.
+/// The semaphores that a submit waits for, and those that it signals beside its tick. Binary
+/// semaphores belong to a window.
 #[derive(Default)]
 pub(crate) struct Order<'a> {
     pub(crate) after: Option<(&'a Timeline, Tick)>,
@@ -38,7 +38,7 @@ pub(crate) struct Order<'a> {
     pub(crate) presents: Option<vk::Semaphore>,
 }
 
-/// Why the CPU waits.
+/// The reason for which the CPU waits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum WaitFor {
     Slot,
@@ -134,13 +134,14 @@ impl Device {
         Ok(Tick(completed))
     }
 
-    /// Cuts `completed`, which may be of another device, to what this device was seen to complete.
+    /// Cuts `completed`, which may be of another device, to the newest tick that this device was
+    /// seen to complete.
     pub(crate) fn proven(&self, completed: Tick) -> Tick {
         completed.min(Tick(self.shared.completed.load(Ordering::Acquire)))
     }
 
-    /// Returns the tick of a frame that was just submitted as `tick`, which may be of another
-    /// device: one that is not before the end of that frame.
+    /// Returns a tick of this device at or after the end of the frame just submitted as `tick`,
+    /// which may be of another device.
     pub(crate) fn not_before(&self, tick: Tick) -> Tick {
         tick.max(self.submitted())
     }
@@ -160,7 +161,7 @@ impl Device {
         self.free_retired()
     }
 
-    /// Returns how often the CPU waited.
+    /// Returns the number of times the CPU waited.
     pub fn wait_counts(&self) -> WaitCounts {
         WaitCounts {
             slot: self.shared.slot_waits.load(Ordering::Relaxed),
@@ -168,7 +169,7 @@ impl Device {
         }
     }
 
-    /// Memory taken from the driver and memory in use, in bytes.
+    /// Returns the memory taken from the driver and the memory in use, in bytes.
     pub fn memory_bytes(&self) -> (u64, u64) {
         let allocator = lock(&self.shared.allocator);
         allocator.as_ref().map_or((0, 0), |allocator| {
@@ -199,7 +200,7 @@ impl Device {
         }
     }
 
-    /// Waits for the tick of a slot for no longer than `bound`, and says whether it is over.
+    /// Waits for the tick of a slot for no longer than `bound`, and returns true if it is over.
     pub(crate) fn wait_within(&self, tick: Tick, bound: Duration) -> Result<bool, Error> {
         if self.completed()? >= tick {
             return Ok(true);
@@ -211,7 +212,7 @@ impl Device {
         }
     }
 
-    /// Submits a command buffer, or nothing but the `order`, and signals the tick returned.
+    /// Submits a command buffer, or the `order` alone, and signals the tick returned.
     pub(crate) fn submit(
         &self,
         commands: Option<vk::CommandBuffer>,
@@ -249,8 +250,8 @@ impl Device {
         Ok(tick)
     }
 
-    /// Hands the queue to `present`, which nobody else uses meanwhile. Others may hold it for
-    /// longer than the bound of every wait.
+    /// Calls `present` with the queue, which nobody else uses meanwhile. Returns `None` if others
+    /// hold it for longer than the bound of every wait.
     pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
         Some(present(self.shared.queue.take(self.shared.wait_bound)?.value))
     }
@@ -262,7 +263,7 @@ impl Device {
         deletion.retire(self.submitted(), garbage);
     }
 
-    /// Begins to record commands, which keep alive all that is dropped until the guard is.
+    /// Begins to record commands, which keep alive all that is dropped before the guard is dropped.
     pub(crate) fn open_recording(&self) -> OpenRecording {
         OpenRecording { device: self.clone(), number: lock(&self.shared.deletion).open() }
     }
@@ -293,7 +294,7 @@ impl Device {
         has.optimal_tiling_features.contains(features)
     }
 
-    /// Returns the id that tells this device from all others.
+    /// Returns the id of this device, which no other has.
     pub(crate) fn id(&self) -> OwnerId {
         self.shared.id
     }
@@ -327,7 +328,7 @@ impl Device {
         lock(&self.shared.allocator)
     }
 
-    /// Gives a Vulkan object its debug name, where anyone listens.
+    /// Gives a Vulkan object its debug name where a debugger or layer listens.
     pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
         let Some(debug) = self.debug() else { return };
         let name = std::ffi::CString::new(name.replace('\0', " ")).unwrap_or_default();
@@ -338,7 +339,8 @@ impl Device {
     }
 }
 
-/// Commands that are being recorded. Dropped after their last submit, or when there will be none.
+/// The guard of commands that are being recorded. Dropped after their last submit, or when there
+/// will be none.
 pub(crate) struct OpenRecording {
     device: Device,
     pub(crate) number: Recording,
@@ -351,7 +353,7 @@ impl Drop for OpenRecording {
     }
 }
 
-/// Returns those that are there, in front.
+/// Returns those of the two that are there, in front, and their number.
 fn both<T: Copy + Default>(first: Option<T>, second: Option<T>) -> ([T; 2], usize) {
     match (first, second) {
         (Some(first), Some(second)) => ([first, second], 2),

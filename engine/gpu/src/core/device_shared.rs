@@ -30,7 +30,7 @@ pub(super) struct DeviceShared {
     pub(super) deletion: Mutex<DeletionQueue<Retired>>,
     pub(super) timeline: vk::Semaphore,
     pub(super) submitted: AtomicU64,
-    /// The newest tick that was seen to be over.
+    /// The newest tick seen to be over.
     pub(super) completed: AtomicU64,
     pub(super) wait_bound: Duration,
     pub(super) slot_waits: AtomicU64,
@@ -39,8 +39,8 @@ pub(super) struct DeviceShared {
 }
 
 impl DeviceShared {
-    /// Keeps everything for ever: destroying what the GPU still uses would be worse. The allocator
-    /// would free its memory as it goes, the instance would go before its device.
+    /// Leaks everything: destroying what the GPU still uses would be worse. The allocator would
+    /// free its memory as it goes, the instance would go before its device.
     fn abandon(&self) {
         std::mem::forget(lock(&self.allocator).take());
         std::mem::forget(Arc::clone(&self.instance));

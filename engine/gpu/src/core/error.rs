@@ -1,4 +1,4 @@
-//! What can go wrong between us and the GPU, with the call, the code, and what to do about it.
+//! The errors between the program and the GPU, with the call, the code, and the remedy.
 
 use ash::vk;
 
@@ -22,7 +22,7 @@ pub enum Error {
     BadManifest {
         /// The Vulkan call.
         call: &'static str,
-        /// What it returned.
+        /// The result that it returned.
         code: vk::Result,
     },
     /// The loader itself is older than Vulkan 1.3.
@@ -69,23 +69,23 @@ pub enum Error {
         device: String,
         /// The capability it lacks.
         missing: &'static str,
-        /// What needed it.
+        /// The option or method that needs it.
         wanted: &'static str,
     },
-    /// A threshold for an executor that can tell zero from the rest and nothing else.
+    /// A threshold was asked of an executor that only compares with zero.
     #[error(
         "conditional rendering cannot compare samples with a threshold of {threshold_samples}: skip draws by counts or by instances, or set the threshold to 0"
     )]
     CannotCompare {
-        /// What was asked for.
+        /// The threshold asked for.
         threshold_samples: u32,
     },
-    /// A size or count is beyond what the device takes.
+    /// A size or count is beyond the device's limit.
     #[error("{what} would be {wanted}, and this device takes at most {limit}")]
     TooLarge {
-        /// What is too large.
+        /// The size or count that is too large.
         what: String,
-        /// How large it would be.
+        /// The value wanted.
         wanted: u64,
         /// The device's limit.
         limit: u64,
@@ -113,9 +113,9 @@ pub enum Error {
         "{thing} is used by {user}, but both are of different `{owner}`s: make both from the same one"
     )]
     Foreign {
-        /// What was given.
+        /// The object used.
         thing: &'static str,
-        /// What it was given to.
+        /// The object or method that it was given to.
         user: &'static str,
         /// The type that both have to be made from.
         owner: &'static str,
@@ -134,17 +134,17 @@ pub enum Error {
     Vulkan {
         /// The Vulkan call.
         call: &'static str,
-        /// What it returned.
+        /// The result that it returned.
         code: vk::Result,
     },
-    /// Memory could not be had.
+    /// The allocation of memory failed.
     #[error(
         "no GPU memory for {what} ({size_bytes} bytes): {source}; use fewer or smaller objects and images"
     )]
     Memory {
-        /// What the memory was for.
+        /// The purpose of the memory.
         what: String,
-        /// How much was asked for.
+        /// The size asked for.
         size_bytes: u64,
         /// The allocator's reason.
         source: gpu_allocator::AllocationError,
@@ -157,9 +157,9 @@ pub enum Error {
         "the GPU did not finish {what} within {seconds} s; it may hang, or the frame is too heavy for this device"
     )]
     Timeout {
-        /// What was waited for.
+        /// The work that was waited for.
         what: &'static str,
-        /// How long.
+        /// The time waited.
         seconds: f64,
     },
     /// A shader does not compile. The text starts with the file and line.
@@ -179,8 +179,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns true if the device is lost: nothing made from it works any more. Make all of it
-    /// anew, or end.
+    /// Returns true if the device is lost: nothing made from it works any more. Create all of it
+    /// again, or end.
     pub fn is_device_lost(&self) -> bool {
         matches!(self, Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. })
     }

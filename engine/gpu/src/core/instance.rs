@@ -10,7 +10,7 @@ use crate::core::ownership::OwnerId;
 use crate::core::validation::ValidationLog;
 use crate::core::window_system::{WindowFunctions, WindowSystem};
 
-/// How much the Khronos validation layer checks.
+/// The checks of the Khronos validation layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Validation {
     /// The layer is not loaded.
@@ -22,15 +22,15 @@ pub enum Validation {
     Synchronization,
 }
 
-/// How to make an [`Instance`].
+/// The options of an [`Instance`].
 #[derive(Debug, Clone, Default)]
 pub struct InstanceOptions {
     /// The application's name, for the driver.
     pub application: String,
-    /// What the validation layer checks.
+    /// The checks of the validation layer.
     pub validation: Validation,
-    /// Whose windows will show pictures; `None` for an instance that shows none, and needs no
-    /// window system.
+    /// The window system whose windows will show pictures; `None` for an instance that shows none
+    /// and needs no window system.
     pub windows: Option<WindowSystem>,
 }
 
@@ -49,7 +49,7 @@ pub(crate) struct InstanceShared {
     pub(crate) raw: ash::Instance,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
     pub(crate) has_debug_utils: bool,
-    /// What surfaces are made and asked with, if the instance is for windows.
+    /// The functions that create surfaces and ask about them, if the instance is for windows.
     pub(crate) windows: Option<WindowFunctions>,
     // Boxed: the messenger holds its address.
     log: Box<ValidationLog>,
@@ -75,7 +75,7 @@ impl Instance {
         require_1_3(&entry)?;
         let layers = wanted_layers(&entry, options.validation)?;
         let there = extension_names(&entry)?;
-        // The layer brings debug_utils along even where the loader has none.
+        // The layer offers debug_utils even where the loader has none.
         let has_debug_utils = options.validation != Validation::Off
             || there.iter().any(|name| name.as_c_str() == ext::debug_utils::NAME);
         let (mut extensions, present_fences) = match options.windows {
@@ -140,12 +140,12 @@ impl Instance {
         Ok(Self { shared: Arc::new(shared) })
     }
 
-    /// Returns what the validation layers said. Empty for ever when validation is off.
+    /// Returns the log of the validation layers. It stays empty when validation is off.
     pub fn validation_log(&self) -> &ValidationLog {
         &self.shared.log
     }
 
-    /// Returns what is being checked.
+    /// Returns the checks that are on.
     pub fn validation(&self) -> Validation {
         self.shared.validation
     }
@@ -173,7 +173,7 @@ fn require_1_3(entry: &ash::Entry) -> Result<(), Error> {
     Ok(())
 }
 
-/// `1.3.230` from a packed version.
+/// Returns a packed version as text, such as `1.3.230`.
 pub(crate) fn version_text(version: u32) -> String {
     format!(
         "{}.{}.{}",
@@ -206,8 +206,8 @@ fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
     Ok(names.map(Into::into).collect())
 }
 
-/// Returns what a loader means that cannot begin. It says that it is out of memory where a manifest
-/// of a driver or a layer is not whole, long before memory matters.
+/// Returns the error behind the code of a loader that cannot begin. A loader reports that it is out
+/// of memory where a manifest of a driver or a layer is damaged, with memory to spare.
 fn refusal(call: &'static str, code: vk::Result) -> Error {
     match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {

@@ -1,4 +1,5 @@
-//! What all else stands on: instance, adapter, device, ticks, what is dropped, whose a handle is.
+//! The foundation of all other rooms: instance, adapter, device, ticks, deletion, ownership of
+//! handles.
 
 pub(crate) mod adapter;
 pub(crate) mod capabilities;

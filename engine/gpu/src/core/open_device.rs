@@ -1,4 +1,5 @@
-//! Opening a device: which features and extensions are asked for, and what it cannot be without.
+//! Opening a device: the features and extensions asked for, and the objects that every device
+//! needs.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,10 +14,10 @@ use crate::core::instance::InstanceShared;
 use crate::core::pipeline_cache::PipelineCache;
 use crate::core::tick::create_semaphore;
 
-/// How to make a [`Device`](crate::Device).
+/// The options of a [`Device`](crate::Device).
 #[derive(Debug, Clone)]
 pub struct DeviceOptions {
-    /// Where compiled pipelines are kept between runs; `None` keeps none. A file that belongs to
+    /// The file of compiled pipelines between runs; `None` keeps none. A file that belongs to
     /// another device or driver, or is damaged, is ignored and replaced.
     pub pipeline_cache: Option<PathBuf>,
     /// The bound of every wait. A frame that takes longer is an error, not a hang.
@@ -25,12 +26,12 @@ pub struct DeviceOptions {
 
 impl Default for DeviceOptions {
     fn default() -> Self {
-        // A million objects on a software driver take half a minute a frame.
+        // A million objects on a software driver take half a minute per frame.
         Self { pipeline_cache: None, wait_bound: Duration::from_secs(300) }
     }
 }
 
-/// The functions of those extensions that are on.
+/// The functions of the extensions that are on.
 pub(crate) struct Extensions {
     pub(crate) debug: Option<ext::debug_utils::Device>,
     pub(crate) conditional: Option<ext::conditional_rendering::Device>,
@@ -62,7 +63,8 @@ impl Extensions {
     }
 }
 
-/// Returns what a device cannot be without. Failing, it leaves nothing behind.
+/// Creates the timeline, the allocator and the pipeline cache, without which there is no device. A
+/// failure leaves nothing behind.
 pub(crate) fn equip(
     instance: &InstanceShared,
     adapter: &Adapter,

@@ -1,4 +1,5 @@
-//! Which device a thing was made from, and the one check that no other device is given its handles.
+//! The device that each object was made from, and the one check that no other device is given its
+//! handles.
 //!
 //! Handles mean something to the device (or instance) that gave them away and to no other: drivers
 //! follow them as pointers. Whatever owns handles says by [`OfDevice`] where they come from;
@@ -9,13 +10,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::core::error::Error;
 
-/// Tells a [`Device`](crate::Device) or an [`Instance`](crate::Instance) from all others of the
+/// The identity of a [`Device`](crate::Device) or an [`Instance`](crate::Instance) among all of the
 /// process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct OwnerId(u64);
 
 impl OwnerId {
-    /// Returns an id that nothing else of the process has.
+    /// Returns an id that is unique in the process.
     pub(crate) fn new() -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         Self(NEXT.fetch_add(1, Ordering::Relaxed))
@@ -31,7 +32,7 @@ pub trait OfDevice {
     fn device_id(&self) -> OwnerId;
 }
 
-/// Refuses a thing whose owner is not that of its user.
+/// Refuses a thing that has another owner than its user.
 pub(crate) fn check(
     owner: OwnerId,
     wanted: OwnerId,

@@ -1,9 +1,8 @@
-//! The pipeline cache on disk: what the driver compiled last time need not be compiled again.
+//! The pipeline cache on disk: pipelines compiled in an earlier run are not compiled again.
 //!
-//! Drivers look at little more than the header of what they once gave away, and may crash on the
-//! rest if it is damaged (VUID-VkPipelineCacheCreateInfo-initialDataSize-00769). So the file has a
-//! header of its own, and data reaches a driver only if it is whole and of this very driver and
-//! device.
+//! Drivers check little more than the header of their data, and may crash if the rest is damaged
+//! (VUID-VkPipelineCacheCreateInfo-initialDataSize-00769). So the file has a header of its own, and
+//! data reaches a driver only if it is whole and of this very driver and device.
 
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -22,17 +21,17 @@ pub(crate) struct PipelineCache {
     identity: Identity,
 }
 
-/// The device and the driver, to the build.
+/// The identity of the device and of the exact build of its driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Identity([u8; IDENTITY_BYTES]);
 
-/// Three numbers and three UUIDs.
+/// The size of three numbers and three UUIDs.
 const IDENTITY_BYTES: usize = 3 * 4 + 3 * vk::UUID_SIZE;
 
-/// A file that is larger is none of ours: drivers keep some megabytes.
+/// The size beyond which a file is refused as foreign: drivers keep some megabytes.
 const MOST_BYTES: u64 = 256 << 20;
 
-/// What the file begins with. The last character is its version.
+/// The first bytes of the file. The last character is its version.
 const MAGIC: &[u8; 8] = b"antumbr1";
 
 impl Identity {
@@ -124,14 +123,14 @@ fn unseal(identity: Identity, file: &[u8]) -> Option<&[u8]> {
     is_whole.then_some(data)
 }
 
-/// FNV-1a of 64 bits: finds accidents, which is all that is asked of it.
+/// Returns the FNV-1a hash of 64 bits: it finds accidents, not attacks.
 fn fnv_1a(data: &[u8]) -> u64 {
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     data.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
-/// Reads a regular file of at most `most_bytes`. Anything else is refused by what it is: to open a
-/// pipe would be to wait for somebody who writes, and a file of holes is as large as it says.
+/// Reads a regular file of at most `most_bytes`. Refuses anything else by its type: to open a pipe
+/// would be to wait for somebody who writes, and a file of holes is as large as it says.
 fn read_file(path: &Path, most_bytes: u64) -> std::io::Result<Vec<u8>> {
     let about = std::fs::metadata(path)?;
     let refuse = |reason| Err(std::io::Error::new(ErrorKind::InvalidData, reason));
@@ -150,7 +149,8 @@ fn read_file(path: &Path, most_bytes: u64) -> std::io::Result<Vec<u8>> {
 /// Writes beside the file and renames: another process sees the old file or the new one, whole, and
 /// so does the next run after a power cut.
 fn replace_file(path: &Path, data: &[u8]) -> std::io::Result<()> {
-    /// Devices of one process may close at the same time.
+    /// The number of files written, for unique names: devices of one process may close at the same
+    /// time.
     static WRITTEN: AtomicU64 = AtomicU64::new(0);
     // A pipe or a device is not ours to replace.
     if std::fs::metadata(path).is_ok_and(|about| !about.is_file()) {

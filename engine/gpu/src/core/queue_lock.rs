@@ -1,5 +1,4 @@
-//! A thing that one thread uses at a time, which the others wait for with a bound: a queue may be
-//! held by a present for as long as its window is hidden.
+//! A lock with a bounded wait: a present may hold a queue for as long as its window is hidden.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -10,7 +9,7 @@ pub(crate) struct QueueLock<T> {
     is_free: Condvar,
 }
 
-/// A turn, over when it is dropped.
+/// The guard of a turn, which ends when the guard is dropped.
 pub(crate) struct QueueGuard<'a, T> {
     turns: &'a QueueLock<T>,
     pub(crate) value: T,
@@ -21,7 +20,7 @@ impl<T: Copy> QueueLock<T> {
         Self { value, is_taken: Mutex::new(false), is_free: Condvar::new() }
     }
 
-    /// Returns the next turn; none if the others do not end theirs within `bound`.
+    /// Returns the next turn, or `None` if the others do not end theirs within `bound`.
     pub(crate) fn take(&self, bound: Duration) -> Option<QueueGuard<'_, T>> {
         let waited =
             self.is_free.wait_timeout_while(lock(&self.is_taken), bound, |is_taken| *is_taken);
@@ -42,7 +41,7 @@ impl<T> Drop for QueueGuard<'_, T> {
     }
 }
 
-/// Locks what stays whole even where a thread panicked over it.
+/// Locks a value that stays whole even where a thread panicked while it held the lock.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // A poisoned lock means that a thread panicked; the values behind our locks stay whole.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)

@@ -9,7 +9,7 @@ use crate::core::error::{Called, Error};
 pub struct Tick(pub u64);
 
 impl Tick {
-    /// Before all work.
+    /// The tick before all work.
     pub const ZERO: Tick = Tick(0);
 
     /// Returns the tick after this one.

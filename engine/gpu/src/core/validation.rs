@@ -1,4 +1,4 @@
-//! The validation log: what the layers said, kept until a test drains it.
+//! The validation log: the messages of the layers, kept until a test drains it.
 
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,13 +14,13 @@ pub struct Message {
     pub text: String,
 }
 
-/// Everything the validation layers had to say, in order. Clones share one log.
+/// All messages of the validation layers, in order. Clones share one log.
 #[derive(Debug, Clone, Default)]
 pub struct ValidationLog {
     messages: Arc<Mutex<Vec<Message>>>,
 }
 
-/// More messages than this are counted by the layers themselves; the first ones tell the story.
+/// The most messages that are kept: the first ones explain the rest.
 const MESSAGES_KEPT: usize = 10_000;
 
 impl ValidationLog {
@@ -50,8 +50,8 @@ impl ValidationLog {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns what the messenger needs: the callback and, as its user data, this log.
-    /// The log must outlive the messenger; [`crate::Instance`] holds it in a box for that.
+    /// Returns the description of the messenger: the callback and, as its user data, this log. The
+    /// log must outlive the messenger; [`crate::Instance`] holds it in a box for that.
     pub(crate) fn messenger_info(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'_> {
         vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
@@ -93,6 +93,8 @@ unsafe extern "system" fn on_message(
     vk::FALSE
 }
 
+/// Copies a string of a message.
+///
 /// # Safety
 /// `text` is null or points to a null-terminated string.
 unsafe fn text_of(text: *const std::ffi::c_char) -> String {

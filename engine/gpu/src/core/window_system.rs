@@ -1,4 +1,5 @@
-//! Window systems: whose windows an instance can show pictures in, and what it needs for that.
+//! Window systems: the kinds of window that an instance can present to, and the extensions that
+//! each needs.
 
 use std::ffi::{CStr, CString, c_char};
 
@@ -11,7 +12,7 @@ use crate::core::error::{Called, Error};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WindowSystem(&'static CStr);
 
-/// What an instance for windows is asked with.
+/// The functions with which an instance for windows is asked about surfaces.
 pub(crate) struct WindowFunctions {
     pub(crate) system: WindowSystem,
     pub(crate) surface: khr::surface::Instance,
@@ -19,7 +20,7 @@ pub(crate) struct WindowFunctions {
     pub(crate) present_fences: Vec<&'static CStr>,
 }
 
-/// Extensions of an instance, and of its devices.
+/// The extensions of an instance, and those of its devices.
 type Asked = (Vec<*const c_char>, Vec<&'static CStr>);
 
 const MAINTENANCE: [(&CStr, &CStr); 2] = [
@@ -28,11 +29,11 @@ const MAINTENANCE: [(&CStr, &CStr); 2] = [
 ];
 
 impl WindowSystem {
-    /// Returns the window system that `display` belongs to: a window, or an event loop that has
-    /// none yet.
+    /// Returns the window system that `display` belongs to, which is a window or an event loop that
+    /// has none yet.
     ///
     /// # Errors
-    /// [`Error::NoDisplay`] where the connection is gone, or nothing Vulkan knows.
+    /// [`Error::NoDisplay`] where the connection is gone, or for a system unknown to Vulkan.
     pub fn of(display: &impl HasDisplayHandle) -> Result<Self, Error> {
         let handle = display.display_handle();
         let handle = handle.map_err(|error| Error::NoDisplay(error.to_string()))?;
@@ -46,16 +47,16 @@ impl WindowSystem {
         }
     }
 
-    /// Is it Wayland, where no error tells of a resize, and a hidden window may show nothing for
-    /// ever?
+    /// Returns true for Wayland: no error reports a resize, and a hidden window may show nothing
+    /// for ever.
     pub(crate) fn is_wayland(self) -> bool {
         self.0 == khr::wayland_surface::NAME
     }
 
-    /// Returns what to ask an instance for, given what is there.
+    /// Returns the extensions to ask an instance for, out of those that are `there`.
     ///
-    /// Also the extensions by which devices have present fences then: each has a half of its own in
-    /// the instance. The younger has the structures of the elder.
+    /// Also returns the device extensions of present fences whose instance half is then on. The
+    /// younger of the two extensions has the structures of the elder.
     pub(crate) fn extensions(self, there: &[CString]) -> Result<Asked, Error> {
         let has = |name: &CStr| there.iter().any(|extension| extension.as_c_str() == name);
         let required = [khr::surface::NAME, self.0];
@@ -77,14 +78,14 @@ impl WindowSystem {
     }
 }
 
-/// Returns the display by which drivers find it.
+/// Returns the display as drivers expect it.
 pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle {
     #[cfg(feature = "loaded")]
     let handle = crate::core::xcb::display(handle);
     handle
 }
 
-/// Returns the window by which drivers find it, on the display of [`display_for_drivers`].
+/// Returns the window as drivers expect it, on the display of [`display_for_drivers`].
 pub(crate) fn window_for_drivers(
     handle: RawWindowHandle,
     display: RawDisplayHandle,
@@ -96,6 +97,8 @@ pub(crate) fn window_for_drivers(
     handle
 }
 
+/// Returns the string as one that lives as long as the program.
+///
 /// # Safety
 /// `name` points to a string that lives as long as the program.
 unsafe fn constant(name: *const c_char) -> &'static CStr {

@@ -1,9 +1,9 @@
 //! Windows of Xlib as windows of XCB: every driver for X11 knows these, and some know only these.
 //!
-//! The loader takes a surface of Xlib for one that any driver understands. Google's SwiftShader has
-//! none of Xlib, says all the same that it can present to it, and crashes when it is asked how
-//! large it is. Both libraries share one connection, and drivers that take windows of Xlib ask for
-//! it, too.
+//! The loader takes a surface of Xlib for one that any driver understands. Google's SwiftShader
+//! supports no surface of Xlib, claims that it can present to one, and crashes when it is asked for
+//! its size. Both libraries share one connection, and drivers that take windows of Xlib ask for it,
+//! too.
 
 use std::ffi::c_void;
 use std::num::NonZeroU32;
@@ -15,7 +15,7 @@ use raw_window_handle::{
     RawDisplayHandle, RawWindowHandle, XcbDisplayHandle, XcbWindowHandle, XlibDisplayHandle,
 };
 
-/// `XGetXCBConnection`.
+/// The type of `XGetXCBConnection`.
 type ConnectionOf = unsafe extern "C" fn(display: *mut c_void) -> *mut c_void;
 
 /// Returns the same display as XCB calls it, where it is one of Xlib and the library is there.

@@ -12,7 +12,7 @@ use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::{OfDevice, OwnerId};
 
-/// Where a buffer lives.
+/// The memory that a buffer lives in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MemoryKind {
     /// GPU memory the CPU does not see.
@@ -37,9 +37,9 @@ pub struct Buffer {
 pub struct BufferSlice {
     pub(crate) raw: vk::Buffer,
     pub(crate) device: OwnerId,
-    /// Where it starts in the buffer.
+    /// The offset at which it starts in the buffer.
     pub offset_bytes: u64,
-    /// How long it is.
+    /// The length of the part.
     pub size_bytes: u64,
 }
 
@@ -111,19 +111,19 @@ impl Buffer {
         Ok(Self { device: device.clone(), raw, allocation, size_bytes })
     }
 
-    /// Its size.
+    /// Returns its size.
     pub fn size_bytes(&self) -> u64 {
         self.size_bytes
     }
 
-    /// Returns all of it.
+    /// Returns the whole buffer as a slice.
     pub fn whole(&self) -> BufferSlice {
         let (raw, device) = (self.raw, self.device.id());
         BufferSlice { raw, device, offset_bytes: 0, size_bytes: self.size_bytes }
     }
 
-    /// Returns what mapped memory holds now, as elements `range` of `T`; empty where there is none.
-    /// The caller knows by a tick that the GPU is done writing.
+    /// Returns what mapped memory holds now, as elements `range` of `T`; empty where there are
+    /// none. The caller knows by a tick that the GPU is done writing.
     pub fn read<T: Pod>(&self, range: Range<usize>) -> &[T] {
         let size = size_of::<T>();
         let bytes = self.allocation.as_ref().and_then(Allocation::mapped_slice).unwrap_or(&[]);

@@ -11,27 +11,27 @@ use crate::memory::image::Image;
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::{Commands, Failure};
 
-/// What the bytes mean is for the shader to say.
+/// The format of the bytes, whose meaning is the shader's choice.
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
-/// An image of four channels of eight bits with a linear sampler that clamps at the edges.
+/// An image of four 8-bit channels with a linear sampler that clamps at the edges.
 pub struct DynamicTexture {
     device: Device,
     image: Image,
     sampler: vk::Sampler,
     size: [u32; 2],
-    // Whether what is in it is known: until the first write has been submitted, it holds anything.
+    // The contents are undefined until the first write has been submitted.
     state: State,
 }
 
-/// What the newest recording that wrote to a texture left behind.
+/// The contents that the newest recording left in a texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Anything.
+    /// Undefined contents.
     Fresh,
-    /// The recording cleared it; whether it was ever submitted is not known.
+    /// Cleared by the recording, which may never be submitted.
     Cleared(Recording),
-    /// It was submitted.
+    /// Defined contents: the recording was submitted.
     Known,
 }
 
@@ -67,15 +67,15 @@ impl DynamicTexture {
         Ok(Self { device: device.clone(), image, sampler, size, state: State::Fresh })
     }
 
-    /// Its size in pixels.
+    /// Returns its size in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
     /// Writes `size` pixels from `origin` on (from the upper left) out of `pixels`: four bytes
-    /// each, rows from the top without gaps. What was never written is transparent black. Outside
-    /// of rendering; later draws of the same recording see it. An area outside of the texture or a
-    /// slice of another size fails the recording, as does what is of another device.
+    /// each, rows from the top without gaps. Pixels that were never written are transparent black.
+    /// Outside of rendering; later draws of the same recording see it. An area outside of the
+    /// texture or a slice of another size fails the recording, as does a slice of another device.
     pub fn write(
         &mut self,
         commands: &Commands,
@@ -119,15 +119,14 @@ impl DynamicTexture {
         self.change(commands, Access::CopyWrite, Access::FragmentSample);
     }
 
-    /// Says that what was recorded last has been submitted: only then do later recordings build on
-    /// it.
+    /// Notes that the last recording has been submitted: only then do later recordings build on it.
     pub fn submitted(&mut self) {
         if self.state != State::Fresh {
             self.state = State::Known;
         }
     }
 
-    /// Returns true if commands may sample it.
+    /// Returns true if `commands` may sample it.
     pub(crate) fn is_known_to(&self, commands: &Commands) -> bool {
         match self.state {
             State::Fresh => false,
@@ -144,7 +143,7 @@ impl DynamicTexture {
         }
     }
 
-    /// Makes it ready to be sampled, outside of rendering: transparent black, if nothing was ever
+    /// Prepares it to be sampled, outside of rendering: transparent black, if nothing was ever
     /// written to it.
     pub fn prepare(&mut self, commands: &Commands) {
         if commands.admit(self).is_err() || self.is_known_to(commands) {

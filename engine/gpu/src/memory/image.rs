@@ -18,8 +18,8 @@ pub(crate) struct Image {
 }
 
 impl Image {
-    /// Creates an image of this size. The formats are that of its memory and that of its view; the
-    /// size is within the device's limits.
+    /// Creates an image of this size. The first format is for its memory and the second for its
+    /// view; the size is within the device's limits.
     pub(crate) fn new(
         device: &Device,
         name: &str,
@@ -38,7 +38,8 @@ impl Image {
         Self::with_view(device, name, &info, view)
     }
 
-    /// Returns a 2D array of so many levels and layers, all within the device's limits, of colours.
+    /// Creates a 2D array of colours with so many levels and layers, all within the device's
+    /// limits.
     pub(crate) fn array(
         device: &Device,
         name: &str,

@@ -1,4 +1,4 @@
-//! Buffers, images and textures, and what goes up to the GPU and comes back.
+//! Buffers, images and textures, with uploads to the GPU and read-backs from it.
 
 pub(crate) mod buffer;
 pub(crate) mod dynamic_texture;

@@ -23,7 +23,7 @@ pub struct Readback {
     device: Device,
     buffer: Buffer,
     size: [u32; 2],
-    /// That of the newest commands that copy a picture here; none before the first.
+    /// The ticket of the newest commands that copy a picture here; none before the first.
     newest: RwLock<Option<Arc<Ticket>>>,
 }
 
@@ -61,13 +61,13 @@ impl Readback {
     }
 
     /// Returns the picture of the newest frame that was recorded to copy one here: rows from the
-    /// top, four bytes a pixel, sRGB. Never waits. As long as the pixels are held, a frame that
-    /// would copy another picture here fails.
+    /// top, four bytes per pixel, sRGB. Never waits. While the pixels are held, a frame that copies
+    /// another picture here fails.
     ///
     /// # Errors
     /// [`Error::NoPicture`] as long as that frame is not over, for ever if it is never submitted,
-    /// and before the first; a lost device. [`Device::completed`] tells when the tick of a frame is
-    /// over, [`Device::drain`] waits for it.
+    /// and before the first; a lost device. [`Device::completed`] returns the newest tick that is
+    /// over, [`Device::drain`] waits for all.
     pub fn rgba8(&self) -> Result<Pixels<'_>, Error> {
         let newest = self.newest.read().unwrap_or_else(PoisonError::into_inner);
         let tick = newest.as_ref().and_then(|ticket| ticket.tick()).ok_or(Error::NoPicture)?;
@@ -78,7 +78,8 @@ impl Readback {
         Ok(Pixels { bytes, _reading: newest })
     }
 
-    /// Returns where `commands` copy a picture to; `None`, and they fail, if they must not.
+    /// Returns the slice that `commands` copy a picture to; `None`, and they fail, if they must
+    /// not.
     pub(crate) fn begin_copy(&self, commands: &Commands) -> Option<BufferSlice> {
         commands.admit(self).ok()?;
         let Ok(mut newest) = self.newest.try_write() else {

@@ -3,10 +3,11 @@
 
 use ash::vk;
 
-/// `rgba8` (rows from the top, four bytes a pixel, `from` pixels) at the size `to`: what is made
-/// smaller is the mean of the area that each pixel covers, what is enlarged is interpolated
+/// Returns `rgba8` (rows from the top, four bytes per pixel, `from` pixels) at the size `to`. A
+/// smaller image takes the mean of the area that each pixel covers; a larger one is interpolated
 /// linearly between the middles of pixels. Colours of an sRGB `format` are mixed as light, all
-/// other numbers as they are. Empty where there is nothing to read or to write, or too few bytes.
+/// other numbers as they are. Returns nothing where there is nothing to read or to write, or too
+/// few bytes.
 #[must_use]
 pub fn resampled(rgba8: &[u8], from: [u32; 2], to: [u32; 2], format: vk::Format) -> Vec<u8> {
     let [from_width, from_height] = from.map(|side| side as usize);
@@ -37,7 +38,7 @@ pub fn resampled(rgba8: &[u8], from: [u32; 2], to: [u32; 2], format: vk::Format)
     result
 }
 
-/// Which elements, from `first` on, make up one, and how much of each.
+/// The elements, from `first` on, that make up one, and the weight of each.
 struct Span {
     first: usize,
     weights: Vec<f32>,
@@ -59,7 +60,7 @@ impl Span {
     }
 }
 
-/// Returns what each of `to` elements is made of, out of `from` in a row; neither is 0.
+/// Returns the span that makes up each of `to` elements, out of `from` in a row; neither is 0.
 fn spans(from: usize, to: usize) -> Vec<Span> {
     let scale = from as f32 / to as f32;
     let larger = |place: usize| {

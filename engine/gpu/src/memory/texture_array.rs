@@ -1,5 +1,5 @@
 //! Texture arrays: images of one size and one sampler with all their mip maps, filled layer by
-//! layer while a scene is loaded, on whatever thread.
+//! layer while a scene is loaded, on any thread.
 
 use ash::vk;
 
@@ -14,10 +14,10 @@ use crate::memory::resample::resampled;
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::commands::Commands;
 
-/// Images go to the GPU in pieces of at most this many bytes.
+/// The size of the pieces in which images go to the GPU.
 const STAGING_BYTES: u64 = 8 << 20;
 
-/// Who makes the mip maps.
+/// The maker of the mip maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MipMaking {
     /// The device, by linear blits, where it can do them in this format; else the CPU.
@@ -26,29 +26,29 @@ pub enum MipMaking {
     Cpu,
 }
 
-/// What a [`TextureArray`] is made of.
+/// The description of a [`TextureArray`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TextureArrayInfo<'a> {
     /// Debug name.
     pub name: &'a str,
     /// Width and height of each layer in pixels.
     pub size: [u32; 2],
-    /// How many layers.
+    /// The number of layers.
     pub layers: u32,
     /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers.
     pub format: vk::Format,
-    /// What is beyond the edges, across and down.
+    /// The addressing beyond the edges, across and down.
     pub wrap: [vk::SamplerAddressMode; 2],
-    /// How it is enlarged.
+    /// The filter of magnification.
     pub magnified: vk::Filter,
-    /// How it is made smaller.
+    /// The filter of minification.
     pub minified: vk::Filter,
-    /// How its mip maps are mixed; `None` makes none.
+    /// The filter between mip maps; `None` makes none.
     pub between_levels: Option<vk::SamplerMipmapMode>,
-    /// The most samples along the direction in which a surface is seen at a grazing angle; from 1
-    /// on, cut to what the device has, 1 without [`Optional::Anisotropy`] or linear filters.
+    /// The most samples of the anisotropic filter; from 1 on, cut to what the device has, 1 without
+    /// [`Optional::Anisotropy`] or linear filters.
     pub anisotropy: f32,
-    /// Who makes the mip maps.
+    /// The maker of the mip maps.
     pub mip_making: MipMaking,
 }
 
@@ -64,16 +64,17 @@ pub struct TextureArray {
     layers: Vec<Layer>,
 }
 
-/// What of a layer is on the GPU.
+/// The part of a layer that is on the GPU.
 #[derive(Debug, Clone, Default)]
 struct Layer {
     rows: u32,
-    /// What was written of it, where the CPU makes the mip maps.
+    /// The bytes written so far, kept where the CPU makes the mip maps.
     kept: Vec<u8>,
 }
 
-/// Brings images to texture arrays through memory of bounded size. Each call waits for its copy, on
-/// the thread that makes it: a loading thread may fill arrays while another one draws frames.
+/// The uploader of images to texture arrays, through memory of bounded size. Each call waits for
+/// its copy, on the thread that makes it: a loading thread may fill arrays while another one draws
+/// frames.
 pub struct TextureUploads {
     device: Device,
     staging: Buffer,
@@ -82,7 +83,7 @@ pub struct TextureUploads {
 of_device!(TextureArray: "a texture array (`TextureArray`)");
 
 impl TextureArray {
-    /// Empty layers.
+    /// Creates an array of empty layers.
     ///
     /// # Errors
     /// [`Error::TooLarge`] for a size or number of layers of 0 or beyond the device's limits;
@@ -129,12 +130,12 @@ impl TextureArray {
         })
     }
 
-    /// Size of each layer in pixels.
+    /// Returns the size of each layer in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Returns how many layers it has.
+    /// Returns the number of layers.
     pub fn layers(&self) -> u32 {
         self.layers.len() as u32
     }
@@ -172,7 +173,7 @@ impl TextureArray {
         LayoutChange::of_part(self.image.raw, part, from, to)
     }
 
-    /// Copies whole rows of a level out of the staging buffer.
+    /// Copies whole rows from the staging buffer to a level.
     fn copy_rows(
         &self,
         commands: &Commands,
@@ -199,7 +200,7 @@ impl TextureArray {
         }
     }
 
-    /// Makes each level of a layer out of the one before it, and all ready to be sampled.
+    /// Makes each level of a layer out of the one before it, and makes all ready to be sampled.
     fn blit_levels(&self, commands: &Commands, layer: u32) {
         for level in 1..self.levels {
             let source = level - 1..level;
@@ -248,7 +249,7 @@ impl TextureArray {
 }
 
 impl TextureUploads {
-    /// Makes the memory that images go through.
+    /// Creates the memory that images go through.
     ///
     /// # Errors
     /// No memory.
@@ -259,8 +260,8 @@ impl TextureUploads {
         Ok(Self { device: device.clone(), staging })
     }
 
-    /// Writes the next rows of a layer, from its top on: four bytes a pixel, whole rows. With the
-    /// last of them the layer's mip maps are made. So a loader can bring images a piece at a time.
+    /// Writes the next rows of a layer, from its top on: four bytes per pixel, whole rows. With the
+    /// last of them the layer's mip maps are made. So a loader can upload images a piece at a time.
     ///
     /// # Errors
     /// [`Error::WrongCommands`] for a layer that is not there, for bytes that are no whole rows or
@@ -353,7 +354,7 @@ impl TextureUploads {
         Ok(())
     }
 
-    /// Makes the levels of a layer on the CPU, and all ready to be sampled.
+    /// Makes the levels of a layer on the CPU, and makes all ready to be sampled.
     fn write_levels(&mut self, array: &mut TextureArray, layer: u32) -> Result<(), Error> {
         let place = layer as usize;
         let mut pixels = array

@@ -32,7 +32,7 @@ impl Uploads {
         }
     }
 
-    /// Starts over. If the last frame needed several chunks, the next one gets one that fits all.
+    /// Starts over, with one chunk that fits all if the last frame needed several.
     pub(crate) fn reset(&mut self) -> Result<(), Error> {
         self.used_bytes = 0;
         if self.chunks.len() > 1 {

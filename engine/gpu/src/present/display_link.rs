@@ -1,4 +1,5 @@
-//! Connections to an X server that break: Xlib ends the process then, unless somebody else decides.
+//! Connections to an X server that break: Xlib ends the process then, unless the program decides
+//! otherwise.
 
 use std::ffi::{c_int, c_void};
 use std::sync::OnceLock;
@@ -7,31 +8,31 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use libloading::Library;
 use raw_window_handle::{HasDisplayHandle, RawDisplayHandle, XlibDisplayHandle};
 
-/// `XIOErrorHandler` of X11/Xlib.h.
+/// The type `XIOErrorHandler` of X11/Xlib.h.
 type ErrorHandler = unsafe extern "C" fn(display: *mut c_void) -> c_int;
-/// `XSetIOErrorHandler`: for all connections of the process.
+/// The type of `XSetIOErrorHandler`, which holds for all connections of the process.
 type SetErrorHandler = unsafe extern "C" fn(handler: ErrorHandler) -> *mut c_void;
-/// `XIOErrorExitHandler`.
+/// The type `XIOErrorExitHandler`.
 type ExitHandler = unsafe extern "C" fn(display: *mut c_void, is_lost: *mut c_void);
-/// `XSetIOErrorExitHandler`, since libX11 1.7.
+/// The type of `XSetIOErrorExitHandler`, since libX11 1.7.
 type SetExitHandler =
     unsafe extern "C" fn(display: *mut c_void, handler: ExitHandler, is_lost: *mut c_void);
 
 /// The connection of a window to its display.
 ///
 /// A connection of Xlib that breaks ends the process with everything that it has not written yet.
-/// With a link it does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] says so, and
-/// the program ends by itself.
+/// With a link it does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] returns true,
+/// and the program can end by itself.
 #[derive(Clone, Copy, Debug)]
 pub struct DisplayLink(&'static AtomicBool);
 
 impl DisplayLink {
-    /// Watches the connection of `display`: of a window, or of an event loop. Connections of other
-    /// systems, and of an Xlib before 1.7, are not watched: the link is never lost.
+    /// Watches the connection of `display`, which belongs to a window or an event loop. Connections
+    /// of other systems, and of an Xlib before 1.7, are not watched: the link is never lost.
     ///
-    /// Replaces Xlib's handler of broken connections, of which the process has one: that of a host
-    /// is not called any more. Connections that are not watched still end the process, without
-    /// Xlib's message.
+    /// Replaces Xlib's handler of broken connections, of which the process has one: a handler of
+    /// the host is not called any more. Connections that are not watched still end the process,
+    /// without Xlib's message.
     pub fn watch(display: &impl HasDisplayHandle) -> Self {
         // Never freed: the display keeps the pointer until its owner closes it.
         let is_lost: &'static AtomicBool = Box::leak(Box::default());
@@ -60,6 +61,8 @@ impl DisplayLink {
     }
 }
 
+/// Notes the loss of a connection.
+///
 /// # Safety
 /// `is_lost` points to an `AtomicBool` that lives as long as the program.
 unsafe extern "C" fn note_loss(_: *mut c_void, is_lost: *mut c_void) {
@@ -68,7 +71,7 @@ unsafe extern "C" fn note_loss(_: *mut c_void, is_lost: *mut c_void) {
     is_lost.store(true, Ordering::Relaxed);
 }
 
-/// Leaves what follows to the exit handler.
+/// Returns, so that the exit handler decides.
 unsafe extern "C" fn go_on(_: *mut c_void) -> c_int {
     0
 }

@@ -1,4 +1,4 @@
-//! Pictures in a window.
+//! The presentation of pictures in a window.
 
 #[cfg(feature = "loaded")]
 pub(crate) mod display_link;

@@ -1,9 +1,9 @@
-//! How pictures follow each other on the screen, and what comes nearest where a driver has not all
-//! ways.
+//! Present modes: the order in which pictures follow each other on the screen, and the nearest one
+//! that a driver has.
 
 use ash::vk;
 
-/// How a picture takes the place of the one before it.
+/// The way in which a picture replaces the one before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PresentMode {
     /// At a refresh, each in its turn. Every driver has it.
@@ -20,18 +20,18 @@ pub enum PresentMode {
 /// A present mode that was wanted, and the one taken for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fallback {
-    /// What was asked for.
+    /// The mode asked for.
     pub wanted: PresentMode,
-    /// What the surface has that comes nearest.
+    /// The nearest mode that the surface has.
     pub taken: PresentMode,
 }
 
 impl PresentMode {
-    /// All of them.
+    /// All present modes.
     pub const ALL: [PresentMode; 4] =
         [PresentMode::Fifo, PresentMode::FifoRelaxed, PresentMode::Mailbox, PresentMode::Immediate];
 
-    /// Its name, as users write it.
+    /// Returns its name, as users write it.
     pub fn name(self) -> &'static str {
         match self {
             PresentMode::Fifo => "fifo",
@@ -46,8 +46,9 @@ impl PresentMode {
         Self::ALL.into_iter().find(|mode| mode.name() == name)
     }
 
-    /// Itself, or what comes nearest of those `offered`: without waiting for a refresh before with
-    /// it, without tearing before with it. `Fifo` at last, which is always there.
+    /// Returns the mode itself, or the nearest of those `offered`: a mode that does not wait for a
+    /// refresh if this one does not, a mode without tearing if this one has none. `Fifo`, which is
+    /// always there, is the last resort.
     pub fn nearest(self, offered: &[PresentMode]) -> PresentMode {
         let order: &[PresentMode] = match self {
             PresentMode::Fifo => &[],

@@ -1,4 +1,5 @@
-//! A surface: a window as Vulkan sees it, what can be shown in it, and which device can show it.
+//! Surfaces: windows as Vulkan sees them, the formats and modes that they offer, and the devices
+//! that can present to them.
 
 use std::sync::Arc;
 
@@ -51,7 +52,7 @@ impl Surface {
         Self::with_shared(&instance.shared, window)
     }
 
-    /// Another one for the same window, after this one was lost.
+    /// Creates another surface for the same window, after this one was lost.
     pub(crate) fn renewed(&self) -> Result<Self, Error> {
         Self::with_shared(&self.shared.instance, Arc::clone(&self.shared.window))
     }
@@ -81,8 +82,8 @@ impl Surface {
         &self.shared.instance
     }
 
-    /// Returns how many hold it, and with it the window: clones, swapchains, and what those left
-    /// that GPU and presentation engine are not done with.
+    /// Returns the number of holders of the surface and its window: clones, swapchains, and retired
+    /// swapchains that the GPU or the presentation engine still uses.
     pub fn holders(&self) -> usize {
         Arc::strong_count(&self.shared)
     }
@@ -90,8 +91,8 @@ impl Surface {
     /// Returns the present modes that `device` has for this window.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a device of another instance; a failed call; among them a window that
-    /// is gone.
+    /// [`Error::Foreign`] for a device of another instance; a failed call, a window that is gone
+    /// among them.
     pub fn present_modes(&self, device: &Device) -> Result<Vec<PresentMode>, Error> {
         self.check(device)?;
         let physical = device.adapter().physical;
@@ -116,7 +117,7 @@ impl Surface {
             .called("vkGetPhysicalDeviceSurfaceFormatsKHR")
     }
 
-    /// Its size and what else is so now.
+    /// Returns its size and its other present capabilities.
     pub(crate) fn state(&self, device: &Device) -> Result<vk::SurfaceCapabilitiesKHR, vk::Result> {
         let physical = device.adapter().physical;
         // SAFETY: as above.
@@ -125,8 +126,7 @@ impl Surface {
         }
     }
 
-    /// Returns whether `device` can show anything in the window, which it cannot once the window is
-    /// gone.
+    /// Returns true if `device` can present to the window, which it cannot once the window is gone.
     pub(crate) fn is_there(&self, device: &Device) -> Result<bool, Error> {
         let (physical, family) = (device.adapter().physical, device.queue_family());
         // SAFETY: device and surface are of one instance, the family is the device's own.
@@ -150,7 +150,7 @@ impl Surface {
     }
 
     /// Returns the first queue family of `adapter` that draws, computes and presents to this
-    /// surface, and how many bits its timestamps have.
+    /// surface, and the number of bits of its timestamps.
     fn presenting_family(&self, adapter: &Adapter) -> Result<Option<(u32, u32)>, Error> {
         let raw = &self.shared.instance.raw;
         // SAFETY: an adapter of this instance.
@@ -175,7 +175,7 @@ impl Surface {
         Ok(None)
     }
 
-    /// `adapter` with a queue that presents to this surface, or why it has none.
+    /// Returns `adapter` with a queue that presents to this surface, or the reason why it has none.
     pub(crate) fn presenting(&self, adapter: &Adapter) -> Result<Result<Adapter, String>, Error> {
         let name = &adapter.name;
         if !adapter.capabilities.has(Optional::Swapchain) {

@@ -1,4 +1,4 @@
-//! The last step of a picture: from the target to an image of a window.
+//! The last step of a picture: the copy from the target to an image of a window.
 
 use ash::vk;
 
@@ -62,7 +62,7 @@ pub(crate) fn copy_to_window(
     }
 }
 
-/// Makes an image of a window black; it is a destination of copies, before and after.
+/// Clears an image of a window to black; it is a destination of copies, before and after.
 fn clear(commands: &Commands, window: vk::Image) {
     let black = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
     let whole = vk::ImageSubresourceRange {

@@ -1,9 +1,9 @@
-//! Occlusion queries of a frame that is sent off in pieces: the answers to a piece are read while
+//! Occlusion queries of a frame that is submitted in pieces: the results of a piece are read while
 //! the frame goes on.
 //!
-//! Each piece copies its results to mapped memory, and they are believed once its tick is over: the
-//! CPU polls or waits for ticks only. Queries are numbered over the whole frame; pages of them are
-//! made as a frame asks for more and are kept for the frames that use the slot later.
+//! Each piece copies its results to mapped memory, and the CPU reads them once its tick is over:
+//! the CPU polls or waits for ticks only. Queries are numbered over the whole frame; pages of them
+//! are made as a frame asks for more and are kept for the frames that use the slot later.
 
 use std::ops::Range;
 
@@ -24,26 +24,27 @@ use crate::record::frames::SlotIndex;
 /// Occlusion queries for frames of several pieces.
 pub struct BlockingQueryPool {
     device: Device,
-    /// Nobody collects: answers are read while their frame is still recorded.
+    /// The ring of the pages. It collects nothing: results are read while their frame is still
+    /// recorded.
     ring: Ring<(), Vec<Page>>,
-    /// Queries of the frame being recorded.
+    /// The queries of the frame being recorded.
     recorded: RecordedQueries,
     name: String,
 }
 
-/// A pool, and mapped memory for its results.
+/// A query pool, and mapped memory for its results.
 struct Page {
     pool: OcclusionPool,
     mapped: Buffer,
 }
 
-/// Queries of one page.
+/// The number of queries of one page.
 const PAGE: u32 = 256;
 
 of_device!(BlockingQueryPool: "blocking queries (`BlockingQueryPool`)");
 
 impl BlockingQueryPool {
-    /// Makes none yet, for `frames_in_flight` frames.
+    /// Creates a pool for `frames_in_flight` frames, without queries yet.
     pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Self {
         let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
         Self { device, ring, recorded: RecordedQueries::default(), name: name.to_owned() }
@@ -77,7 +78,7 @@ impl BlockingQueryPool {
         Ok(taken)
     }
 
-    /// Records what `record` draws under `query`, which is used once: a second time makes the
+    /// Records what `record` draws under `query`, which is used once: a second use makes the
     /// recording fail.
     pub fn scope(
         &self,
@@ -94,13 +95,13 @@ impl BlockingQueryPool {
                 let number = (&self.recorded, query.0);
                 page.pool.scope(commands, query.0 % PAGE, counting, number, record);
             }
-            // Not taken for this frame: draw without asking.
+            // Not taken for this frame: draw without a query.
             None => record(commands),
         }
     }
 
-    /// Copies the results of `queries`, all of them recorded in this frame, or the recording fails,
-    /// to mapped memory. Outside of rendering.
+    /// Copies the results of `queries` to mapped memory; outside of rendering. The recording fails
+    /// unless all of them were recorded in this frame.
     pub fn read_back(&self, commands: &Commands, queries: Range<u32>) {
         if commands.admit(self).is_err()
             || !check_recorded(commands, &self.recorded, queries.clone())
@@ -122,7 +123,7 @@ impl BlockingQueryPool {
         }
     }
 
-    /// Returns the answer to `query`, once the tick of its piece is over; 0 for one that was never
+    /// Returns the result of `query`, once the tick of its piece is over; 0 for one that was never
     /// taken.
     pub fn samples(&self, query: QueryIndex) -> u32 {
         let word = (query.0 % PAGE) as usize;

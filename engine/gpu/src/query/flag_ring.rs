@@ -1,8 +1,8 @@
-//! The flag ring: words that shaders set, over N frames in flight, brought home like query answers.
+//! The flag ring: words that shaders set, over N frames in flight, read back like query results.
 //!
-//! What a query is to the rasteriser's counter, a flag is to a shader's store: zero until something
-//! shows. A slot belongs to one frame until its tick is over; the words are read by predicates in
-//! the same frame and copied to mapped memory at its end.
+//! A flag is to a shader's store what a query is to the rasteriser's counter: zero until something
+//! is visible. A slot belongs to one frame until its tick is over; the words are read by predicates
+//! in the same frame and copied to mapped memory at its end.
 
 use crate::core::device::Device;
 use crate::core::error::Error;
@@ -15,8 +15,8 @@ use crate::query::ring::Ring;
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
 
-/// Flags over the frames in flight. Each carries a tag `T` and returns it with its word; the
-/// ring does not look into it.
+/// A ring of flags over the frames in flight. Each carries a tag `T` and returns it with its word;
+/// the ring does not look into it.
 pub struct FlagRing<T> {
     device: Device,
     ring: Ring<T, Option<ResultBuffer>>,
@@ -33,7 +33,7 @@ impl<T> OfDevice for FlagRing<T> {
 }
 
 impl<T: Copy> FlagRing<T> {
-    /// Makes a ring for `frames_in_flight` frames whose words `source` writes.
+    /// Creates a ring for `frames_in_flight` frames whose words `source` writes.
     pub fn new(device: &Device, frames_in_flight: usize, source: ResultSource, name: &str) -> Self {
         let (device, ring) = (device.clone(), Ring::new(frames_in_flight));
         Self { device, ring, source, name: name.to_owned() }
@@ -49,9 +49,9 @@ impl<T: Copy> FlagRing<T> {
         });
     }
 
-    /// Starts the flags of `frame`, one per tag, all zero; the place of a flag is that of its tag.
-    /// A barrier from [`Access::CopyWrite`](crate::Access::CopyWrite) to the stores must follow.
-    /// Answers of this slot that nobody collected are forgotten.
+    /// Starts the flags of `frame`, one per tag, all zero; the index of a flag is the index of its
+    /// tag. A barrier from [`Access::CopyWrite`](crate::Access::CopyWrite) to the stores must
+    /// follow. Results of this slot that nobody collected are dropped.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
@@ -95,7 +95,7 @@ impl<T: Copy> FlagRing<T> {
         }
     }
 
-    /// Notes that the frame that the ring recorded for is on its way.
+    /// Notes that the frame that the ring recorded for is submitted.
     pub fn submitted(&mut self, tick: Tick) {
         self.ring.submitted(self.device.not_before(tick));
     }

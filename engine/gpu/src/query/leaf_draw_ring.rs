@@ -1,10 +1,10 @@
-//! Part draws: a copy of a scene's indirect draws per frame slot, in which shaders switch on single
-//! draws of a range, and the list of those that they did.
+//! Leaf draws: a copy of a scene's indirect draws per frame slot, in which shaders switch on single
+//! draws of a range, and the list of those draws.
 //!
-//! All instance counts are zero but those that fragments of boxes set in the frame; who sets one
-//! first also notes it in a list, which comes home like the answers of queries. What a frame
-//! switched on is switched off when its slot is used again, draw by draw as the list tells, so that
-//! nothing is done for all the others.
+//! All instance counts are zero but those that fragments of boxes set in the frame. The first
+//! fragment to set one also notes it in a list, which is read back like query results. The draws
+//! that a frame switched on are switched off when its slot is used again: draw by draw from the
+//! list, without any work for all the others.
 
 use ash::vk;
 
@@ -20,8 +20,8 @@ use crate::record::commands::Commands;
 use crate::record::frames::Frame;
 use crate::record::indirect::{DRAW_BYTES, DrawRange, IndirectDraw};
 
-/// One copy of the draws per frame slot, made when a slot first needs it. Each frame carries a tag
-/// `T` that comes back with its list.
+/// A ring with one copy of the draws per frame slot, made when a slot first needs it. Each frame
+/// carries a tag `T` that comes back with its list.
 pub struct LeafDrawRing<T> {
     device: Device,
     ring: Ring<T, Option<PartMemory>>,
@@ -30,7 +30,7 @@ pub struct LeafDrawRing<T> {
 
 struct PartMemory {
     draws: Buffer,
-    /// How many draws were switched on, then which.
+    /// The number of draws switched on, then their numbers.
     list: ResultBuffer,
     /// Ranges that the frame of this slot may have switched on.
     tested: Vec<DrawRange>,
@@ -38,16 +38,16 @@ struct PartMemory {
     changed: Vec<DrawRange>,
 }
 
-/// What fragments switched on in one frame.
+/// The draws that fragments switched on in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EnabledDraws<'a> {
-    /// The numbers of the draws, each once.
+    /// A complete list: the numbers of the draws, each once.
     These(&'a [u32]),
-    /// So many that the list could not hold them.
+    /// More draws than the list holds.
     TooMany(u32),
 }
 
-/// Draws that a list can hold. Mirrors `leaf_box.frag`.
+/// The number of draws that a list can hold. Mirrors `leaf_box.frag`.
 pub const LISTED_DRAWS: usize = 4095;
 
 impl<T> OfDevice for LeafDrawRing<T> {
@@ -59,7 +59,7 @@ impl<T> OfDevice for LeafDrawRing<T> {
 }
 
 impl<T: Copy> LeafDrawRing<T> {
-    /// Makes none yet, for a scene of `draw_count` draws.
+    /// Creates a ring for a scene of `draw_count` draws, without memory yet.
     pub fn new(device: &Device, frames_in_flight: usize, draw_count: u32) -> Self {
         Self { device: device.clone(), ring: Ring::new(frames_in_flight), draw_count }
     }
@@ -86,9 +86,9 @@ impl<T: Copy> LeafDrawRing<T> {
         });
     }
 
-    /// Starts a frame in which fragments may switch on draws of the ranges `tested`; none of them,
-    /// and nothing is used. `draw` tells each draw. A barrier from [`Access::CopyWrite`] to the
-    /// stores and to the draws must follow.
+    /// Starts a frame in which fragments may switch on draws of the ranges `tested`; without
+    /// ranges, no memory is used. `draw` returns each draw. A barrier from [`Access::CopyWrite`] to
+    /// the stores and to the draws must follow.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
@@ -131,7 +131,7 @@ impl<T: Copy> LeafDrawRing<T> {
         Ok(())
     }
 
-    /// Returns the draws and the list of the frame being recorded, if it has ranges to test.
+    /// Returns the buffers of the frame being recorded, if it has ranges to test.
     pub fn parts(&self) -> Option<LeafDrawBuffers> {
         let memory = self.recorded()?;
         Some(LeafDrawBuffers { draws: memory.draws.whole(), list: memory.list.whole() })
@@ -145,7 +145,7 @@ impl<T: Copy> LeafDrawRing<T> {
         }
     }
 
-    /// Notes that the frame that was recorded is on its way.
+    /// Notes that the frame that was recorded is submitted.
     pub fn submitted(&mut self, tick: Tick) {
         self.ring.submitted(self.device.not_before(tick));
     }
@@ -156,8 +156,8 @@ impl<T: Copy> LeafDrawRing<T> {
     }
 }
 
-/// Sorts ranges and makes one of those that meet: no draw is written twice, which would need a
-/// barrier in between.
+/// Sorts ranges and merges those that meet: no draw is written twice, which would need a barrier in
+/// between.
 fn join(ranges: &mut Vec<DrawRange>) {
     let end = |range: &DrawRange| range.first.saturating_add(range.count);
     ranges.sort_unstable_by_key(|range| range.first);
@@ -170,17 +170,17 @@ fn join(ranges: &mut Vec<DrawRange>) {
     });
 }
 
-/// What the fragments of boxes write.
+/// The buffers that fragments of boxes write.
 #[derive(Debug, Clone, Copy)]
 pub struct LeafDrawBuffers {
     /// All draws of the scene.
     pub draws: BufferSlice,
-    /// How many were switched on, then which.
+    /// The number of draws switched on, then their numbers.
     pub list: BufferSlice,
 }
 
 impl PartMemory {
-    /// Makes a copy of which all is still to be written.
+    /// Creates a copy whose draws are all still to be written.
     fn new(device: &Device, draw_count: u32, slot: usize) -> Result<Self, Error> {
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::STORAGE_BUFFER
@@ -210,8 +210,8 @@ impl PartMemory {
         }
     }
 
-    /// Adds what the last frame may have switched on to what is written again. The slot's tick is
-    /// over, so the list is there, collected or not.
+    /// Adds the draws that the last frame may have switched on to those to write again. The slot's
+    /// tick is over, so the list is there, collected or not.
     fn forget_switched_on(&mut self) {
         if !self.tested.is_empty() {
             let words = self.list.read(LISTED_DRAWS + 1);
@@ -226,7 +226,7 @@ impl PartMemory {
         join(&mut self.changed);
     }
 
-    /// Reads the list. Only once the tick of its frame is over.
+    /// Reads the list, only once the tick of its frame is over.
     fn switched_on(&self) -> EnabledDraws<'_> {
         switched_on(self.list.read(LISTED_DRAWS + 1))
     }

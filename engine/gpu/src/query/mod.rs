@@ -1,4 +1,4 @@
-//! Rings that ask the GPU and get answers frames later, and draws that hang on what it says.
+//! Rings that test on the GPU and get results frames later, and draws that depend on the results.
 
 pub(crate) mod blocking_query_pool;
 pub(crate) mod flag_ring;

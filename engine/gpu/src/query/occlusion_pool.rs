@@ -17,16 +17,16 @@ use crate::record::commands::{Commands, Failure};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct QueryIndex(pub u32);
 
-/// What an answer says.
+/// The meaning of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counting {
-    /// Whether some samples passed: any number but 0 for "some".
+    /// Visibility: any number but 0 if some samples passed.
     Some,
-    /// How many, where the device has [`crate::Optional::PreciseQueries`].
+    /// The number of samples that passed, where the device has [`crate::Optional::PreciseQueries`].
     Samples,
 }
 
-/// Occlusion queries of one frame slot.
+/// The occlusion queries of one frame slot.
 pub(crate) struct OcclusionPool {
     device: Device,
     raw: vk::QueryPool,
@@ -45,8 +45,8 @@ impl OcclusionPool {
         Ok(Self { device: device.clone(), raw, capacity })
     }
 
-    /// Makes the first `count` queries ready to be begun. Outside of rendering; the tick of the
-    /// frame that used them before is over.
+    /// Resets the first `count` queries. Outside of rendering; the tick of the frame that used them
+    /// before is over.
     pub(crate) fn reset(&self, commands: &Commands, count: u32) {
         let count = count.min(self.capacity);
         if count > 0 {
@@ -56,7 +56,7 @@ impl OcclusionPool {
     }
 
     /// Records what `record` draws under query `query` of this pool, which is `number` among those
-    /// that the frame has `recorded`. A second time makes the recording fail.
+    /// that the frame has `recorded`. A second use of a query makes the recording fail.
     pub(crate) fn scope(
         &self,
         commands: &Commands,

@@ -1,4 +1,4 @@
-//! The query ring: occlusion queries over N frames in flight whose answers never make anyone wait.
+//! The query ring: occlusion queries over N frames in flight, whose results nobody waits for.
 //!
 //! A slot belongs to one frame until its tick is over. While the frame runs, the GPU itself copies
 //! the results: to a buffer that predicates read in the same frame, and from there to mapped
@@ -21,12 +21,12 @@ use crate::record::access::Access;
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
 
-/// Occlusion queries over the frames in flight. Each carries a tag `T` and returns it with its
-/// result; the ring does not look into it.
+/// A ring of occlusion queries over the frames in flight. Each carries a tag `T` and returns it
+/// with its result; the ring does not look into it.
 pub struct QueryRing<T> {
     device: Device,
     ring: Ring<T, Option<Queries>>,
-    /// Those of the frame being recorded.
+    /// The queries of the frame being recorded.
     recorded: RecordedQueries,
     name: String,
     counting: Counting,
@@ -47,7 +47,7 @@ impl<T> OfDevice for QueryRing<T> {
 }
 
 impl<T: Copy> QueryRing<T> {
-    /// Makes a ring for `frames_in_flight` frames. Slots grow as frames ask for more queries.
+    /// Creates a ring for `frames_in_flight` frames. Slots grow as frames ask for more queries.
     ///
     /// # Errors
     /// None today; slots are made when they are first used.
@@ -61,7 +61,7 @@ impl<T: Copy> QueryRing<T> {
         })
     }
 
-    /// Returns the same with queries that count so.
+    /// Returns the ring with queries that count as `counting` says.
     #[must_use]
     pub fn counting(self, counting: Counting) -> Self {
         Self { counting, ..self }
@@ -80,7 +80,7 @@ impl<T: Copy> QueryRing<T> {
     }
 
     /// Starts the queries of `frame`, one per tag; the index of a query is the index of its tag.
-    /// Answers of this slot that nobody collected are forgotten.
+    /// Results of this slot that nobody collected are dropped.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a frame of another device, which fails; no memory, or a failed call.
@@ -103,21 +103,21 @@ impl<T: Copy> QueryRing<T> {
     }
 
     /// Records what `record` draws under `query`. Each query of a frame is recorded exactly once; a
-    /// second time makes the recording fail.
+    /// second use makes the recording fail.
     pub fn scope(&self, commands: &Commands, query: QueryIndex, record: impl FnOnce(&Commands)) {
         match self.begun(commands) {
             Some(queries) if query.0 < self.recorded.count() => {
                 let number = (&self.recorded, query.0);
                 queries.pool.scope(commands, query.0, self.counting, number, record);
             }
-            // Not begun for this frame: draw without asking.
+            // Not begun for this frame: draw without a query.
             _ => record(commands),
         }
     }
 
     /// Copies the results of queries `range` on the GPU to [`QueryRing::results`], one 32-bit word
-    /// each. All of them have been recorded, or the recording fails; outside of rendering. A
-    /// barrier from [`Access::CopyWrite`] to the use must follow.
+    /// each. Outside of rendering; the recording fails unless all of them were recorded. A barrier
+    /// from [`Access::CopyWrite`] to the use must follow.
     pub fn resolve(&self, commands: &Commands, range: Range<u32>) {
         let Some(queries) = self.begun(commands) else {
             return;
@@ -145,7 +145,7 @@ impl<T: Copy> QueryRing<T> {
         }
     }
 
-    /// Notes that the frame that the ring recorded for is on its way.
+    /// Notes that the frame that the ring recorded for is submitted.
     pub fn submitted(&mut self, tick: Tick) {
         self.ring.submitted(self.device.not_before(tick));
     }

@@ -1,5 +1,5 @@
-//! Which queries of a frame were recorded. One may be begun once only after its reset, and the GPU
-//! would wait for ever for the result of one that never was.
+//! The queries of a frame that were recorded. A query may be begun only once after its reset, and
+//! the GPU would wait for ever for the result of one that was never begun.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -12,7 +12,7 @@ pub(crate) struct RecordedQueries {
 }
 
 impl RecordedQueries {
-    /// Starts over with `count` queries, none of them recorded.
+    /// Restarts with `count` queries, none of them recorded.
     pub(crate) fn restart(&mut self, count: u32) {
         self.words.clear();
         self.grow(count);
@@ -28,7 +28,7 @@ impl RecordedQueries {
         self.count
     }
 
-    /// Notes that `query` is recorded; false if it was before, or is none.
+    /// Notes that `query` is recorded; returns false if it was recorded before or does not exist.
     pub(crate) fn note(&self, query: u32) -> bool {
         let word = self.words.get((query / u64::BITS) as usize).filter(|_| query < self.count);
         let Some(word) = word else { return false };

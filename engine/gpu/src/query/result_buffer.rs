@@ -9,19 +9,19 @@ use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
 
-/// Bytes of a word.
+/// The size of a word.
 pub(crate) const WORD_BYTES: u64 = 4;
-/// Fewer words are not worth growing for.
+/// The smallest capacity: fewer words are not worth growing for.
 const FIRST_CAPACITY: usize = 256;
 
-/// 32-bit words of one frame slot.
+/// The 32-bit words of one frame slot.
 pub(crate) struct ResultBuffer {
     words: Buffer,
     mapped: Buffer,
 }
 
 impl ResultBuffer {
-    /// Makes room for exactly `count` words.
+    /// Creates room for exactly `count` words.
     pub(crate) fn new(device: &Device, name: &str, count: usize) -> Result<Self, Error> {
         let mut usage = vk::BufferUsageFlags::TRANSFER_DST
             | vk::BufferUsageFlags::TRANSFER_SRC
@@ -37,7 +37,7 @@ impl ResultBuffer {
         })
     }
 
-    /// Returns for how many words to make room where `wanted` are needed: slots grow seldom.
+    /// Returns the capacity for `wanted` words, with room to spare, so that slots grow seldom.
     pub(crate) fn roomy(wanted: usize) -> usize {
         wanted.max(FIRST_CAPACITY).next_power_of_two()
     }
@@ -56,8 +56,8 @@ impl ResultBuffer {
         self.whole().part(0, count as u64 * WORD_BYTES)
     }
 
-    /// Copies the first `count` words to mapped memory, after they were written as `written`. Their
-    /// last use in a frame.
+    /// Copies the first `count` words to mapped memory, after the accesses `written`. Their last
+    /// use in a frame.
     pub(crate) fn read_back(&self, commands: &Commands, count: usize, written: &[Access]) {
         if count == 0 {
             return;

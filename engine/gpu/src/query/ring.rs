@@ -1,25 +1,26 @@
-//! The ring below all rings: what a frame asks, kept by slot until the GPU has answered.
+//! The ring below all rings: the tags and memory of each frame, kept by slot until the GPU has
+//! answered.
 //!
 //! A slot belongs to one frame until its tick is over, so that what the frame wrote to the slot's
-//! memory may be read then, and not before. Nothing here knows what is asked.
+//! memory may be read then, and not before. Nothing here knows the kind of test.
 
 use crate::core::deletion::Recording;
 use crate::core::tick::Tick;
 use crate::record::frames::SlotIndex;
 
-/// Tags `T` and memory `M` of each frame in flight.
+/// The tags `T` and memory `M` of each frame in flight.
 pub(crate) struct Ring<T, M> {
     slots: Vec<Slot<T, M>>,
     /// The slot of the frame being recorded.
     current: usize,
 }
 
-/// What one frame asks, and where it is answered.
+/// The tags and memory of one frame.
 pub(crate) struct Slot<T, M> {
     pub(crate) number: usize,
-    /// Kept for the frames that use the slot later.
+    /// The memory of the results, kept for the frames that use the slot later.
     pub(crate) memory: M,
-    /// The caller's, returned with the answers.
+    /// The caller's tags, returned with the results.
     pub(crate) tags: Vec<T>,
     /// The recording that the slot was begun for.
     recording: Recording,
@@ -59,8 +60,8 @@ impl<T, M: Default> Ring<T, M> {
         }
     }
 
-    /// Goes to the slot of the frame that is recorded next. Says also whether the last frame begun
-    /// there was never submitted, so that nobody knows what is in its memory.
+    /// Goes to the slot of the frame that is recorded next. Also returns true if the last frame
+    /// begun there was never submitted, so that its memory is undefined.
     pub(crate) fn turn_to(&mut self, slot: SlotIndex) -> (&mut Slot<T, M>, bool) {
         self.current = slot.0 % self.slots.len();
         let slot = &mut self.slots[self.current];
@@ -77,7 +78,7 @@ impl<T, M: Default> Ring<T, M> {
         &mut self.slots[self.current]
     }
 
-    /// Notes the tick of the frame that was begun last, unless that has happened already.
+    /// Notes the tick of the frame that was begun last, unless it is noted already.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         let slot = &mut self.slots[self.current];
         if std::mem::take(&mut slot.is_recording) {
@@ -87,7 +88,7 @@ impl<T, M: Default> Ring<T, M> {
 }
 
 impl<T, M> Slot<T, M> {
-    /// Begins to record what a frame asks. Answers that nobody collected are forgotten.
+    /// Begins to record a frame with its tags. Results that nobody collected are dropped.
     pub(crate) fn begin(&mut self, recording: Recording, tags: impl Iterator<Item = T>) {
         (self.recording, self.is_recording, self.in_flight) = (recording, true, None);
         self.tags.clear();
@@ -153,7 +154,7 @@ mod tests {
         frame(&mut ring, 1, 'b', 1);
         assert!(ring.turn_to(SlotIndex(0)).1);
         assert_eq!(collected(&mut ring, 9), "b");
-        // A frame that asks nothing is submitted as well.
+        // A frame without tags is submitted as well.
         assert!(!ring.turn_to(SlotIndex(1)).1);
         ring.submitted(Tick(2));
         assert_eq!(collected(&mut ring, 9), "");

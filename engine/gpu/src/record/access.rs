@@ -1,11 +1,11 @@
-//! Named accesses, and the barriers between them: one pure table, one place per decision.
+//! Named accesses, and the barriers between them: one pure table.
 
 use ash::vk;
 
-/// What a command does with memory. Every barrier of the engine names two lists of these.
+/// The access of a command to memory. Every barrier of the engine names two lists of these.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Access {
-    /// Nothing yet: fresh memory, or contents nobody wants any more.
+    /// No access yet: fresh memory, or contents that are no longer wanted.
     Nothing,
     /// Source of a copy.
     CopyRead,
@@ -37,12 +37,12 @@ pub enum Access {
     HostRead,
     /// Read by the presentation engine, which a semaphore orders and no barrier.
     Present,
-    /// Whatever it is: for what is loaded once and used in many ways.
+    /// Any access, for data that is loaded once and used in many ways.
     Any,
 }
 
 impl Access {
-    /// All of them, for tests.
+    /// All accesses, for tests.
     pub const ALL: [Access; 17] = [
         Access::Nothing,
         Access::CopyRead,
@@ -142,7 +142,7 @@ pub struct MemoryBarrier {
     pub from_access: vk::AccessFlags2,
     /// Stages that wait.
     pub to_stages: vk::PipelineStageFlags2,
-    /// What they see.
+    /// The accesses to which those writes are visible.
     pub to_access: vk::AccessFlags2,
 }
 
@@ -188,7 +188,7 @@ impl LayoutChange {
         Self::of_part(image, first_level_of(aspect), from, to)
     }
 
-    /// Of a part of an image that has more than one level or layer.
+    /// Returns the change of a part of an image that has more than one level or layer.
     pub(crate) fn of_part(
         image: vk::Image,
         part: vk::ImageSubresourceRange,
@@ -204,7 +204,7 @@ impl LayoutChange {
         }
     }
 
-    /// Forgets what the image holds, whichever of `from` it was last used for.
+    /// Returns a change that discards the contents, after whichever of `from` used the image last.
     pub(crate) fn forgetting(
         image: vk::Image,
         aspect: vk::ImageAspectFlags,

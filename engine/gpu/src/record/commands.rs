@@ -17,14 +17,14 @@ use crate::record::render_target::{Load, RenderTarget};
 use crate::record::ticket::Ticket;
 use crate::record::timing::PassTimer;
 
-/// Why a recording goes nowhere.
+/// The reason why a recording cannot be submitted.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Failure {
-    /// A call failed.
+    /// A failed call.
     Call(&'static str, vk::Result),
-    /// What was to be recorded is invalid.
+    /// An invalid command.
     Wrong(&'static str),
-    /// Something of another device was to be recorded.
+    /// An object of another device.
     Foreign(&'static str),
 }
 
@@ -36,7 +36,7 @@ pub struct Commands {
     descriptors: vk::DescriptorPool,
     timer: Option<Arc<PassTimer>>,
     failed: Cell<Option<Failure>>,
-    /// Learns the tick, for pictures that these commands copy.
+    /// The ticket that takes the tick, for pictures that these commands copy.
     ticket: OnceCell<Arc<Ticket>>,
 }
 
@@ -53,7 +53,7 @@ impl Commands {
         Self { device, raw, recording, descriptors, timer, failed, ticket }
     }
 
-    /// Goes on with the same recording in another command buffer, once this one is sent off.
+    /// Goes on with the same recording in another command buffer, once this one is submitted.
     pub(crate) fn next_piece(
         &self,
         raw: vk::CommandBuffer,
@@ -66,7 +66,7 @@ impl Commands {
         self.raw
     }
 
-    /// Returns where the sets that these commands bind are taken from.
+    /// Returns the pool of the descriptor sets that these commands bind.
     pub(crate) fn descriptors(&self) -> vk::DescriptorPool {
         self.descriptors
     }
@@ -79,7 +79,7 @@ impl Commands {
         &self.device
     }
 
-    /// Returns what will hold the tick of these commands once they are submitted.
+    /// Returns the ticket that holds the tick of these commands once they are submitted.
     pub(crate) fn ticket(&self) -> Arc<Ticket> {
         Arc::clone(self.ticket.get_or_init(Arc::default))
     }
@@ -91,7 +91,7 @@ impl Commands {
         }
     }
 
-    /// Keeps the first failure while recording, which [`crate::Frame::submit`] reports.
+    /// Returns the first failure while recording, which [`crate::Frame::submit`] reports.
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self.failed.get() {
             None => Ok(()),
@@ -101,8 +101,8 @@ impl Commands {
         }
     }
 
-    /// Lets `thing` into the recording if it is of the same device; else the recording fails, and
-    /// nothing may be recorded with the thing. Every command that takes handles asks here.
+    /// Admits `thing` to the recording if it is of the same device. Else the recording fails, and
+    /// no command with the thing may be recorded. Every command that takes handles calls this.
     pub(crate) fn admit<T: OfDevice>(&self, thing: &T) -> Result<(), Error> {
         if thing.device_id() == self.device.id() {
             return Ok(());
@@ -111,7 +111,8 @@ impl Commands {
         Err(foreign(T::KIND))
     }
 
-    /// [`Commands::admit`] for several things of a kind.
+    /// Calls [`Commands::admit`] for several things of a kind, and returns true if all are
+    /// admitted.
     pub(crate) fn admit_all<'a, T: OfDevice + 'a>(
         &self,
         things: impl IntoIterator<Item = &'a T>,
@@ -119,21 +120,21 @@ impl Commands {
         things.into_iter().all(|thing| self.admit(thing).is_ok())
     }
 
-    /// Makes [`Commands::check`] fail. Only the first failure counts: others may come of it.
+    /// Makes [`Commands::check`] fail. Only the first failure is kept: others may follow from it.
     pub(crate) fn fail(&self, failure: Failure) {
         if self.is_sound() {
             self.failed.set(Some(failure));
         }
     }
 
-    /// Returns true if nothing has failed. What could not be bound must not be drawn with; the
-    /// recording goes nowhere then, [`Commands::check`] sees to that.
+    /// Returns true if nothing has failed. After a failed binding nothing may be drawn with it;
+    /// [`Commands::check`] makes sure that the recording is not submitted.
     pub(crate) fn is_sound(&self) -> bool {
         self.failed.get().is_none()
     }
 
-    /// A pass: one label for the debugger and the log, and one timestamp pair when timing is on.
-    /// Not inside [`Commands::rendering`]. A pass within another one is timed with that.
+    /// Records a pass: one label for the debugger and the log, and one timestamp pair when timing
+    /// is on. Not inside [`Commands::rendering`]. A pass within another one is timed as part of it.
     pub fn pass(&self, label: &'static str, record: impl FnOnce(&Self)) {
         let timer = self.timer.as_ref().filter(|timer| timer.begin(self.raw, label));
         self.label(label, record);
@@ -142,7 +143,7 @@ impl Commands {
         }
     }
 
-    /// A part of a pass: a label only.
+    /// Records a part of a pass, with a label only.
     pub fn label(&self, label: &'static str, record: impl FnOnce(&Self)) {
         let debug = self.device.debug();
         if let Some(debug) = debug {
@@ -158,7 +159,7 @@ impl Commands {
         }
     }
 
-    /// Orders memory. Nothing to order records nothing.
+    /// Records a memory barrier, unless it orders nothing.
     pub fn barrier(&self, barrier: MemoryBarrier) {
         let memory = [vk::MemoryBarrier2::default()
             .src_stage_mask(barrier.from_stages)
@@ -170,7 +171,7 @@ impl Commands {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Orders images and moves them to other layouts.
+    /// Records image barriers that change layouts.
     pub fn change_layouts<const N: usize>(&self, changes: [LayoutChange; N]) {
         let images = changes.map(|change| {
             vk::ImageMemoryBarrier2::default()
@@ -242,8 +243,8 @@ impl Commands {
         unsafe { raw.cmd_end_rendering(self.raw) };
     }
 
-    /// Draws nothing outside of `size` pixels from `origin` on, within the target, until the
-    /// rendering ends or this is said again.
+    /// Clips drawing to `size` pixels from `origin` on, within the target, until the rendering ends
+    /// or the next call.
     pub fn clip(&self, origin: [u32; 2], size: [u32; 2]) {
         let offset = vk::Offset2D { x: origin[0] as i32, y: origin[1] as i32 };
         let area = vk::Rect2D { offset, extent: vk::Extent2D { width: size[0], height: size[1] } };
@@ -276,7 +277,7 @@ impl Commands {
         }
     }
 
-    /// Copies as much as fits.
+    /// Copies as many bytes as fit.
     pub fn copy_buffer(&self, from: BufferSlice, to: BufferSlice) {
         let region = vk::BufferCopy {
             src_offset: from.offset_bytes,
@@ -294,7 +295,7 @@ fn foreign(thing: &'static str) -> Error {
     Error::Foreign { thing, user: "commands (`Commands`)", owner: "Device" }
 }
 
-/// Returns how a rendering begins and ends for an image, and what it is cleared to.
+/// Returns the load and store operations of an image, and its clear value.
 fn load_ops<T: Default>(load: Load<T>) -> (vk::AttachmentLoadOp, vk::AttachmentStoreOp, T) {
     use vk::{AttachmentLoadOp as L, AttachmentStoreOp as S};
     match load {

@@ -15,19 +15,19 @@ use crate::record::pools::{
 };
 use crate::record::timing::{FrameTimer, PassTime, PassTimer};
 
-/// Whether the passes of a frame are timed.
+/// The timing of the passes of a frame: on or off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SlotTiming {
     Timed,
     Untimed,
 }
 
-/// What one frame in flight holds.
+/// The resources of one frame in flight.
 pub(super) struct Slot {
     pub(super) device: Device,
     pub(super) name: String,
     pub(super) pool: vk::CommandPool,
-    /// One command buffer a piece of the frame; most frames are of one piece.
+    /// One command buffer per piece of the frame; most frames are one piece.
     pub(super) pieces: Vec<vk::CommandBuffer>,
     pub(super) piece: usize,
     pub(super) descriptors: Vec<vk::DescriptorPool>,
@@ -35,14 +35,14 @@ pub(super) struct Slot {
     pub(super) uploads: Uploads,
     pub(super) timer: Option<Arc<PassTimer>>,
     pub(super) pass_times: Vec<PassTime>,
-    /// Whether the timer holds the times of a whole frame: one that was given up leaves none.
+    /// True if the timer holds the times of a whole frame: one that was given up leaves none.
     pub(super) is_timed: bool,
     pub(super) timing: SlotTiming,
     pub(super) whole: FrameTimer,
     pub(super) tick: Tick,
 }
 
-/// So many pieces of a frame share those sets, then the next ones get others.
+/// The number of pieces of a frame that share a descriptor pool; the next ones get another.
 const PIECES_PER_DESCRIPTOR_POOL: usize = 32;
 
 impl Slot {
@@ -71,7 +71,7 @@ impl Slot {
         })
     }
 
-    /// Makes the slot ready to record; its tick is over.
+    /// Restarts the slot for a recording; its tick is over.
     pub(super) fn restart(
         &mut self,
         recording: Recording,
@@ -107,7 +107,7 @@ impl Slot {
         Ok(())
     }
 
-    /// Begins the command buffer of the piece whose turn it is, made when it is first needed.
+    /// Begins the command buffer of the next piece, which is created when it is first needed.
     pub(super) fn begin_piece(&mut self) -> Result<(vk::CommandBuffer, vk::DescriptorPool), Error> {
         if self.piece == self.pieces.len() {
             let name = format!("{}, piece {}", self.name, self.piece);
@@ -123,7 +123,7 @@ impl Slot {
         Ok((buffer, descriptors))
     }
 
-    /// Sends off what is recorded.
+    /// Submits the commands recorded so far.
     pub(super) fn submit(&mut self, order: &Order<'_>) -> Result<Tick, Error> {
         self.commands.check()?;
         end_commands(&self.device, self.commands.raw())?;

@@ -14,7 +14,7 @@ use crate::record::commands::Commands;
 use crate::record::frame_slot::{Slot, SlotTiming};
 use crate::record::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
 
-/// A slot of the ring: what one frame in flight holds.
+/// The index of a slot of the ring, which holds the resources of one frame in flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SlotIndex(pub usize);
 
@@ -23,7 +23,7 @@ pub struct FrameRing {
     device: Device,
     slots: Vec<Slot>,
     next: usize,
-    /// Of so many frames one has its passes timed.
+    /// The interval of timing: the passes of one in so many frames are timed.
     timed_interval: u64,
     begun: u64,
 }
@@ -34,7 +34,7 @@ pub struct Frame<'ring> {
     slot: SlotIndex,
     waited: Duration,
     waits: u32,
-    /// Open over all pieces of the frame.
+    /// The recording, open over all pieces of the frame.
     _recording: OpenRecording,
 }
 
@@ -81,14 +81,15 @@ impl FrameRing {
         }
     }
 
-    /// Returns of how many frames one has its passes timed; `None` of none.
+    /// Returns the interval of timing, where one in so many frames has its passes timed; `None`
+    /// without timing.
     pub fn timed_interval(&self) -> Option<u64> {
         let is_timing = self.slots.iter().any(|slot| slot.timer.is_some());
         is_timing.then_some(self.timed_interval)
     }
 
-    /// Lets frames be timed as a whole from now on, by two timestamps each: those that ask for it
-    /// with [`Frame::begin_timing`].
+    /// Allows timing of whole frames from now on, by two timestamps each, for frames that call
+    /// [`Frame::begin_timing`].
     ///
     /// # Errors
     /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
@@ -122,14 +123,14 @@ impl FrameRing {
         SlotIndex(self.next)
     }
 
-    /// Waits for the frame that used the next slot before, but no longer than `bound`; says whether
-    /// it is over, so that [`FrameRing::begin`] would not wait.
+    /// Waits for the frame that used the next slot before, but no longer than `bound`; returns true
+    /// if it is over, so that [`FrameRing::begin`] would not wait.
     pub(crate) fn is_ready_within(&self, bound: Duration) -> Result<bool, Error> {
         let tick = self.slots.get(self.next).map_or(Tick::ZERO, |slot| slot.tick);
         self.device.wait_within(tick, bound)
     }
 
-    /// Starts a frame: waits until this slot's frame of N frames ago is over, and frees what
+    /// Starts a frame: waits until this slot's frame of N frames ago is over, and frees what was
     /// retired before it.
     ///
     /// # Errors
@@ -161,40 +162,40 @@ impl FrameRing {
 }
 
 impl Frame<'_> {
-    /// Returns the slot of this frame. What belongs to the slot is free to use again.
+    /// Returns the slot of this frame. The slot's resources are free to use again.
     pub fn slot(&self) -> SlotIndex {
         self.slot
     }
 
-    /// Returns how long [`FrameRing::begin`] waited for the frame that used this slot before, and
-    /// [`Frame::wait`] for this one.
+    /// Returns the time that [`FrameRing::begin`] waited for the frame that used this slot before,
+    /// and [`Frame::wait`] for this one.
     pub fn waited(&self) -> Duration {
         self.waited
     }
 
-    /// Returns how often [`Frame::wait`] had to wait.
+    /// Returns the number of times [`Frame::wait`] had to wait.
     pub fn waits(&self) -> u32 {
         self.waits
     }
 
-    /// Returns what this frame records into.
+    /// Returns the commands that this frame records into.
     pub fn commands(&self) -> &Commands {
         &self.ring.slots[self.slot.0].commands
     }
 
-    /// This frame's upload memory.
+    /// Returns this frame's upload memory.
     pub fn uploads(&mut self) -> &mut Uploads {
         &mut self.ring.slots[self.slot.0].uploads
     }
 
     /// Returns the GPU times of the last whole frame that used this slot, N frames ago unless
-    /// frames were given up since. Empty without timing, and of a frame whose turn it was not.
+    /// frames were given up since. Empty without timing, and for a frame that was not timed.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.ring.slots[self.slot.0].pass_times
     }
 
-    /// Times the rest of this frame, if its ring [times frames](FrameRing::time_frames); else, and
-    /// if it was begun already, nothing happens. Not inside of a pass.
+    /// Measures the rest of this frame, if its ring [times frames](FrameRing::time_frames) and
+    /// timing has not begun; else does nothing. Not inside of a pass.
     pub fn begin_timing(&mut self) {
         let slot = &mut self.ring.slots[self.slot.0];
         slot.whole.begin(slot.commands.raw());
@@ -206,11 +207,11 @@ impl Frame<'_> {
         self.ring.slots[self.slot.0].whole.newest()
     }
 
-    /// Sends off what is recorded so far and goes on with the same frame in another command buffer.
-    /// Not inside of a pass. The first piece starts once `after`, if given, is reached.
+    /// Submits the commands recorded so far and goes on with the same frame in another command
+    /// buffer. Not inside of a pass. The first piece starts once `after`, if given, is reached.
     ///
     /// # Errors
-    /// What failed while recording, or a failed call.
+    /// A failure while recording, or a failed call.
     pub fn flush(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
         let tick = slot.submit(&Order { after, ..Order::default() })?;
@@ -221,13 +222,13 @@ impl Frame<'_> {
     }
 
     /// Waits until `tick` of a piece that was flushed is over, within the device's bound. For
-    /// methods that cannot go on without an answer: it counts as [`crate::WaitCounts::other`].
+    /// methods that cannot go on without a result: it counts as [`crate::WaitCounts::other`].
     ///
     /// # Errors
     /// [`Error::Timeout`], a failed call.
     pub fn wait(&mut self, tick: Tick) -> Result<(), Error> {
         let device = &self.ring.device;
-        // What was never submitted would be waited for in vain.
+        // A tick that was never submitted would be waited for in vain.
         let tick = tick.min(self.ring.slots[self.slot.0].tick);
         if device.completed()? >= tick {
             return Ok(());
@@ -243,7 +244,7 @@ impl Frame<'_> {
     /// reached; the CPU does not wait.
     ///
     /// # Errors
-    /// What failed while recording, or a failed call.
+    /// A failure while recording, or a failed call.
     pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
         self.submit_in_order(&Order { after, ..Order::default() })
     }

@@ -6,19 +6,19 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub struct IndirectDraw {
-    /// Indices to draw.
+    /// The number of indices to draw.
     pub index_count: u32,
-    /// Instances; 0 draws nothing.
+    /// The number of instances; 0 draws nothing.
     pub instance_count: u32,
-    /// Where the indices start.
+    /// The first index.
     pub first_index: u32,
-    /// Added to every index.
+    /// The number added to every index.
     pub vertex_offset: i32,
     /// The shader's instance index.
     pub first_instance: u32,
 }
 
-/// Bytes of one draw.
+/// The size of one draw in bytes.
 pub(crate) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 /// A contiguous range of indirect draws.
@@ -26,6 +26,6 @@ pub(crate) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 pub struct DrawRange {
     /// The first draw.
     pub first: u32,
-    /// How many.
+    /// The number of draws.
     pub count: u32,
 }

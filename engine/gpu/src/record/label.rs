@@ -2,10 +2,10 @@
 
 use std::ffi::CStr;
 
-/// Labels longer than this are cut.
+/// The length beyond which labels are cut.
 const BYTES: usize = 64;
 
-/// Room for a label and the zero behind it.
+/// A buffer for a label and the zero behind it.
 pub(crate) struct LabelName([u8; BYTES]);
 
 impl Default for LabelName {
@@ -15,7 +15,7 @@ impl Default for LabelName {
 }
 
 impl LabelName {
-    /// Returns the label as a string that ends with a zero, or with the first zero in it.
+    /// Copies the label to a string that ends with a zero, or at the first zero in it.
     pub(crate) fn hold(&mut self, label: &str) -> &CStr {
         let length = label.len().min(BYTES - 1);
         self.0 = [0; BYTES];

@@ -1,4 +1,4 @@
-//! Pipelines: the few states the engine varies, everything else fixed in one place.
+//! Pipelines: the few states that the engine varies, with all others fixed in one place.
 
 use ash::vk;
 
@@ -10,53 +10,55 @@ use crate::core::ownership::of_device;
 use crate::record::shader::Spirv;
 use crate::record::target::{COLOUR_FORMAT, DEPTH_FORMAT};
 
-/// How a pipeline uses depth. Depth is reversed: 1 at the near plane, 0 at infinity.
+/// The use of depth by a pipeline. Depth is reversed: 1 at the near plane, 0 at infinity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DepthMode {
-    /// Nearer wins, and is stored.
+    /// A test for nearer, with the depth stored.
     TestAndWrite,
-    /// As near or nearer passes, and is stored: the same depth in the end, but whoever is as near
-    /// as it counts as visible, whoever was first.
+    /// A test for as near or nearer, with the depth stored. The final depth is the same, but all
+    /// objects at that depth count as visible, in any order.
     TestEqualAndWrite,
-    /// As near or nearer passes; nothing is stored. Proxies use it: equal depth counts as visible.
+    /// A test for as near or nearer, with nothing stored. Proxies use it: equal depth counts as
+    /// visible.
     TestOnly,
-    /// Only the same depth passes: what is drawn a second time; nothing is stored.
+    /// A test for the same depth, with nothing stored, for objects that are drawn a second time.
     Equal,
-    /// Everything passes; nothing is stored.
+    /// No test; nothing is stored.
     Ignored,
 }
 
-/// How a pipeline uses colour.
+/// The use of colour by a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blend {
-    /// Replaces.
+    /// Replacement.
     Opaque,
-    /// Mixes by alpha.
+    /// Blending by alpha.
     Alpha,
-    /// Mixes by alpha, by which the colour is multiplied already.
+    /// Blending by alpha, of colours multiplied by alpha already.
     Premultiplied,
-    /// Keeps the larger of each channel, whatever order things are drawn in.
+    /// The larger value of each channel, in any order of draws.
     Max,
-    /// Writes no colour. Give no fragment shader then: a masked one would still run.
+    /// No colour output. Give no fragment shader then: a masked one would still run.
     NoColour,
 }
 
-/// What is drawn of a triangle.
+/// The rasterisation of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polygon {
-    /// All of it.
+    /// The whole triangle.
     Filled,
-    /// Its edges, a little nearer than it is. For devices with
+    /// Its edges, a little nearer than the triangle. For devices with
     /// [`Optional::Wireframe`](crate::Optional::Wireframe).
     Wireframe,
 }
 
-/// How vertices lie in their buffer. An empty layout is for shaders that make up their vertices.
+/// The layout of vertices in their buffer. An empty layout is for shaders that make up their
+/// vertices.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct VertexLayout<'a> {
-    /// Bytes from vertex to vertex.
+    /// The distance between vertices in bytes.
     pub stride_bytes: u32,
-    /// Format and offset of the attribute at each location.
+    /// The format and offset of the attribute at each location.
     pub attributes: &'a [(vk::Format, u32)],
     /// Another buffer with more of the same vertices; its locations follow those here.
     pub beside: Option<&'a VertexLayout<'a>>,
@@ -69,14 +71,14 @@ pub struct StorageLayout {
     pub buffers: u32,
     /// Sampled textures at the bindings after those.
     pub textures: u32,
-    /// Sampled [`TextureArray`](crate::TextureArray)s, an array of so many at the binding after
+    /// Sampled [`TextureArray`](crate::TextureArray)s: one array of so many, at the binding after
     /// those.
     pub texture_arrays: u32,
     /// Bytes of push constants.
     pub push_bytes: u32,
 }
 
-/// What a graphics pipeline is made of.
+/// The description of a graphics pipeline.
 #[derive(Debug, Clone, Copy)]
 pub struct GraphicsPipelineInfo<'a> {
     /// Debug name.
@@ -91,7 +93,7 @@ pub struct GraphicsPipelineInfo<'a> {
     pub storage: StorageLayout,
     /// Points, lines or triangles.
     pub topology: vk::PrimitiveTopology,
-    /// What is drawn of triangles.
+    /// The rasterisation of triangles.
     pub polygon: Polygon,
     /// Faces that are not drawn; counter-clockwise is front.
     pub cull: vk::CullModeFlags,
@@ -107,7 +109,7 @@ pub struct GraphicsPipeline(pub(crate) PipelineKind);
 /// A compute pipeline.
 pub struct ComputePipeline(pub(crate) PipelineKind);
 
-/// What both kinds own.
+/// The objects that both kinds own.
 pub(crate) struct PipelineKind {
     device: Device,
     pub(crate) raw: vk::Pipeline,
@@ -186,7 +188,8 @@ impl PipelineKind {
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
         let storage = create_set_layout(device, layout, stages)?;
-        // Owned from here on: dropped half-made, it retires what is there; destroying null is fine.
+        // Owned from here on: dropped incomplete, it retires what is there; destroying null is
+        // fine.
         let mut kind = Self {
             device: device.clone(),
             raw: vk::Pipeline::null(),
@@ -316,7 +319,7 @@ fn create_graphics(
         .map(|pipelines| pipelines.first().copied().unwrap_or_default())
 }
 
-/// Returns the buffers of vertices and the attributes in them.
+/// Returns the vertex bindings and their attributes.
 fn vertex_input(
     layout: &VertexLayout<'_>,
 ) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {

@@ -5,11 +5,11 @@ use ash::vk;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 
-/// Storage-buffer sets a frame may bind; a frame binds a few per pass.
+/// The number of storage-buffer sets that a frame may bind; a frame binds a few per pass.
 const DESCRIPTOR_SETS: u32 = 256;
-/// Storage buffers over all those sets.
+/// The number of storage buffers over all those sets.
 const DESCRIPTORS: u32 = 1024;
-/// Textures over all those sets.
+/// The number of textures over all those sets.
 const TEXTURE_DESCRIPTORS: u32 = 1024;
 
 pub(crate) fn create_command_pool(device: &Device, name: &str) -> Result<vk::CommandPool, Error> {

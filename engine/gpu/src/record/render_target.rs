@@ -1,10 +1,10 @@
-//! What a rendering draws to, and what it starts from.
+//! The images of a rendering, and their contents at its start.
 
 use ash::vk;
 
 use crate::core::ownership::{OfDevice, OwnerId};
 
-/// What a render pass draws to.
+/// The images that a render pass draws to.
 #[derive(Debug, Clone, Copy)]
 pub struct RenderTarget {
     pub(crate) device: OwnerId,
@@ -18,14 +18,15 @@ pub struct RenderTarget {
     pub depth_load: Load<f32>,
 }
 
-/// What an image holds when a rendering to it begins.
+/// The contents of an image when a rendering to it begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load<T> {
-    /// What is there.
+    /// The contents that are there.
     Keep,
-    /// The same everywhere.
+    /// One value everywhere.
     Clear(T),
-    /// Anything: nothing is drawn to it, and nobody reads what the rendering leaves.
+    /// Undefined contents: nothing is drawn to the image, and nobody reads what the rendering
+    /// leaves.
     Forget,
 }
 
@@ -38,8 +39,8 @@ impl OfDevice for RenderTarget {
 }
 
 impl RenderTarget {
-    /// Only `size` pixels from `origin` on (from the upper left), cut to what is there: nothing
-    /// outside is drawn to or cleared.
+    /// Restricts the rendering to `size` pixels from `origin` on (from the upper left), cut to what
+    /// is there: nothing outside is drawn to or cleared.
     #[must_use]
     pub fn within(mut self, origin: [u32; 2], size: [u32; 2]) -> Self {
         for side in 0..2 {
@@ -50,13 +51,14 @@ impl RenderTarget {
         self
     }
 
-    /// With the depth alone: the colour is not drawn to and holds anything afterwards.
+    /// Restricts the rendering to the depth: the colour is not drawn to and is undefined
+    /// afterwards.
     #[must_use]
     pub fn depth_only(self) -> Self {
         Self { colour_load: Load::Forget, ..self }
     }
 
-    /// With a colour to start from, whatever the depth starts from.
+    /// Returns the target with a colour to start from, whatever the depth starts from.
     #[must_use]
     pub fn cleared_to(self, colour: [f32; 4]) -> Self {
         Self { colour_load: Load::Clear(colour), ..self }

@@ -11,14 +11,14 @@ pub struct Spirv {
     /// Its name, as the debugger shows it.
     pub name: String,
     words: Vec<u32>,
-    /// Values of its specialisation constants, by id; the others keep what the source says.
+    /// Values of its specialisation constants, by id; the others keep the defaults of the source.
     constants: Vec<(u32, u32)>,
 }
 
 const SPIRV_MAGIC: u32 = 0x0723_0203;
 
 impl Spirv {
-    /// Takes SPIR-V from bytes, in the machine's byte order.
+    /// Creates a shader from SPIR-V bytes, in the machine's byte order.
     ///
     /// # Errors
     /// [`Error::NotSpirv`] for anything that does not look like it.
@@ -34,21 +34,21 @@ impl Spirv {
         Ok(Self { name: name.to_owned(), words, constants: Vec::new() })
     }
 
-    /// Its bytes, little-endian, as they are stored beside the GLSL.
+    /// Returns its bytes, little-endian, as they are stored beside the GLSL.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.words.iter().flat_map(|word| word.to_le_bytes()).collect()
     }
 
-    /// Returns the shader with these values, too, for specialisation constants of 32 bits, each id
-    /// once. Pipelines are compiled for them: what they switch off costs nothing. An id that the
-    /// shader lacks has no effect.
+    /// Returns the shader with these additional values for specialisation constants of 32 bits,
+    /// each id once. Pipelines are compiled for them: code that they switch off costs nothing. An
+    /// id that the shader lacks has no effect.
     #[must_use]
     pub fn specialised(&self, constants: &[(u32, u32)]) -> Self {
         Self { constants: [&self.constants, constants].concat(), ..self.clone() }
     }
 
-    /// Hands the module, with its constants, to `make` and destroys it after: pipelines do not need
-    /// it once made.
+    /// Calls `make` with the module and its constants, and destroys the module after: pipelines do
+    /// not need it once made.
     pub(crate) fn with_stage<R>(
         &self,
         device: &Device,
@@ -82,7 +82,7 @@ impl Spirv {
     }
 }
 
-/// Compiles the GLSL file `path`; its stage is told by its extension (`.vert`, `.frag`, `.comp`),
+/// Compiles the GLSL file `path`; its extension (`.vert`, `.frag`, `.comp`) names its stage, and
 /// `#include "name"` is looked for beside it.
 ///
 /// # Errors

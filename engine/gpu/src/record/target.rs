@@ -13,9 +13,9 @@ use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::{Commands, Failure};
 use crate::record::render_target::{Load, RenderTarget};
 
-/// Colour: eight bits a channel, sRGB-encoded by the hardware.
+/// Colour: eight bits per channel, sRGB-encoded by the hardware.
 pub const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
-/// How colour lies in memory: the same bytes without a meaning, so that a window gets them
+/// The format of the colour's memory: the same bytes without encoding, so that a window gets them
 /// unchanged in whichever order of channels it wants them.
 pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Depth: 32-bit float, reversed, so that precision is even over all distances.
@@ -81,18 +81,18 @@ impl Target {
         })
     }
 
-    /// Its size in pixels.
+    /// Returns its size in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Returns the colour image and what it was last used for.
+    /// Returns the colour image and its last access.
     pub(crate) fn colour(&self) -> (&Image, Access) {
         (&self.colour, self.colour_access)
     }
 
-    /// Makes both images ready to be drawn to, after whatever they were used for before. Between
-    /// two renderings too: dynamic rendering orders nothing by itself. What they hold lasts for one
+    /// Prepares both images to be drawn to, after any earlier access. This is needed between two
+    /// renderings too: dynamic rendering orders nothing by itself. Their contents last for one
     /// frame: the first rendering of each must clear. Commands of another device fail.
     pub fn prepare(&mut self, commands: &Commands) {
         if commands.admit(self).is_err() {
@@ -119,7 +119,8 @@ impl Target {
         self.depth_access = Access::Depth;
     }
 
-    /// Returns what to draw to, starting from a colour and the far depth, or from what is there.
+    /// Returns the images to draw to, starting from a colour and the far depth, or from their
+    /// contents.
     pub fn render_target(&self, clear: Option<[f32; 4]>) -> RenderTarget {
         const FAR: f32 = 0.0; // reversed depth
         RenderTarget {
@@ -134,9 +135,9 @@ impl Target {
     }
 
     /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`: 32-bit
-    /// floats, rows from the top without gaps, an [`Access::CopyWrite`]. Too small a slice gets
-    /// nothing, and nothing is copied of an area that is not within the image. To draw on, prepare
-    /// the target again.
+    /// floats, rows from the top without gaps, an [`Access::CopyWrite`]. Copies nothing to a slice
+    /// that is too small, and nothing of an area that is not within the image. To continue drawing,
+    /// prepare the target again.
     pub fn copy_depth_to(
         &mut self,
         commands: &Commands,
@@ -181,8 +182,8 @@ impl Target {
         }
     }
 
-    /// Copies the colour image to `readback`, of the same size, or the recording fails. The last
-    /// use of the target in a frame.
+    /// Copies the colour image to `readback`; the recording fails unless both have the same size.
+    /// The last use of the target in a frame.
     pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
         if commands.admit(self).is_err() {
             return;
@@ -223,7 +224,7 @@ impl Target {
 }
 
 impl Target {
-    /// Says that the frame that drew last was submitted: only then is there a picture to show.
+    /// Notes that the frame that drew last was submitted: only then is there a picture to show.
     pub fn submitted(&mut self) {
         self.is_submitted = self.recording.is_some();
     }

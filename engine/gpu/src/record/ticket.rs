@@ -1,4 +1,4 @@
-//! Tickets: the tick of commands, for those that were recorded before it is known.
+//! Tickets: the tick of commands, for users that need it before it is known.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

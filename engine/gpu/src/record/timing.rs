@@ -12,22 +12,22 @@ use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
 use crate::memory::buffer::{Buffer, MemoryKind};
 
-/// How long a pass took on the GPU.
+/// The time of a pass on the GPU.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassTime {
     /// The pass's label, the same in the debugger.
     pub label: &'static str,
     /// Its time in milliseconds.
     pub gpu_ms: f64,
-    /// When it began, in nanoseconds of the GPU's clock ([`crate::Clocks`]).
+    /// The time at which it began, in nanoseconds of the GPU's clock ([`crate::Clocks`]).
     pub began_ns: u64,
 }
 
-/// How long a frame took on the GPU, from [`Frame::begin_timing`](crate::Frame::begin_timing) to
-/// its end.
+/// The time of a frame on the GPU, from [`Frame::begin_timing`](crate::Frame::begin_timing) to its
+/// end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameTime {
-    /// Which frame.
+    /// The tick of the frame.
     pub tick: Tick,
     /// Its time in milliseconds.
     pub gpu_ms: f64,
@@ -44,15 +44,15 @@ pub(crate) struct PassTimer {
     ns_per_step: f64,
     mask: u64,
     needs_full_barriers: bool,
-    /// More passes than this go untimed.
+    /// The most passes that are timed; further ones are not.
     passes: u32,
 }
 
-/// More passes than this in a frame go untimed.
+/// The most passes of a frame that are timed; further ones are not.
 pub(crate) const PASSES: u32 = 512;
 
 impl PassTimer {
-    /// Room for so many passes.
+    /// Creates a timer with room for so many passes.
     pub(crate) fn new(device: &Device, name: &str, passes: u32) -> Result<Self, Error> {
         let size_bytes = u64::from(2 * passes) * 8;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
@@ -78,7 +78,7 @@ impl PassTimer {
         })
     }
 
-    /// The times of the slot's last frame, which was submitted and is over.
+    /// Reads the times of the slot's last frame, which was submitted and is over.
     pub(crate) fn read(&self, times: &mut Vec<PassTime>) {
         times.clear();
         let stamps = self.results.read::<u64>(0..2 * self.passes as usize);
@@ -88,7 +88,7 @@ impl PassTimer {
         }
     }
 
-    /// Returns the time from the first stamp to the last of one pass, of a frame that is over.
+    /// Returns the time from the first stamp to the last of one pass of a frame that is over.
     pub(crate) fn span_ms(&self) -> Option<f64> {
         let stamps = self.results.read::<u64>(0..2);
         let pair = stamps.first_chunk::<2>().filter(|_| !lock(&self.labels).is_empty())?;
@@ -169,7 +169,8 @@ impl PassTimer {
         }
     }
 
-    /// lavapipe shifts a timestamp by one pass unless everything is flushed before and after it.
+    /// Records a full barrier: lavapipe shifts a timestamp by one pass unless everything is flushed
+    /// before and after it.
     fn full_barrier(&self, commands: vk::CommandBuffer) {
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
         let barriers = [vk::MemoryBarrier2::default().src_stage_mask(all).dst_stage_mask(all)];
@@ -179,7 +180,7 @@ impl PassTimer {
     }
 }
 
-/// Times the frames of one slot as a whole, where asked to.
+/// A timer of whole frames of one slot, where asked for.
 #[derive(Default)]
 pub(crate) struct FrameTimer {
     timer: Option<PassTimer>,
@@ -187,19 +188,19 @@ pub(crate) struct FrameTimer {
     newest: Option<FrameTime>,
 }
 
-/// What a timer of whole frames is at.
+/// The state of a timer of whole frames.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Stage {
     #[default]
     Idle,
-    /// The frame being recorded is timed.
+    /// A timed frame being recorded.
     Begun,
-    /// The frame on its way is.
+    /// A timed frame that was submitted.
     Submitted,
 }
 
 impl FrameTimer {
-    /// Returns one that can: by a timer with room for one pass.
+    /// Creates one that measures by `timer`, which has room for one pass.
     pub(crate) fn new(timer: PassTimer) -> Self {
         Self { timer: Some(timer), ..Self::default() }
     }
@@ -228,7 +229,7 @@ impl FrameTimer {
         }
     }
 
-    /// Ends what was begun. Answers whether a stamp is copied for the host.
+    /// Ends the timing that was begun. Returns true if stamps are copied for the host.
     pub(crate) fn end(&mut self, commands: vk::CommandBuffer) -> bool {
         let Some(timer) = self.timer.as_ref().filter(|_| self.stage == Stage::Begun) else {
             return false;
@@ -238,7 +239,7 @@ impl FrameTimer {
         true
     }
 
-    /// What was begun is on its way.
+    /// Notes that the frame being timed was submitted.
     pub(crate) fn submitted(&mut self) {
         if self.stage == Stage::Begun {
             self.stage = Stage::Submitted;

@@ -1,4 +1,4 @@
-//! One Vulkan swapchain with its images, and what presents of them wait for and signal.
+//! One Vulkan swapchain with its images, and the semaphores and fences of their presents.
 
 use std::time::Duration;
 
@@ -13,21 +13,21 @@ use crate::core::error::{Called, Error};
 use crate::present::present_mode::PresentMode;
 use crate::present::surface::Surface;
 
-/// Tells one chain of a window from those before it.
+/// The number of a chain, which no other chain of its window has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ChainNumber(pub(super) u64);
 
-/// An image of a chain, by its place.
+/// The index of an image in its chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct ImageIndex(u32);
 
-/// An image of the window. Its semaphore tells the presentation engine that it is drawn; there is
-/// one an image and not one a frame, since an image that can be acquired again is proof that the
-/// present before has waited for it, and nothing else is.
+/// An image of the window. Its semaphore is signalled when it is drawn, and the present waits for
+/// it. There is one per image, not per frame: only an image that is acquired again proves that the
+/// present before has waited for its semaphore.
 pub(super) struct ChainImage {
     pub(super) raw: vk::Image,
     pub(super) drawn: vk::Semaphore,
-    /// Signalled when a present is done with semaphore and image.
+    /// The fence that is signalled when a present no longer uses semaphore and image.
     fence: Option<vk::Fence>,
     is_fence_pending: bool,
     pub(super) was_presented: bool,
@@ -44,12 +44,13 @@ pub(super) struct SwapchainImages {
     pub(super) images: Vec<ChainImage>,
 }
 
-/// A chain that shows nothing any more, to be destroyed when GPU and presentation engine are done.
+/// A chain that shows nothing any more, to be destroyed when the GPU and the presentation engine no
+/// longer use it.
 pub(super) struct RetiredImages {
     chain: SwapchainImages,
 }
 
-/// What a chain is made for.
+/// The parameters of a new chain.
 pub(super) struct Wanted<'a> {
     pub(super) number: ChainNumber,
     pub(super) state: &'a vk::SurfaceCapabilitiesKHR,
@@ -138,7 +139,7 @@ impl SwapchainImages {
     }
 
     /// Asks for an image, for no longer than `bound`; `semaphore` is signalled when it may be
-    /// written. Also says whether the chain does not fit the window well any more.
+    /// written. Also returns true if the chain is suboptimal for the window.
     pub(super) fn acquire(
         &self,
         semaphore: vk::Semaphore,
@@ -153,7 +154,7 @@ impl SwapchainImages {
         .map(|(index, is_suboptimal)| (ImageIndex(index), is_suboptimal))
     }
 
-    /// Returns whether the last present of the image is done with its fence, within `bound`; it is
+    /// Returns true if the last present of the image signals its fence within `bound`; the image is
     /// then ready for the next one.
     pub(super) fn is_ready_within(
         &mut self,
@@ -173,7 +174,7 @@ impl SwapchainImages {
     }
 
     /// Returns the call that hands an image that is being drawn to the presentation engine. From
-    /// now on it counts as made.
+    /// now on the present counts as made.
     pub(super) fn present(
         &mut self,
         index: ImageIndex,
@@ -185,8 +186,8 @@ impl SwapchainImages {
         Ok(PresentCall { functions, chain, index, drawn: image.drawn, fence: image.fence, id })
     }
 
-    /// What came of that call. After some errors nothing was done; others are told of a present
-    /// that is carried out as far as its semaphore and fence go (Vulkan specification,
+    /// Takes the result of that call. After some errors nothing was done; after others the present
+    /// is carried out as far as its semaphore and fence go (Vulkan specification,
     /// vkQueuePresentKHR).
     pub(super) fn presented(&mut self, index: ImageIndex, result: Result<bool, vk::Result>) {
         const IS_DONE_ALL_THE_SAME: [vk::Result; 3] = [
@@ -219,7 +220,7 @@ pub(super) struct PresentCall {
 }
 
 impl PresentCall {
-    /// Makes it. Also says whether the chain does not fit the window well any more.
+    /// Makes the call, and returns true if the chain is suboptimal for the window.
     pub(super) fn make(&self, device: &Device) -> Result<bool, vk::Result> {
         let (chains, indices, drawn) = ([self.chain], [self.index.0], [self.drawn]);
         let (fences, ids) = ([self.fence.unwrap_or_default()], [self.id.0]);
@@ -249,8 +250,8 @@ impl PresentCall {
 }
 
 impl RetiredImages {
-    /// Returns whether the presentation engine is done with it; nothing if it has no fences to
-    /// tell.
+    /// Returns true if the presentation engine no longer uses the chain; `None` without present
+    /// fences.
     pub(super) fn is_presented(&self, device: &Device) -> Result<Option<bool>, Error> {
         if !device.capabilities().has(Optional::PresentFences) {
             return Ok(None);
@@ -267,8 +268,8 @@ impl RetiredImages {
 }
 
 impl RetiredObject for RetiredImages {
-    /// Destroys it, once the GPU is done with it. Presents that still hold it are waited for,
-    /// within a bound; whoever drops a swapchain in the middle of a frame meets that, nobody else.
+    /// Destroys the chain once the GPU no longer uses it. Waits, within a bound, for presents that
+    /// still hold it, which happens only to a swapchain that is dropped in the middle of a frame.
     fn destroy(self: Box<Self>, device: &ash::Device) {
         const BOUND: Duration = Duration::from_secs(1);
         let chain = self.chain;
@@ -295,7 +296,7 @@ impl RetiredObject for RetiredImages {
     }
 }
 
-/// Returns whether `fence` is signalled within `bound`.
+/// Returns true if `fence` is signalled within `bound`.
 fn wait_for(device: &ash::Device, fence: vk::Fence, bound: Duration) -> Result<bool, Error> {
     let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
     // SAFETY: a live fence of this device.

@@ -1,14 +1,14 @@
-//! Pictures in a window, whatever becomes of the window. Nothing here decides when.
+//! Pictures in a window, in every state of the window. Nothing here decides when.
 //!
-//! Who waits for whom, in [`Swapchain::acquire`] and [`WindowImage::show`]:
+//! The waits in [`Swapchain::acquire`] and [`WindowImage::show`]:
 //!
 //! - The CPU waits for the tick of the present that used this slot N frames ago, then for an image.
 //!   Both waits have the bound [`SwapchainOptions::acquire_bound`] and end as
 //!   [`PresentSkipped::Hidden`].
 //! - The GPU's copy to the image waits for the *acquire semaphore*: the screen no longer reads the
-//!   image. There is one a frame in flight: when its slot comes round, the submit that waited for
-//!   it is over, and it may be given to an acquire again.
-//! - The presentation engine waits for the image's *drawn semaphore*. There is one an image: when
+//!   image. There is one per frame in flight: when its slot is used again, the submit that waited
+//!   for it is over, and it may be given to an acquire again.
+//! - The presentation engine waits for the image's *drawn semaphore*. There is one per image: when
 //!   the image is acquired again, the present that waited for it is over.
 //! - Where a driver waits inside the present itself, for a window that may be hidden, another
 //!   thread makes that call ([`presenter`]).
@@ -17,8 +17,8 @@
 //! waits for the screen, and a frame without a window is the same frame.
 //!
 //! A swapchain that no longer fits is replaced with `oldSwapchain`; the old one goes to
-//! [`old_chains::RetiredSwapchains`], which waits for nothing. `SUBOPTIMAL` alone replaces nothing:
-//! some drivers say so for ever. It only makes us compare sizes.
+//! [`retired::RetiredSwapchains`], which never waits. `SUBOPTIMAL` alone replaces nothing: some
+//! drivers return it for ever. It only makes the engine compare sizes.
 
 mod api;
 mod images;
@@ -50,11 +50,11 @@ pub struct Swapchain {
     screen: SwapchainState,
 }
 
-/// What comes of asking for an image of the window.
+/// The outcome of asking for an image of the window.
 pub enum Acquired<'a> {
-    /// An image, to be shown. Dropped, it is what the next call returns.
+    /// An image, to be shown. If it is dropped, the next call returns it.
     Image(WindowImage<'a>),
-    /// There is none.
+    /// No image, for the reason given.
     Not(PresentSkipped),
 }
 
@@ -67,8 +67,8 @@ pub struct WindowImage<'a> {
 }
 
 impl Swapchain {
-    /// Shows pictures of `device` in the window of `surface`. The first image is asked for later,
-    /// so a window without a pixel is no error.
+    /// Shows pictures of `device` in the window of `surface`. The first image is acquired later, so
+    /// a window without a pixel is no error.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] for a device
@@ -83,12 +83,12 @@ impl Swapchain {
         Ok(Self { ring, screen })
     }
 
-    /// Returns whether a frame may begin. Ask before each: a hidden window may hold the picture
+    /// Returns true if a frame may begin. Ask before each: a hidden window may hold the picture
     /// before back, and with it the queue, so that nothing can be submitted. Waits for no longer
     /// than [`SwapchainOptions::acquire_bound`].
     ///
     /// # Errors
-    /// What has no name in [`PresentSkipped`]; those that have come with the next picture.
+    /// Those without a name in [`PresentSkipped`]; those with one come with the next picture.
     pub fn is_ready(&mut self) -> Result<bool, Error> {
         match self.screen.is_ready() {
             Ok(is_ready) => Ok(is_ready),
@@ -100,7 +100,7 @@ impl Swapchain {
     /// knows. Call it when the frame is submitted, not before: the wait for the screen is here.
     ///
     /// # Errors
-    /// What has no name in [`PresentSkipped`]: out of memory, a failed call.
+    /// Those without a name in [`PresentSkipped`]: out of memory, a failed call.
     pub fn acquire(&mut self, window_size: [u32; 2]) -> Result<Acquired<'_>, Error> {
         let began = Instant::now();
         match self.is_slot_ready() {
@@ -124,12 +124,12 @@ impl Swapchain {
         }
     }
 
-    /// Shows the picture of `target` in a window of `window_size` pixels; scaled, if its size is
-    /// another, and between black borders, if its shape is. [`Swapchain::acquire`] and
-    /// [`WindowImage::show`] in one.
+    /// Shows the picture of `target` in a window of `window_size` pixels. It is scaled if its size
+    /// differs, and between black borders if its shape differs. Combines [`Swapchain::acquire`] and
+    /// [`WindowImage::show`].
     ///
     /// # Errors
-    /// As these.
+    /// Those of the two.
     pub fn show(&mut self, target: &Target, window_size: [u32; 2]) -> Result<Shown, Error> {
         // Before the wait for an image.
         self.screen.device.check(target, "a window (`Swapchain`)")?;
@@ -139,19 +139,19 @@ impl Swapchain {
         }
     }
 
-    /// Returns whether the last present has come back, and the frame that used the slot before is
+    /// Returns true if the last present has come back, and the frame that used the slot before is
     /// over.
     fn is_slot_ready(&mut self) -> Result<bool, Error> {
         let bound = self.screen.options.acquire_bound;
         Ok(self.screen.is_ready()? && self.ring.is_ready_within(bound)?)
     }
 
-    /// Changes how pictures follow each other, from the next one on.
+    /// Changes the present mode, from the next picture on.
     pub fn set_mode(&mut self, mode: PresentMode) {
         self.screen.set_mode(mode);
     }
 
-    /// Changes how many pictures may be on their way to the window.
+    /// Changes the number of pictures that may be on their way to the window.
     ///
     /// # Errors
     /// A failed call; nothing has changed then.
@@ -164,43 +164,46 @@ impl Swapchain {
         Ok(())
     }
 
-    /// Pictures on their way to the window at once.
+    /// Returns the number of pictures on their way to the window at once.
     pub fn frames_in_flight(&self) -> usize {
         self.ring.frames_in_flight()
     }
 
-    /// Returns the present mode in use; the one asked for until the window had its first image.
+    /// Returns the present mode in use; until the window has its first image, the one asked for.
     pub fn mode(&self) -> PresentMode {
         self.screen.chain.as_ref().map_or(self.screen.options.mode, |chain| chain.mode)
     }
 
-    /// Returns whether the window has not the present mode asked for, and which is taken.
+    /// Returns the present mode wanted and the one taken for it, if the window lacks the one
+    /// wanted.
     pub fn fallback(&self) -> Option<Fallback> {
         self.screen.fallback
     }
 
-    /// Size of the window's images in pixels; none before the first.
+    /// Returns the size of the window's images in pixels; none before the first.
     pub fn size(&self) -> Option<[u32; 2]> {
         self.screen.chain.as_ref().map(|chain| chain.size)
     }
 
-    /// Format of the window's images and their colour space, as text; none before the first.
+    /// Returns the format of the window's images and their colour space, as text; none before the
+    /// first.
     pub fn format(&self) -> Option<String> {
         let chain = self.screen.chain.as_ref()?;
         Some(format!("{:?} in {:?}", chain.format, plan::COLOUR_SPACE))
     }
 
-    /// Images of the window.
+    /// Returns the number of images of the window.
     pub fn image_count(&self) -> usize {
         self.screen.chain.as_ref().map_or(0, |chain| chain.images.len())
     }
 
-    /// Returns how often the window's images were made anew.
+    /// Returns the number of times the window's images were replaced.
     pub fn replaced(&self) -> u64 {
         self.screen.number.0.saturating_sub(1)
     }
 
-    /// Replaced swapchains that the presentation engine may still use. There is a small bound.
+    /// Returns the number of replaced swapchains that the presentation engine may still use. It has
+    /// a small bound.
     pub fn retiring(&self) -> usize {
         self.screen.old.len()
     }
@@ -212,19 +215,19 @@ impl Swapchain {
 }
 
 impl WindowImage<'_> {
-    /// Size in pixels.
+    /// Returns its size in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.screen.chain.as_ref().map_or([0, 0], |chain| chain.size)
     }
 
     /// Copies the picture of `target` to the image, byte for byte where their sizes are equal, and
-    /// has it shown. A picture of another shape keeps its proportions, between black borders. A
-    /// frame that waits for a [`crate::Timeline`] is shown after the signal it waits for, not
-    /// before (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
+    /// presents it. A picture of another shape keeps its proportions, between black borders. A
+    /// frame that waits for a [`crate::Timeline`] is presented after its signal, not before
+    /// (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
     ///
     /// # Errors
     /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for one whose
-    /// picture was not [submitted](Target::submitted); what has no name in [`PresentSkipped`].
+    /// picture was not [submitted](Target::submitted); those without a name in [`PresentSkipped`].
     pub fn show(self, target: &Target) -> Result<Shown, Error> {
         let Self { frame, screen, slot_wait, acquire_wait } = self;
         match screen.show(frame, target, [slot_wait, acquire_wait]) {

@@ -1,16 +1,16 @@
-//! What a window is asked for.
+//! The options of a swapchain.
 
 use std::time::Duration;
 
 use crate::present::present_mode::PresentMode;
 
-/// How to make a [`Swapchain`](crate::Swapchain).
+/// The options of a [`Swapchain`](crate::Swapchain).
 #[derive(Debug, Clone)]
 pub struct SwapchainOptions {
-    /// How pictures follow each other. What the window has not falls back to what comes nearest
-    /// ([`PresentMode::nearest`]), which is logged and [told](crate::Swapchain::fallback).
+    /// The present mode wanted. One that the window lacks falls back to the nearest
+    /// ([`PresentMode::nearest`]), which is logged and [reported](crate::Swapchain::fallback).
     pub mode: PresentMode,
-    /// Pictures on their way to the window at once; 0 counts as 1.
+    /// The number of pictures on their way to the window at once; 0 counts as 1.
     pub frames_in_flight: usize,
     /// The longest wait for an image of the window, a minute at most. A hidden window may have none
     /// for hours.

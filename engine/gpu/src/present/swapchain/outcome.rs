@@ -1,11 +1,11 @@
-//! What can come of showing a picture in a window: each outcome has a name.
+//! The outcomes of presenting a picture, each with a name.
 
 use std::time::Duration;
 
 use crate::core::tick::Tick;
 
-/// A picture given to the presentation engine. Numbered from 1 in the order of presents, for the
-/// whole life of a swapchain.
+/// The number of a picture given to the presentation engine: from 1 in the order of presents, for
+/// the whole life of a swapchain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct PresentId(pub u64);
 
@@ -14,25 +14,27 @@ pub struct PresentId(pub u64);
 pub struct Presented {
     /// Its number.
     pub id: PresentId,
-    /// It is drawn when this tick is over; on the screen it is later.
+    /// The tick at whose end it is drawn; it is on the screen later.
     pub tick: Tick,
     /// The size of the window's image in pixels; a picture of another size was scaled to fit in it.
     pub size: [u32; 2],
-    /// How long the CPU first waited for the GPU: for the picture that used the same slot before.
+    /// The time that the CPU first waited for the GPU: for the picture that used the same slot
+    /// before.
     pub slot_wait: Duration,
-    /// How long it then waited for an image of the window.
+    /// The time that it then waited for an image of the window.
     pub acquire_wait: Duration,
-    /// How long the CPU was in the call that presents; some drivers wait for the screen there.
+    /// The time that the CPU was in the call that presents; some drivers wait for the screen there.
     pub present_wait: Duration,
 }
 
-/// Why a picture is not shown. Nothing is lost: go on with the next frame, as said at each.
+/// The reason why a picture is not shown. Nothing is lost: go on with the next frame, as each
+/// variant says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PresentSkipped {
-    /// The window has no pixel: it is minimised, or was made as small. Show nothing until its size
+    /// A window without a pixel: it is minimised, or was made as small. Show nothing until its size
     /// changes.
     NoArea,
-    /// No image came free within [`crate::SwapchainOptions::acquire_bound`], or the picture before
+    /// No image was free within [`crate::SwapchainOptions::acquire_bound`], or the picture before
     /// this one is still held back: the window is hidden, or the screen slow. Try again, not at
     /// once.
     Hidden,
@@ -42,7 +44,7 @@ pub enum PresentSkipped {
     SurfaceLost,
     /// The window is gone, or the connection to it. Open another one, or end.
     WindowGone,
-    /// The device was lost. Make all of it anew, or end.
+    /// The device was lost. Create all of it again, or end.
     DeviceLost,
 }
 
@@ -72,12 +74,12 @@ impl std::fmt::Display for PresentSkipped {
     }
 }
 
-/// What became of a picture.
+/// The outcome of showing a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
-    /// It is on its way to the screen.
+    /// A picture on its way to the screen.
     Presented(Presented),
-    /// It is not shown.
+    /// A picture that is not shown.
     Not(PresentSkipped),
 }
 

@@ -1,12 +1,12 @@
-//! What a swapchain is made with: pure choices from what a surface says it can.
+//! The parameters of a swapchain: pure choices from the capabilities of a surface.
 
 use ash::vk;
 
 use crate::core::error::Error;
 
 /// Formats that take the bytes of a picture as they are, best first. The renderer's bytes are
-/// sRGB-encoded already, and the colour space says so; formats whose hardware encodes would do it a
-/// second time.
+/// sRGB-encoded already, as the colour space declares; formats whose hardware encodes would encode
+/// a second time.
 const FORMATS: [vk::Format; 3] =
     [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM, vk::Format::A8B8G8R8_UNORM_PACK32];
 
@@ -31,10 +31,10 @@ pub(super) fn format(offered: &[vk::SurfaceFormatKHR]) -> Result<vk::Format, Err
     })
 }
 
-/// Returns the size of the images, or nothing if the window has no pixel.
+/// Returns the size of the images, or `None` if the window has no pixel.
 ///
-/// Where the surface says how large it is, that is it. Where the images make the window's size
-/// (Wayland), it is `window_size`, as the caller knows it.
+/// That is the surface's own size where it has one. Where the images make the window's size
+/// (Wayland), it is the caller's `window_size`.
 pub(super) fn extent(
     state: &vk::SurfaceCapabilitiesKHR,
     window_size: [u32; 2],
@@ -63,7 +63,7 @@ pub(super) fn image_count(state: &vk::SurfaceCapabilitiesKHR) -> u32 {
     (state.min_image_count + 1).max(3).min(most)
 }
 
-/// Opaque if it can be had: our alpha means nothing.
+/// Returns opaque if the surface offers it: the picture's alpha means nothing.
 pub(super) fn alpha(state: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {
     let offered = state.supported_composite_alpha;
     [
@@ -77,7 +77,7 @@ pub(super) fn alpha(state: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFla
     .unwrap_or(vk::CompositeAlphaFlagsKHR::OPAQUE)
 }
 
-/// Upright; where the screen does not turn pictures itself, as it lies.
+/// Returns the identity, or the current transform of a screen that does not turn pictures itself.
 pub(super) fn transform(state: &vk::SurfaceCapabilitiesKHR) -> vk::SurfaceTransformFlagsKHR {
     match state.supported_transforms.contains(vk::SurfaceTransformFlagsKHR::IDENTITY) {
         true => vk::SurfaceTransformFlagsKHR::IDENTITY,

@@ -1,9 +1,9 @@
-//! A thread that presents, for windows where that may take as long as they are hidden.
+//! A thread that presents to windows whose presents may block while they are hidden.
 //!
 //! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor asks for another
-//! picture, which it does not do for a window that nobody sees; and the call has no bound. So it is
-//! made here, and the frame loop waits for its end with a bound. Meanwhile the queue is taken:
-//! until the call is over nothing can be submitted, and [`super::Swapchain::is_ready`] says so.
+//! picture. It does not ask for a hidden window, and the call has no bound. So the call is made
+//! here, and the frame loop waits for its end with a bound. Meanwhile the queue is taken: until the
+//! call is over nothing can be submitted, and [`super::Swapchain::is_ready`] returns false.
 
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
@@ -17,7 +17,7 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::queue_lock::lock;
 
-/// The thread, and what it was given.
+/// The thread and its pending call.
 pub(super) struct Presenter {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -35,7 +35,7 @@ struct State {
     result: Option<Result<bool, vk::Result>>,
     is_busy: bool,
     is_over: bool,
-    /// What a window leaves that was closed during a call.
+    /// The teardown of a window that was closed during a call.
     remains: Option<Teardown>,
 }
 
@@ -49,14 +49,14 @@ impl Presenter {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Starts a call. The one before is over and its result taken.
+    /// Starts a call. The one before is over and its result is taken.
     pub(super) fn start(&self, call: PresentCall) {
         let mut state = lock(&self.shared.state);
         (state.call, state.result, state.is_busy) = (Some(call), None, true);
         self.shared.changed.notify_all();
     }
 
-    /// Returns the result of the call, if it ends within `bound`; it is told once.
+    /// Returns the result of the call, once, if it ends within `bound`.
     pub(super) fn result_within(&self, bound: Duration) -> Option<Result<bool, vk::Result>> {
         let waited =
             self.shared
@@ -69,7 +69,7 @@ impl Presenter {
         lock(&self.shared.state).is_busy
     }
 
-    /// Ends the thread: at once, or when its call is over, and with it what the window leaves.
+    /// Ends the thread and drops what the window leaves: at once, or when its call is over.
     pub(super) fn end(mut self, remains: Teardown) {
         let mut state = lock(&self.shared.state);
         state.is_over = true;

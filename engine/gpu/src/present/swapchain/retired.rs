@@ -1,15 +1,15 @@
-//! Swapchains that were replaced, until the presentation engine is done with them.
+//! Replaced swapchains, until the presentation engine no longer uses them.
 //!
-//! Their last presents wait for semaphores that go with them, and no tick tells when a present has
-//! done that. What does:
+//! Their last presents wait for semaphores that go with them, and no tick proves that a present has
+//! done that. These do:
 //!
 //! - *Present fences* (`VK_EXT_swapchain_maintenance1`): polled, never waited for.
 //! - Without them, *an image of a younger chain that was presented and is acquired again*: presents
-//!   to one window are carried out in their order, so those of older chains are over once the frame
-//!   is that waits for that acquire.
-//! - Where that does not come about because chains are replaced faster than their images come back,
-//!   no more than [`MOST`] are kept: the oldest goes when a submit made behind its last present is
-//!   over. `vkQueueWaitIdle`, which programs use for this, proves as much, and waits.
+//!   to one window are carried out in order, so those of older chains are over once the frame that
+//!   waits for that acquire is over.
+//! - Where chains are replaced faster than their images come back, no more than [`MOST`] are kept:
+//!   the oldest goes when a submit made behind its last present is over. `vkQueueWaitIdle`, which
+//!   programs use for this, proves no more, and waits.
 
 use std::collections::VecDeque;
 
@@ -18,10 +18,11 @@ use crate::core::deletion::Retired;
 use crate::core::device::{Device, Order};
 use crate::core::error::Error;
 
-/// Chains that are kept for proof of their end. A window dragged by its corner makes one a frame.
+/// The number of chains kept for proof of their end. A window dragged by its corner makes one per
+/// frame.
 pub(super) const MOST: usize = 8;
 
-/// Oldest first.
+/// The replaced chains, oldest first.
 #[derive(Default)]
 pub(super) struct RetiredSwapchains {
     chains: VecDeque<RetiredImages>,
@@ -33,7 +34,7 @@ impl RetiredSwapchains {
         if self.chains.len() > MOST { self.retire_behind_a_submit(device, 1) } else { Ok(()) }
     }
 
-    /// Lets go of those whose fences say so.
+    /// Retires those whose fences prove that their presents are over.
     pub(super) fn retire_presented(&mut self, device: &Device) -> Result<(), Error> {
         while let Some(oldest) = self.chains.front() {
             if oldest.is_presented(device)? != Some(true) {
@@ -44,14 +45,14 @@ impl RetiredSwapchains {
         Ok(())
     }
 
-    /// Lets go of all: the frame just submitted waits for an image that proves them presented.
+    /// Retires all: the frame just submitted waits for an image that proves them presented.
     pub(super) fn retire_proven(&mut self, device: &Device) {
         while !self.chains.is_empty() {
             self.retire_oldest(device);
         }
     }
 
-    /// Lets go of the `count` oldest once a submit made now is over.
+    /// Retires the `count` oldest once a submit made now is over.
     pub(super) fn retire_behind_a_submit(
         &mut self,
         device: &Device,
@@ -62,7 +63,7 @@ impl RetiredSwapchains {
             return Ok(());
         }
         let submitted = device.submit(None, &Order::default());
-        // Even if that failed: what the GPU still has to do is behind the ticks that there are.
+        // Even if that failed: all work of the GPU is before the ticks that there are.
         for _ in 0..count {
             self.retire_oldest(device);
         }

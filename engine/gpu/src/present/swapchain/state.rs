@@ -1,5 +1,4 @@
-//! The window's side of a swapchain: which chain it has, whether it still fits, what is acquired of
-//! it.
+//! The window's side of a swapchain: its chain, the fit of the chain, and the acquired image.
 
 use ash::{khr, vk};
 
@@ -24,40 +23,40 @@ pub(super) struct SwapchainState {
     pub(super) surface: Surface,
     pub(super) options: SwapchainOptions,
     pub(super) chain: Option<SwapchainImages>,
-    /// Number of the newest chain.
+    /// The number of the newest chain.
     pub(super) number: ChainNumber,
     pub(super) old: RetiredSwapchains,
     pub(super) fallback: Option<Fallback>,
     pub(super) fit: Fit,
     /// The mode wanted when the chain was made or last compared.
     pub(super) mode: PresentMode,
-    /// The window's size when the chain was made or last compared.
+    /// The size of the window when the chain was made or last compared.
     pub(super) window_size: [u32; 2],
     /// Acquire semaphores, by slot.
     pub(super) acquire: Vec<vk::Semaphore>,
     pub(super) held: Option<AcquiredImage>,
-    /// Presents, where that may take for ever.
+    /// The thread that presents, where a present may block for ever.
     pub(super) presenter: Option<Presenter>,
     /// The present whose call has not come back.
     pub(super) calling: Option<ImageIndex>,
     pub(super) is_gone: bool,
-    /// The surface is a new one that has shown nothing yet.
+    /// True if the surface is a new one that has shown nothing yet.
     pub(super) is_renewed: bool,
     /// The newest present.
     pub(super) newest: PresentId,
     /// The newest present before the chain was made.
     pub(super) before_chain: PresentId,
-    /// What is known to have been on the screen.
+    /// The newest picture known to have been on the screen.
     pub(super) shown_until: PresentId,
 }
 
-/// Whether the chain fits the window.
+/// The fit of the chain to the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fit {
     Fits,
-    /// The driver would do it otherwise today: compare sizes.
+    /// A suboptimal fit: compare sizes.
     Doubtful,
-    /// It shows nothing any more.
+    /// A chain that shows nothing any more.
     Unusable,
 }
 
@@ -102,7 +101,7 @@ impl SwapchainState {
         Ok(screen)
     }
 
-    /// Sees to it that an image is held; or says why none is.
+    /// Acquires an image unless one is held, or returns the reason why there is none.
     pub(super) fn acquire(
         &mut self,
         slot: SlotIndex,
@@ -149,7 +148,7 @@ impl SwapchainState {
         Ok(Some(PresentSkipped::OutOfDate))
     }
 
-    /// Makes the chain fit the window; false if the window has no pixel.
+    /// Makes the chain fit the window; returns false if the window has no pixel.
     fn keep_up(&mut self, window_size: [u32; 2]) -> Result<bool, Error> {
         let is_known = self.fit == Fit::Fits
             && self.window_size == window_size
@@ -229,7 +228,7 @@ impl SwapchainState {
         self.options.mode = mode;
     }
 
-    /// Has one acquire semaphore for each of `count` slots, all of them new.
+    /// Replaces the acquire semaphores by one for each of `count` slots, all of them new.
     pub(super) fn set_slots(&mut self, count: usize) -> Result<(), Error> {
         self.let_go()?;
         let mut semaphores = Vec::with_capacity(count);
@@ -261,7 +260,7 @@ impl SwapchainState {
         self.device.retire(Retired::Semaphore(semaphore));
     }
 
-    /// Lets go of an image that will not be presented; the chain keeps it for good. Its semaphore
+    /// Releases an image that will not be presented; the chain keeps it for good. Its semaphore
     /// will be signalled, so a submit waits for it. Until that is over the semaphore may not be
     /// given to another acquire (VUID-vkAcquireNextImageKHR-semaphore-01779), so its slot gets a
     /// new one.
@@ -281,7 +280,7 @@ impl SwapchainState {
         Ok(())
     }
 
-    /// Lets go of all chains of the window.
+    /// Retires all chains of the window.
     pub(super) fn give_up_chain(&mut self) -> Result<(), Error> {
         self.let_go()?;
         self.fit = Fit::Unusable;
@@ -299,7 +298,8 @@ impl SwapchainState {
         }
     }
 
-    /// Gives an error its name, if it has one, and does what can be done about it.
+    /// Gives an error its name in [`PresentSkipped`], if it has one, and does what can be done
+    /// about it.
     pub(super) fn settle(&mut self, error: Error) -> Result<PresentSkipped, Error> {
         match error {
             Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => {
@@ -317,7 +317,7 @@ impl SwapchainState {
         }
     }
 
-    /// Makes another surface for the same window, which tells whether the window is there.
+    /// Replaces the surface by a new one for the same window, or returns that the window is gone.
     fn renew_surface(&mut self) -> Result<PresentSkipped, Error> {
         // Asked first: where the connection is gone, some drivers crash over a new surface. Others
         // make one, and lose it as soon as it is used.
@@ -353,7 +353,7 @@ impl Drop for SwapchainState {
     }
 }
 
-/// Returns a window that changed; something else of it holds the screen until the old chain is
+/// Returns true if the window changed; something else of it holds the screen until the old chain is
 /// gone.
 pub(super) fn is_outdated(code: vk::Result) -> bool {
     [

@@ -1,4 +1,4 @@
-//! What a window leaves when it is closed, in whatever state it is.
+//! The objects that a window leaves when it is closed, in every state.
 
 use ash::vk;
 
@@ -8,17 +8,17 @@ use crate::core::deletion::Retired;
 use crate::core::device::{Device, Order};
 use crate::core::error::Error;
 
-/// An image that was acquired and is not yet presented, and the semaphore that says when it is
-/// ours.
+/// An image that was acquired and is not yet presented, and the semaphore that is signalled when it
+/// may be written.
 #[derive(Clone, Copy)]
 pub(super) struct AcquiredImage {
     pub(super) index: ImageIndex,
     pub(super) acquired: vk::Semaphore,
-    /// It was presented before, so its present is over, and those of all older chains.
+    /// True if it was presented before, so that its present is over, and those of all older chains.
     pub(super) proves: bool,
 }
 
-/// What a window leaves when it is closed. Dropped, it is retired.
+/// The objects that a window leaves when it is closed. They are retired when this is dropped.
 pub(super) struct Teardown {
     pub(super) device: Device,
     pub(super) chain: Option<SwapchainImages>,

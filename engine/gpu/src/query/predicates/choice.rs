@@ -1,12 +1,12 @@
-//! Which executor of predicates a device gets.
+//! The choice of the executor of predicates for a device.
 
 use super::decisions::Predication;
 use crate::core::capabilities::Optional;
 use crate::core::device::Device;
 use crate::core::error::Error;
 
-/// Returns the executor for `draws` draws: the one wanted, else the best that the device has for so
-/// many. Any range may become one draw call, and a draw count is limited as a whole.
+/// Returns the executor for `draws` draws: the one wanted, else the best of the device for so many.
+/// Any range may become one draw call, and a draw count is limited as a whole.
 pub(super) fn choose(
     device: &Device,
     wanted: Option<Predication>,

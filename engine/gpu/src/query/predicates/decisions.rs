@@ -1,11 +1,11 @@
-//! What hangs on a word: who wrote it, which draws it decides, and how the GPU is kept from
-//! drawing.
+//! Predicated ranges: the source of a word, the draws that it decides, and the executors that skip
+//! them.
 
 use crate::core::capabilities::{Capabilities, Optional};
 use crate::record::access::Access;
 use crate::record::indirect::DrawRange;
 
-/// Who wrote the words that decide.
+/// The writer of the words that decide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResultSource {
     /// Copies of query results.
@@ -17,11 +17,11 @@ pub enum ResultSource {
 }
 
 impl ResultSource {
-    /// All of them.
+    /// All sources.
     pub const ALL: [ResultSource; 3] =
         [ResultSource::Queries, ResultSource::Fragments, ResultSource::Compute];
 
-    /// Returns how the words are written.
+    /// Returns the access that writes the words.
     pub fn access(self) -> Access {
         match self {
             ResultSource::Queries => Access::CopyWrite,
@@ -31,30 +31,30 @@ impl ResultSource {
     }
 }
 
-/// What happens to a range if its word is not zero.
+/// The effect of a word that is not zero on its range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reveal {
-    /// All of it is drawn ([`Predicates::draw`](crate::Predicates::draw)).
+    /// The whole range is drawn ([`Predicates::draw`](crate::Predicates::draw)).
     #[default]
     Whole,
-    /// A box for each of its draws is drawn first
-    /// ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)), whose fragments decide draw by
-    /// draw ([`Predicates::draw_parts`](crate::Predicates::draw_parts)).
+    /// Its draws are decided one by one: a box for each is drawn first
+    /// ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)), whose fragments enable the
+    /// draws ([`Predicates::draw_parts`](crate::Predicates::draw_parts)).
     PerLeaf,
 }
 
-/// A decision: what a word decides. Several may hang on one word.
+/// A decision: a range of draws that depends on a word. Several may depend on one word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PredicatedRange {
     /// The number of the word among those of its source.
     pub word: u32,
     /// The draws.
     pub range: DrawRange,
-    /// What becomes of them.
+    /// The way in which they are revealed.
     pub reveal: Reveal,
 }
 
-/// How the GPU is kept from drawing what is hidden.
+/// The executor that keeps the GPU from drawing hidden objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Predication {
     /// `VK_EXT_conditional_rendering`.
@@ -66,7 +66,7 @@ pub enum Predication {
 }
 
 impl Predication {
-    /// Returns the best one for a device.
+    /// Returns the best executor for a device.
     pub fn best(capabilities: &Capabilities) -> Self {
         if capabilities.has(Optional::ConditionalRendering) {
             Predication::Conditional
@@ -77,7 +77,7 @@ impl Predication {
         }
     }
 
-    /// Its name on the command line and in reports.
+    /// Returns its name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Predication::Conditional => "conditional",

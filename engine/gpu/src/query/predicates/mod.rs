@@ -1,7 +1,7 @@
-//! Predicates: ranges of draws that the GPU skips by itself when a test saw nothing.
+//! Predicates: ranges of draws that the GPU skips by itself when a test found nothing visible.
 //!
-//! A test leaves a word that is zero or not, whoever wrote it ([`ResultSource`]). The same plan
-//! runs on every device, by one of three executors; what is done with the word differs:
+//! A test leaves a word that is zero or not, from one of several writers ([`ResultSource`]). The
+//! same plan runs on every device, by one of three executors; they differ in their use of the word:
 //!
 //! - [`Predication::Conditional`]: the word is the predicate of conditional rendering.
 //! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all.
@@ -41,7 +41,7 @@ pub struct Predicates {
     draws: Buffer,
     writer: Option<ComputePipeline>,
     threshold_samples: u32,
-    // A word that lets everything be drawn: as a predicate, and as a draw count.
+    // A word that enables all draws: as a predicate, and as a draw count.
     all: Buffer,
     lists: [PredicateList; ResultSource::ALL.len()],
 }
@@ -71,8 +71,8 @@ impl Predicates {
         Self::with_threshold(device, predication, draws, frames_in_flight, 0)
     }
 
-    /// Creates the same where words of queries that are no larger than `threshold_samples` count as
-    /// zero; those queries must [count](crate::Counting::Samples). The result is then no longer
+    /// Creates predicates with a threshold: words of queries up to `threshold_samples` count as
+    /// zero, and those queries must [count](crate::Counting::Samples). The result is then no longer
     /// exact.
     ///
     /// # Errors
@@ -115,7 +115,7 @@ impl Predicates {
             device: device.clone(),
             predication,
             all: device.upload("all draws", &most, all_usage)?,
-            // Read back by whoever looks for what was decided.
+            // Read back by tests of what was decided.
             draws: device.upload(
                 "indirect draws",
                 draws,
@@ -127,7 +127,7 @@ impl Predicates {
         })
     }
 
-    /// Makes room for another number of frames in flight.
+    /// Changes the number of frames in flight.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
         self.lists = std::array::from_fn(|_| PredicateList::new(frames_in_flight));
     }
@@ -143,8 +143,8 @@ impl Predicates {
         self.predication
     }
 
-    /// Starts a frame: the decisions that hang on the words of `source`. Each source is begun once
-    /// a frame, without words if it writes none: what is unknown is drawn.
+    /// Starts a frame: the decisions that depend on the words of `source`. Each source is begun
+    /// once per frame, without words if it writes none: unknown ranges are drawn.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a frame or words of another device, and the frame fails; no memory.
@@ -172,7 +172,7 @@ impl Predicates {
         if counts { list.make_counts(device) } else { Ok(()) }
     }
 
-    /// Makes the words decide that were just written: for each source, a range of its decisions.
+    /// Resolves the words just written into predicates: for each source, a range of its decisions.
     /// Outside of rendering; after writing the words and before anything is drawn by them.
     pub fn resolve(&self, commands: &Commands, written: &[(ResultSource, Range<u32>)]) {
         if commands.admit(self).is_err() {
@@ -202,7 +202,7 @@ impl Predicates {
                 writer,
                 lists.get(..writer_buffers(self.predication)).unwrap_or(&lists),
             );
-            // What nobody answers is drawn, and flags do not count.
+            // Ranges without a result are drawn, and flags do not count samples.
             let is_counted = *source == ResultSource::Queries && words != self.all.whole();
             let threshold = if is_counted { self.threshold_samples } else { 0 };
             let per_group = match self.predication {
@@ -225,9 +225,9 @@ impl Predicates {
         ));
     }
 
-    /// Draws all of `draws`, whatever any word says. Where some draws are counted these are, too:
-    /// lavapipe (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it
-    /// in the command buffer.
+    /// Draws all of `draws` unconditionally. Where some draws take a count, these do, too: lavapipe
+    /// (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in the
+    /// command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
         if commands.admit(self).is_err() {
             return;
@@ -238,7 +238,8 @@ impl Predicates {
         }
     }
 
-    /// The same where others may have drawn by a count before, whatever the executor.
+    /// Draws all of `draws` unconditionally where earlier draws may have taken a count, whatever
+    /// the executor.
     pub fn draw_after_counted(&self, commands: &Commands, draws: BufferSlice) {
         if commands.admit(self).is_err() {
             return;
@@ -256,8 +257,8 @@ impl Predicates {
         self.draw_from(commands, source, decision, self.draws.whole());
     }
 
-    /// Draws the range of a decision out of `draws`, which has a copy of every draw whose instance
-    /// count is 1 where a box showed and 0 elsewhere, if the word is not zero.
+    /// Draws the range of a decision out of `draws` if the word is not zero. `draws` has a copy of
+    /// every draw, whose instance count is 1 where a box was visible and 0 elsewhere.
     pub fn draw_parts(
         &self,
         commands: &Commands,
@@ -297,8 +298,8 @@ impl Predicates {
         }
     }
 
-    /// Draws [`BOX_VERTICES`] vertices for each draw in the range of a decision, as the instance of
-    /// the draw's own number, if the word is not zero.
+    /// Draws [`BOX_VERTICES`] vertices per draw in the range of a decision if the word is not zero;
+    /// the instance index is the number of the draw.
     pub fn draw_boxes(&self, commands: &Commands, source: ResultSource, decision: u32) {
         if commands.admit(self).is_err() {
             return;
@@ -359,8 +360,8 @@ impl Predicates {
     }
 }
 
-/// Storage buffers of the compute shader: words, what they decide, counts or draws, and box draws
-/// where their instance counts are written.
+/// Returns the number of storage buffers of the compute shader: words, decisions, counts or draws,
+/// and box draws where it writes their instance counts.
 fn writer_buffers(predication: Predication) -> usize {
     match predication {
         Predication::Instances => 4,

@@ -1,4 +1,4 @@
-//! One source of words in one frame: what hangs on them, and where the executors keep it.
+//! One source of words in one frame: its decisions, and the executors' buffers for them.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -9,14 +9,14 @@ use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::frames::Frame;
 
-/// The words of one source and what they decide.
+/// The words of one source and the ranges that they decide.
 pub(super) struct PredicateList {
     pub(super) words: Option<BufferSlice>,
     pub(super) decided: Vec<PredicatedRange>,
-    /// For the executors that turn words into counts.
+    /// The lists for the executors that turn words into counts.
     pub(super) on_gpu: Option<OnGpu>,
     slot: usize,
-    /// Draw counts, of the range and of the command for its boxes: one buffer per frame slot.
+    /// Draw counts, for the range and for the command of its boxes: one buffer per frame slot.
     counts: Vec<Option<Buffer>>,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct OnGpu {
     pub(super) box_draws: BufferSlice,
 }
 
-/// Mirrors `predicate.glsl`.
+/// The decision of `predicate.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct DecidedOnGpu {
@@ -39,7 +39,7 @@ struct DecidedOnGpu {
     word: u32,
 }
 
-/// `VkDrawIndirectCommand`.
+/// The layout of `VkDrawIndirectCommand`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct BoxDraw {
@@ -52,10 +52,10 @@ struct BoxDraw {
 const BOX_DRAW_BYTES: u64 = size_of::<BoxDraw>() as u64;
 const _: () = assert!(size_of::<BoxDraw>() == size_of::<vk::DrawIndirectCommand>());
 
-/// Bytes of the two draw counts of a decision.
+/// The size of the two draw counts of a decision.
 const COUNTS_BYTES: u64 = 8;
 
-/// Vertices of the front of a box: three faces of two triangles.
+/// The vertices of the front of a box: three faces of two triangles.
 pub const BOX_VERTICES: u32 = 18;
 
 /// Returns the indirect command that draws the boxes of a decision.
@@ -87,8 +87,8 @@ impl PredicateList {
         self.on_gpu = None;
     }
 
-    /// Gives the lists to the GPU. Box draws are whole where draw counts decide about them, and
-    /// empty until a shader fills them elsewhere.
+    /// Uploads the lists. Box draws are whole where draw counts decide about them, and empty until
+    /// a shader fills them elsewhere.
     pub(super) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
@@ -114,7 +114,7 @@ impl PredicateList {
         Ok(())
     }
 
-    /// Makes sure there is a count for each decision.
+    /// Creates the counts unless there is one for each decision.
     pub(super) fn make_counts(&mut self, device: &Device) -> Result<(), Error> {
         let wanted = self.decided.len().next_power_of_two() as u64 * COUNTS_BYTES;
         let Some(counts) = self.counts.get_mut(self.slot) else { return Ok(()) };
@@ -130,12 +130,12 @@ impl PredicateList {
         self.counts.get(self.slot)?.as_ref().map(Buffer::whole)
     }
 
-    /// Returns how many draws of its range a decision draws.
+    /// Returns the count of draws in the range of a decision.
     pub(super) fn count(&self, decision: u32) -> Option<BufferSlice> {
         Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES, 4))
     }
 
-    /// 1 if the boxes of a decision are drawn, else 0.
+    /// Returns the draw count of the boxes of a decision: 1 if they are drawn, else 0.
     pub(super) fn box_count(&self, decision: u32) -> Option<BufferSlice> {
         Some(self.counts()?.part(u64::from(decision) * COUNTS_BYTES + 4, 4))
     }

@@ -1,4 +1,4 @@
-//! Recording of what draws read: pipelines, buffers, textures, constants.
+//! Recording of the inputs of draws: pipelines, buffers, textures, constants.
 
 use ash::vk;
 use bytemuck::Pod;

@@ -1,4 +1,4 @@
-//! Recording of what does the work: draws and dispatches.
+//! Recording of draws and dispatches.
 
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ impl Commands {
         }
     }
 
-    /// Draws what `draw` says, out of the geometry that is bound.
+    /// Draws `draw` out of the bound geometry.
     pub fn draw_indexed(&self, draw: &IndirectDraw) {
         if self.is_sound() {
             // SAFETY: a pipeline is bound; the caller's indices lie in the buffer that is bound.
@@ -108,9 +108,9 @@ impl Commands {
         }
     }
 
-    /// Draws as many of the commands in `draws` as the word in `count` says. The device has
-    /// [`Optional::DrawIndirectCount`] and `draws` holds no more commands than its
-    /// `maxDrawIndirectCount`, or the recording fails. The word is no larger than that either.
+    /// Draws the first commands in `draws`, as many as the word in `count`. The recording fails
+    /// unless the device has [`Optional::DrawIndirectCount`] and `draws` holds no more commands
+    /// than its `maxDrawIndirectCount`. The word is no larger than that either.
     pub fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
@@ -138,8 +138,8 @@ impl Commands {
         }
     }
 
-    /// Runs a compute shader over `groups` workgroups, which are within the device's
-    /// `maxComputeWorkGroupCount`, or the recording fails.
+    /// Runs a compute shader over `groups` workgroups; the recording fails if they are beyond the
+    /// device's `maxComputeWorkGroupCount`.
     pub fn dispatch(&self, groups: [u32; 3]) {
         let most = self.device().adapter().limits.max_compute_work_group_count;
         if groups.iter().zip(most).any(|(groups, most)| *groups > most) {

@@ -1,4 +1,4 @@
-//! Recording of what needs to know pipelines, textures and draws.
+//! Recording that depends on pipelines, textures and draws.
 
 mod binding;
 mod draws;

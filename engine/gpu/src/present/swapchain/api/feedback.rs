@@ -1,5 +1,4 @@
-//! What the presentation engine tells of pictures after they were given to it. Nothing here
-//! decides.
+//! The presentation engine's feedback on pictures after they were presented. Nothing here decides.
 
 use std::time::Duration;
 
@@ -9,27 +8,27 @@ use super::super::Swapchain;
 use super::super::outcome::PresentId;
 use crate::core::error::{Called, Error};
 
-/// When a picture was on the screen, on the clock of the display (`CLOCK_MONOTONIC` on Linux).
+/// The times of one presented picture, on the clock of the display (`CLOCK_MONOTONIC` on Linux).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PresentTiming {
     /// The picture.
     pub id: PresentId,
-    /// When it was first on the screen, in nanoseconds.
+    /// The time at which it was first on the screen, in nanoseconds.
     pub shown_ns: u64,
-    /// The earliest time at which it could have been, in nanoseconds.
+    /// The earliest time at which it could have been shown, in nanoseconds.
     pub earliest_ns: u64,
-    /// How long before that time it was ready, in nanoseconds.
+    /// The time by which it was ready before that, in nanoseconds.
     pub margin_ns: u64,
 }
 
-/// So many timings are asked for at once; more come with the next call.
+/// The number of timings asked for at once; more come with the next call.
 const TIMINGS: usize = 16;
 
 impl Swapchain {
     /// Returns the newest picture known to be, or to have been, on the screen. Never waits. `None`
     /// where nothing is known: no picture of the window as it is now has been seen yet, or the
-    /// device lacks [`crate::Optional::PresentWait`]. Asked for once a frame or more often, it
-    /// moves from id to id; pictures that never show are passed over.
+    /// device lacks [`crate::Optional::PresentWait`]. Called once per frame or more often, it moves
+    /// from id to id; it skips pictures that are never shown.
     ///
     /// # Errors
     /// A failed call.
@@ -44,8 +43,9 @@ impl Swapchain {
     }
 
     /// Waits until the picture of `id` is on the screen, for no longer than `bound` (at most a
-    /// minute), and says whether it is. At once false for an id that was never presented, that
-    /// belongs to a swapchain replaced since, and without [`crate::Optional::PresentWait`].
+    /// minute), and returns true if it is. Returns false at once for an id that was never
+    /// presented, that belongs to a swapchain replaced since, and without
+    /// [`crate::Optional::PresentWait`].
     ///
     /// # Errors
     /// A failed call.
@@ -77,8 +77,8 @@ impl Swapchain {
         }
     }
 
-    /// Hands out the timings that came home since the last call, oldest first. None ever do without
-    /// [`crate::Optional::DisplayTiming`].
+    /// Hands out the timings that arrived since the last call, oldest first. None ever arrive
+    /// without [`crate::Optional::DisplayTiming`].
     ///
     /// # Errors
     /// A failed call.
@@ -116,7 +116,7 @@ impl Swapchain {
         Ok(())
     }
 
-    /// Returns how long a refresh of the screen takes; `None` where it is unknown, which it is
+    /// Returns the duration of a refresh of the screen; `None` where it is unknown, as it is
     /// without [`crate::Optional::DisplayTiming`].
     ///
     /// # Errors
@@ -139,8 +139,8 @@ impl Swapchain {
     }
 }
 
-/// Returns the id, of which the extension keeps 32 bits: the newest one not after `newest` that
-/// ends so.
+/// Returns the full id, of which the extension keeps 32 bits: the newest one not after `newest`
+/// with these low bits.
 fn widened(low: u32, newest: PresentId) -> PresentId {
     let behind = (newest.0 as u32).wrapping_sub(low);
     PresentId(newest.0.saturating_sub(u64::from(behind)))

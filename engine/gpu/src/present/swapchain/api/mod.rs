@@ -1,4 +1,4 @@
-//! Showing a picture, and what is known of it afterwards.
+//! The presentation of a picture, and the feedback on it afterwards.
 
 pub(crate) mod feedback;
 mod showing;

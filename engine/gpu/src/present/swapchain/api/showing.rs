@@ -1,4 +1,4 @@
-//! A picture goes to the window: the copy, the submit, the present, and what comes of it.
+//! The way of a picture to the window: the copy, the submit, the present, and its outcome.
 
 use std::time::{Duration, Instant};
 
@@ -65,7 +65,7 @@ impl SwapchainState {
         }
     }
 
-    /// Returns whether the call of the last present has come back, within the bound.
+    /// Returns true if the call of the last present came back within the bound.
     pub(in super::super) fn is_ready(&mut self) -> Result<bool, Error> {
         let (Some(presenter), Some(_)) = (&self.presenter, self.calling) else { return Ok(true) };
         let Some(result) = presenter.result_within(self.options.acquire_bound) else {
@@ -74,13 +74,13 @@ impl SwapchainState {
         self.came_back(result).map(|_| true)
     }
 
-    /// Returns the chain, unless another thread calls with it.
+    /// Returns the chain, unless another thread is in a call with it.
     pub(in super::super) fn idle_chain(&self) -> Option<&SwapchainImages> {
         let is_busy = self.presenter.as_ref().is_some_and(Presenter::is_busy);
         self.chain.as_ref().filter(|_| !is_busy)
     }
 
-    /// Returns what came of a present.
+    /// Takes the result of a present, and returns the reason why the picture is not shown, if any.
     fn came_back(
         &mut self,
         result: Result<bool, vk::Result>,
