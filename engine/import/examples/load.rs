@@ -1,4 +1,4 @@
-//! Loads a scene and tells what is in it, how long that took and how much memory; with `--bare` the
+//! Loads a scene and prints its contents, the time and the memory that it took; with `--bare` the
 //! same file by `gltf::import` alone, to compare: `load [--bare] FILE`.
 
 use std::error::Error;
@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use antumbra_import as import;
 
-/// Returns something of `/proc/self/status` in MiB, where there is such a thing.
+/// Returns a value of `/proc/self/status` in MiB, where that file exists.
 fn memory_mib(what: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));

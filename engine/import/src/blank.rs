@@ -1,4 +1,4 @@
-//! Empty elements, which stand for those that are broken or not shown: they refer to nothing.
+//! Empty elements, which refer to nothing: they replace elements that are broken or not shown.
 
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::camera::{Perspective, Type as CameraType};
@@ -12,7 +12,7 @@ use gltf::json::{
 
 /// An element of a list of the file that can be empty.
 pub(crate) trait Blank {
-    /// Returns an element that refers to nothing and is valid as far as it can be.
+    /// Returns an element that refers to nothing and is as valid as possible.
     fn blank() -> Self;
 }
 
@@ -161,7 +161,7 @@ impl Blank for Texture {
         Self {
             name: None,
             sampler: None,
-            // So `gltf` says that there is none.
+            // This is how `gltf` marks that there is none.
             source: Index::new(u32::MAX),
             extensions: None,
             extras: None,

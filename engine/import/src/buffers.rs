@@ -1,4 +1,4 @@
-//! Where the bytes of buffers come from: the binary chunk, data URIs, files.
+//! The bytes of buffers: from the binary chunk, data URIs, and files.
 
 use std::ops::Range;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::memory;
 use crate::uri::{self, Wanted};
 use crate::verdict::Verdict;
 
-/// How many bytes beside the file may still be taken.
+/// The number of bytes beside the file that may still be taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Budget {
     left: u64,
@@ -24,7 +24,7 @@ impl Budget {
         Self { left: limits.buffer_bytes }
     }
 
-    /// Reads what a URI leads to, if it is within what is left.
+    /// Reads the data of a URI, if it is within the budget that is left.
     pub(crate) fn fetch(
         &mut self,
         uri: &str,
@@ -36,7 +36,7 @@ impl Budget {
         Ok(bytes)
     }
 
-    /// Room for what is decompressed.
+    /// Returns zeroed memory for decompressed bytes, taken from the budget.
     fn zeros(&mut self, length: u64) -> Result<Vec<u8>, Reason> {
         let left = self.left.checked_sub(length);
         self.left =
@@ -46,7 +46,7 @@ impl Budget {
     }
 }
 
-/// Finds the bytes of the buffers that are used; those of placeholders are zeros.
+/// Finds the bytes of the buffers that are used; the bytes of placeholders are zeros.
 pub(crate) fn resolve(
     root: &Root,
     (binary, placeholders): (Option<&Range<usize>>, &[bool]),

@@ -1,4 +1,4 @@
-//! What must hold before anything of a file is used: one file a sort of object.
+//! The checks that must pass before a file is used, one module per sort of object.
 
 mod accessors;
 mod animations;
@@ -28,10 +28,10 @@ use crate::error::Fault;
 use crate::verdict::Verdict;
 use crate::{Limits, prune};
 
-/// Checks all that the JSON alone can tell beyond views and accessors. Leaves only roots in the
+/// Checks all that depends on the JSON alone, beyond views and accessors. Leaves only roots in the
 /// scene that is shown.
 ///
-/// Finds where meshes are instanced, by their nodes.
+/// Returns the instancing of meshes, by their nodes.
 pub(crate) fn structure(
     root: &mut Root,
     limits: &Limits,

@@ -1,4 +1,4 @@
-//! The elements of a file's lists, and how much the scene that is shown needs one.
+//! The elements of a file's lists, and the need of the shown scene for each.
 
 use std::fmt;
 
@@ -48,7 +48,7 @@ impl Kind {
         Element { kind: self, index }
     }
 
-    /// Returns the name of one element of the list.
+    /// Returns the name of an element of the list, in the singular.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Accessor => "accessor",
@@ -101,14 +101,15 @@ impl fmt::Display for Element {
     }
 }
 
-/// How much the scene needs an element.
+/// The need of the scene for an element.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Need {
-    /// Nothing that is shown uses it.
+    /// An element that nothing shown uses.
     #[default]
     None,
-    /// The scene can be shown without it: an animation, an image, or what these alone use.
+    /// An element without which the scene can be shown: an animation, an image, or an element that
+    /// only these use.
     Optional,
-    /// The scene cannot be shown without it.
+    /// An element without which the scene cannot be shown.
     Required,
 }

@@ -9,16 +9,16 @@ use gltf::json::{Accessor, Root};
 
 use crate::layout::{self, Layout};
 
-/// Where the bytes of a buffer are.
+/// The place of the bytes of a buffer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum BufferBytes {
-    /// Within the file: the binary chunk of a GLB is not held twice.
+    /// A range of the file: the binary chunk of a GLB is not held twice.
     InFile(Range<usize>),
-    /// By themselves.
+    /// Bytes of their own.
     Apart(Vec<u8>),
 }
 
-/// The bytes of a file and of what it refers to.
+/// The bytes of a file and of its buffers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Store {
     pub(crate) file: Vec<u8>,
@@ -63,7 +63,7 @@ pub(crate) fn sparse_indices<'a>(
     bytes.chunks(component.size()).map(read).take(sparse.count.0 as usize)
 }
 
-/// Returns the bytes of those indices from the first on, and what each is.
+/// Returns the bytes of those indices from the first on, and their component type.
 fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8], ComponentType) {
     let indices = &sparse.indices;
     let component = match indices.component_type {
@@ -74,7 +74,7 @@ fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8],
 }
 
 /// Calls `visit` with the picked elements of an accessor of unsigned integers, all without `picks`;
-/// `None` and no call if it is not one, or has not `N` components. Picks increase.
+/// `None` without a call if it is another one, or does not have `N` components. Picks increase.
 pub(crate) fn for_each_integers<const N: usize>(
     (root, store): (&Root, &Store),
     accessor: usize,
@@ -91,8 +91,8 @@ pub(crate) fn for_each_integers<const N: usize>(
     Some(())
 }
 
-/// Calls `visit` with the picked elements of an accessor as floats, all without `picks`; `None` and
-/// no call if it has not `N` components. Picks increase.
+/// Calls `visit` with the picked elements of an accessor as floats, all without `picks`; `None`
+/// without a call if it does not have `N` components. Picks increase.
 pub(crate) fn for_each_floats<const N: usize>(
     (root, store): (&Root, &Store),
     accessor: usize,
@@ -104,8 +104,8 @@ pub(crate) fn for_each_floats<const N: usize>(
     Some(())
 }
 
-/// Calls `visit` with each element of an accessor as the numbers that are stored, also where they
-/// are normalised; `None` and no call if it has not `N` components.
+/// Calls `visit` with each element of an accessor as the stored numbers, also where they are
+/// normalised; `None` without a call if it does not have `N` components.
 pub(crate) fn for_each_raw<const N: usize>(
     (root, store): (&Root, &Store),
     accessor: usize,
@@ -124,7 +124,7 @@ fn integer_reader(component: ComponentType) -> Option<fn(&[u8]) -> u32> {
     }
 }
 
-// Accessors were checked to lie in their views, so that what is missing here is never missed.
+// Accessors were checked to lie in their views, so nothing is missing here.
 
 fn unsigned8(bytes: &[u8]) -> u32 {
     bytes.first().copied().map_or(0, u32::from)
@@ -150,7 +150,7 @@ fn float(bytes: &[u8]) -> f32 {
     bytes.first_chunk().map_or(0.0, |&bytes| f32::from_le_bytes(bytes))
 }
 
-/// An accessor and where its bytes are.
+/// An accessor with its bytes.
 struct Elements<'a> {
     root: &'a Root,
     store: &'a Store,
@@ -220,8 +220,8 @@ impl<'a> Elements<'a> {
         }
     }
 
-    /// Returns the bytes from the first element on in its view, if it has one, and how far apart
-    /// elements are.
+    /// Returns the bytes from the first element on in its view, if it has one, and the stride of
+    /// elements.
     fn base(&self) -> Option<(&'a [u8], usize)> {
         let view = self.accessor.buffer_view?.value();
         let stride = layout::stride(self.root, view, &self.layout);
@@ -238,7 +238,7 @@ struct Replaced<'a> {
     values: &'a [u8],
     value_bytes: usize,
     count: usize,
-    /// The first that may be asked for yet.
+    /// The least element that may still be asked for.
     next: usize,
 }
 

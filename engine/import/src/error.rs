@@ -1,45 +1,45 @@
-//! What is said when a file cannot be used: which file, what in it, why, and what to do.
+//! The error of a file that cannot be used: the file, the object in it, the reason, and the remedy.
 
-/// Why a file cannot be used. It says which file, which object in it, the reason, and what can be
-/// done.
+/// The reason why a file cannot be used. It names the file, the object in it, the reason, and what
+/// can be done.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}: {object}: {reason} ({})", .cause.advice())]
 pub struct ImportError {
-    /// The file's path, or what stands for it where it came from memory.
+    /// The file's path, or a name for it where it came from memory.
     pub file: String,
-    /// What in it, like "mesh 3, primitive 0, attribute POSITION".
+    /// The object in it, such as "mesh 3, primitive 0, attribute POSITION".
     pub object: String,
-    /// What is wrong with that.
+    /// The fault of that object.
     pub reason: String,
-    /// Of which sort that is.
+    /// The sort of the fault.
     pub cause: Cause,
 }
 
-/// Sorts of reasons.
+/// The sorts of reasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
-    /// It could not be read from the disk.
+    /// A file that could not be read from the disk.
     Unreadable,
-    /// It is something else than a scene.
+    /// A file that is not a scene.
     NotScene,
-    /// It breaks a rule of glTF 2.0 or of an extension.
+    /// A violation of glTF 2.0 or of an extension.
     Malformed,
-    /// It has compressed bytes that cannot be decoded, at which the glTF validator does not look.
+    /// Compressed bytes that cannot be decoded, which the glTF validator does not check.
     Damaged,
-    /// It needs something that is not implemented here.
+    /// A feature that is not implemented here.
     Unsupported,
-    /// It reaches for something outside of its folder.
+    /// A reference to something outside of the file's folder.
     Forbidden,
-    /// It asks for more than [`Limits`](crate::Limits) allow.
+    /// A demand beyond the [`Limits`](crate::Limits).
     TooLarge,
-    /// The machine has less memory left than it takes.
+    /// A demand for more memory than the machine has left.
     NoMemory,
-    /// Nobody waits for it any more.
+    /// A listener that stopped the loading.
     GivenUp,
 }
 
 impl Cause {
-    /// Returns what the user can do.
+    /// Returns advice for the user.
     pub fn advice(self) -> &'static str {
         match self {
             Self::Unreadable => "check that the file is there, whole, and may be read",
@@ -101,18 +101,18 @@ impl Reason {
         Self { cause: Cause::TooLarge, text: text.into() }
     }
 
-    /// Less memory than it takes.
+    /// Returns the reason that memory is short of `size_bytes`.
     pub(crate) fn no_memory(size_bytes: u64) -> Self {
         let text = format!("there is no memory for the {} MiB that it takes", size_bytes >> 20);
         Self { cause: Cause::NoMemory, text }
     }
 
-    /// Whoever listens wants it no more.
+    /// Returns the reason that the listener stopped the loading.
     pub(crate) fn given_up() -> Self {
         Self { cause: Cause::GivenUp, text: "it was given up".to_owned() }
     }
 
-    /// More of something than the limits allow.
+    /// Returns the reason that an amount is beyond its limit.
     pub(crate) fn too_large(what: &str, amount: u64, limit: u64) -> Self {
         Self {
             cause: Cause::TooLarge,
@@ -120,7 +120,7 @@ impl Reason {
         }
     }
 
-    /// Returns an index beyond the end.
+    /// Returns the reason that an index is beyond the end.
     pub(crate) fn out_of_range(what: &str, index: usize, count: usize) -> Self {
         Self::malformed(format!("{what} {index} does not exist, there are {count}"))
     }
@@ -131,7 +131,7 @@ impl Reason {
     }
 }
 
-/// What is wrong in a file whose name its caller knows.
+/// The fault of an object in a file whose name its caller knows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
     object: String,
@@ -144,7 +144,7 @@ impl Fault {
         (self.object, self.reason.text)
     }
 
-    /// Returns whether it refuses the file even where the scene could do without the object.
+    /// Returns true if it refuses the file even where the scene could do without the object.
     pub(crate) fn is_final(&self) -> bool {
         matches!(self.reason.cause, Cause::TooLarge | Cause::NoMemory | Cause::GivenUp)
     }
@@ -159,7 +159,8 @@ impl Fault {
     }
 }
 
-/// Names the object of a reason; the name is made only when it is needed.
+/// The conversion of a reason to a fault by naming its object; the name is made only when it is
+/// needed.
 pub(crate) trait At<T> {
     fn at(self, object: impl FnOnce() -> String) -> Result<T, Fault>;
 }
@@ -170,7 +171,8 @@ impl<T> At<T> for Result<T, Reason> {
     }
 }
 
-/// Text out of a file as it can be shown: in quotes, without control characters, not too long.
+/// Returns text out of a file as it can be shown: in quotes, without control characters, not too
+/// long.
 pub(crate) fn quoted(text: &str) -> String {
     const LONGEST: usize = 80;
     let mut shown: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();

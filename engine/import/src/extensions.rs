@@ -1,4 +1,4 @@
-//! Extensions of glTF: which are known, and where they keep what refers to other elements.
+//! Extensions of glTF: the supported ones, and their references to other elements.
 
 use gltf::json::buffer::View;
 use gltf::json::extensions::scene::khr_lights_punctual::Light;
@@ -21,27 +21,28 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Instances of a node.
+/// The extension for instances of a node.
 pub(crate) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 
-/// Images of textures in a format of their own.
+/// The extension for images of textures in the format WebP.
 const WEBP: &str = "EXT_texture_webp";
 
-/// Compressed views; the second one has a newer form of attributes and one filter more.
+/// The extensions for compressed views; the second one has a newer form of attributes and one
+/// filter more.
 pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Returns which of [`MESHOPT`] something has, and what that says.
+/// Returns the one of [`MESHOPT`] that an object has, and its value.
 pub(crate) fn compression(others: &Map<String, Value>) -> Option<(&'static str, &Value)> {
     MESHOPT.into_iter().find_map(|name| Some((name, others.get(name)?)))
 }
 
-/// Returns true if a file says that it uses an extension.
+/// Returns true if a file lists an extension as used.
 pub(crate) fn uses(root: &Root, extension: &str) -> bool {
     debug_assert!(SUPPORTED_EXTENSIONS.contains(&extension));
     root.extensions_used.iter().chain(&root.extensions_required).any(|used| used == extension)
 }
 
-/// Returns a number that is an index or a count, also where it is written like `1.0`.
+/// Returns a number that is an index or a count, also where it is written as `1.0`.
 pub(crate) fn index(value: &Value) -> Option<usize> {
     let whole =
         |float: f64| float.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&float);
@@ -65,7 +66,7 @@ pub(crate) fn instance_accessors(node: &Node) -> impl Iterator<Item = usize> {
     indices.filter_map(index)
 }
 
-/// Returns what a view says of its compression.
+/// Returns the compression extension of a view, and its value.
 pub(crate) fn compression_of(view: &View) -> Option<(&'static str, &Value)> {
     view.extensions.as_ref().and_then(|all| compression(&all.others))
 }
@@ -75,14 +76,14 @@ pub(crate) fn source_buffer(view: &View) -> Option<usize> {
     compression_of(view).and_then(|(_, it)| it.get("buffer")).and_then(index)
 }
 
-/// Returns the image that glTF itself names.
+/// Returns the image of a texture by glTF itself, without extensions.
 pub(crate) fn plain_source(texture: &Texture) -> Option<usize> {
-    // So `gltf` says that there is none.
+    // This is how `gltf` marks that there is none.
     const NONE: usize = u32::MAX as usize;
     Some(texture.source.value()).filter(|&source| source != NONE)
 }
 
-/// Returns the image that `EXT_texture_webp` names.
+/// Returns the image of a texture by `EXT_texture_webp`.
 pub(crate) fn webp_source(texture: &Texture) -> Result<Option<usize>, Reason> {
     let extension = texture.extensions.as_ref().and_then(|extensions| extensions.others.get(WEBP));
     let Some(source) = extension.and_then(|extension| extension.get("source")) else {

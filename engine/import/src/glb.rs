@@ -1,4 +1,4 @@
-//! GLB: the container that holds the JSON and one buffer (glTF 2.0, chapter 4).
+//! GLB, the container that holds the JSON and one buffer (glTF 2.0, chapter 4).
 
 use std::ops::Range;
 
@@ -10,15 +10,15 @@ const BINARY: u32 = 0x004E_4942;
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
-/// Where the parts of a file are.
+/// The ranges of the parts of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Parts {
     pub(crate) json: Range<usize>,
     pub(crate) binary: Option<Range<usize>>,
 }
 
-/// Returns true if these are the bytes of a GLB rather than of plain JSON, however few of them are
-/// there.
+/// Returns true if these are the bytes of a GLB rather than of plain JSON, even if they are very
+/// few.
 pub(crate) fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC) || (!bytes.is_empty() && MAGIC.starts_with(bytes))
 }

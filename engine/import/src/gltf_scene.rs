@@ -1,4 +1,4 @@
-//! What a file becomes: a scene, the rig it hangs on, and what plays on that.
+//! The result of loading a file: a scene, its rig, and the clips that play on it.
 
 use animation::{Clip, Pose, Rig, RigNodeId, Skin};
 use cull::{Aabb, ObjectId};
@@ -10,29 +10,28 @@ use crate::Note;
 /// A camera of the file. It looks along its node's -z, up is y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneCamera {
-    /// Its node's name, or its own.
+    /// The name of its node, or its own.
     pub name: String,
-    /// Where it is.
+    /// The node that carries it.
     pub node: RigNodeId,
-    /// The full vertical angle of sight, in radians, in pictures that are no narrower than
+    /// The full vertical field of view, in radians, in pictures that are no narrower than
     /// [`SceneCamera::aspect_ratio`].
     pub fov_y_rad: f32,
-    /// How much wider than high its picture is; `None` where the file leaves that to the viewer.
+    /// The aspect ratio of its picture; `None` where the file leaves that to the viewer.
     pub aspect_ratio: Option<f32>,
-    /// Distance of the near plane, in metres.
+    /// The distance of the near plane, in metres.
     pub near_m: f32,
-    /// How far behind its node the eye is, in metres: 0 but for what stands for an orthographic
+    /// The distance of the eye behind its node, in metres: 0 unless it replaces an orthographic
     /// camera.
     pub behind_m: f32,
 }
 
 impl SceneCamera {
-    /// The widest angle of sight, in radians.
+    /// The widest field of view, in radians.
     const WIDEST_RAD: f32 = std::f32::consts::PI - 0.1;
 
-    /// Returns the full vertical angle of sight, in radians, for pictures of `size` pixels: wider
-    /// in those that are narrower than the camera's own, so that nothing that it sees is cut off at
-    /// the sides.
+    /// Returns the full vertical field of view, in radians, for pictures of `size` pixels: wider in
+    /// pictures that are narrower than the camera's own, so that nothing is cut off at the sides.
     pub fn fov_y_rad_in(&self, size: [u32; 2]) -> f32 {
         let [width, height] = size.map(|side| side.max(1) as f32);
         let narrower = self.aspect_ratio.unwrap_or_default() * height / width;
@@ -44,10 +43,10 @@ impl SceneCamera {
         }
     }
 
-    /// Returns what the camera sees in pictures of `size` pixels while its node is at `world`.
+    /// Returns the camera for pictures of `size` pixels while its node is at `world`.
     pub(crate) fn seen_from(&self, world: &Affine3A, size: [u32; 2]) -> cull::Camera {
         let forward = Vec3::from(-world.matrix3.z_axis).try_normalize().unwrap_or(Vec3::NEG_Z);
-        // Whatever is done to its node, a camera's picture is upright.
+        // A camera's picture is upright under any transform of its node.
         let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
         cull::Camera {
             eye: Vec3::from(world.translation) - forward * self.behind_m,
@@ -59,7 +58,7 @@ impl SceneCamera {
     }
 }
 
-/// What hangs on a node.
+/// The object or light that is attached to a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacedNode {
     /// An object of [`Scene::objects`].
@@ -70,57 +69,56 @@ pub enum PlacedNode {
     Light(LightId),
 }
 
-/// Something that moves, or that changes its form.
+/// An object or light that moves or is deformed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeAttachment {
-    /// The node of the file that has it, and where it goes. What hangs on a skin goes where its
-    /// joints go instead: it is in the space of its skeleton,
-    /// [`Skeleton::space`](animation::Skeleton::space), which is made of the joints that its
+    /// The node of the file that has it, and that it moves with. A skinned object moves with its
+    /// joints instead: it is in the space of its skeleton,
+    /// [`Skeleton::space`](animation::Skeleton::space), which consists of the joints that its
     /// vertices follow.
     pub node: RigNodeId,
-    /// What.
+    /// The attached object or light.
     pub placed: PlacedNode,
-    /// From its own space to its node's.
+    /// The transform from its own space to its node's.
     pub local: Affine3A,
-    /// What changes its form, with the index of its skin in [`GltfScene::skins`].
+    /// Its skinned mesh, with the index of its skin in [`GltfScene::skins`].
     pub skinned_mesh: Option<(SkinnedMeshId, Option<usize>)>,
-    /// A box in the world around what is seen of it at rest; empty where it does not change its
-    /// form.
+    /// The box in the world around it at rest; empty where it is not deformed.
     pub seen_at_rest: Aabb,
-    /// A loose box, in its own space, that it stays in whatever clips play, together or one after
-    /// the other; empty where it does not change its form.
+    /// A loose box, in its own space, that it stays in under all clips, together or one after the
+    /// other; empty where it is not deformed.
     pub reach: Aabb,
 }
 
-/// A scene and its life.
+/// A scene and its animation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfScene {
     /// The scene at rest.
     pub scene: Scene,
     /// Its nodes.
     pub rig: Rig,
-    /// What plays on them.
+    /// The clips that play on them.
     pub clips: Vec<Clip>,
     /// The joints of skinned meshes.
     pub skins: Vec<Skin>,
-    /// What moves: all that hangs on a node that a clip moves, and all that changes its form. What
-    /// is in the scene and not here stays where it is.
+    /// All that moves: objects and lights on nodes that a clip moves, and all deformed objects.
+    /// Other objects of the scene stay where they are.
     pub placements: Vec<NodeAttachment>,
     /// Its cameras.
     pub cameras: Vec<SceneCamera>,
-    /// The deviations of the file that were tolerated, and what of it is not shown, for people.
+    /// The deviations of the file that were tolerated, and the parts that are not shown, for
+    /// people.
     pub notes: Vec<Note>,
 }
 
 impl GltfScene {
-    /// Returns the box around everything that is seen, at rest; the origin alone if there is
-    /// nothing.
+    /// Returns the box around everything visible at rest; the origin alone if there is nothing.
     pub fn bounds(&self) -> Aabb {
         bounds(self)
     }
 
-    /// Returns what the first camera of the file sees at rest in pictures of `size` pixels; without
-    /// one a view of the whole scene, three quarters from the front and somewhat from above.
+    /// Returns the first camera of the file at rest, for pictures of `size` pixels; without one, a
+    /// view of the whole scene, three quarters from the front and somewhat from above.
     pub fn default_camera(&self, size: [u32; 2]) -> cull::Camera {
         let Some(camera) = self.cameras.first() else {
             return crate::convert::overview(&self.bounds());
@@ -137,7 +135,7 @@ fn bounds(imported: &GltfScene) -> Aabb {
     let scene = &imported.scene;
     let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
     let objects = scene.objects.len();
-    // The mesh of what changes its form is not where it is shown.
+    // The mesh of a deformed object is not where it is shown.
     let deformed = imported.placements.iter().filter(|placement| placement.skinned_mesh.is_some());
     let seen: std::collections::HashMap<usize, Aabb> = deformed
         .filter_map(|placement| match placement.placed {

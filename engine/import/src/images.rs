@@ -1,4 +1,4 @@
-//! Images of a file, decoded to four bytes a pixel: several at once, within a stated amount of
+//! Images of a file, decoded to four bytes per pixel: several at once, within a stated amount of
 //! memory.
 
 mod gate;
@@ -29,22 +29,22 @@ use crate::progress::ReadProgress;
 use crate::uri::Wanted;
 use crate::verdict::Verdict;
 
-/// More threads than that gain little and take memory.
+/// The most decoding threads: more gain little and take memory.
 const MAX_THREADS: usize = 8;
 
-/// Images that are shown.
+/// The images that are shown.
 pub(crate) struct Images {
-    /// As many as the file has; `None` where nothing shows it.
+    /// One entry per image of the file; `None` where nothing shows it.
     pub(crate) list: Vec<Option<Image>>,
     /// The indices of those that could not be read.
     pub(crate) placeholders: BTreeSet<usize>,
 }
 
-/// Decodes the images that materials show; the others stay `None`. Those that cannot be read are
-/// placeholders, which is noted.
+/// Decodes the images that materials show; the others stay `None`. Images that cannot be read
+/// become placeholders, which is noted.
 ///
 /// # Errors
-/// Images beyond the limits; that nobody waits for them any more.
+/// Images beyond the limits; a listener that stopped the loading.
 pub(crate) fn decode(
     root: &Root,
     store: &Store,
@@ -97,7 +97,7 @@ pub(crate) fn decode(
     Ok(Images { list, placeholders })
 }
 
-/// Returns a picture that nobody takes for one of the scene: checkers of magenta and black.
+/// Returns an image that nobody takes for one of the scene: checkers of magenta and black.
 fn placeholder(index: usize) -> Image {
     const SIDE: u32 = 16;
     let texel = |place: u32| {
@@ -108,7 +108,7 @@ fn placeholder(index: usize) -> Image {
     Image { name: format!("image {index} (missing)"), size: [SIDE; 2], rgba8 }
 }
 
-/// Returns the bytes of an image as it is in the file.
+/// Returns the encoded bytes of an image in the file.
 fn encoded<'a>(
     root: &Root,
     store: &'a Store,
@@ -132,14 +132,14 @@ struct Job<'a> {
     encoded: Cow<'a, [u8]>,
     format: ImageFormat,
     size: [u32; 2],
-    /// What decoding takes beside the result.
+    /// The memory that decoding takes beside the result.
     scratch_bytes: u64,
-    /// It is a JPEG without its last marker.
+    /// True for a JPEG without its last marker.
     lacks_end: bool,
 }
 
 impl<'a> Job<'a> {
-    /// Looks at the head of an image alone: its size is believed before any memory is taken for it.
+    /// Reads the head of an image alone: its size is checked before any memory is taken for it.
     fn new(index: usize, encoded: Cow<'a, [u8]>, limits: &Limits) -> Result<Self, Reason> {
         let format = format_of(&encoded)?;
         let (width, height, raw_bytes) = {
@@ -183,8 +183,8 @@ impl<'a> Job<'a> {
         if !self.lacks_end {
             return self.pixels(&self.encoded, limits);
         }
-        // The decoder fills up what is not there, and does not say so. Where all is there, what
-        // comes after it changes nothing.
+        // The decoder fills up missing data without a warning. In a complete file, bytes after the
+        // end change nothing.
         let [one, other] = jpeg::endings(&self.encoded);
         let pixels = self.pixels(&one, limits)?;
         drop(one);
@@ -195,7 +195,7 @@ impl<'a> Job<'a> {
     }
 
     fn pixels(&self, encoded: &[u8], limits: &Limits) -> Result<Vec<u8>, Reason> {
-        // The decoders are others' code: should one panic, then this image alone is lost.
+        // The decoders are third-party code: a panic in one loses this image alone.
         let decoded = catch_unwind(AssertUnwindSafe(|| {
             let decoder = decoder(encoded, self.format, limits)?;
             DynamicImage::from_decoder(decoder)
@@ -242,8 +242,8 @@ fn undecodable(error: &image::ImageError) -> Reason {
     }
 }
 
-/// Decodes all, on as many threads as make sense, telling after each image; results in the order of
-/// the jobs.
+/// Decodes all images on a bounded number of threads, and reports progress after each. The results
+/// are in the order of the jobs.
 fn decode_all(
     jobs: &[Job],
     limits: &Limits,
@@ -262,7 +262,7 @@ fn decode_all(
             if let Some(slot) = done.get_mut(index) {
                 *slot = pixels;
             }
-            // Nobody listens any more once it was given up.
+            // Nobody receives results after the listener stopped the loading.
             let _listens = finished.send(());
         }
     };
@@ -272,15 +272,15 @@ fn decode_all(
             std::thread::Builder::new().spawn_scoped(scope, move || work(finished)).is_ok()
         };
         let started = (0..threads).take_while(|_| start(finished.clone())).count();
-        // The threads have one end each, without which the channel ends. A machine that has no
-        // thread left has this one.
+        // The threads have one sender each; the channel closes with the last of them. A machine
+        // without a spare thread uses this one.
         match started {
             0 => work(finished),
             _ => drop(finished),
         }
         for (count, ()) in (1..).zip(&arriving) {
             if tell(count as f32 / jobs.len() as f32).is_break() {
-                // What was begun is finished, no other is begun.
+                // Jobs that have begun are finished; no other begins.
                 next.store(jobs.len(), Ordering::Relaxed);
                 break;
             }

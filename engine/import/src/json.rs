@@ -1,5 +1,4 @@
-//! The JSON of a file: weighed, read, and where `gltf` does not take all of it, read element by
-//! element.
+//! The JSON of a file: weighed, read, and where `gltf` refuses it, read element by element.
 
 mod huge;
 mod lenient;
@@ -19,10 +18,10 @@ use crate::error::{Fault, Reason};
 use crate::notes::{Note, Notes};
 pub(crate) use lenient::Parsed;
 
-/// Reads the JSON of a file. What was left out of it is noted.
+/// Reads the JSON of a file. Parts that are left out are noted.
 ///
 /// # Errors
-/// What is no JSON, needs another version, or is wrong outside of the lists of elements.
+/// Text that is no JSON, needs another version, or has faults outside of the lists of elements.
 pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<Parsed, Fault> {
     // RFC 8259 lets a reader ignore a byte order mark, and chunks of a GLB may be padded.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
@@ -34,7 +33,7 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
     if read.is_err()
         && let Some(bounded) = huge::bounded(json)
     {
-        // What comes after the first such number was not weighed.
+        // The text after the first such number was not weighed.
         return parse(&bounded, limits, notes);
     }
     let mut parsed = match read {
@@ -55,7 +54,7 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
     Ok(parsed)
 }
 
-/// Says where JSON cannot be read.
+/// Returns the reason why JSON cannot be read, with the place.
 fn syntax(error: &serde_json::Error) -> Reason {
     let (line, column) = (error.line(), error.column());
     if error.is_eof() {
@@ -66,8 +65,7 @@ fn syntax(error: &serde_json::Error) -> Reason {
     Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
 }
 
-/// Reads JSON again that `gltf` did not take, or of which it may have taken only a part of a
-/// number.
+/// Reads JSON again that `gltf` refused, or of whose numbers it may have kept only a part.
 fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     let value: Value = serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
     // Files of other versions have other forms.
@@ -80,7 +78,7 @@ fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     lenient::parse(object, notes)
 }
 
-/// Removes what is allowed but means nothing here, and would make `gltf` panic.
+/// Removes entries that are allowed and without meaning here, but would make `gltf` panic.
 fn strip(root: &mut Root, notes: &mut Notes) {
     use gltf::json::validation::Checked;
     for (mesh_index, mesh) in root.meshes.iter_mut().enumerate() {

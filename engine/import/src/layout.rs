@@ -1,4 +1,4 @@
-//! How the elements of an accessor lie in its view (glTF 2.0, section 3.6.2).
+//! The layout of an accessor's elements in its view (glTF 2.0, section 3.6.2).
 
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
@@ -6,17 +6,17 @@ use gltf::json::{Accessor, Root};
 
 use crate::error::Reason;
 
-/// Where the components of each element are.
+/// The layout of the components of each element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub(crate) component: ComponentType,
-    /// Components an element.
+    /// The number of components per element.
     pub(crate) components: usize,
-    /// Components in a row without padding: a column of a matrix, or all.
+    /// The number of components in a row without padding: a column of a matrix, or all.
     run: usize,
-    /// From one run to the next.
+    /// The distance from one run to the next.
     run_bytes: usize,
-    /// Of an element, with the padding of a matrix's columns.
+    /// The size of an element, with the padding of a matrix's columns.
     pub(crate) element_bytes: usize,
 }
 
@@ -53,19 +53,19 @@ impl Layout {
         }
     }
 
-    /// Returns where in an element a component begins.
+    /// Returns the offset of a component in its element.
     pub(crate) fn offset(&self, component: usize) -> usize {
         component / self.run * self.run_bytes + component % self.run * self.component.size()
     }
 
-    /// Bytes that `count` elements take, which lie `stride` apart.
+    /// Returns the bytes that `count` elements take with this stride.
     pub(crate) fn span(&self, count: u64, stride: u64) -> Option<u64> {
         let last = count.checked_sub(1)?.checked_mul(stride)?;
         last.checked_add(self.element_bytes as u64)
     }
 }
 
-/// Returns how far apart the elements of an accessor with this view are.
+/// Returns the stride of the elements of an accessor with this view.
 pub(crate) fn stride(root: &Root, view: usize, layout: &Layout) -> usize {
     root.buffer_views
         .get(view)

@@ -1,16 +1,16 @@
-//! How much a file may ask for before it is refused.
+//! The limits on the demands of a file.
 
 const MIB: u64 = 1 << 20;
 
-/// What a file may at most ask for. Reading it takes at most [`Limits::memory_bound`] bytes at any
-/// time, and what is made of it is bounded by the counts.
+/// The limits on a file's demands. Reading it takes at most [`Limits::memory_bound`] bytes at any
+/// time, and the counts bound the scene made of it.
 ///
 /// All limits are inclusive. They are checked before the memory is taken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
     /// Bytes of the file itself. Default: 1 GiB.
     pub file_bytes: u64,
-    /// Bytes of its JSON. Default: 256 MiB.
+    /// Bytes of the file's JSON. Default: 256 MiB.
     pub json_bytes: u64,
     /// Bytes that the JSON takes once it is read, by a cautious estimate: an empty node is two
     /// characters in the file and some hundred bytes in memory. Default: 1 GiB.
@@ -20,34 +20,35 @@ pub struct Limits {
     pub buffer_bytes: u64,
     /// Pixels along a side of an image. Default: 16384.
     pub image_side: u32,
-    /// Bytes of all images together, decoded to four bytes a pixel. Default: 2 GiB.
+    /// Bytes of all images together, decoded to four bytes per pixel. Default: 2 GiB.
     pub image_bytes: u64,
     /// Bytes in use at any time for decoding images, beside the images themselves: one that
     /// needs more by itself is refused. Default: 2 GiB.
     pub image_scratch_bytes: u64,
-    /// Elements of all accessors together, also of those that share their bytes. Default: 2^29.
+    /// Elements of all accessors together, including those that share their bytes. Default: 2^29.
     pub elements: u64,
     /// Vertices of all meshes, as [`Source`](crate::Source) counts them. Default: 2^25.
     pub vertices: u64,
-    /// Vertices of all primitives as their accessors have them: also those that no index refers to,
-    /// for each primitive anew. A single one may have [`Limits::vertices`]. Default: 2^28.
+    /// Vertices of all primitives as their accessors have them: including those that no index
+    /// refers to, counted again for each primitive. A single primitive may have
+    /// [`Limits::vertices`]. Default: 2^28.
     pub listed_vertices: u64,
     /// Corners of the triangles of all meshes, counted likewise. Default: 2^27.
     pub corners: u64,
     /// Nodes. Default: 2^20.
     pub nodes: u64,
-    /// Vertices of meshes that change their form, once for each place that has one. Default: as
-    /// many as a renderer takes on any device, about 3.3 million.
+    /// Vertices of deformed meshes, once for each place that has one. Default: as many as a
+    /// renderer takes on any device, about 3.3 million.
     pub deformed_vertices: u64,
     /// Primitives on nodes, each as often as its node is instanced. Default: as many as a renderer
     /// takes on any device, 2^21.
     pub objects: u64,
-    /// Joints of skins, each as often as a primitive hangs on its skin. Default: 2^21.
+    /// Joints of skins, each counted once per primitive on its skin. Default: 2^21.
     pub joints: u64,
-    /// Nodes between the joints of a skin and what all of them hang on: for each skin and each
-    /// choice of its joints that some mesh hangs on. Default: 2^24.
+    /// Nodes between the joints of a skin and their common ancestor, for each skin and each choice
+    /// of its joints that some mesh follows. Default: 2^24.
     pub bones: u64,
-    /// Lights on the nodes of the scene. Default, and most whatever this says: 2^16.
+    /// Lights on the nodes of the scene. Default, and the most in any case: 2^16.
     pub lights: u64,
     /// Numbers in the outputs and inputs of all animation channels. Default: 2^26.
     pub key_values: u64,
@@ -83,11 +84,12 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Returns how many bytes reading a file takes at any time at the most: 10.1 GiB with the
-    /// defaults, which only files reach that use up all of the limits.
+    /// Returns the most bytes in use at any time while a file is read: 10.1 GiB with the defaults,
+    /// for a file that exhausts all of the limits.
     ///
-    /// The file, its JSON (in several forms while it is read), buffers (decompressed and where they
-    /// go), images, and what decoding them takes; 48 MiB are for tables and stacks.
+    /// It is the sum of the file, its JSON (in several forms while it is read), buffers (compressed
+    /// and decompressed), images, and the scratch memory of decoding; 48 MiB are for tables and
+    /// stacks.
     pub fn memory_bound(&self) -> u64 {
         [
             self.file_bytes,

@@ -1,4 +1,4 @@
-//! Loading: from a file to a scene and its life, telling how far it is.
+//! Loading, from a file to a scene and its animation, with reports of progress.
 
 use std::path::Path;
 
@@ -9,19 +9,19 @@ use crate::{GltfScene, ImportError, convert, source};
 /// Loads the scene of a .gltf or .glb file, with everything it refers to. The scene's name is the
 /// file's, without its ending.
 ///
-/// Whatever is in the file, this does not panic and does not read outside of its folder. Reading
-/// takes no more memory than [`Limits`](crate::Limits) say; bones
-/// ([`Limits::bones`](crate::Limits::bones), some 40 bytes each) come on top of that. Clips that
-/// could take something farther than a renderer can draw are left out. What can be shown is shown,
-/// and what is shown otherwise than the file says is in [`GltfScene::notes`]. The scene passes
+/// With any contents of the file, this does not panic and does not read outside of its folder.
+/// Reading takes no more memory than the [`Limits`](crate::Limits); bones
+/// ([`Limits::bones`](crate::Limits::bones), some 40 bytes each) are in addition. Clips that could
+/// move something farther than a renderer can draw are left out. All that can be shown is shown,
+/// and deviations from the file are in [`GltfScene::notes`]. The scene passes
 /// [`Scene::validate`](scene::Scene::validate), every object has a usable box, and all numbers are
 /// finite.
 ///
 /// # Errors
-/// Files that cannot be read, that are not what glTF 2.0 says, that need an extension which is not
-/// there, or that are beyond the limits; positions, morph targets and animations with numbers that
-/// are not finite; [`Cause::GivenUp`](crate::Cause::GivenUp) if `listener` breaks off. Each names
-/// the file, the object in it, and the reason.
+/// Files that cannot be read, that violate glTF 2.0, that need an unsupported extension, or that
+/// are beyond the limits; positions, morph targets and animations with numbers that are not finite;
+/// [`Cause::GivenUp`](crate::Cause::GivenUp) if `listener` stops the loading. Each names the file,
+/// the object in it, and the reason.
 pub fn load(
     path: &Path,
     options: &LoadOptions,
@@ -35,11 +35,11 @@ pub fn load(
     convert::convert(source, name.unwrap_or_default(), options, &mut teller)
 }
 
-/// Loads the scene of a .gltf or .glb file whose bytes are here. What it refers to is looked for in
-/// `folder`; without one it must not refer to anything outside of itself.
+/// Loads the scene of a .gltf or .glb file whose bytes are here. Files that it refers to are read
+/// from `folder`; without a folder it must not refer to other files.
 ///
 /// # Errors
-/// As [`load`].
+/// Those of [`load`].
 pub fn load_bytes(
     bytes: Vec<u8>,
     folder: Option<&Path>,

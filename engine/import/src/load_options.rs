@@ -1,19 +1,19 @@
-//! How a file is loaded.
+//! The options of loading a file.
 
 use crate::Limits;
 
-/// How a file is loaded.
+/// The options of loading a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// What it may at most ask for.
+    /// The limits on the file's demands.
     pub limits: Limits,
-    /// Meshes of more triangles than this that are seen once and keep their form are cut into
-    /// pieces that lie side by side, of at most a quarter as many triangles, each an object. `None`
-    /// leaves all whole. Default: 65,536.
+    /// The number of triangles above which a rigid mesh that is seen once is cut into spatial
+    /// pieces, each an object of at most a quarter as many triangles. `None` leaves all meshes
+    /// whole. Default: 65,536.
     pub cut_above_triangles: Option<usize>,
-    /// Factor of all light before tone mapping, as
+    /// The factor of all light before tone mapping, as
     /// [`Surfaces::exposure`](scene::Surfaces::exposure). `None`, the default, is 1; lights that
-    /// would leave most of what they shine on white are dimmed then, which is noted.
+    /// would turn most of the lit objects white are dimmed then, which is noted.
     pub exposure: Option<f32>,
 }
 

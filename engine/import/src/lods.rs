@@ -8,15 +8,15 @@ use crate::Note;
 use crate::error::quoted;
 use crate::gltf_scene::GltfScene;
 
-/// How coarser forms are made.
+/// The options of making coarser levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelOptions {
-    /// The most coarser forms of a mesh.
+    /// The greatest number of coarser forms of a mesh.
     pub most: usize,
-    /// Each has at most this share of the triangles of the one before, 0 to 1; a form that stays
-    /// above nine tenths is not kept.
+    /// The largest share of triangles that each form has of the one before, 0 to 1; a form that
+    /// stays above nine tenths is not kept.
     pub share: f32,
-    /// Meshes of fewer triangles have one form.
+    /// The number of triangles below which a mesh has one form.
     pub least_triangles: usize,
     /// The largest error of a form, as a share of the mesh's largest extent.
     pub most_error: f32,
@@ -28,22 +28,22 @@ impl Default for LevelOptions {
     }
 }
 
-/// Normals, tangents' signs aside, and texture coordinates: what a collapse should keep beside
-/// positions.
+/// The number of attributes that a collapse should keep beside positions: normals without tangents'
+/// signs, and texture coordinates.
 const ATTRIBUTES: usize = 5;
 const ATTRIBUTE_WEIGHTS: [f32; ATTRIBUTES] = [0.5, 0.5, 0.5, 0.2, 0.2];
 
 impl GltfScene {
-    /// Makes coarser forms of all meshes but those that change their form or are blended. They take
-    /// index memory, about as much again as the meshes. Meshes with corners in which triangles meet
-    /// by the thousands have one form, and a note says so: simplifying them takes the square of
+    /// Makes coarser forms of all meshes but deformed and transparent ones. They take index memory,
+    /// about as much again as the meshes. Meshes with corners in which triangles meet by the
+    /// thousands have one form, and a note says so: simplifying them takes time with the square of
     /// that.
     pub fn make_levels(&mut self, options: &LevelOptions) {
         self.notes.extend(make_levels(&mut self.scene, options));
     }
 }
 
-/// Answers a note if meshes are [crowded](is_crowded).
+/// Makes coarser forms, and returns a note if meshes are [crowded](is_crowded).
 fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<Note> {
     let mut crowded = Vec::new();
     let surfaces = scene.surfaces.as_mut()?;
@@ -76,14 +76,14 @@ fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<Note> {
     Some(Note { count: crowded.len() as u64, ..Note::new(object, reason) })
 }
 
-/// A corner of a mesh meets at most so many triangles, in the mean over all corners of triangles. A
+/// The most triangles that meet in a corner of a mesh, in the mean over all corners of triangles. A
 /// disc of 6,144 triangles around one vertex is at the limit: there simplifying takes about twice
-/// as long a triangle as in a grid, and from there on in proportion to their number.
+/// as long per triangle as in a grid, and beyond it in proportion to their number.
 const MOST_MET: u64 = 2048;
 
 /// Returns true if so many triangles meet in its corners that simplifying the mesh would take more
-/// than a bounded time a triangle: the simplifier looks at all triangles of a vertex for each edge
-/// of it that it may collapse.
+/// than a bounded time per triangle: the simplifier looks at all triangles of a vertex for each of
+/// its edges that may collapse.
 fn is_crowded(mesh: &Mesh) -> bool {
     let mut met = vec![0_u32; mesh.vertices.len()];
     for index in &mesh.indices {
@@ -115,7 +115,7 @@ fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<Lod
     for _ in 0..options.most {
         let wanted = (before as f32 * options.share.clamp(0.0, 1.0)) as usize;
         let mut error_m = 0.0;
-        // Always from the finest form: errors of forms made from each other would add up.
+        // Always from the finest form: the errors of a chain of forms would add up.
         let indices = ::meshopt::simplify_with_attributes_and_locks(
             &mesh.indices,
             &adapter,
@@ -133,7 +133,7 @@ fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<Lod
         if !is_worth_it || !error_m.is_finite() {
             break;
         }
-        // A coarser form is no better than a finer one, whatever was found.
+        // A coarser form is no better than a finer one, whatever error was found.
         let error_m = levels.last().map_or(error_m, |last| last.error_m.max(error_m));
         levels.push(LodLevel { indices, error_m });
         before = found;
@@ -209,7 +209,7 @@ mod tests {
         }
     }
 
-    /// Triangles around a middle, as a fan has them.
+    /// Returns a fan of triangles around a middle.
     fn disc(triangles: u32) -> (Mesh, SurfaceMesh) {
         let (mut mesh, mut surface) = ball(5);
         let around = |number: u32| std::f32::consts::TAU * number as f32 / triangles as f32;

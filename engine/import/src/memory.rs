@@ -1,11 +1,11 @@
-//! Large memory is asked for before it is taken: allocation that fails ends the program.
+//! Checks of large memory before it is taken: a failed allocation ends the program.
 
 use crate::error::Reason;
 
-/// Asks for so many bytes, and gives them back.
+/// Reserves so many bytes, and frees them.
 ///
 /// # Errors
-/// There are not so many.
+/// Less memory than that.
 pub(crate) fn ask(size_bytes: u64) -> Result<(), Reason> {
     let asked = usize::try_from(size_bytes)
         .is_ok_and(|size_bytes| Vec::<u8>::new().try_reserve_exact(size_bytes).is_ok());

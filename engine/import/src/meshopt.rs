@@ -1,5 +1,5 @@
 //! Views that are compressed: `EXT_meshopt_compression` and `KHR_meshopt_compression`. They are
-//! decompressed into their buffers, so that nobody after this knows that they were.
+//! decompressed into their buffers, so that later stages see plain views.
 
 mod decode;
 
@@ -43,7 +43,7 @@ enum Filter {
     Colour,
 }
 
-/// Checks all views that say they are compressed, and lists those whose bytes are nowhere else.
+/// Checks all views that are marked as compressed, and lists those without uncompressed bytes.
 /// Views and buffers themselves were checked before.
 pub(crate) fn compressed(
     root: &Root,
@@ -69,7 +69,7 @@ pub(crate) fn compressed(
         let Some(compressed) = compressed.filter(|_| verdict.is_used(element)) else {
             continue;
         };
-        // A few bytes can stand for many, and many views for the same.
+        // A few bytes can decompress to many, and many views can share them.
         total = total.saturating_add(view.byte_length.0);
         if total > limits.buffer_bytes {
             return Err(Reason::too_large(
@@ -84,7 +84,7 @@ pub(crate) fn compressed(
     Ok(all)
 }
 
-/// For each buffer, whether it only says how much room decompressed views need.
+/// Returns true for each buffer that only gives the size of decompressed views.
 pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
     let mut is_compressed_into = vec![false; root.buffers.len()];
     for view in &root.buffer_views {
@@ -99,7 +99,7 @@ pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
         let fallback = extension.and_then(|(_, it)| it.get("fallback"));
         let is_marked = fallback == Some(&Value::Bool(true));
         let is_binary_chunk = index == 0 && has_binary;
-        // Without a view that is compressed into it, a buffer without bytes is a mistake.
+        // A buffer without bytes is a fault unless a view is decompressed into it.
         is_marked || (buffer.uri.is_none() && !is_binary_chunk && is_compressed_into)
     });
     is_placeholder.collect()

@@ -1,17 +1,17 @@
-//! Notes: what of a file is shown otherwise than it says, for people. What happens a thousand times
-//! is noted once, with its number.
+//! Notes: the deviations of a shown scene from its file, for people. A deviation that occurs a
+//! thousand times is noted once, with its number.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A deviation of a file that is tolerated, for people: an object of the file, and the reason.
+/// A tolerated deviation of a file, for people: an object of the file, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// The object, like "mesh 3, primitive 0"; the first one if there are several.
+    /// The object, such as "mesh 3, primitive 0"; the first one if there are several.
     pub object: String,
-    /// The deviation, and what is shown instead.
+    /// The deviation, and its replacement in the scene.
     pub reason: String,
-    /// How often it occurs in the file, at least 1.
+    /// The number of occurrences in the file, at least 1.
     pub count: u64,
 }
 
@@ -28,7 +28,7 @@ impl fmt::Display for Note {
     }
 }
 
-/// Collects notes, of which a file can only cause so many.
+/// A bounded collection of notes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Notes {
     listed: Vec<Note>,
@@ -40,7 +40,7 @@ impl Notes {
     /// The most notes that are listed one by one.
     const MOST: usize = 64;
 
-    /// Goes on after the notes of an earlier stage.
+    /// Continues after the notes of an earlier stage.
     pub(crate) fn after(listed: Vec<Note>) -> Self {
         Self { listed, ..Self::default() }
     }
@@ -59,7 +59,7 @@ impl Notes {
         self.add(|| Note::new("scene", reason));
     }
 
-    /// Counts `count` occurrences of a deviation; the note names the first object.
+    /// Notes `count` occurrences of a deviation; the note names the first object.
     pub(crate) fn count(
         &mut self,
         reason: &'static str,
@@ -71,7 +71,7 @@ impl Notes {
         }
     }
 
-    /// Counts occurrences of a sort of deviation, of which only the first makes its note.
+    /// Notes occurrences of a sort of deviation; only the first makes its note.
     pub(crate) fn count_as(
         &mut self,
         sort: &'static str,
@@ -82,7 +82,7 @@ impl Notes {
         entry.count += count as u64;
     }
 
-    /// Returns all of them. What had no room is counted in the last one.
+    /// Returns all notes. The last one counts those without room.
     pub(crate) fn finish(self) -> Vec<Note> {
         let Self { mut listed, counted, left_out } = self;
         listed.extend(counted.into_values());

@@ -1,31 +1,31 @@
-//! How far loading has come, and who is told.
+//! The progress of loading, and its listeners.
 
 use std::ops::ControlFlow;
 
 use crate::{Cause, ImportError};
 
-/// What is being done.
+/// The stage of loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
-    /// The file and all that it refers to are read and checked, images are decoded.
+    /// Reading: the file and its references are read and checked, images are decoded.
     Reading,
-    /// Meshes and objects are made.
+    /// Building: meshes and objects are made.
     Meshes,
 }
 
-/// How far loading has come.
+/// The progress of loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
-    /// What is being done.
+    /// The current stage.
     pub stage: Stage,
-    /// How much of that is done, 0 to 1.
+    /// The share of the stage that is done, 0 to 1.
     pub fraction: f32,
 }
 
-/// Who is told how far loading has come, and says whether it shall go on.
+/// The listener to the progress of loading, which continues or stops it.
 pub type ProgressFn<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
 
-/// Tells, and stops when nobody wants it any more.
+/// The sender of progress, which stops when the listener does.
 pub(crate) struct ProgressSender<'a> {
     pub(crate) file: String,
     pub(crate) listener: &'a mut ProgressFn<'a>,
@@ -49,5 +49,5 @@ impl ProgressSender<'_> {
     }
 }
 
-/// Who is told what part of a file was read, and says whether to go on.
+/// The listener to the share of a file that was read, which continues or stops the reading.
 pub(crate) type ReadProgress<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;

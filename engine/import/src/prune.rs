@@ -1,4 +1,5 @@
-//! Empties all of a file that is not shown, so that nobody after this meets what is broken in it.
+//! The emptying of all parts of a file that are not shown, so that later stages do not meet their
+//! faults.
 
 use std::collections::BTreeMap;
 
@@ -30,8 +31,8 @@ pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
     }
 }
 
-/// Leaves only roots in the list of the scene that is shown. `parents` are those of nodes that it
-/// reaches, or of all nodes where it does not reach the parent.
+/// Leaves only roots in the list of the scene that is shown. `parents` holds the parents of nodes
+/// that it reaches, or of all nodes where it does not reach the parent.
 pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mut Verdict) {
     let mut outside: BTreeMap<usize, usize> = BTreeMap::new();
     for (index, node) in root.nodes.iter().enumerate() {
@@ -69,7 +70,7 @@ pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mu
 
 /// Replaces by blanks all elements that are not shown.
 pub(crate) fn elements(root: &mut Root, verdict: &Verdict) {
-    // What is optional and broken is found before anything is emptied.
+    // Broken optional elements are found before anything is emptied.
     let broken: Vec<Element> = [Kind::Accessor, Kind::Animation, Kind::Buffer, Kind::View]
         .into_iter()
         .flat_map(|kind| (0..kind.count(root)).map(move |index| kind.at(index)))
@@ -93,7 +94,7 @@ pub(crate) fn elements(root: &mut Root, verdict: &Verdict) {
     empty(&mut root.textures, Kind::Texture, is_kept);
     let lights = root.extensions.as_mut().and_then(|it| it.khr_lights_punctual.as_mut());
     lights.into_iter().for_each(|it| empty(&mut it.lights, Kind::Light, is_kept));
-    // A view names a buffer whatever it is for.
+    // Every view refers to a buffer.
     if root.buffers.is_empty() {
         root.buffer_views.clear();
     }

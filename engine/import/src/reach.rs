@@ -1,4 +1,4 @@
-//! What the scene that is shown uses of a file: the elements of its lists, and what these refer to.
+//! The elements of a file that the shown scene uses, directly or through references.
 
 use gltf::Semantic;
 use gltf::json::validation::Checked;
@@ -7,7 +7,7 @@ use gltf::json::{Material, Node, Root};
 use crate::element::{Element, Kind, Need};
 use crate::extensions::{image_of, instance_accessors, source_buffer};
 
-/// How much the scene needs each element of a file.
+/// The need of the scene for each element of a file.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Reach {
     needs: [Vec<Need>; Kind::ALL.len()],
@@ -36,7 +36,7 @@ impl Reach {
         reach
     }
 
-    /// Returns how much the scene needs an element; not at all if there is no such element.
+    /// Returns the need of the scene for an element; none if there is no such element.
     pub(crate) fn need(&self, element: Element) -> Need {
         let needs = self.needs.get(element.kind as usize);
         needs.and_then(|needs| needs.get(element.index)).copied().unwrap_or_default()
@@ -79,7 +79,7 @@ impl Reach {
     }
 }
 
-/// Returns the index of the scene that is shown: the one that the file names, else its first.
+/// Returns the index of the scene that is shown: the one that the file names, else its first;
 /// `None` if it has no scenes.
 pub(crate) fn shown_scene(root: &Root) -> Option<usize> {
     let named = root.scene.map(|scene| scene.value());
@@ -182,7 +182,7 @@ fn of_mesh(root: &Root, index: usize, visit: &mut dyn FnMut(Element)) {
     }
 }
 
-/// Returns the textures that a material shows, some of them perhaps several times.
+/// Returns the textures that a material shows, possibly with repetitions.
 fn shown_textures(material: &Material) -> impl Iterator<Item = usize> {
     let pbr = &material.pbr_metallic_roughness;
     let slots = [

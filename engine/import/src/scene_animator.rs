@@ -1,8 +1,8 @@
-//! A scene out of a file as it lives: time in, changes of the renderer out.
+//! The animation of a scene out of a file: time in, scene updates out.
 //!
-//! The work of a moment goes with what moves then, not with the scene: nodes that no playing clip
-//! moves are not looked at, what is where it was is not changed, and what nobody can see takes no
-//! other form ([`SceneAnimator::changes_in`]).
+//! The work per update is in proportion to what moves, not to the scene. Nodes that no playing clip
+//! moves are not visited, objects that stay in place are not changed, and objects that no view can
+//! show take no new pose ([`SceneAnimator::changes_in`]).
 
 mod extent;
 mod parts;
@@ -22,38 +22,38 @@ use scene::{PunctualLight, Scene, SceneUpdate};
 use crate::Note;
 use crate::gltf_scene::{GltfScene, PlacedNode, SceneCamera};
 
-/// What hangs on the nodes of a file, and the clips that move it.
+/// The attachments of a file's nodes, and the clips that move them.
 ///
-/// Any moment can be shown after any other: what is shown is a function of the time and of the
-/// clips that play. In the steady state nothing is allocated.
+/// Any time can follow any other: the state is a function of the time and of the playing clips. In
+/// the steady state nothing is allocated.
 pub struct SceneAnimator {
     rig: Rig,
     clips: Vec<Clip>,
     parts: Parts,
     playing: Playing,
     pose: Pose,
-    /// The pose that one fades to.
+    /// The pose that a fade goes to.
     other: Pose,
-    /// The pose in which a fade was broken off by another.
+    /// The pose in which a fade was interrupted by another.
     mix: Pose,
-    /// From each node's space to the world's.
+    /// The transform from each node's space to the world's.
     world: Vec<Affine3A>,
     /// The nodes that the playing clips move, parents first.
     moving: Vec<RigNodeId>,
-    /// Of each node whether it is one of them.
+    /// True for each node that is one of them.
     is_moving: Vec<bool>,
-    /// The places of the parts that change with them.
+    /// The indices of the parts that change with them.
     movers: Movers,
-    /// Whether nothing was shown yet.
+    /// True until the first update.
     is_new: bool,
-    /// As they were shown last.
+    /// The lights as they were shown last.
     lights: Vec<PunctualLight>,
     changes: SceneUpdate,
 }
 
 impl SceneAnimator {
-    /// Takes what lives from a file that was loaded; its scene, its cameras and what there is to
-    /// tell of it are for others. Nothing plays at first.
+    /// Takes the animation out of a loaded file, and returns it with the scene, the cameras and the
+    /// notes. Nothing plays at first.
     pub fn of(imported: GltfScene) -> (Scene, Self, Vec<SceneCamera>, Vec<Note>) {
         let GltfScene { scene, rig, clips, skins, placements, cameras, notes } = imported;
         let pose = Pose::new(&rig);
@@ -77,7 +77,7 @@ impl SceneAnimator {
             pose,
             world,
         };
-        // What is on joints is not in its form of the rest before it was told so.
+        // Skinned objects have no pose of rest before the first update sets it.
         animator.find_movers();
         (scene, animator, cameras, notes)
     }
@@ -87,13 +87,13 @@ impl SceneAnimator {
         &self.clips
     }
 
-    /// Returns how long a clip lasts, in seconds; `None` for one that is not there or lasts no
-    /// time.
+    /// Returns the duration of a clip in seconds; `None` for one that does not exist or has no
+    /// duration.
     pub fn duration_s(&self, clip: usize) -> Option<f32> {
         self.clips.get(clip).map(Clip::duration_s).filter(|seconds| *seconds > 0.0)
     }
 
-    /// Returns the clip that moves a camera: of several the one that is called like it, else the
+    /// Returns the clip that moves a camera: of several the one with the camera's name, else the
     /// first.
     pub fn clip_of(&self, camera: &SceneCamera) -> Option<usize> {
         let above = self.above(camera.node);
@@ -110,7 +110,7 @@ impl SceneAnimator {
         clips.iter().filter_map(|clip| self.clips.get(*clip)).any(|clip| moves_any(clip, &above))
     }
 
-    /// Returns a node and all that it hangs on.
+    /// Returns a node and all its ancestors.
     fn above(&self, node: RigNodeId) -> HashSet<RigNodeId> {
         let parent =
             |id: &RigNodeId| self.rig.nodes().get(id.0 as usize).and_then(|node| node.parent);
@@ -122,28 +122,29 @@ impl SceneAnimator {
         self.is_moving.get(node.0 as usize) == Some(&true)
     }
 
-    /// Returns how many objects the playing clips move or change.
+    /// Returns the number of objects that the playing clips move or deform.
     pub fn moving_objects(&self) -> usize {
         let placed = self.movers.moved.iter().filter_map(|mover| self.parts.placed(*mover));
         placed.filter(|(placed, _)| matches!(placed, PlacedNode::Object(_))).count()
     }
 
-    /// As many of the clips as can play at once, in their order: no two move the same property of
-    /// the same node, and where they would, the earlier one plays. `first` comes before all others.
+    /// Returns as many of the clips as can play at once, in their order: no two animate the same
+    /// property of the same node, and the earlier one plays where they would. `first` comes before
+    /// all others.
     pub fn compatible(&self, first: Option<usize>) -> Vec<usize> {
         playing::compatible(&self.clips, first)
     }
 
-    /// Returns what a camera sees in pictures of `size` pixels at the moment that was posed last.
+    /// Returns a camera for pictures of `size` pixels at the time that was posed last.
     pub fn seen_by(&self, camera: &SceneCamera, size: [u32; 2]) -> cull::Camera {
         let world = self.world.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
         camera.seen_from(&world, size)
     }
 
-    /// Plays these clips from now on, each in a loop from the time 0 on; they take `fade_s` seconds
-    /// from `seconds` on to take the place of those that played. Of two that move the same, the
-    /// later one does. A fade that is not over goes on from where it is. Takes as long as the scene
-    /// is large.
+    /// Plays these clips from now on, each in a loop from the time 0 on; from `seconds` on they
+    /// replace the clips that played, over `fade_s` seconds. Of two that animate the same property,
+    /// the later one wins. A new fade starts from the pose of an unfinished one. Takes time in
+    /// proportion to the scene.
     pub fn play(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
         if self.playing.weight(seconds) < 1.0 {
             self.pose(seconds);
@@ -153,7 +154,7 @@ impl SceneAnimator {
         self.find_movers();
     }
 
-    /// Puts all nodes to where they are at a time.
+    /// Poses all nodes at a time.
     pub fn pose(&mut self, seconds: f64) {
         self.pose.reset(&self.rig);
         let weight = self.playing.weight(seconds);
@@ -172,15 +173,14 @@ impl SceneAnimator {
         self.rig.update_world(&self.moving, &self.pose, &mut self.world);
     }
 
-    /// Returns what has to be changed so that all is as it is at a time, after what was changed
-    /// before.
+    /// Returns the changes from the last update to a time.
     pub fn changes(&mut self, seconds: f64) -> &SceneUpdate {
         self.change(seconds, None)
     }
 
-    /// Returns the same for a host that draws these views and no others before the next changes:
-    /// what none of them can show, whatever clips play, goes where it is and takes no pose until
-    /// one can.
+    /// Returns the changes for a host that draws only these views before the next update. An object
+    /// that none of them can show, whatever clips play, moves but takes no pose until a view can
+    /// show it.
     pub fn changes_in(&mut self, seconds: f64, views: &[View]) -> &SceneUpdate {
         self.change(seconds, Some(views))
     }
@@ -195,13 +195,14 @@ impl SceneAnimator {
             self.parts.change(*mover, posed, views, changes);
         }
         if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {
-            // Those that played before are at rest again, and are not looked at any more.
+            // The nodes of clips that played before are at rest again, and are not visited any
+            // more.
             self.find_movers();
         }
         &self.changes
     }
 
-    /// Forgets what was shown.
+    /// Resets the shown state.
     fn begin_anew(&mut self, scene: &Scene) {
         self.rig.world(&Pose::new(&self.rig), &mut self.world);
         self.parts.begin_anew(&self.world);

@@ -1,4 +1,4 @@
-//! A file that was read and checked: what may be relied on without looking again.
+//! A file that was read and checked: the invariants that later stages rely on.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
@@ -22,13 +22,12 @@ use crate::{
 
 /// A glTF file that was read and checked.
 ///
-/// # What holds
-/// The scene that is shown is the one that the file names, else its first one, else all nodes
-/// without a parent. Elements of the document's lists that it does not reach are *empty*: they keep
+/// # Guarantees
+/// The shown scene is the one that the file names, else its first one, else all nodes without a
+/// parent. Elements of the document's lists that it does not reach are *empty*: they keep
 /// their index, refer to nothing (an empty view to the first buffer, if there is one), and are not
-/// described below. What is wrong with them is in the notes. So are animations that are broken,
-/// which are empty too, and images that cannot be read, for which placeholders stand. For all that
-/// is not empty:
+/// described below. Their faults are in the notes. So are those of broken animations, which are
+/// empty too, and of unreadable images, which placeholders replace. For all other elements:
 /// - **Indices.** Every index of core glTF 2.0 and of
 ///   [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors, views, buffers,
 ///   nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images, scenes,
@@ -40,19 +39,19 @@ use crate::{
 /// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of
 ///   the scene are roots (files may name others: the notes say which). It can be 100,000 deep: do
 ///   not walk it by recursion. All numbers of nodes, cameras, lights and materials in the JSON are
-///   finite; what they mean is not checked (a matrix may be singular, a scale 0, a rotation of
+///   finite; their meaning is not checked (a matrix may be singular, a scale 0, a rotation of
 ///   length 0, a field of view 0).
 /// - **Accessors** have at least one element and, where they have a view, lie within it and the
 ///   view within its buffer, sparse ones with both their parts; sparse indices are increasing and
 ///   below the count. Where an accessor has bounds (`min`, `max`) they hold its elements,
 ///   normalised ones as integers. An accessor may have no view (zeros), a sparse one no base. The
 ///   readers of `gltf` get some of these wrong: read them by [`Source::floats`] and
-///   [`Source::integers`], which read all. Views that were compressed are not any more.
+///   [`Source::integers`], which read all. Compressed views are decompressed.
 /// - **Primitives.** All attributes of a primitive and of its morph targets have the same count,
-///   and their types are what the specification and `KHR_mesh_quantization` allow. `POSITION` may
+///   and their types are allowed by the specification or `KHR_mesh_quantization`. `POSITION` may
 ///   be missing (draw nothing then). Indices are unsigned scalars, and every one of them is below
-///   the count. How many there are fits the mode no better than the file says: ignore the
-///   incomplete last line or triangle. All primitives of a mesh have the same number of morph
+///   the count. Their number need not fit the mode: ignore the incomplete last line or
+///   triangle. All primitives of a mesh have the same number of morph
 ///   targets; weights of a mesh or of a node with it are as many as there are targets. `JOINTS_n`
 ///   come with `WEIGHTS_n`.
 /// - **Skins** have at least one joint, and at least as many inverse bind matrices (4x4 floats) as
@@ -60,13 +59,13 @@ use crate::{
 ///   skin that the mesh is drawn with.
 /// - **Animations.** Inputs are float scalars; outputs have the type of the target's path, and as
 ///   many elements as the interpolation and the number of morph targets demand.
-/// - **Limits.** What the scene is made of is within the limits. Vertices are counted as the lesser
+/// - **Limits.** The parts of the scene are within the limits. Vertices are counted as the lesser
 ///   of a primitive's vertices and its indices, so drop those that no index refers to; once for
 ///   each mesh, but once for each *node* where it is deformed (by a skin or morph targets). A
 ///   point, and a segment of a line, counts as a box.
 ///
-/// # What does not
-/// Values in buffers are not looked at, save indices and joints: positions, normals, weights,
+/// # Not guaranteed
+/// Values in buffers are not checked, save indices and joints: positions, normals, weights,
 /// matrices and keys can be infinite or not numbers, times can run backwards, normals and
 /// quaternions have any length.
 pub struct Source {
@@ -74,15 +73,15 @@ pub struct Source {
     pub file: String,
     /// Its JSON.
     pub document: gltf::Document,
-    /// As many as the document has images; `None` where no material that is shown names it.
+    /// One entry per image of the document; `None` where no shown material uses it.
     pub images: Vec<Option<Image>>,
-    /// The indices of images that could not be read: a checkered picture stands for each.
+    /// The indices of images that could not be read, each replaced by a checkered one.
     pub placeholders: BTreeSet<usize>,
-    /// As many as the document has textures: the index of its image, which is there; `None` for
-    /// those that are not shown, and for those whose image is in a format that is not supported,
-    /// which are noted.
+    /// One entry per texture of the document: the index of its image, which exists; `None` for
+    /// textures that are not shown, and for those with an image in an unsupported format, which are
+    /// noted.
     pub texture_images: Vec<Option<usize>>,
-    /// For each node whose mesh is instanced, where.
+    /// The instancing of each node whose mesh is instanced.
     pub instancing: BTreeMap<usize, Instancing>,
     /// The deviations that were tolerated so far, for people.
     pub notes: Vec<Note>,
@@ -95,21 +94,21 @@ impl Source {
         self.store.buffer(index)
     }
 
-    /// Returns all elements of an accessor as floats, normalised integers turned into what they
-    /// mean, others into themselves. `None` if there is no such accessor or its elements have not
-    /// `N` components. Matrices are in column order, without padding.
+    /// Returns all elements of an accessor as floats, normalised integers by their meaning, others
+    /// by their value; `None` if there is no such accessor or its elements do not have `N`
+    /// components. Matrices are in column order, without padding.
     pub fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
         self.picked_floats(accessor, None)
     }
 
-    /// Returns all elements of an accessor of unsigned integers. `None` if there is no such
-    /// accessor, its elements have not `N` components, or they are not unsigned integers.
+    /// Returns all elements of an accessor of unsigned integers. Returns `None` if there is no such
+    /// accessor, its elements do not have `N` components, or they are not unsigned integers.
     pub fn integers<const N: usize>(&self, accessor: usize) -> Option<Vec<[u32; N]>> {
         self.picked_integers(accessor, None)
     }
 
-    /// As [`Source::floats`], only those of an increasing list, if there is one: no other is looked
-    /// at.
+    /// Returns the elements of [`Source::floats`] in an increasing list, if there is one: no other
+    /// is read.
     pub(crate) fn picked_floats<const N: usize>(
         &self,
         accessor: usize,
@@ -121,8 +120,8 @@ impl Source {
         Some(all)
     }
 
-    /// As [`Source::integers`], only those of an increasing list, if there is one: no other is
-    /// looked at.
+    /// Returns the elements of [`Source::integers`] in an increasing list, if there is one: no
+    /// other is read.
     pub(crate) fn picked_integers<const N: usize>(
         &self,
         accessor: usize,
@@ -134,7 +133,7 @@ impl Source {
         Some(all)
     }
 
-    /// Returns how many elements an accessor has, or how many of them are picked.
+    /// Returns the number of elements of an accessor, or of those that are picked.
     pub(crate) fn count_of(&self, accessor: usize, picks: Option<&[u32]>) -> usize {
         let accessor = self.document.as_json().accessors.get(accessor);
         picks.map_or(accessor.map_or(0, |accessor| accessor.count.0 as usize), <[u32]>::len)
@@ -149,12 +148,12 @@ impl Source {
 /// Reads a .gltf or .glb file and everything it refers to.
 ///
 /// # Errors
-/// If anything of it cannot be read, is not what glTF 2.0 says, or is beyond the limits.
+/// Parts that cannot be read, violate glTF 2.0, or are beyond the limits.
 pub fn open(path: &Path, limits: &Limits) -> Result<Source, ImportError> {
     open_and_tell(path, limits, &mut |_| ControlFlow::Continue(()))
 }
 
-/// As [`open`], telling what part of it is done.
+/// Reads like [`open`], with reports of progress.
 pub(crate) fn open_and_tell(
     path: &Path,
     limits: &Limits,
@@ -167,16 +166,16 @@ pub(crate) fn open_and_tell(
     read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), limits, tell)
 }
 
-/// Reads a file whose bytes are here. What it refers to is looked for in `folder`; without one it
-/// must not refer to anything outside of itself.
+/// Reads a file whose bytes are here. Files that it refers to are read from `folder`; without a
+/// folder it must not refer to other files.
 ///
 /// # Errors
-/// As [`open`].
+/// Those of [`open`].
 pub fn read(bytes: Vec<u8>, folder: Option<&Path>, limits: &Limits) -> Result<Source, ImportError> {
     read_and_tell(bytes, folder, limits, &mut |_| ControlFlow::Continue(()))
 }
 
-/// As [`read`], telling what part of it is done.
+/// Reads like [`read`], with reports of progress.
 pub(crate) fn read_and_tell(
     bytes: Vec<u8>,
     folder: Option<&Path>,
@@ -217,7 +216,7 @@ struct Parts {
     notes: Vec<Note>,
 }
 
-/// That it may be a scene at all, by its first bytes.
+/// Checks by the first bytes that it may be a scene at all.
 fn check_kind(bytes: &[u8]) -> Result<(), Reason> {
     if bytes.is_empty() {
         return Err(Reason::not_scene("it is empty"));
@@ -249,7 +248,7 @@ fn check_and_decode(
         (json::parse(&bytes, limits, &mut notes)?, None)
     };
     let json::Parsed { mut root, faults } = parsed;
-    // What the JSON takes is known to be bounded now, so all of it is checked before any file is
+    // The cost of the JSON is known to be bounded now, so all of it is checked before any file is
     // opened.
     check::required(&root, &mut notes)?;
     let verdict = &mut Verdict::new(Reach::of(&root), notes);

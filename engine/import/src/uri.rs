@@ -1,5 +1,5 @@
-//! What a URI of a file leads to: its own text (`data:`), or a file below the scene's folder.
-//! Nothing else.
+//! The data of a URI of a file: its own text (`data:`), or a file below the scene's folder. Nothing
+//! else is read.
 
 use std::fs::File;
 use std::io::Read;
@@ -20,16 +20,16 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// How many bytes of a resource are wanted.
+/// The number of bytes of a resource that are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
     /// The first so many, which must be there.
     First(u64),
-    /// All.
+    /// All bytes.
     All,
 }
 
-/// Returns the bytes that `uri` leads to, at most `limit`.
+/// Returns the bytes that `uri` refers to, at most `limit`.
 pub(crate) fn fetch(
     uri: &str,
     folder: Option<&Path>,
@@ -58,7 +58,7 @@ fn shorter(there: u64, wanted: u64) -> Reason {
     Reason::malformed(format!("its byteLength is {wanted}, but only {there} bytes are there"))
 }
 
-/// Returns what stands behind `data:`: is it base64, and its text.
+/// Returns the part after `data:`: true if it is base64, and its text.
 fn data_part(uri: &str) -> Option<Result<(bool, &str), Reason>> {
     let scheme = uri.get(..5)?;
     if !scheme.eq_ignore_ascii_case("data:") {
@@ -89,7 +89,7 @@ fn inline((is_base64, text): (bool, &str), limit: u64) -> Result<Vec<u8>, Reason
     decoded.map_err(|error| Reason::malformed(format!("its data URI is not base64: {error}")))
 }
 
-/// Returns the path that a URI without a scheme stands for, if it stays below where it begins.
+/// Returns the path of a URI without a scheme, if it stays below its folder.
 fn relative_path(uri: &str) -> Result<PathBuf, Reason> {
     let shown = quoted(uri);
     let refused = |why: &str| Reason::forbidden(format!("its URI {shown} {why}"));
@@ -146,7 +146,7 @@ fn below(
     let unreadable =
         |error: std::io::Error| Reason::unreadable(format!("{shown} cannot be read: {error}"));
     let folder = folder.canonicalize().map_err(unreadable)?;
-    // Symbolic links are followed here, so that what is compared is what will be opened.
+    // Symbolic links are followed here, so that the path compared is the path opened.
     let path = folder.join(relative).canonicalize().map_err(unreadable)?;
     if !path.starts_with(&folder) {
         return Err(Reason::forbidden(format!(
@@ -156,7 +156,7 @@ fn below(
     read_file(&path, &shown, wanted, limit)
 }
 
-/// How a file begins that stands for one that Git LFS has elsewhere.
+/// The beginning of a file that replaces one kept elsewhere by Git LFS.
 const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 
 fn lfs_pointer(shown: &str) -> Reason {
@@ -165,7 +165,7 @@ fn lfs_pointer(shown: &str) -> Reason {
     ))
 }
 
-/// Reads a regular file, which errors call `shown`; a pipe or a device would never end.
+/// Reads a regular file, named `shown` in errors; a pipe or a device would never end.
 pub(crate) fn read_file(
     path: &Path,
     shown: &str,
@@ -201,7 +201,8 @@ pub(crate) fn read_file(
     }
     memory::ask(count)?;
     let mut bytes = Vec::with_capacity(count as usize);
-    // The file may have grown since. A pointer is known by more bytes than a small buffer has.
+    // The file may have grown since. A pointer takes more bytes to recognise than a small buffer
+    // has.
     File::open(path)
         .map_err(unreadable)?
         .take(count.max(LFS_POINTER.len() as u64))

@@ -1,4 +1,4 @@
-//! What follows from a fault: a file that is shown by what is broken is refused, and all else is
+//! The consequences of faults: a fault in a shown element refuses the file, and all others are
 //! noted.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,10 +10,10 @@ use crate::error::Fault;
 use crate::notes::{Note, Notes};
 use crate::reach::{Reach, references};
 
-/// Judges the faults of a file by what the scene needs.
+/// The judge of a file's faults, by the needs of the scene.
 pub(crate) struct Verdict {
     reach: Reach,
-    /// The first fault of each optional element: what needs it is left out.
+    /// The first fault of each optional element: the elements that need it are left out.
     held: BTreeMap<Element, Fault>,
     /// Elements that nothing uses and whose first fault is noted: others often follow from that.
     noted: BTreeSet<Element>,
@@ -25,17 +25,17 @@ impl Verdict {
         Self { reach, held: BTreeMap::new(), noted: BTreeSet::new(), notes }
     }
 
-    /// Returns how much the scene needs an element.
+    /// Returns the need of the scene for an element.
     pub(crate) fn need(&self, element: Element) -> Need {
         self.reach.need(element)
     }
 
-    /// Returns whether anything that is shown uses an element.
+    /// Returns true if anything that is shown uses an element.
     pub(crate) fn is_used(&self, element: Element) -> bool {
         self.need(element) != Need::None
     }
 
-    /// Returns whether the scene cannot be shown without an element.
+    /// Returns true if the scene cannot be shown without an element.
     pub(crate) fn is_required(&self, element: Element) -> bool {
         self.need(element) == Need::Required
     }
@@ -43,7 +43,7 @@ impl Verdict {
     /// Judges the outcome of a check of an element. Returns the value if the check passed.
     ///
     /// # Errors
-    /// The fault, if the scene needs the element. What is used and beyond a limit is refused in any
+    /// The fault, if the scene needs the element. A used element beyond a limit is refused in any
     /// case.
     pub(crate) fn judge<T>(
         &mut self,
@@ -76,8 +76,8 @@ impl Verdict {
         if self.held.is_empty() {
             return None;
         }
-        // References of optional elements lead down to buffers in a few steps. What is wrong below
-        // often is the cause of what is wrong above.
+        // References of optional elements lead down to buffers in a few steps. A fault below often
+        // causes the one above.
         let mut deepest: Option<(usize, &Fault)> = None;
         let mut pending = vec![(0, element)];
         while let Some((depth, element)) = pending.pop() {
@@ -99,7 +99,7 @@ impl Verdict {
         });
     }
 
-    /// Returns whether an element is used and valid.
+    /// Returns true if an element is used and valid.
     pub(crate) fn is_kept(&self, root: &Root, element: Element) -> bool {
         match self.need(element) {
             Need::Required => true,

@@ -1,4 +1,4 @@
-//! The memory that files take stays below what the limits say: one test in a process, whose
+//! Tests that the memory that files take stays below the limits: one test in a process, whose
 //! allocator counts.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
@@ -25,7 +25,7 @@ fn limits() -> Limits {
     }
 }
 
-/// Returns the most bytes in use while these are read, beside what was in use before.
+/// Returns the most bytes in use while these are read, beyond those in use before.
 fn peak_of(bytes: Vec<u8>) -> (u64, String) {
     let before = (ALLOCATOR.current_usage() - bytes.len()) as u64;
     ALLOCATOR.reset_peak_usage();
@@ -34,7 +34,8 @@ fn peak_of(bytes: Vec<u8>) -> (u64, String) {
     (ALLOCATOR.peak_usage() as u64 - before, said)
 }
 
-/// `text` between commas where `around` has an `@`, almost as often as the limits allow.
+/// Returns `text` repeated between commas at the `@` of `around`, almost as often as the limits
+/// allow.
 fn repeated(around: &str, text: &str) -> Vec<u8> {
     let times =
         |count: usize| around.replace('@', &[&format!("{text},").repeat(count), text].concat());

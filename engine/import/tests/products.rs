@@ -1,6 +1,5 @@
-//! Much of one thing times much of another: short files whose parts are few, and whose pairs are
-//! many. What loading and playing them takes is bounded by the parts. One test in a process, whose
-//! allocator counts.
+//! Tests of short files with few parts and many pairs of them: the cost of loading and playing is
+//! bounded by the parts. One test in a process, whose allocator counts.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -17,7 +16,7 @@ use serde_json::{Value, json};
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 const MIB: usize = 1 << 20;
-/// Far more than any of these takes, and far less than their pairs would.
+/// A time far above that of any of these, and far below that of their pairs.
 const LONGEST: Duration = Duration::from_secs(30);
 
 fn load(scene: &Scene) -> GltfScene {
@@ -26,7 +25,7 @@ fn load(scene: &Scene) -> GltfScene {
     imported.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A clip of weights or places for each of these nodes, of one key.
+/// Adds a clip of weights or places for each of these nodes, of one key.
 fn clips(scene: &mut Scene, targets: impl Iterator<Item = (usize, &'static str)>) {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let moves = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
@@ -45,7 +44,7 @@ fn roots(scene: &mut Scene, nodes: Vec<Value>) {
     scene.set("/nodes", json!(nodes));
 }
 
-/// Returns many morphed nodes, and many clips of which each moves another node.
+/// Returns many morphed nodes, and many clips, each for another node.
 fn morphs_and_clips(count: usize) -> Scene {
     let mut scene = Scene::triangle();
     scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
@@ -64,7 +63,7 @@ fn morphs_with_clips(count: usize) -> Scene {
     scene
 }
 
-/// Chains of joints of which each has a clip, and many meshes on them.
+/// Returns chains of joints with a clip each, and many meshes on them.
 fn skins_and_channels(depth: usize, meshes: usize) -> Scene {
     let mut scene = chains::chains(2, depth, meshes, 1);
     clips(&mut scene, (0..2 * depth).map(|node| (node, "translation")));
@@ -86,7 +85,7 @@ fn instances_and_lights(count: usize) -> Scene {
     scene
 }
 
-/// So many points, all in one place or each somewhere else.
+/// Returns so many points, all in one place or each somewhere else.
 fn points(count: usize, are_apart: bool) -> Scene {
     let mut scene = Scene::triangle();
     let mut places = json!({ "componentType": F32, "type": "VEC3", "count": count });

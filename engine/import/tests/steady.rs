@@ -1,4 +1,5 @@
-//! A performance allocates when it is made and when clips change, and never in the frame loop.
+//! Tests that an animator allocates when it is made and when clips change, and never in the frame
+//! loop.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -18,8 +19,8 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// The thread that runs the tests may allocate meanwhile and is counted as well; the loop does the
-/// same each time.
+/// The number of tries: the thread that runs the tests may allocate meanwhile and is counted as
+/// well, but the loop does the same each time.
 const TRIES: usize = 10;
 
 /// Returns a triangle on a node that slides, and another one on a node that is morphed.

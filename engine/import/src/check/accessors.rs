@@ -1,4 +1,4 @@
-//! Views within their buffers, accessors within their views.
+//! Checks of views within their buffers, and of accessors within their views.
 
 use gltf::json::accessor::sparse::Sparse;
 use gltf::json::buffer::{MAX_BYTE_STRIDE, MIN_BYTE_STRIDE, View};
@@ -55,7 +55,7 @@ fn check_view(root: &Root, view: &View) -> Result<(), Reason> {
     ends_within(offset, Some(view.byte_length.0), there, "its buffer")
 }
 
-/// That `bytes` from `offset` on lie in something of `there` bytes.
+/// Checks that `bytes` from `offset` on lie within `there` bytes.
 fn ends_within(offset: u64, bytes: Option<u64>, there: u64, of: &str) -> Result<(), Reason> {
     let end = bytes.and_then(|bytes| offset.checked_add(bytes));
     if end.is_some_and(|end| end <= there) {

@@ -1,4 +1,4 @@
-//! Animations: targets that exist, and as many keys as they need.
+//! Checks of animations: targets that exist, and as many keys as they need.
 
 use gltf::json::accessor::Type;
 use gltf::json::animation::{Channel, Interpolation, Property, Sampler};

@@ -1,4 +1,4 @@
-//! Which types the attributes of primitives may have (glTF 2.0, section 3.7.2;
+//! Checks of the types of primitives' attributes (glTF 2.0, section 3.7.2;
 //! `KHR_mesh_quantization`).
 
 use gltf::Semantic;
@@ -21,11 +21,11 @@ const UNORM16: Form = (ComponentType::U16, true);
 const SNORM8: Form = (ComponentType::I8, true);
 const SNORM16: Form = (ComponentType::I16, true);
 
-/// What an attribute may be.
+/// The types allowed for an attribute.
 struct Allowed {
     kinds: &'static [Type],
     forms: &'static [Form],
-    /// With `KHR_mesh_quantization`, these too.
+    /// The types also allowed with `KHR_mesh_quantization`.
     quantised: &'static [Form],
 }
 
@@ -64,12 +64,12 @@ pub(super) fn check(
     allowed.check(accessor, quantised)
 }
 
-/// Checks the type of what a morph target adds to positions.
+/// Checks the type of a morph target's displacements of positions.
 pub(super) fn check_position_delta(accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
     POSITION_DELTA.check(accessor, quantised)
 }
 
-/// Checks the type of what a morph target adds to normals or tangents.
+/// Checks the type of a morph target's displacements of normals or tangents.
 pub(super) fn check_direction_delta(accessor: &Accessor, quantised: bool) -> Result<(), Reason> {
     DIRECTION_DELTA.check(accessor, quantised)
 }
@@ -90,11 +90,11 @@ pub(super) fn check_form(
     matches(accessor, kinds, forms.iter(), "")
 }
 
-/// Floats alone.
+/// The types of attributes that are floats alone.
 pub(super) const FLOATS: &[Form] = &[FLOAT];
-/// Floats, and integers that mean fractions.
+/// The types of attributes that are floats, or integers that mean fractions.
 pub(super) const FRACTIONS: &[Form] = &[FLOAT, SNORM8, UNORM8, SNORM16, UNORM16];
-/// What indices are.
+/// The types of indices.
 pub(super) const INDICES: &[Form] = &[U8, U16, (ComponentType::U32, false)];
 
 impl Allowed {
@@ -123,7 +123,7 @@ fn matches<'a>(
     let is_normalised = accessor.normalized;
     let fits = kinds.contains(&kind)
         && forms.any(|&(allowed, normalised)| {
-            // Floats are what they are, whatever the flag says.
+            // The flag means nothing for floats.
             allowed == component && (normalised == is_normalised || component == ComponentType::F32)
         });
     if fits {
@@ -133,7 +133,7 @@ fn matches<'a>(
     Err(Reason::malformed(format!("its elements may not be {elements}{hint}")))
 }
 
-/// Returns the elements of an accessor in words, like "vectors of 3 floats".
+/// Returns the elements of an accessor in words, such as "vectors of 3 floats".
 fn shown(kind: Type, component: ComponentType, is_normalised: bool) -> String {
     let normalised = if is_normalised { "normalised " } else { "" };
     let numbers = match component {

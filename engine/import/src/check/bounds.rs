@@ -1,5 +1,4 @@
-//! The bounds that accessors say of their elements: those that do not hold them are replaced by
-//! those that do.
+//! The bounds that accessors give for their elements: wrong ones are replaced by the true bounds.
 
 use gltf::Semantic;
 use gltf::json::validation::Checked;
@@ -9,7 +8,8 @@ use crate::element::Kind;
 use crate::elements::{self, Store};
 use crate::verdict::Verdict;
 
-/// How far elements may be out of their bounds, as a share of the bounds: exporters round them.
+/// The distance that elements may be out of their bounds, as a share of the bounds: exporters round
+/// them.
 const TOLERANCE: f32 = 1e-5;
 
 /// Checks the bounds of all accessors that are used, and notes and replaces those that are wrong,
@@ -38,8 +38,8 @@ pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
     }
 }
 
-/// Returns for each accessor whether something that is shown has its positions or times in it,
-/// which must have bounds.
+/// Returns true for each accessor with positions or times of something shown, which must have
+/// bounds.
 fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
     let mut needed = vec![false; root.accessors.len()];
     let meshes = root.meshes.iter().enumerate();
@@ -62,8 +62,8 @@ fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
     needed
 }
 
-/// Returns the least and the greatest of each component, integers as they are. Numbers that are not
-/// finite have none.
+/// Returns the least and the greatest of each component, integers without normalisation; `None`
+/// with numbers that are not finite.
 fn extents(root: &Root, store: &Store, accessor: usize) -> Option<[Vec<f32>; 2]> {
     extents_of::<1>(root, store, accessor)
         .or_else(|| extents_of::<2>(root, store, accessor))
@@ -89,7 +89,7 @@ fn extents_of<const N: usize>(
     is_finite.then(|| [least.to_vec(), most.to_vec()])
 }
 
-/// Returns whether the bounds of an accessor, as far as it has any, hold its elements.
+/// Returns true if the bounds of an accessor, as far as it has any, hold its elements.
 fn holds(accessor: &Accessor, least: &[f32], most: &[f32]) -> bool {
     let margin = |bound: f32| bound.abs() * TOLERANCE + f32::MIN_POSITIVE;
     let all = |bound: &Option<Value>, extents: &[f32], holds: fn(f32, f32, f32) -> bool| {

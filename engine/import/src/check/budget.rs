@@ -1,5 +1,4 @@
-//! What a scene of this file would be made of, against the limits: a short file can name a large
-//! mesh often.
+//! The cost of a file's scene, against the limits: a short file can name a large mesh often.
 
 use std::collections::BTreeMap;
 
@@ -16,13 +15,13 @@ use crate::error::{Fault, Reason};
 use crate::layout::Layout;
 use crate::verdict::Verdict;
 
-/// A point or a segment of a line that changes its form becomes a box; others have two ends at
-/// most.
+/// The vertices of a point or a segment of a line: two ends at most, unless it is deformed and
+/// becomes a box.
 const SPRITE_VERTICES: u64 = 2;
 const BOX_VERTICES: u64 = 8;
 const BOX_CORNERS: u64 = 36;
 
-/// What is counted; it saturates.
+/// The counts of a scene; they saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Cost {
     primitives: u64,
@@ -48,7 +47,7 @@ impl Cost {
         Self {
             primitives: primitives.saturating_mul(count),
             vertices: vertices.saturating_mul(count),
-            // What is in accessors is read once.
+            // The elements of accessors are read once.
             listed_vertices,
             corners: corners.saturating_mul(count),
             morph_values: morph_values.saturating_mul(count),
@@ -56,8 +55,7 @@ impl Cost {
     }
 }
 
-/// Fails at the first object that is shown with which a limit is exceeded. Everything else of the
-/// JSON was checked.
+/// Fails at the first shown object that exceeds a limit. Everything else of the JSON was checked.
 pub(super) fn check(
     root: &Root,
     instancing: &BTreeMap<usize, Instancing>,
@@ -94,7 +92,8 @@ pub(super) fn check(
     check_keys(root, limits)
 }
 
-/// However few of its vertices a primitive uses, reading an attribute takes memory for all of them.
+/// Checks each primitive by itself: reading an attribute takes memory for all vertices, even if the
+/// primitive uses few.
 fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), Fault> {
     for (mesh_index, mesh) in root.meshes.iter().enumerate() {
         if !verdict.is_required(Kind::Mesh.at(mesh_index)) {
@@ -109,7 +108,7 @@ fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), F
     Ok(())
 }
 
-/// Returns what a node adds: objects, and where it is deformed, meshes of its own.
+/// Returns the cost of a node: objects, and meshes of its own where it is deformed.
 fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
     let mesh = node.mesh.and_then(|mesh| root.get(mesh));
     let is_deformed =

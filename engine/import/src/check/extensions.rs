@@ -8,7 +8,7 @@ use crate::SUPPORTED_EXTENSIONS;
 use crate::error::{Fault, Reason, quoted};
 use crate::notes::{Note, Notes};
 
-/// What a picture lacks without an extension.
+/// The loss in the picture without each extension.
 const LACKING: &[(&str, &str)] = &[
     ("AGI_articulations", "articulated parts stay as they are"),
     ("CESIUM_primitive_outline", "outlines are not drawn"),
@@ -54,7 +54,7 @@ const LACKING: &[(&str, &str)] = &[
 const NOTHING: &str = "the picture lacks nothing without it";
 const PLAIN_TEXTURES: &str = "textures are shown by their plain copies";
 
-/// What readers that do not know it would refuse or show wrongly.
+/// The extension that readers without it would refuse or show wrongly.
 pub(super) const QUANTISATION: &str = "KHR_mesh_quantization";
 
 /// Refuses a file that requires what is not supported; notes what it merely uses.
@@ -79,7 +79,7 @@ pub(crate) fn required(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Returns what a picture lacks without an extension, for people.
+/// Returns the loss in the picture without an extension, for people.
 fn lacking(name: &str) -> String {
     match LACKING.binary_search_by_key(&name, |(known, _)| known) {
         Ok(place) => {

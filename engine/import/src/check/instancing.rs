@@ -1,4 +1,4 @@
-//! Where meshes are instanced: `EXT_mesh_gpu_instancing`.
+//! The instances of meshes: `EXT_mesh_gpu_instancing`.
 
 use std::collections::BTreeMap;
 
@@ -12,12 +12,12 @@ use crate::error::{At, Fault, Reason};
 use crate::extensions::{INSTANCING, index, uses};
 use crate::verdict::Verdict;
 
-/// Where a node's instances are: `EXT_mesh_gpu_instancing`.
+/// The accessors of a node's instances: `EXT_mesh_gpu_instancing`.
 ///
-/// All accessors that are there have `count` elements.
+/// All of them have `count` elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Instancing {
-    /// How many instances there are, at least 1.
+    /// The number of instances, at least 1.
     pub count: usize,
     /// The accessor of translations: three floats.
     pub translation: Option<usize>,
@@ -71,7 +71,7 @@ fn of_node(root: &Root, node: &Node) -> Result<Option<Instancing>, Reason> {
     }))
 }
 
-/// Returns how many instances there are: all attributes have as many, those of unknown name too.
+/// Returns the number of instances, which all attributes share, those of unknown name too.
 fn same_count(root: &Root, attributes: &Map<String, Value>) -> Result<usize, Reason> {
     let mut count = None;
     for (name, value) in attributes {

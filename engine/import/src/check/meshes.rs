@@ -1,4 +1,4 @@
-//! Meshes: their primitives' accessors, targets and weights.
+//! Checks of meshes: their primitives' accessors, targets and weights.
 
 use gltf::Semantic;
 use gltf::json::accessor::Type;
@@ -26,7 +26,7 @@ pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Notes morph targets that turn normals or tangents which the primitive does not have.
+/// Notes morph targets of normals or tangents that the primitive lacks.
 fn note_targets_alone(number: usize, mesh: &Mesh, verdict: &mut Verdict) {
     for (index, primitive) in mesh.primitives.iter().enumerate() {
         let lacks = |semantic| !primitive.attributes.contains_key(&Checked::Valid(semantic));
@@ -48,7 +48,7 @@ fn check_mesh(root: &Root, number: usize, mesh: &Mesh, is_quantised: bool) -> Re
     check_targets(mesh).at(|| format!("mesh {number}"))
 }
 
-/// Returns how many morph targets a mesh has.
+/// Returns the number of morph targets of a mesh.
 pub(super) fn target_count(mesh: &Mesh) -> usize {
     mesh.primitives.first().and_then(|first| first.targets.as_ref()).map_or(0, Vec::len)
 }
@@ -133,7 +133,7 @@ impl Checker<'_> {
         Err(Reason::malformed(text))
     }
 
-    /// Joints come with weights.
+    /// Checks that joints come with weights.
     fn check_partner(&self, semantic: &Semantic) -> Result<(), Reason> {
         let partner = match *semantic {
             Semantic::Joints(set) => Semantic::Weights(set),

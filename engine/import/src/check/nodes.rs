@@ -1,4 +1,4 @@
-//! Nodes: what they refer to, and that they are a forest.
+//! Checks of nodes: their references, and that they are a forest.
 
 use gltf::json::{Node, Root};
 
@@ -36,7 +36,7 @@ pub(super) fn check(
     Ok(parents)
 }
 
-/// Returns the parents of nodes by those of their parents that are `counted`.
+/// Returns the parents of nodes, out of those that are `counted`.
 ///
 /// # Errors
 /// A node with two parents, or that is its own ancestor.
@@ -82,7 +82,7 @@ fn check_numbers(node: &Node) -> Result<(), Reason> {
     finite("weight", node.weights.as_deref().unwrap_or_default())
 }
 
-/// Notes the parent of a node's children, of which each has one at most.
+/// Notes the parent of a node's children; each has one at most.
 fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Result<(), Fault> {
     for child in node.children.iter().flatten().map(|child| child.value()) {
         let Some(parent) = parents.get_mut(child) else { continue };
@@ -94,8 +94,8 @@ fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Res
     Ok(())
 }
 
-/// Checks, where each node has one parent at most, for nodes that hang on no root: those that lead to no root are on a circle or
-/// hang on one.
+/// Checks that every node leads to a root, where each has one parent at most: those that do not are
+/// on a cycle or below one.
 fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
     let mut leads_to_root = vec![false; parents.len()];
     for start in 0..parents.len() {
@@ -104,7 +104,7 @@ fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
         while let Some(parent) = parents[at].filter(|_| !leads_to_root[at]) {
             at = parent as usize;
             steps += 1;
-            // As many steps up as there are nodes end on the circle.
+            // As many steps up as there are nodes end on the cycle.
             if steps > parents.len() {
                 return Err(Reason::malformed("it is its own ancestor").of(format!("node {at}")));
             }

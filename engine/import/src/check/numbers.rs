@@ -1,16 +1,16 @@
-//! Numbers of the JSON that several checks look at.
+//! Checks of numbers of the JSON that several checks share.
 
 use gltf::json::Root;
 use gltf::json::mesh::Primitive;
 
 use crate::error::Reason;
 
-/// That an index is below a count.
+/// Checks that an index is below a count.
 pub(super) fn in_range(what: &str, index: usize, count: usize) -> Result<(), Reason> {
     if index < count { Ok(()) } else { Err(Reason::out_of_range(what, index, count)) }
 }
 
-/// That numbers out of the JSON fit 32 bits: greater ones were rounded to infinity.
+/// Checks that numbers out of the JSON fit 32 bits: greater ones were rounded to infinity.
 pub(super) fn finite(what: &str, numbers: &[f32]) -> Result<(), Reason> {
     if numbers.iter().all(|number| number.is_finite()) {
         return Ok(());
@@ -18,7 +18,8 @@ pub(super) fn finite(what: &str, numbers: &[f32]) -> Result<(), Reason> {
     Err(Reason::malformed(format!("its {what} is beyond what 32 bits can hold")))
 }
 
-/// Returns how many vertices a primitive has: as many as any of its attributes, if it has one.
+/// Returns the number of vertices of a primitive: the count of any of its attributes, if it has
+/// one.
 pub(super) fn vertex_count(root: &Root, primitive: &Primitive) -> Option<u64> {
     let first = primitive.attributes.values().next().and_then(|&first| root.get(first));
     first.map(|first| first.count.0)

@@ -1,4 +1,4 @@
-//! Skins: joints that are nodes, and a matrix for each.
+//! Checks of skins: joints that are nodes, and a matrix for each.
 
 use gltf::json::accessor::Type;
 use gltf::json::{Root, Skin};
@@ -9,7 +9,7 @@ use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
 use crate::verdict::Verdict;
 
-/// Checks all skins; `parents` are those of the nodes that are shown.
+/// Checks all skinsagainst the `parents` of the nodes that are shown.
 pub(super) fn check(
     root: &Root,
     parents: &[Option<u32>],

@@ -1,5 +1,4 @@
-//! The values in buffers that are indices of something: sparse indices, indices of primitives,
-//! joints.
+//! Checks of the values in buffers that are indices: sparse indices, indices of primitives, joints.
 
 use std::collections::HashMap;
 
@@ -15,7 +14,7 @@ use crate::elements::{self, Store};
 use crate::error::{At, Fault, Reason};
 use crate::verdict::Verdict;
 
-/// Checks those that are used. The JSON was checked before.
+/// Checks the values that are used. The JSON was checked before.
 pub(crate) fn indices_and_joints(
     root: &Root,
     store: &Store,
@@ -64,7 +63,8 @@ fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Resu
     Ok(())
 }
 
-/// Vertices follow joints that are there. What has no weight may name any (3.7.3.3 asks for 0).
+/// Checks that vertices follow joints that are there. A joint without weight may be any (3.7.3.3
+/// asks for 0).
 fn check_skinned(
     greatest: &mut Greatest<'_>,
     joints_of_meshes: &[Option<u32>],
@@ -95,12 +95,12 @@ fn check_skinned(
     Ok(())
 }
 
-/// The greatest values of accessors, each looked at once however many primitives share it.
+/// The greatest values of accessors, each found once even if many primitives share it.
 struct Greatest<'a> {
     root: &'a Root,
     store: &'a Store,
     known: HashMap<usize, u32>,
-    /// Of joints that are followed: by the accessors of joints and weights.
+    /// The greatest joints with a weight, by the accessors of joints and weights.
     followed: HashMap<[usize; 2], Option<u32>>,
 }
 

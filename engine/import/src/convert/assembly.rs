@@ -1,4 +1,4 @@
-//! The scene in the making: what all that put something into it share.
+//! The scene under construction, shared by all modules that add to it.
 
 use std::collections::HashMap;
 
@@ -23,10 +23,10 @@ use crate::gltf_scene::{NodeAttachment, PlacedNode};
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
-/// White: the material says it all.
+/// The index of no tint: white, with the material's own colour.
 pub(super) const NO_TINT: u32 = u32::MAX;
 
-/// The scene in the making.
+/// The scene under construction.
 pub(super) struct Assembly<'a> {
     pub(super) source: &'a Source,
     pub(super) tree: &'a Tree,
@@ -37,36 +37,36 @@ pub(super) struct Assembly<'a> {
     pub(super) skins: Skins,
     pub(super) placements: Vec<NodeAttachment>,
     pub(super) deformations: Deformations,
-    /// Of each node whether it mirrors at one time what it does not at another.
+    /// True for each node that mirrors at one time and not at another.
     pub(super) turns: Vec<bool>,
-    /// Of skins whether one of their joints does.
+    /// True for the skins with such a joint.
     pub(super) turning_skins: HashMap<usize, bool>,
     pub(super) budget: Budget,
-    /// As [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
+    /// The value of [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
     pub(super) cut_above: Option<usize>,
-    /// How much of the nodes is done, 0 to 1.
+    /// The share of the nodes that is done, 0 to 1.
     pub(super) done: f32,
-    /// Who wants to know that, and may break off.
+    /// The listener, which may stop the loading.
     pub(super) listener: &'a mut Telling<'a>,
-    /// What was placed since that was told.
+    /// The number of things placed since the last report.
     pub(super) untold: usize,
-    /// From where points and lines are seen.
+    /// The view for which points and lines are sized.
     pub(super) sight: InitialView<'a>,
-    /// How many objects more there are because blended meshes were taken apart.
+    /// The number of objects added by splitting transparent meshes into parts.
     pub(super) transparent_parts: usize,
 }
 
-/// Tells how much is done.
+/// The function that receives the share that is done.
 pub(super) type Telling<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
 
-/// After how many things that were placed progress is told.
+/// The number of things placed between two reports of progress.
 pub(super) const TOLD_PARTS: usize = 256;
 
 impl<'a> Assembly<'a> {
-    /// Tells how far it has come, every now and then; to be called for each thing that is placed.
+    /// Reports progress now and then; to be called for each thing that is placed.
     ///
     /// # Errors
-    /// Nobody wants it any more.
+    /// The listener stopped the loading.
     pub(super) fn tell(&mut self) -> Result<(), ImportError> {
         self.untold += 1;
         if self.untold < TOLD_PARTS {
@@ -76,7 +76,7 @@ impl<'a> Assembly<'a> {
         (self.listener)(self.done)
     }
 
-    /// Returns true if clips turn inside out what a node has. That is told.
+    /// Returns true if clips turn the contents of a node inside out, and notes it.
     pub(super) fn may_turn(&mut self, node: RigNodeId) -> bool {
         let may_turn = self.turns.get(node.0 as usize) == Some(&true);
         if may_turn {
@@ -96,7 +96,7 @@ impl<'a> Assembly<'a> {
         Some(Primitive { source: self.source, json: given.primitives.get(number)?, mesh, number })
     }
 
-    /// Returns what people call a mesh that is made of a primitive.
+    /// Returns the name of a mesh made of a primitive, for people.
     pub(super) fn name_of(&self, mesh: usize, number: usize) -> String {
         let given = self.source.document.as_json().meshes.get(mesh);
         let name = given.and_then(|given| given.name.clone()).filter(|name| !name.is_empty());
@@ -110,7 +110,7 @@ impl<'a> Assembly<'a> {
     /// Puts everything that a node has into the scene.
     ///
     /// # Errors
-    /// What [`Primitive::build`] refuses.
+    /// Those of [`Primitive::build`].
     pub(super) fn place(&mut self, plan: &mut Plan, node: RigNodeId) -> Result<(), ImportError> {
         let Some(mesh) = self.tree.meshes.get(node.0 as usize).copied().flatten() else {
             return Ok(());
@@ -184,7 +184,8 @@ impl<'a> Assembly<'a> {
         MeshId(self.scene.meshes.len() as u32 - 1)
     }
 
-    /// Returns true if something can be seen there. What moves can be seen somewhere else.
+    /// Returns true if a mesh at `transform` can be seen, or if the node moves and it can be seen
+    /// elsewhere.
     pub(super) fn can_be_seen(&mut self, node: RigNodeId, transform: &Affine3A) -> bool {
         let (tree, at_rest) = (self.tree, !self.tree.moves(node));
         if !transform.is_finite() {
@@ -200,14 +201,14 @@ impl<'a> Assembly<'a> {
         true
     }
 
-    /// Says that an object is too far away or too large for its box.
+    /// Notes that an object is left out because it is too far away or too large for its box.
     pub(super) fn leave_out_huge(&mut self, node: RigNodeId) {
         let tree = self.tree;
         let what = "objects that reach beyond all numbers, left out";
         self.notes.count(what, 1, || tree.name(node));
     }
 
-    /// Adds an object, blended or not.
+    /// Adds an object, transparent or not.
     ///
     /// # Errors
     /// More objects than can be counted.
@@ -234,7 +235,7 @@ impl<'a> Assembly<'a> {
     }
 }
 
-/// Returns a placement of what does not change its form.
+/// Returns the attachment of an object that is not deformed.
 pub(super) fn rigid(node: RigNodeId, placed: PlacedNode, local: Affine3A) -> NodeAttachment {
     NodeAttachment {
         node,

@@ -1,12 +1,12 @@
-//! The budget: how many vertices and corners of triangles the scene may still have. Flat normals,
-//! backs and solid lines make more of them than the file has, so they are counted again as they are
-//! made.
+//! The budget: the number of vertices and corners of triangles that the scene may still have. Flat
+//! normals, backs and solid lines make more of them than the file has, so that they are counted
+//! again as they are made.
 
 use std::fmt;
 
 use crate::Limits;
 
-/// What is left of the limits.
+/// The remainder of the limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     most: [u64; 2],
@@ -15,7 +15,7 @@ pub(super) struct Budget {
     deformed: u64,
 }
 
-/// Which limit was passed.
+/// The limit that was passed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Over {
     what: &'static str,
@@ -39,11 +39,11 @@ impl Budget {
         }
     }
 
-    /// Checks that so much more would do.
+    /// Checks that so much more is within the budget.
     pub(super) fn check(&self, vertices: u64, corners: u64) -> Result<(), Over> {
         let names = ["vertices", "corners of triangles"];
         for (place, more) in [vertices, corners].into_iter().enumerate() {
-            // Indices are 32 bits wide whatever the limits say.
+            // Indices are 32 bits wide whatever the limits.
             let is_over = self.used[place].saturating_add(more) > self.most[place];
             if is_over || more > u64::from(u32::MAX) {
                 return Err(Over { what: names[place], most: self.most[place] });
@@ -52,7 +52,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Takes so much.
+    /// Takes so much out of the budget.
     pub(super) fn take(&mut self, vertices: u64, corners: u64) -> Result<(), Over> {
         self.check(vertices, corners)?;
         self.used[0] += vertices;
@@ -60,7 +60,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Takes vertices, which were counted already, for a mesh that changes its form.
+    /// Takes vertices, which were counted already, for a deformed mesh.
     pub(super) fn take_deformed(&mut self, vertices: u64) -> Result<(), Over> {
         self.deformed = self.deformed.saturating_add(vertices);
         if self.deformed > self.most_deformed {

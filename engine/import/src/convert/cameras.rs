@@ -1,7 +1,7 @@
 //! Cameras of the file.
 //!
-//! All that is culled and drawn goes out from an eye, so an orthographic camera is shown from far
-//! behind it, by a narrow view that shows as much as it does at the middle of the scene.
+//! All culling and drawing is in perspective, so an orthographic camera is shown from far behind
+//! it, by a narrow view that shows as much at the middle of the scene.
 
 use std::f32::consts::PI;
 
@@ -16,39 +16,39 @@ use crate::error::quoted;
 use crate::gltf_scene::SceneCamera;
 use crate::notes::Notes;
 
-/// The narrowest and the widest angle of sight, in radians.
+/// The narrowest and the widest field of view, in radians.
 const ANGLES_RAD: [f32; 2] = [0.01, PI - 0.1];
 
-/// The nearest and the farthest near plane, in metres: as a view has them.
+/// The nearest and the farthest near planeof a view, in metres.
 const NEAR_M: [f32; 2] = [1e-6, 1e6];
 
-/// The least and the most that half of an orthographic camera's picture is high, in metres.
+/// The least and the greatest half height of an orthographic camera's picture, in metres.
 const HALF_HEIGHTS_M: [f32; 2] = [1e-6, 1e5];
 
-/// How much wider than high a picture can be.
+/// The least and the greatest aspect ratio of a picture.
 const ASPECT_RATIOS: [f32; 2] = [1e-3, 1e3];
 
-/// The size of a picture in which a camera should see something, in pixels.
+/// The size in pixels of a picture in which a camera should see something.
 const PICTURE: [u32; 2] = [1600, 900];
 
-/// How a camera sees.
+/// The projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Lens {
-    /// From one place.
+    /// A perspective projection.
     Perspective {
-        /// The full vertical angle of sight.
+        /// The full vertical field of view.
         angle_rad: f32,
     },
-    /// Along parallel lines.
+    /// An orthographic projection.
     Parallel {
-        /// Half of what is seen from bottom to top.
+        /// Half of the height of the picture, in metres.
         half_height_m: f32,
-        /// Where that begins.
+        /// The distance of the near plane, in metres.
         near_m: f32,
     },
 }
 
-/// What of a camera's projection cannot be is replaced, so that each shows something.
+/// The faults of projections, which are replaced so that each camera shows something.
 mod faults {
     pub(super) const ANGLE: &str =
         "cameras whose yfov is not between 0 and 180 degrees, shown with 60";
@@ -91,7 +91,7 @@ pub(super) fn cameras(
     (cameras, lenses)
 }
 
-/// Returns how it sees, its vertical angle of sight in radians, and the distance of the near plane.
+/// Returns its lens, its vertical field of view in radians, and the distance of the near plane.
 fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32) {
     let from = |angle_rad: f32, near_m| (Lens::Perspective { angle_rad }, angle_rad, near_m);
     let place = || format!("camera {}", quoted(name));
@@ -118,11 +118,11 @@ fn lens(given: &json::Camera, name: &str, notes: &mut Notes) -> (Lens, f32, f32)
     (Lens::Parallel { half_height_m, near_m }, ANGLES_RAD[0], near_m)
 }
 
-/// Returns how much wider than high a camera's picture is, where the file says that.
+/// Returns the aspect ratio of a camera's picture, where the file gives one.
 fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f32> {
     let ratio = match (perspective(given), &given.orthographic) {
         (Some(perspective), _) => perspective.aspect_ratio,
-        // What has no height is as high as wide.
+        // A picture without a height is as high as wide.
         (None, Some(parallel)) if parallel.ymag != 0.0 => {
             Some((parallel.xmag / parallel.ymag).abs())
         }
@@ -133,21 +133,22 @@ fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f
     is_shape.then_some(ratio)
 }
 
-/// Returns the values of a perspective camera: it may have those of the other type, too.
+/// Returns the values of a perspective camera, which may have the values of the other type too.
 fn perspective(given: &json::Camera) -> Option<&json::camera::Perspective> {
     let is_parallel = given.type_ == Checked::Valid(json::camera::Type::Orthographic);
     given.perspective.as_ref().filter(|_| !is_parallel)
 }
 
-/// Where a camera is at rest.
+/// The place of a camera at rest.
 pub(super) struct Place {
     pub(super) world: Affine3A,
-    /// Whether it is wrong to see nothing from there: there is something, and no clip moves the
+    /// True if it is wrong to see nothing from there: there is something, and no clip moves the
     /// camera.
     pub(super) should_see: bool,
 }
 
-/// Puts cameras where they see the scene as they should. Those that see nothing of it are noted.
+/// Moves cameras to where they see the scene as they should. Cameras that see nothing of it are
+/// noted.
 pub(super) fn settle(
     cameras: &mut [SceneCamera],
     lenses: &[Lens],
@@ -165,7 +166,7 @@ pub(super) fn settle(
     }
 }
 
-/// Puts the eye of an orthographic camera, which is at a node, as far behind that as it must be.
+/// Moves the eye of an orthographic camera, which is at a node, as far behind the node as needed.
 fn step_back(camera: &mut SceneCamera, lens: Lens, at: &Affine3A, scene: &Aabb) {
     let Lens::Parallel { half_height_m, near_m } = lens else { return };
     let away_m = half_height_m / (ANGLES_RAD[0] * 0.5).tan();
@@ -174,7 +175,7 @@ fn step_back(camera: &mut SceneCamera, lens: Lens, at: &Affine3A, scene: &Aabb) 
     let behind_m = away_m - middle_m;
     if behind_m.is_finite() {
         camera.behind_m = behind_m;
-        // The eye is before its node where the scene is very far from that.
+        // The eye is before its node where the scene is very far from the node.
         camera.near_m = (behind_m + near_m).max(away_m * 1e-3).clamp(NEAR_M[0], NEAR_M[1]);
     }
 }

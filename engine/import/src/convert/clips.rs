@@ -1,4 +1,4 @@
-//! Clips: the animations of the file, as tracks that can be sampled without further questions.
+//! Clips: the animations of the file, as tracks that can be sampled without further checks.
 
 use animation::{Channel, Clip, Interpolation, RigNodeId, Track, TrackError, Values};
 use glam::{Quat, Vec3};
@@ -12,12 +12,12 @@ use crate::Source;
 use crate::error::quoted;
 use crate::notes::{Note, Notes};
 
-/// Returns all animations of the file that do anything in the scene. Those with times that are not
-/// finite or not strictly ascending, or with values that are not finite, are left out and noted.
+/// Returns all animations of the file that change the scene. Animations are left out and noted if
+/// their times are not finite or not strictly ascending, or their values are not finite.
 pub(super) fn clips(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Clip> {
     let mut clips = Vec::new();
     for (number, animation) in source.document.as_json().animations.iter().enumerate() {
-        // Those that are empty were noted.
+        // Empty ones were noted.
         if animation.samplers.is_empty() {
             continue;
         }
@@ -51,7 +51,7 @@ impl Reader<'_> {
     /// Reads all channels.
     ///
     /// # Errors
-    /// A sampler that is no track.
+    /// A sampler that makes no track.
     fn channels(&self, notes: &mut Notes) -> Result<Vec<Channel>, (usize, TrackError)> {
         let mut channels = Vec::with_capacity(self.animation.channels.len());
         let mut known = std::collections::HashSet::new();
@@ -124,8 +124,8 @@ impl Reader<'_> {
         values.into_iter().map(Vec3::from_array).collect()
     }
 
-    /// Keys become rotations whatever their length; what is no number is left for [`Track::new`] to
-    /// find.
+    /// Returns keys as rotations, whatever their length; keys that are not finite are left for
+    /// [`Track::new`] to find.
     fn rotations(
         &self,
         accessor: usize,

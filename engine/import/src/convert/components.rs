@@ -1,4 +1,4 @@
-//! Components: a blended mesh as the parts of it that hang together, so that these can be sorted.
+//! Connected components of transparent meshes, so that these can be sorted.
 
 use std::collections::HashMap;
 
@@ -9,9 +9,9 @@ use scene::{ENCLOSING, outwardness};
 use super::geometry::Geometry;
 use super::pieces;
 
-/// Takes geometry apart into what hangs together (by the places of its vertices), in at most `most`
-/// parts: where there are more, those that lie near each other stay together. Within a part,
-/// triangles keep their order. Backs stay with their fronts.
+/// Splits geometry into connected components (by the positions of its vertices), at most `most`:
+/// where there are more, neighbours stay together. Within a part, triangles keep their order. Backs
+/// stay with their fronts.
 pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let parts = components(&geometry);
     if parts.len() < 2 || most < 2 {
@@ -44,9 +44,9 @@ pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
     pieces
 }
 
-/// Takes a part that comes with the backs of its triangles, and encloses something, apart into the
-/// backs and the fronts: what is inside is seen before the ones and behind the others. All else
-/// stays whole.
+/// Splits a part that includes the backs of its triangles, and encloses something, into the backs
+/// and the fronts: its inside is seen before the ones and behind the others. Other parts stay
+/// whole.
 pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
     let (backs, fronts) = part.triangles.split_at(part.triangles.len() / 2);
     let places = |corners: &[u32; 3]| {
@@ -69,14 +69,15 @@ pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
         .into()
 }
 
-/// Returns the triangles that hang together, by their numbers, in the order of the first of each.
+/// Returns the connected components as lists of triangles, in the order of the first triangle of
+/// each.
 fn components(geometry: &Geometry) -> Vec<Vec<u32>> {
-    // Vertices in one place are one, however different they are otherwise.
+    // Vertices in one place count as one, whatever their other attributes.
     let mut places: HashMap<[u32; 3], u32> = HashMap::new();
     let count = geometry.positions.len() as u32;
     let mut above: Vec<u32> = (0..count).collect();
     for (vertex, position) in (0..count).zip(&geometry.positions) {
-        // Adding 0 makes one of both zeros.
+        // Adding 0 merges both zeros.
         let bits = position.to_array().map(|number| (number + 0.0).to_bits());
         let first = *places.entry(bits).or_insert(vertex);
         if let Some(above) = above.get_mut(vertex as usize) {
@@ -101,7 +102,7 @@ fn components(geometry: &Geometry) -> Vec<Vec<u32>> {
     parts
 }
 
-/// Returns the vertex that stands for all that hangs together with one.
+/// Returns the vertex that stands for the component of a vertex.
 fn root(above: &mut [u32], mut vertex: u32) -> u32 {
     while let Some(&next) = above.get(vertex as usize)
         && next != vertex
@@ -135,7 +136,7 @@ fn middle(geometry: &Geometry, part: &[u32]) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// Squares along x with gaps between them, of two triangles that share no vertex.
+    /// Returns squares along x with gaps between them, of two triangles that share no vertex.
     fn cards(count: u32) -> Geometry {
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]];
         let card = |number: u32| {

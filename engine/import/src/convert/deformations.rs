@@ -1,6 +1,6 @@
-//! How far meshes reach that change their form, whatever plays. Where exactly they are in a pose
-//! finds who shows it ([`PoseBounds`]); here a loose box is enough, which costs next to nothing: it
-//! says which of them cannot be drawn at all, and which need no pose because nobody can see them.
+//! The reach of deformed meshes, whatever plays. The renderer finds their exact boxes in a pose
+//! ([`PoseBounds`]). A loose box is enough here and costs next to nothing: it shows which meshes
+//! cannot be drawn at all, and which need no pose because nobody can see them.
 
 use std::collections::HashMap;
 
@@ -15,24 +15,24 @@ use super::primitives::Primitive;
 use super::skins::used_joints;
 use crate::{Cause, ImportError, Limits};
 
-/// Where a mesh is that changes its form, and how far it reaches.
+/// The space of a deformed mesh, and its reach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DeformedExtent {
     /// The node in whose space it is; `None` for the world's.
     pub(super) space: Option<RigNodeId>,
-    /// Around it in that space.
+    /// A box around the mesh in that space.
     pub(super) reach: Aabb,
 }
 
 impl DeformedExtent {
-    /// Returns true if an object can have its box, where `transform` brings it.
+    /// Returns true if an object can have its box, as moved by `transform`.
     pub(super) fn is_usable(&self, transform: &Affine3A) -> bool {
         let corners = self.reach.corners().map(|corner| transform.transform_point3(corner));
         let is_finite = corners.iter().all(|corner| corner.is_finite());
         is_finite && in_world(&self.reach, transform).is_usable()
     }
 
-    /// Returns the box in the world of what is seen at rest, as close as it can be.
+    /// Returns the tightest known box in the world around the mesh at rest.
     pub(super) fn seen_at_rest(
         &self,
         geometry: &Geometry,
@@ -73,7 +73,7 @@ impl DeformedExtent {
     }
 }
 
-/// A mesh that changes its form.
+/// A deformed mesh.
 pub(super) struct Deformed<'a> {
     pub(super) primitive: &'a Primitive<'a>,
     pub(super) geometry: &'a Geometry,
@@ -82,13 +82,13 @@ pub(super) struct Deformed<'a> {
     pub(super) skin: Option<(usize, &'a Skin)>,
 }
 
-/// What is known of a rig and its clips, and the skeletons on it.
+/// The extents of a rig under its clips, and the skeletons on it.
 #[derive(Debug)]
 pub(super) struct Deformations {
     extents: Extents,
     weights: WeightRanges,
     skeletons: Vec<Skeleton>,
-    /// By skin, and which of its joints are used; `None` if that is no skeleton.
+    /// The skeletons by skin and used joints; `None` if these make no skeleton.
     known: HashMap<(usize, Vec<bool>), Option<usize>>,
     bones: u64,
     most_bones: u64,
@@ -106,12 +106,13 @@ impl Deformations {
         }
     }
 
-    /// Returns how far nodes go in all clips.
+    /// Returns the extents of nodes in all clips.
     pub(super) fn into_extents(self) -> Extents {
         self.extents
     }
 
-    /// Of each node whether it or one above it mirrors at one time and not at another.
+    /// Returns true for each node that mirrors, or is below one that mirrors, at one time and not
+    /// at another.
     pub(super) fn turning(&self, rig: &Rig) -> Vec<bool> {
         let mut turns = vec![false; rig.nodes().len()];
         if !self.extents.may_any_turn_inside_out() {
@@ -127,7 +128,7 @@ impl Deformations {
         turns
     }
 
-    /// Returns where a mesh is and how far it reaches; `None` if it has no skeleton.
+    /// Returns the space and reach of a mesh; `None` if it has no skeleton.
     ///
     /// # Errors
     /// More bones than the limits allow.
@@ -163,7 +164,7 @@ impl Deformations {
         })
     }
 
-    /// Returns the skeleton of a skin and what hangs on it, which others may share; `None` if it is
+    /// Returns the skeleton of a skin and its vertices, which meshes may share; `None` if they make
     /// none.
     fn skeleton(
         &mut self,
@@ -192,10 +193,11 @@ impl Deformations {
     }
 }
 
-/// What single precision may add to a sum of displacements, relative to the largest coordinate.
+/// The error that single precision may add to a sum of displacements, relative to the largest
+/// coordinate.
 const ROUNDING: f32 = 1e-3;
 
-/// Returns a box around a box somewhere in the world.
+/// Returns the box in the world around a transformed box.
 fn in_world(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     let corners = bounds.corners().map(|corner| transform.transform_point3(corner));
     corners.iter().fold(Aabb::EMPTY, |all, corner| all.union(&Aabb::new(*corner, *corner)))

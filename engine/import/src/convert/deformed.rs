@@ -1,5 +1,4 @@
-//! Meshes that change their form: each node that has one gets its own, with the box that it stays
-//! in.
+//! Deformed meshes: each node that has one gets its own, with the box that it stays in.
 
 use animation::RigNodeId;
 use glam::Affine3A;
@@ -15,10 +14,10 @@ use crate::gltf_scene::NodeAttachment;
 use crate::{Cause, ImportError};
 
 impl Assembly<'_> {
-    /// Puts a primitive that is skinned or morphed where its node or its joints are.
+    /// Places a skinned or morphed primitive at its node or its joints.
     ///
     /// # Errors
-    /// What [`Primitive::build`] refuses; more skinned meshes than can be looked through.
+    /// Those of [`Primitive::build`]; more skinned meshes than can be searched.
     pub(super) fn place_deformed(
         &mut self,
         (primitive, material, name): (&Primitive<'_>, MaterialUse, String),
@@ -86,7 +85,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Returns which way what hangs on a skin is to be seen.
+    /// Returns the facing of meshes on a skin.
     fn facing_of(&mut self, skin: Used, node: RigNodeId) -> Facing {
         let joints = self.skins.list.get(skin.skin).map_or(&[][..], |skin| &skin.joints);
         let turns = |joint: &RigNodeId| self.turns.get(joint.0 as usize) == Some(&true);
@@ -128,7 +127,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Returns where the mesh is and how far it reaches; `None` if it has no skeleton.
+    /// Returns the space and reach of the mesh; `None` if it has no skeleton.
     fn form(
         &mut self,
         primitive: &Primitive<'_>,

@@ -1,10 +1,9 @@
-//! What clips take too far: a box beyond all that can be drawn would end the show in the middle of
-//! it, so whether one may come to be is found when loading, and clips that could do it are not
-//! played.
+//! Clips that move things too far: a box beyond all that can be drawn would be an error during
+//! playback, so such clips are found when loading and are not played.
 //!
-//! How far each node goes is bounded for all clips at once, mixed or not ([`Extents`]), so that no
-//! fade can do what no clip does. Only where that is too far, clips are tried one after the other,
-//! each with those that were taken before it.
+//! The distance of each node is bounded for all clips at once, mixed or not ([`Extents`]), so that
+//! no fade goes farther than a clip. Only where that bound is too far, clips are tried one after
+//! the other, each with the accepted ones before it.
 
 use std::collections::HashMap;
 
@@ -18,13 +17,14 @@ use crate::error::quoted;
 use crate::gltf_scene::{NodeAttachment, PlacedNode, SceneCamera};
 use crate::notes::Notes;
 
-/// Nodes that are looked at to find which clips go too far; what was not tried then is not played.
+/// The number of nodes visited to find the clips that go too far; clips not tried by then are not
+/// played.
 const MOST_STEPS: usize = 1 << 26;
-/// How many clips are tried however many nodes there are.
+/// The number of clips that are tried even with very many nodes.
 const LEAST_TRIES: usize = 8;
 
-/// Takes from `clips` those that could take something farther than anything can be, and tells.
-/// `extents` are those of all of them.
+/// Removes from `clips` those that could move something farther than anything can be, and notes
+/// them. `extents` belong to all of the clips.
 pub(super) fn refuse_far(
     (tree, extents): (&Tree, &Extents),
     clips: &mut Vec<Clip>,
@@ -64,7 +64,7 @@ pub(super) fn refuse_far(
     clips.retain(|_| is_taken.next() == Some(true));
 }
 
-/// Returns how far what hangs on each node reaches from its origin; -1 where nothing does.
+/// Returns the reach of each node's contents from its origin; -1 for a node without any.
 fn distances(
     rig: &Rig,
     placements: &[NodeAttachment],

@@ -1,9 +1,8 @@
-//! Exposure: files give lights in lux and candela, and no camera's exposure. Where lights of
+//! Exposure: files give lights in lux and candela, but no exposure of a camera. Where lights of
 //! physical strength would leave nothing but white, all of them are dimmed by one factor.
 //!
 //! The factor is a function of the scene at rest, so that every frame has the same. Lights are
-//! dimmed and not the whole picture: emission and the light from everywhere mean what they mean
-//! without a camera.
+//! dimmed and not the whole picture: emission and ambient light need no camera.
 
 use std::f32::consts::PI;
 
@@ -12,20 +11,20 @@ use scene::{LightKind, PunctualLight, Scene, Surfaces};
 
 use crate::notes::Notes;
 
-/// The illuminance of most of what is lit up to which lights stay what they are, in lux: four times
-/// that under which a white surface is white.
+/// The illuminance up to which lights stay as they are, over most of the lit objects, in lux: four
+/// times the illuminance under which a white surface is white.
 const MOST_LX: f32 = 4.0 * PI;
 
-/// The illuminance to which lights are dimmed that are brighter, in lux.
+/// The illuminance to which brighter lights are dimmed, in lux.
 const DIMMED_LX: f32 = 1.5 * PI;
 
-/// How many objects are looked at, at most.
+/// The most objects that are sampled.
 const MOST_OBJECTS: usize = 512;
 
-/// How many pairs of an object and a light are looked at, at most.
+/// The most pairs of an object and a light that are sampled.
 const MOST_PAIRS: usize = 1 << 22;
 
-/// Dims the lights of a scene where most of what they shine on would be white. That is noted.
+/// Dims the lights of a scene where most of the lit objects would be white, and notes it.
 pub(super) fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     let objects = scene.objects.iter().chain(&surfaces.transparent);
     let count = scene.objects.len() + surfaces.transparent.len();
@@ -44,7 +43,7 @@ pub(super) fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     ));
 }
 
-/// Returns the factor for lights that shine on boxes; `None` where they may stay.
+/// Returns the factor for lights that shine on boxes; `None` if they stay as they are.
 fn factor(lights: &[PunctualLight], boxes: &[Aabb]) -> Option<f32> {
     let of_box = |bounds: &Aabb| lights.iter().map(|light| illuminance_lx(light, bounds)).sum();
     let mut lit: Vec<f32> = boxes.iter().map(of_box).filter(|lux: &f32| *lux > 0.0).collect();

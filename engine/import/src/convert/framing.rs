@@ -1,16 +1,16 @@
-//! Framing: the views from which a whole scene is seen.
+//! Framing: the views that show a whole scene.
 
 use cull::{Aabb, Camera};
 use glam::{Vec3, vec3};
 use scene::FOV_Y_RAD;
 
-/// How much wider than high a picture is at least that shows everything.
+/// The least aspect ratio of a picture that shows everything.
 const ASPECT: f32 = 4.0 / 3.0;
 
-/// The share of the picture that the scene takes.
+/// The share of the picture that the scene fills.
 const FILLED: f32 = 0.9;
 
-/// Returns three quarters from the front, somewhat from above, with everything in sight.
+/// Returns a view of everything, three quarters from the front and somewhat from above.
 pub(crate) fn overview(bounds: &Aabb) -> Camera {
     let forward = vec3(-0.6, -0.45, -0.66).normalize_or(Vec3::NEG_Z);
     let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);

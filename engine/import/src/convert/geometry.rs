@@ -6,24 +6,26 @@ use glam::{Vec2, Vec3, Vec4};
 use scene::{MorphTarget, SkinWeights};
 
 /// Attributes of vertices, and the triangles between them. A list of an attribute is empty or has
-/// one element a vertex.
+/// one element per vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<Vec3>,
-    /// Unit length.
+    /// Unit vectors.
     pub(super) normals: Vec<Vec3>,
-    /// Unit length, orthogonal to nothing in particular; the last is the bitangent's sign, -1 or 1.
+    /// Unit vectors, not necessarily orthogonal to the normals; the last component is the
+    /// bitangent's sign, -1 or 1.
     pub(super) tangents: Vec<Vec4>,
-    /// The two sets that the material looks at.
+    /// The two sets that the material samples with.
     pub(super) uvs: [Vec<Vec2>; 2],
     /// Linear red, green, blue, alpha.
     pub(super) colours: Vec<[f32; 4]>,
     pub(super) skin: Option<SkinWeights>,
     pub(super) targets: Vec<MorphTarget>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Whether each triangle is there from both sides, so that it may be mirrored at any time.
+    /// True if each triangle is there from both sides, so that the geometry may be mirrored at any
+    /// time.
     pub(super) has_both_sides: bool,
-    /// Whether the second half of the triangles are the backs of the first, or the first of the
+    /// True if the second half of the triangles are the backs of the first, or the first of the
     /// second.
     pub(super) has_backs: bool,
 }
@@ -35,7 +37,8 @@ impl Geometry {
         self.positions.iter().fold(Aabb::EMPTY, |all, position| all.union(&at(position)))
     }
 
-    /// Vertices and no more: the `n`-th of the result is the `picks[n]`-th of these. No triangles.
+    /// Returns the picked vertices, without triangles: the `n`-th of the result is the
+    /// `picks[n]`-th of these. No triangles.
     pub(super) fn gather(&self, picks: &[u32]) -> Self {
         Self {
             positions: pick(&self.positions, picks),
@@ -67,8 +70,8 @@ impl Geometry {
         }
     }
 
-    /// Gives each corner of a triangle a vertex of its own, unless corners that `key` says are
-    /// alike were there before: they share one. `key` gets the triangle's and the corner's number.
+    /// Gives each corner of a triangle a vertex of its own, but corners with the same `key` share
+    /// one. `key` gets the triangle's and the corner's number.
     pub(super) fn split<K: std::hash::Hash + Eq>(
         &self,
         mut key: impl FnMut(usize, usize) -> K,
@@ -97,8 +100,8 @@ fn pick<T: Copy>(list: &[T], picks: &[u32]) -> Vec<T> {
     if list.is_empty() { Vec::new() } else { pick_groups(list, picks, 1) }
 }
 
-/// Returns every index of a pick is below the number of groups: they come from this geometry's
-/// triangles.
+/// Returns the picked groups of `size` elements. Every index is below the number of groups: picks
+/// come from this geometry's triangles.
 fn pick_groups<T: Copy>(list: &[T], picks: &[u32], size: usize) -> Vec<T> {
     let mut picked = Vec::with_capacity(picks.len() * size);
     for &vertex in picks {

@@ -1,8 +1,8 @@
-//! From where a scene is first seen: what a pixel is in metres there decides how large points and
-//! lines are.
+//! The view of a scene at its start, whose pixel size in metres decides the size of points and
+//! lines.
 //!
-//! That is the first camera of the file, where it is at rest, else a view of the whole scene.
-//! Whether the boxes that files give for their positions are right matters for nothing else.
+//! It is the first camera of the file at rest, else a view of the whole scene. The boxes that files
+//! give for their positions are trusted for nothing else.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -18,15 +18,15 @@ use super::framing::overview;
 use super::nodes::Tree;
 use crate::Source;
 
-/// How much larger than seen from where all is in sight points and lines are at most.
+/// The largest size of points and lines, relative to their size in a view of the whole scene.
 const MOST_TIMES: f32 = 2.0;
 
-/// From where a scene is seen. Found when it is first asked for: most scenes have neither points
-/// nor lines, and to look over all nodes takes its time.
+/// The initial view of a scene, found on first use: most scenes have neither points nor lines, and
+/// a visit of all nodes takes time.
 pub(super) struct InitialView<'a> {
     source: &'a Source,
     tree: &'a Tree,
-    /// Where the first camera is, with its lens.
+    /// The node of the first camera, with its lens.
     camera: Option<(RigNodeId, Lens)>,
     place: OnceCell<Place>,
 }
@@ -35,13 +35,14 @@ pub(super) struct InitialView<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Place {
     eye: Vec3,
-    /// The height of the picture for each metre of distance, and at any distance.
+    /// The height of the picture per metre of distance, and the height that does not depend on
+    /// distance.
     heights_m: [f32; 2],
     most_height_m: f32,
 }
 
 impl<'a> InitialView<'a> {
-    /// From a camera at a node, or from where all of the scene is seen.
+    /// Returns the view of a camera at a node, or of the whole scene.
     pub(super) fn of(
         source: &'a Source,
         tree: &'a Tree,
@@ -50,7 +51,7 @@ impl<'a> InitialView<'a> {
         Self { source, tree, camera, place: OnceCell::new() }
     }
 
-    /// Returns how high the picture is around the middle of a box, in the units of its own space.
+    /// Returns the height of the picture around the middle of a box, in the units of its own space.
     pub(super) fn height_at(&self, bounds: &Aabb, to_world: &Affine3A) -> f32 {
         let place = self.place.get_or_init(|| self.look());
         let distance = to_world.transform_point3(bounds.centre()).distance(place.eye);
@@ -80,7 +81,7 @@ impl<'a> InitialView<'a> {
     }
 }
 
-/// Around all meshes at rest, by what the file says of their positions.
+/// Returns a box around all meshes at rest, from the bounds that the file gives.
 fn rough_bounds(source: &Source, tree: &Tree) -> Aabb {
     let json = source.document.as_json();
     let mut known: HashMap<usize, Option<Aabb>> = HashMap::new();
@@ -103,7 +104,7 @@ fn rough_bounds(source: &Source, tree: &Tree) -> Aabb {
     let size = all.max - all.min;
     match all.is_usable() && size.max_element() > 0.0 {
         true => all,
-        // A point alone has the size that it has in a scene of a metre.
+        // A single point has its size in a scene of one metre.
         false => {
             let centre = if all.is_usable() { all.centre() } else { Vec3::ZERO };
             Aabb::new(centre - 0.5, centre + 0.5)
@@ -111,7 +112,7 @@ fn rough_bounds(source: &Source, tree: &Tree) -> Aabb {
     }
 }
 
-/// Returns what a file says of the positions of an accessor.
+/// Returns the bounds that a file gives for the positions of an accessor.
 fn said_bounds(source: &Source, accessor: usize) -> Option<Aabb> {
     let accessor = source.document.as_json().accessors.get(accessor)?;
     let corner = |value: &Option<gltf::json::Value>| {

@@ -1,4 +1,4 @@
-//! Instances: where a node's mesh is, once or many times (`EXT_mesh_gpu_instancing`).
+//! The instances of a node's mesh, one or many (`EXT_mesh_gpu_instancing`).
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ use super::numbers::rotation;
 use crate::notes::Notes;
 use crate::{Instancing, Source};
 
-/// From each instance's space to its node's.
+/// Returns the transform from each instance's space to its node's.
 pub(super) fn locals(
     source: &Source,
     instancing: Option<Instancing>,

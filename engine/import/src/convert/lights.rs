@@ -1,4 +1,4 @@
-//! Lights: `KHR_lights_punctual`, one for each node that has one, and the light around them.
+//! Lights: `KHR_lights_punctual`, one per node that has one, and the ambient light.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -19,7 +19,7 @@ const LARGEST_INTENSITY: f32 = 1e7;
 /// A test of a light, and the note on lights that it finds.
 type Fault = (fn(&khr::Light) -> bool, &'static str);
 
-/// What of a light cannot be is replaced.
+/// The faults of lights, which are replaced.
 const FAULTS: &[Fault] = &[
     (|it| it.intensity < 0.0, "lights with an intensity below 0, which do not shine"),
     (
@@ -51,7 +51,7 @@ fn is_cone(spot: &khr::Spot) -> bool {
         && spot.outer_cone_angle <= most_rad
 }
 
-/// Returns what comes from everywhere in a scene out of a file, which says nothing about it.
+/// Returns the ambient light of a scene from a file, which gives none.
 pub(super) fn surroundings() -> Light {
     Light {
         ambient_above: [0.23, 0.25, 0.28],
@@ -61,8 +61,8 @@ pub(super) fn surroundings() -> Light {
     }
 }
 
-/// Returns all lights of the scene's nodes, and on which nodes they hang. If there are none, one
-/// from above.
+/// Returns all lights of the scene's nodes, with these nodes; if there are none, one light from
+/// above.
 pub(super) fn lights(
     source: &Source,
     tree: &Tree,
@@ -101,7 +101,7 @@ fn from_above() -> PunctualLight {
     }
 }
 
-/// Returns a light where a node is. It shines along the node's -z; the node's scale changes nothing
+/// Returns a light at its node. It shines along the node's -z; the node's scale changes nothing
 /// else.
 fn placed(given: &khr::Light, world: &Affine3A) -> PunctualLight {
     let kind = match (&given.type_, &given.spot) {

@@ -1,4 +1,4 @@
-//! Materials: metallic-roughness with its extensions, in safe numbers, and what they want of
+//! Materials: metallic-roughness with its extensions, in safe numbers, and their demands on
 //! geometry.
 
 use std::collections::HashMap;
@@ -15,29 +15,29 @@ use crate::Source;
 use crate::error::quoted;
 use crate::notes::Notes;
 
-/// The strongest emission: what half-precision numbers can hold.
+/// The strongest emission: the largest half-precision number.
 const LARGEST_EMISSION: f32 = 65504.0;
 
-/// Whether a material is lit, wherever it says nothing else.
+/// The lighting of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shading {
-    /// As the material says.
+    /// The lighting that the material asks for.
     Own,
-    /// Not at all.
+    /// No lighting.
     Unlit,
 }
 
-/// A material, and what it wants of the geometry that is made of it.
+/// A material, and its demands on the geometry that uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MaterialUse {
     pub(super) id: MaterialId,
-    /// Which of the file's sets of texture coordinates are the two that are kept.
+    /// The two of the file's sets of texture coordinates that are kept.
     pub(super) sets: [Option<u32>; 2],
-    /// Where its normal texture is looked at, if it has one.
+    /// The texture coordinates of its normal texture, if it has one.
     pub(super) normal: Option<NormalUvs>,
     pub(super) backs: Backs,
     pub(super) is_transparent: bool,
-    /// Whether it is neither blended nor masked, and has no textures.
+    /// True if it is neither blended nor masked, and has no textures.
     pub(super) is_plain: bool,
     pub(super) base_colour: [f32; 4],
 }
@@ -51,7 +51,7 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// Returns what a material of the file is here; `None` is the default one.
+    /// Returns the use of a material of the file; an `index` of `None` is the default material.
     pub(super) fn use_of(
         &mut self,
         source: &Source,
@@ -103,16 +103,15 @@ impl Materials {
         found
     }
 
-    /// Returns all that were used, with their textures and those's images, which are taken out of
-    /// the file.
+    /// Returns all that were used, with their textures and images, which are taken out of the file.
     pub(super) fn finish(self, source: &mut Source) -> (Vec<Material>, Vec<Texture>, Vec<Image>) {
         let (textures, images) = self.textures.finish(source);
         (self.list, textures, images)
     }
 }
 
-/// The two sets of texture coordinates that a material looks at. If it is content with the first
-/// two of the file they are those, so that most meshes keep theirs.
+/// The two sets of texture coordinates that a material samples with. They are the first two of the
+/// file if the material needs no others, so that most meshes keep theirs.
 #[derive(Debug, Default)]
 struct Slots {
     sets: [Option<u32>; 2],
@@ -199,7 +198,7 @@ fn convert(
     }
 }
 
-/// Returns whether a factor is less or more than glTF allows.
+/// Returns true if a factor is out of the range that glTF allows.
 fn is_out_of_range(given: &json::Material) -> bool {
     let pbr = &given.pbr_metallic_roughness;
     let occlusion = given.occlusion_texture.as_ref().map_or(1.0, |it| it.strength.0);

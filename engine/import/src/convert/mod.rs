@@ -1,5 +1,5 @@
-//! From a file that was read and checked to a scene and its life. One job a file; this one says the
-//! order.
+//! The conversion of a file, read and checked, to a scene and its animation. Each module has one
+//! job; this one sets the order.
 
 mod assembly;
 mod budget;

@@ -1,4 +1,4 @@
-//! Nodes: those of one scene of the file, parents before children, and where they are at rest.
+//! Nodes: those of one scene of the file, parents before children, and their transforms at rest.
 
 use animation::{Rest, Rig, RigNode, RigNodeId, Trs};
 use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
@@ -19,24 +19,24 @@ pub(super) struct Tree {
     pub(super) rig: Rig,
     /// For each of them, its number in the file.
     pub(super) in_file: Vec<usize>,
-    /// For each of them, the mesh of the file that it has.
+    /// For each of them, its mesh in the file.
     pub(super) meshes: Vec<Option<u32>>,
-    /// Those that have a camera of the file, and which.
+    /// The nodes with a camera, and its number in the file.
     pub(super) cameras: Vec<(RigNodeId, usize)>,
-    /// Those that have a light of the file, and which.
+    /// The nodes with a light, and its number in the file.
     pub(super) lights: Vec<(RigNodeId, usize)>,
-    /// For each node of the file, what it is here, if it is.
+    /// For each node of the file, its id in the rig, if it is in the scene.
     pub(super) ids: Vec<Option<RigNodeId>>,
-    /// For each of them, where it is in the world at rest.
+    /// For each of them, its transform to the world at rest.
     pub(super) worlds: Vec<Affine3A>,
-    /// For each of them, whether a clip moves it or what it hangs on.
+    /// True for each that a clip moves, by itself or with an ancestor.
     pub(super) moves: Vec<bool>,
-    /// For each of them, whether a clip changes its morph targets' weights.
+    /// True for each whose morph targets' weights a clip changes.
     pub(super) morphs: Vec<bool>,
 }
 
 impl Tree {
-    /// Returns the scene that the file says, else its first one, else all nodes without a parent.
+    /// Returns the scene that the file names, else its first one, else all nodes without a parent.
     /// The names of its nodes are taken out of the file.
     ///
     /// # Errors
@@ -84,17 +84,17 @@ impl Tree {
         Ok(Self { rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
     }
 
-    /// Returns what a node of the file is here, if it is.
+    /// Returns the id of a node of the file, if it is in the scene.
     pub(super) fn id_of(&self, in_file: usize) -> Option<RigNodeId> {
         self.ids.get(in_file).copied().flatten()
     }
 
-    /// Returns where a node is in the world at rest.
+    /// Returns a node's transform to the world at rest.
     pub(super) fn world(&self, node: RigNodeId) -> Affine3A {
         self.worlds.get(node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY)
     }
 
-    /// Returns true if a clip moves a node or what it hangs on.
+    /// Returns true if a clip moves a node or an ancestor of it.
     pub(super) fn moves(&self, node: RigNodeId) -> bool {
         self.moves.get(node.0 as usize) == Some(&true)
     }
@@ -104,7 +104,7 @@ impl Tree {
         self.rig.nodes().get(node.0 as usize)
     }
 
-    /// Returns what people call a node.
+    /// Returns the name of a node, for people.
     pub(super) fn name(&self, node: RigNodeId) -> String {
         let name = self.node(node).map(|node| node.name.as_str()).unwrap_or_default();
         let in_file = self.in_file.get(node.0 as usize).copied().unwrap_or_default();
@@ -129,7 +129,8 @@ fn roots(json: &json::Root, notes: &mut Notes) -> Vec<usize> {
     nodes.map(|node| node.value()).collect()
 }
 
-/// For each node of the file, whether an animation moves it, and whether one changes its weights.
+/// Returns, for each node of the file, true if an animation moves it, and true if one changes its
+/// weights.
 fn animated(json: &json::Root) -> (Vec<bool>, Vec<bool>) {
     let mut moved = vec![false; json.nodes.len()];
     let mut morphed = vec![false; json.nodes.len()];
@@ -189,14 +190,14 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
     })
 }
 
-/// Returns whether the axes of a matrix are not at right angles, so that it has no rotation and
+/// Returns true if the axes of a matrix are not at right angles, so that it has no rotation and
 /// scale.
 fn shears(matrix: &Affine3A) -> bool {
     let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|it| it.normalize_or_zero());
     [x.dot(y), y.dot(z), z.dot(x)].iter().any(|cosine| cosine.abs() > 1e-3)
 }
 
-/// From a node's space to its parent's, at rest.
+/// Returns the transform from a node's space to its parent's, at rest.
 pub(super) fn local(rest: &Rest) -> Affine3A {
     match rest {
         Rest::Matrix(matrix) => *matrix,

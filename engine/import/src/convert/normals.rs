@@ -7,7 +7,7 @@ use super::geometry::Geometry;
 use super::numbers::{direction, triangle_normal};
 use super::pack::snorm16;
 
-/// Returns the normal of a triangle; any if it has no area.
+/// Returns the normal of a triangle, or any direction if it has no area.
 fn flat(corners: [Vec3; 3]) -> Vec3 {
     triangle_normal(corners).unwrap_or_else(|| {
         let [a, b, c] = corners;
@@ -17,7 +17,7 @@ fn flat(corners: [Vec3; 3]) -> Vec3 {
 }
 
 /// Gives every triangle its own flat normals and drops tangents (3.7.2.1: those of the file are
-/// ignored then). Triangles in one plane go on sharing vertices, unless morph targets bend it.
+/// ignored then). Triangles in one plane still share vertices, unless morph targets bend it.
 ///
 /// A morph target gets the difference between the flat normals with it in full and without it:
 /// exact at both ends and a mix between them.
@@ -37,7 +37,7 @@ pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     let is_morphed = geometry.targets.iter().any(|target| !target.positions.is_empty());
     let (mut split, origins) = geometry.split(|triangle, _| {
         let normal = normals.get(triangle).copied().unwrap_or_default();
-        // As they are packed: what rounding sets apart is one plane.
+        // The normals as they are packed: a difference by rounding is still one plane.
         (normal.to_array().map(snorm16), if is_morphed { triangle } else { 0 })
     });
     let of_vertices = |of_triangles: &[Vec3]| -> Vec<Vec3> {
@@ -57,8 +57,8 @@ pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     split
 }
 
-/// Makes all normals unit vectors, in place. What has no direction gets that of a triangle it is
-/// in. Returns how many those were.
+/// Makes all normals unit vectors, in place. A normal without direction gets the normal of one of
+/// its triangles. Returns the number of those.
 pub(super) fn repair(geometry: &mut Geometry) -> usize {
     let mut broken = vec![];
     for (place, normal) in geometry.normals.iter_mut().enumerate() {

@@ -1,4 +1,5 @@
-//! Numbers out of files, made safe: unit vectors of any vectors, transforms that can be drawn.
+//! Numbers out of files, made safe: unit vectors from any vectors, and transforms that can be
+//! drawn.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
@@ -14,7 +15,7 @@ pub(super) fn direction(vector: Vec3) -> Option<Vec3> {
     unit.is_finite().then_some(unit)
 }
 
-/// Returns the rotation that a quaternion of any length means; `None` if it means none.
+/// Returns the rotation of a quaternion of any length; `None` if it has none.
 pub(super) fn rotation(parts: [f32; 4]) -> Option<Quat> {
     let precise = glam::DQuat::from_array(parts.map(f64::from));
     let length = precise.length();
@@ -42,19 +43,19 @@ fn columns(transform: &Affine3A) -> [DVec3; 3] {
     [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.as_dvec3())
 }
 
-/// Returns true if it turns right hands into left ones.
+/// Returns true if a transform changes handedness.
 pub(super) fn mirrors(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     x.cross(y).dot(z) < 0.0
 }
 
-/// Returns true if anything with an area keeps one.
+/// Returns true if a transform keeps some area of everything with an area.
 pub(super) fn keeps_areas(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     [x.cross(y), y.cross(z), z.cross(x)].iter().any(|area| area.length_squared() > 0.0)
 }
 
-/// Returns true if anything with a volume keeps one.
+/// Returns true if a transform keeps some volume of everything with a volume.
 pub(super) fn has_volume(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     x.cross(y).dot(z) != 0.0

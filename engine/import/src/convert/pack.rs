@@ -1,4 +1,4 @@
-//! Packs geometry into the vertices that the engine draws.
+//! The packing of geometry into the engine's vertices.
 
 use glam::Vec3;
 use scene::{
@@ -8,17 +8,18 @@ use scene::{
 
 use super::geometry::Geometry;
 
-/// -1 to 1 as a signed normalised integer.
+/// Returns a number from -1 to 1 as a signed normalised integer.
 pub(super) fn snorm16(value: f32) -> i16 {
     (value.clamp(-1.0, 1.0) * 32767.0).round() as i16
 }
 
-/// 0 to 1 as an unsigned normalised integer.
+/// Returns a number from 0 to 1 as an unsigned normalised integer.
 fn unorm16(value: f32) -> u16 {
     (value.clamp(0.0, 1.0) * 65535.0).round() as u16
 }
 
-/// Both halves of a mesh. `base_colour` is the material's, for what draws without surfaces.
+/// Returns both halves of a mesh. `base_colour` is the material's colour, for renderers without
+/// surfaces.
 pub(super) fn pack(
     geometry: &Geometry,
     name: String,

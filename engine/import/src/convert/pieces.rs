@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use super::geometry::Geometry;
 
-/// Cuts geometry into pieces of at most `most` triangles: the triangles are halved by their middles
+/// Cuts geometry into pieces of at most `most` triangles. The triangles are halved by their middles
 /// along the longest side of the box around these, again and again. Within a piece they keep their
-/// order, and backs are in that of their fronts. What fits is one piece.
+/// order, and backs are in the piece of their fronts. Geometry that fits is one piece.
 pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let most = most.max(1);
     if geometry.triangles.len() <= most {
@@ -20,7 +20,7 @@ pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let mut order: Vec<u32> = (0..count as u32).collect();
     let mut pending = vec![order.as_mut_slice()];
     let mut pieces = Vec::new();
-    // Where a vertex is in the piece at hand; each piece cleans up behind itself.
+    // The index of a vertex in the current piece; each piece resets it.
     let mut names = vec![u32::MAX; geometry.positions.len()];
     while let Some(part) = pending.pop() {
         if part.len() <= most {
@@ -44,7 +44,7 @@ pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
 
 fn middle(geometry: &Geometry, triangle: &[u32; 3]) -> Vec3 {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
-    // Thirds first: the sum of three large numbers may be no number.
+    // Thirds first: the sum of three large numbers may overflow.
     triangle.iter().map(|&vertex| at(vertex) / 3.0).sum()
 }
 
@@ -55,8 +55,8 @@ pub(super) fn longest_side(points: impl Iterator<Item = Vec3>) -> usize {
     (high * 0.5 - low * 0.5).max_position()
 }
 
-/// Returns some triangles by their numbers, and their vertices. `names` are as many as vertices,
-/// all `u32::MAX`, and are so again afterwards.
+/// Returns the triangles with these numbers, and their vertices. `names` has an element per vertex,
+/// all `u32::MAX` before and after.
 pub(super) fn piece(geometry: &Geometry, part: &[u32], names: &mut [u32]) -> Geometry {
     let mut picks = Vec::new();
     let mut name = |vertex: u32| match names.get_mut(vertex as usize) {

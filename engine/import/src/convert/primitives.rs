@@ -1,4 +1,4 @@
-//! Primitives: from a file's attributes to geometry that can be packed.
+//! Primitives, from a file's attributes to geometry that can be packed.
 
 use glam::Affine3A;
 use gltf::json;
@@ -19,30 +19,30 @@ use crate::memory;
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
-/// Memory that a vertex, and a corner of a triangle, take at the most while they are made (bytes):
+/// The most memory in bytes that a vertex, and a corner of a triangle, take while they are made:
 /// their numbers as they are read, split at edges, and packed.
 const VERTEX_BYTES: u64 = 256;
 const CORNER_BYTES: u64 = 32;
 
-/// What is made of a primitive.
+/// The variant of a primitive that is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Variant {
-    /// How it is for the places that it is at.
+    /// The facing that its places demand.
     pub(super) facing: Facing,
-    /// The number of joints of its skin, if it hangs on one.
+    /// The number of joints of its skin, if it has one.
     pub(super) joints: Option<u32>,
-    /// Whether its morph targets count.
+    /// True if its morph targets count.
     pub(super) is_morphed: bool,
 }
 
-/// Which way the triangles of a primitive are to be seen.
+/// The side from which the triangles of a primitive are seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Facing {
-    /// As they are.
+    /// The side of the file.
     Plain,
-    /// The other way round: its places mirror.
+    /// The other side: its places mirror.
     Mirrored,
-    /// Either way: its places mirror at one time and not at another.
+    /// Both sides: its places mirror at one time and not at another.
     Both,
 }
 
@@ -57,7 +57,7 @@ impl Facing {
 }
 
 impl Variant {
-    /// Not deformed.
+    /// Returns the variant that is not deformed.
     pub(super) fn rigid(facing: Facing) -> Self {
         Self { facing, joints: None, is_morphed: false }
     }
@@ -74,7 +74,7 @@ pub(super) struct Primitive<'a> {
 }
 
 impl Primitive<'_> {
-    /// Its mesh and its number in that, for errors.
+    /// Returns its mesh and its number in that, for errors.
     pub(super) fn place(&self) -> String {
         let mesh = self.source.document.as_json().meshes.get(self.mesh);
         let name = mesh.and_then(|mesh| mesh.name.as_deref()).filter(|name| !name.is_empty());
@@ -94,13 +94,13 @@ impl Primitive<'_> {
         }
     }
 
-    /// Returns true if lines or points are drawn that no light can fall on: they are their own
-    /// colour (3.9.1, as for `KHR_materials_unlit`).
+    /// Returns true if it is lines or points without normals, which show their own colour unlit
+    /// (3.9.1, as for `KHR_materials_unlit`).
     pub(super) fn is_unlit(&self) -> bool {
         self.is_thin() && self.attribute(Semantic::Normals).is_none()
     }
 
-    /// Returns true if it is points or lines.
+    /// Returns true if it is made of points or lines.
     pub(super) fn is_thin(&self) -> bool {
         matches!(self.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
     }
@@ -119,7 +119,7 @@ impl Primitive<'_> {
     }
 
     /// Returns the primitive as triangles, in full: normals, tangents, backs. `None` if there is
-    /// nothing to draw. Points and lines are as large as they are to be seen from `sight`.
+    /// nothing to draw. Points and lines are sized for `sight`.
     ///
     /// # Errors
     /// Positions that are not finite; more vertices or triangles than the limits allow.
@@ -157,7 +157,7 @@ impl Primitive<'_> {
             }
         };
         let sides = if backs == Backs::None { 1 } else { 2 };
-        // Flat normals may share more than this says; the exact numbers are taken below.
+        // Flat normals may share more than this estimate; the exact numbers are taken below.
         let is_exact = !geometry.normals.is_empty() || !matches!(elements, Elements::Triangles(_));
         let least = if is_exact { vertices } else { geometry.positions.len() as u64 };
         let (least, corners) = (least * sides, triangles * 3 * sides);
@@ -200,7 +200,7 @@ impl Primitive<'_> {
         self.error(Cause::TooLarge, over.to_string())
     }
 
-    /// Returns all attributes that count, of the vertices that something is drawn with.
+    /// Returns all attributes that count, for the vertices that are used.
     pub(super) fn read(
         &self,
         variant: Variant,

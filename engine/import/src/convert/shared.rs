@@ -1,5 +1,4 @@
-//! Meshes that keep their form: made once for all nodes that have them, and once more for those
-//! that mirror.
+//! Rigid meshes, made once for all nodes that have them, and once more for nodes that mirror.
 
 use std::collections::HashMap;
 
@@ -17,17 +16,17 @@ use super::primitives::{Facing, Primitive, Variant};
 use super::{components, pieces};
 use crate::ImportError;
 
-/// Parts of one blended mesh, and objects more because of all such parts, at most: each is sorted
-/// in each frame. Parts that enclose something are two.
+/// The most parts of one transparent mesh, and the most objects added by all such parts: each is
+/// sorted in each frame. Parts that enclose something count twice.
 const MOST_PARTS: usize = 256;
 const MOST_PART_OBJECTS: usize = 16_384;
 
-/// What makes primitives one and the same: their accessors, what these mean, and the material.
+/// The identity of a primitive: its accessors with their meanings, and the material.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Key {
     attributes: Vec<(Semantic, usize)>,
     indices: Option<usize>,
-    /// As the file writes it.
+    /// The number of the topology in the file.
     mode: u32,
     material: Option<usize>,
 }
@@ -52,19 +51,19 @@ impl Key {
     }
 }
 
-/// A primitive that several meshes of the file may have.
+/// A primitive that several meshes of the file may share.
 #[derive(Debug)]
 pub(super) struct Kind {
     mesh: usize,
     number: usize,
     pub(super) material: MaterialUse,
-    /// How often it is seen.
+    /// The number of places where it is shown.
     pub(super) uses: u64,
-    /// What was made of it, once that was tried: for each way that it may face.
+    /// The meshes made of it, once that was tried, for each facing.
     made: [Option<Vec<MeshId>>; 3],
 }
 
-/// For each mesh of the file, what its primitives are.
+/// The primitives of each mesh of the file.
 #[derive(Debug)]
 pub(super) struct Plan {
     kinds: Vec<Kind>,
@@ -72,18 +71,18 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Returns how many primitives a mesh of the scene has.
+    /// Returns the number of primitives of a mesh of the scene.
     pub(super) fn primitives(&self, mesh: usize) -> usize {
         self.of_meshes.get(mesh).map_or(0, Vec::len)
     }
 
-    /// Returns how many objects there will probably be, without what is blended: to make room for.
+    /// Returns the expected number of opaque objects, to reserve memory for.
     pub(super) fn objects(&self) -> usize {
         let opaque = self.kinds.iter().filter(|kind| !kind.material.is_transparent);
         opaque.map(|kind| kind.uses).fold(0, u64::saturating_add).min(1 << 20) as usize
     }
 
-    /// Of which kind one of them is.
+    /// Returns the kind of one of them.
     pub(super) fn kind(&mut self, mesh: usize, number: usize) -> Option<&mut Kind> {
         let kind = *self.of_meshes.get(mesh)?.get(number)?;
         self.kinds.get_mut(kind)
@@ -91,7 +90,7 @@ impl Plan {
 }
 
 impl Assembly<'_> {
-    /// Finds the primitives that are the same, how often each is seen, and their materials.
+    /// Finds the primitives that are the same, the number of their places, and their materials.
     pub(super) fn plan(&mut self) -> Plan {
         let source = self.source;
         let json = source.document.as_json();
@@ -107,7 +106,7 @@ impl Assembly<'_> {
         let mut known: HashMap<Key, usize> = HashMap::new();
         for (mesh, (given, uses)) in json.meshes.iter().zip(seen).enumerate() {
             let mut of_mesh = Vec::new();
-            // What is not in the scene needs no material either.
+            // A primitive outside of the scene needs no material either.
             let primitives = if uses > 0 { given.primitives.as_slice() } else { &[] };
             for (number, json) in primitives.iter().enumerate() {
                 let kind = *known.entry(Key::of(json)).or_insert(kinds.len());
@@ -132,10 +131,10 @@ impl Assembly<'_> {
         self.materials.use_of(primitive.source, material, shading, &mut self.notes)
     }
 
-    /// Puts a primitive wherever a node has it.
+    /// Places a primitive at all places of a node.
     ///
     /// # Errors
-    /// What [`Primitive::build`] refuses.
+    /// Those of [`Primitive::build`].
     pub(super) fn place_shared(
         &mut self,
         kind: &mut Kind,
@@ -151,7 +150,7 @@ impl Assembly<'_> {
             }
             let are_sprites =
                 primitive.is_thin() && (kind.material.is_plain || primitive.is_crowd());
-            // Sprites face the camera wherever they are.
+            // Sprites face the camera anywhere.
             let variant = Variant::rigid(match are_sprites {
                 true => Facing::Plain,
                 false => Facing::of(&transform, self.may_turn(node)),
@@ -177,7 +176,7 @@ impl Assembly<'_> {
     }
 
     /// Makes the sprites of a primitive when they are first needed. Crowds have a plain material
-    /// whatever the file says, which is noted.
+    /// even if the file gives another, which is noted.
     fn make_sprites(
         &mut self,
         kind: &mut Kind,
@@ -246,7 +245,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    /// Returns what is large and seen once, and what is blended, in pieces; all else whole.
+    /// Returns geometry in pieces if it is large and seen once, or transparent; else whole.
     fn pieces(&mut self, geometry: Geometry, kind: &Kind) -> Vec<Geometry> {
         let uses = usize::try_from(kind.uses).unwrap_or(usize::MAX).max(1);
         if kind.material.is_transparent {

@@ -3,10 +3,10 @@
 
 use super::geometry::Geometry;
 
-/// Where the backs go in the order of triangles.
+/// The place of the backs in the order of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Backs {
-    /// There are none.
+    /// No backs.
     None,
     /// After the fronts.
     Last,
@@ -58,9 +58,8 @@ pub(super) fn with_backs(geometry: &mut Geometry, backs: Backs) {
     };
 }
 
-/// Turns it into what it must be where the world is mirrored: triangles that were clockwise from
-/// outside are counter-clockwise in the mirror. Normals and bitangents are turned by who transforms
-/// them.
+/// Reverses triangles for places that mirror: triangles that were clockwise from outside are
+/// counter-clockwise in the mirror. Normals and bitangents are turned when they are transformed.
 pub(super) fn mirror(geometry: &mut Geometry) {
     for [_, second, third] in &mut geometry.triangles {
         std::mem::swap(second, third);

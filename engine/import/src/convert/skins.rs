@@ -1,4 +1,4 @@
-//! Skins: the joints that meshes hang on.
+//! Skins: the joints that vertices follow.
 
 use std::collections::HashMap;
 
@@ -14,11 +14,11 @@ use crate::notes::Notes;
 /// A skin that objects use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Used {
-    /// Its place in the list of skins.
+    /// Its index in the list of skins.
     pub(super) skin: usize,
-    /// How many joints it has.
+    /// The number of its joints.
     pub(super) joints: u32,
-    /// Whether it mirrors what hangs on it, at rest.
+    /// True if it mirrors its meshes at rest.
     pub(super) is_mirrored: bool,
 }
 
@@ -30,8 +30,8 @@ pub(super) struct Skins {
 }
 
 impl Skins {
-    /// Returns a skin of the file. `None`, with a note, if nothing can hang on it: joints are not
-    /// in the scene, or matrices are not finite.
+    /// Returns a skin of the file; `None`, with a note, if no mesh can follow it: joints are not in
+    /// the scene, or matrices are not finite.
     pub(super) fn used(
         &mut self,
         source: &Source,
@@ -62,7 +62,7 @@ impl Skins {
     }
 }
 
-/// Of each joint of a skin, whether a vertex follows it.
+/// Returns true for each joint of a skin that a vertex follows.
 pub(crate) fn used_joints(weights: &SkinWeights) -> Vec<bool> {
     let mut is_used = vec![false; weights.joint_count as usize];
     let named = weights.joints.as_flattened().iter().zip(weights.weights.as_flattened());

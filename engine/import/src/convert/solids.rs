@@ -1,46 +1,46 @@
-//! Points and lines as solids, where [sprites](super::sprites) cannot stand for them: where they
-//! are blended or masked, have textures, or change their form. A point is a cube, a line a prism
-//! with three sides, closed at both ends.
+//! Points and lines as solids, where [sprites](super::sprites) cannot replace them: where they are
+//! blended or masked, have textures, or are deformed. A point is a cube, a line a prism with three
+//! sides, closed at both ends.
 //!
-//! They are to be a few pixels wide where they are first seen
+//! They are a few pixels wide in the initial view
 //! ([`InitialView`](super::initial_view::InitialView)), and keep that size in the world: points are
 //! [`POINT_SIZE`] of the picture's height, lines [`LINE_SIZE`] (6 and 4 pixels of 720). Where they
-//! are close to each other they are thinner, down to [`LEAST_SIZE`], so that what they show is
-//! still seen: points do not reach the middle between most of them and their neighbours, and lines
-//! side by side fill no more than half of their box. All attributes, skins and morph targets go
-//! along; where the primitive has normals they are kept, so that it is lit as the file says, else
-//! they point outwards.
+//! are close to each other they are thinner, down to [`LEAST_SIZE`], so that their pattern is still
+//! visible: points do not reach the middle between most of them and their neighbours, and lines
+//! side by side fill no more than half of their box. All attributes, skins and morph targets are
+//! kept; so are the normals of the primitive, for lighting as in the file. Without normals, they
+//! point outwards.
 
 use glam::Vec3;
 
 use super::geometry::Geometry;
 use super::numbers::direction;
 
-/// How large a point is, as a part of the picture's height.
+/// The size of a point, as a part of the picture's height.
 pub(super) const POINT_SIZE: f32 = 1.0 / 120.0;
 
-/// How thick a line is, as a part of the picture's height.
+/// The thickness of a line, as a part of the picture's height.
 pub(super) const LINE_SIZE: f32 = 1.0 / 180.0;
 
-/// How thin points and lines get at least, as a part of the picture's height.
+/// The least size of points and lines, as a part of the picture's height.
 pub(super) const LEAST_SIZE: f32 = 1.0 / 720.0;
 
-/// So many points are asked for how far away the next one is.
+/// The number of points whose distance to the next one is measured.
 const ASKED_POINTS: usize = 32;
 
-/// How many vertices a point gets.
+/// The number of vertices per point.
 pub(super) const POINT_VERTICES: u64 = 8;
 
-/// How many triangles a point gets.
+/// The number of triangles per point.
 pub(super) const POINT_TRIANGLES: u64 = 12;
 
-/// How many vertices a line gets.
+/// The number of vertices per line.
 pub(super) const LINE_VERTICES: u64 = 6;
 
-/// How many triangles a line gets.
+/// The number of triangles per line.
 pub(super) const LINE_TRIANGLES: u64 = 8;
 
-/// Vertices, each where another is and some way off it.
+/// Vertices, each at an offset from another.
 #[derive(Default)]
 struct Growth {
     picks: Vec<u32>,
@@ -69,21 +69,20 @@ impl Growth {
     }
 }
 
-/// Returns a size that is wanted, no larger than that where it is crowded, no smaller than can be
-/// seen.
+/// Returns the wanted size, no larger than a crowd allows and no smaller than can be seen.
 fn size_of(wanted: f32, most: f32, height: f32) -> f32 {
     let least = height * LEAST_SIZE;
     if most.is_finite() { wanted.min(most.max(least)) } else { wanted }
 }
 
-/// Returns how far most points are from their neighbours: the median of some of them. Infinite
-/// where there is one alone.
+/// Returns the distance of most points from their neighbours: the median over some of them,
+/// infinite for a single point.
 fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let step = points.len().div_ceil(ASKED_POINTS).max(1);
     let nearest = |asked: Vec3| {
         let others = points.iter().map(|&other| at(other).distance_squared(asked));
-        // Those in the same place are the same point.
+        // Points in the same place are one point.
         others.filter(|squared| *squared > 0.0).fold(f32::INFINITY, f32::min).sqrt()
     };
     let asked = points.iter().step_by(step);
@@ -92,12 +91,12 @@ fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     distances.get(distances.len() / 2).copied().unwrap_or(f32::INFINITY)
 }
 
-/// Returns how wide points are, where the picture is so high.
+/// Returns the width of points in a picture of this height.
 pub(super) fn point_size(geometry: &Geometry, points: &[u32], height: f32) -> f32 {
     size_of(height * POINT_SIZE, spacing(geometry, points), height)
 }
 
-/// Returns how wide lines are, where the picture is so high.
+/// Returns the width of lines in a picture of this height.
 pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> f32 {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let lengths = lines.iter().map(|&[from, to]| f64::from(at(from).distance(at(to))));
@@ -107,7 +106,7 @@ pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) ->
     size_of(height * LINE_SIZE, (across * across * 0.5 / length) as f32, height)
 }
 
-/// Returns a cube around each of these vertices, where the picture is so high.
+/// Returns a cube around each of these vertices, for a picture of this height.
 pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geometry {
     // The corners, by their sides along x, y and z: each is one of eight numbers.
     let directions: [Vec3; 8] = std::array::from_fn(|corner| {
@@ -126,15 +125,15 @@ pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geomet
     growth.finish(geometry, size * 0.5 * 3.0_f32.sqrt())
 }
 
-/// Returns a prism around each of these lines, where the picture is so high.
+/// Returns a prism around each of these lines, for a picture of this height.
 pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geometry {
     let triangles =
         [[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4], [2, 0, 3], [2, 3, 5], [0, 2, 1], [3, 4, 5]];
     let mut growth = Growth::default();
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     for &[from, to] in lines {
-        // A line without length gets some direction: others may go along with its ends, and move
-        // them.
+        // A line without length gets some direction: its ends may have targets and joints that move
+        // them apart.
         let along = direction(at(to) * 0.5 - at(from) * 0.5).unwrap_or(Vec3::Z);
         let across = along.any_orthonormal_vector();
         let third = along.cross(across);
@@ -154,8 +153,8 @@ mod tests {
     use crate::convert::numbers::triangle_normal;
     use glam::vec3;
 
-    /// Every triangle faces away from the middle of its solid, and every edge is met from both
-    /// sides.
+    /// Checks that every triangle faces away from the middle of its solid, and that every edge is
+    /// met from both sides.
     fn assert_closed(solid: &Geometry, vertices: usize) {
         let mut edges = std::collections::HashSet::new();
         for triangle in &solid.triangles {
@@ -207,7 +206,7 @@ mod tests {
         );
     }
 
-    /// Points on a grid of 100 x 100 metres, a metre apart, and lines along its rows.
+    /// Returns points on a grid of 100 x 100 metres, a metre apart, and lines along its rows.
     fn grid() -> (Geometry, Vec<[u32; 2]>) {
         let at = |number: u32| vec3((number % 101) as f32, (number / 101) as f32, 0.0);
         let rows = (0..101).map(|row| [row * 101, row * 101 + 100]).collect();

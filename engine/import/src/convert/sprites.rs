@@ -1,5 +1,5 @@
-//! Points and lines as sprites: identical ones once, in chunks that lie side by side, so that
-//! culling has something to cull.
+//! Points and lines as sprites: identical ones once, in spatial chunks, so that culling has
+//! something to cull.
 
 use glam::{Affine3A, Vec3};
 use gltf::mesh::Semantic;
@@ -17,29 +17,29 @@ use super::topology::Elements;
 use crate::ImportError;
 use crate::notes::Notes;
 
-/// Points or lines of one primitive that are solids, at most: each takes as much memory as fifty
+/// The most points or lines of one primitive that become solids: each takes as much memory as fifty
 /// sprites.
 const MOST_SOLIDS: u64 = 1 << 16;
 
-/// How many sprites a chunk has at most that is seen once.
+/// The most sprites of a chunk that is seen once.
 const CHUNK: usize = 4096;
 
-/// An end as numbers that can be ordered: the bits of position, colour and normal.
+/// The end of a sprite as numbers that can be ordered: the bits of position, colour and normal.
 type End = [u32; 7];
 
-/// How sprites are made.
+/// The common appearance of sprites.
 #[derive(Clone, Copy, Debug)]
 struct Look {
     /// Half of their width.
     radius_m: f32,
-    /// What their colours are multiplied with.
+    /// The factor of their colours.
     tint: [f32; 4],
-    /// Whether they are seen at one place alone.
+    /// True if they are seen at one place alone.
     is_seen_once: bool,
 }
 
 impl Primitive<'_> {
-    /// Returns true if it is more points or lines than may be solids.
+    /// Returns true if it has more points or lines than may become solids.
     pub(super) fn is_crowd(&self) -> bool {
         let accessors = &self.source.document.as_json().accessors;
         let indices = self.json.indices.map(|indices| indices.value());
@@ -48,8 +48,7 @@ impl Primitive<'_> {
         self.is_thin() && count > MOST_SOLIDS
     }
 
-    /// Returns the primitive as sprites, if it is points or lines, as large as they are to be seen
-    /// from `sight`.
+    /// Returns the primitive as sprites, sized for `sight`, if it is made of points or lines.
     ///
     /// # Errors
     /// Positions that are not finite; more vertices than the limits allow.
@@ -66,7 +65,7 @@ impl Primitive<'_> {
         let ends = elements.vertices().len() as u64;
         budget.take(ends, 0).map_err(|over| self.over(&over))?;
         let height = sight.height_at(&geometry.bounds(), to_world);
-        // Where positions are beyond all numbers, so are sizes.
+        // Where positions overflow, so do sizes.
         let radius_m = |size: f32| if size.is_finite() { size * 0.5 } else { 0.0 };
         let look = |size: f32| Look { radius_m: radius_m(size), tint, is_seen_once };
         Ok(match elements {
@@ -83,13 +82,13 @@ impl Primitive<'_> {
     }
 }
 
-/// Sprites for these points, without a mesh yet.
+/// Returns sprites for these points, without a mesh yet.
 fn points(geometry: &Geometry, points: &[u32], look: &Look) -> Vec<Sprites> {
     let all = points.iter().map(|&point| [end(geometry, point, look)]).collect();
     chunks(all, geometry, SpriteShape::Point, look)
 }
 
-/// Sprites for these lines, without a mesh yet.
+/// Returns sprites for these lines, without a mesh yet.
 fn lines(geometry: &Geometry, lines: &[[u32; 2]], look: &Look) -> Vec<Sprites> {
     let all = lines.iter().map(|line| {
         let mut ends = line.map(|vertex| end(geometry, vertex, look));

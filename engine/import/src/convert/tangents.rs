@@ -1,5 +1,5 @@
 //! Tangents: those of the file made unit vectors, or MikkTSpace's where the file has none and the
-//! material has a normal texture, or any where nobody looks at them.
+//! material has a normal texture, or any where nothing samples with them.
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
 
@@ -10,9 +10,9 @@ use super::pack::snorm16;
 /// The texture coordinates of a normal texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NormalUvs {
-    /// By which of the two sets.
+    /// The index of one of the two sets.
     pub(super) set: u8,
-    /// From those to coordinates in the texture.
+    /// The transform from those to coordinates in the texture.
     pub(super) transform: Affine2,
 }
 
@@ -23,8 +23,8 @@ const MOST_AROUND: u32 = 1024;
 /// The most such comparisons in a mesh.
 const MOST_COMPARISONS: u64 = 1 << 30;
 
-/// Gives every vertex a tangent. Returns the geometry, whose vertices may be split, and how many
-/// tangents of the file had no direction.
+/// Gives every vertex a tangent. Returns the geometry, whose vertices may be split, and the number
+/// of tangents of the file without direction.
 pub(super) fn complete(mut geometry: Geometry, wanted: Option<NormalUvs>) -> (Geometry, usize) {
     if !geometry.tangents.is_empty() {
         let broken = repair(&mut geometry);
@@ -72,8 +72,8 @@ fn finite(uv: Vec2) -> Vec2 {
     if uv.is_finite() { uv } else { Vec2::ZERO }
 }
 
-/// Makes all tangents unit vectors, in place. What has no direction gets one across its normal.
-/// Returns how many those were.
+/// Makes all tangents unit vectors, in place. A tangent without direction gets one across its
+/// normal. Returns the number of those.
 fn repair(geometry: &mut Geometry) -> usize {
     let mut broken = 0;
     for (tangent, normal) in geometry.tangents.iter_mut().zip(&geometry.normals) {
@@ -87,7 +87,7 @@ fn repair(geometry: &mut Geometry) -> usize {
     broken
 }
 
-/// Returns everything that MikkTSpace takes for one vertex has the same bits.
+/// Returns a key of a vertex: everything that MikkTSpace takes for one vertex has the same bits.
 fn welded(geometry: &Geometry, uvs: &[Vec2], vertex: u32) -> [u32; 8] {
     let vertex = vertex as usize;
     let position = geometry.positions.get(vertex).copied().unwrap_or_default().to_array();
@@ -99,8 +99,8 @@ fn welded(geometry: &Geometry, uvs: &[Vec2], vertex: u32) -> [u32; 8] {
     [x, y, z, nx, ny, nz, u, v]
 }
 
-/// Returns true if MikkTSpace gets through it: hostile files have a million triangles around one
-/// vertex.
+/// Returns true if MikkTSpace finishes in bounded time: hostile files have a million triangles
+/// around one vertex.
 fn is_tame(geometry: &Geometry, uvs: &[Vec2]) -> bool {
     let mut around: std::collections::HashMap<[u32; 8], u32> = std::collections::HashMap::new();
     for &vertex in geometry.triangles.as_flattened() {
@@ -110,7 +110,7 @@ fn is_tame(geometry: &Geometry, uvs: &[Vec2]) -> bool {
     around.values().all(|&count| count <= MOST_AROUND) && comparisons <= MOST_COMPARISONS
 }
 
-/// What MikkTSpace sees: all triangles whose corners are three points.
+/// The triangles that MikkTSpace sees, which are all whose corners are three points.
 struct Faces<'a> {
     geometry: &'a Geometry,
     uvs: &'a [Vec2],
@@ -157,13 +157,13 @@ impl bevy_mikktspace::Geometry for Faces<'_> {
         let place = self.faces.get(face).copied().unwrap_or_default();
         if let (Some(space), Some(tangents)) = (space, self.tangents.get_mut(place)) {
             let [x, y, z, sign] = space.tangent_encoded();
-            // The algorithm thinks that v goes up, in glTF it goes down.
+            // The algorithm assumes that v goes up; in glTF it goes down.
             tangents[corner] = Vec4::new(x, y, z, -sign);
         }
     }
 }
 
-/// Returns the tangents of all corners by MikkTSpace; zeros where it finds none.
+/// Returns the tangents of all corners from MikkTSpace; zeros where it finds none.
 fn mikkelsen(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let is_proper = |triangle: &[u32; 3]| {
@@ -175,7 +175,7 @@ fn mikkelsen(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
         triangles.filter(|(_, triangle)| is_proper(triangle)).map(|(place, _)| place).collect();
     let tangents = vec![[Vec4::W; 3]; geometry.triangles.len()];
     let mut faces = Faces { geometry, uvs, faces, tangents };
-    // Its error has no cases.
+    // Its error carries nothing.
     match bevy_mikktspace::generate_tangents(&mut faces) {
         Ok(()) | Err(_) => faces.tangents,
     }

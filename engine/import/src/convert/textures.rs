@@ -1,4 +1,4 @@
-//! Textures: which image, how it is read, how it is looked at. Only what materials use is kept.
+//! Textures: their images, encodings and samplers. Only what materials use is kept.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use crate::Source;
 /// The name of the extension whose values `gltf` leaves to its users in some places.
 const TRANSFORM: &str = "KHR_texture_transform";
 
-/// A texture as a material names it.
+/// A texture as a material refers to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Named {
     pub(super) texture: usize,
@@ -39,7 +39,8 @@ impl Named {
         }
     }
 
-    /// Textures of normals and occlusion have their extensions as they are in the file.
+    /// Returns a texture of normals or occlusion, whose extensions `gltf` leaves as they are in the
+    /// file.
     pub(super) fn of_values<'a>(
         texture: usize,
         uv_set: u32,
@@ -64,8 +65,9 @@ impl Named {
     }
 }
 
-/// Scaled, then turned, then moved. A positive angle turns counter-clockwise as one sees the image,
-/// whose v goes down. Identity if it is too large for any number.
+/// Returns the transform that scales, then rotates, then moves. A positive angle turns
+/// counter-clockwise in the image as displayed, with v downwards. The transform is the identity if
+/// its numbers overflow.
 fn transform(scale: [f32; 2], rotation_rad: f32, offset: [f32; 2]) -> Affine2 {
     let transform = Affine2::from_scale_angle_translation(
         Vec2::from_array(scale),
@@ -86,8 +88,8 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Returns the id of a texture of the file, read in this way. `None` if its image is none that
-    /// can be read.
+    /// Returns the id of a texture of the file in this encoding; `None` if its image cannot be
+    /// read.
     pub(super) fn id_of(
         &mut self,
         source: &Source,
@@ -96,7 +98,7 @@ impl Textures {
     ) -> Option<TextureId> {
         let image = source.texture_images.get(texture).copied().flatten()?;
         source.images.get(image)?.as_ref()?;
-        // Of what is no colour, a placeholder would show nothing that one could understand.
+        // In a texture that is not colour, a placeholder would show nothing understandable.
         if encoding == Encoding::Linear && source.placeholders.contains(&image) {
             return None;
         }
@@ -111,7 +113,7 @@ impl Textures {
         }))
     }
 
-    /// Returns all of them, and their images, which are taken out of the file.
+    /// Returns all textures, and their images, which are taken out of the file.
     pub(super) fn finish(self, source: &mut Source) -> (Vec<Texture>, Vec<Image>) {
         let mut take = |image: usize| source.images.get_mut(image).and_then(Option::take);
         // Each was there when its id was given, and each is asked for once.

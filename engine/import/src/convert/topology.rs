@@ -1,13 +1,14 @@
-//! Topologies: the triangles, lines and points that a list of vertices means (glTF 2.0, 3.7.2.1).
-//! Incomplete ones at the end are left out, and so are triangles that name a vertex twice.
+//! Topologies: the triangles, lines and points that a list of vertices makes up (glTF 2.0,
+//! 3.7.2.1). Incomplete ones at the end are left out, and so are triangles that name a vertex
+//! twice.
 
 use gltf::mesh::Mode;
 
-/// As large a part of its vertices as this has to be used by a primitive before all are looked at:
-/// about what sorting costs more than marking.
+/// The cost of sorting a vertex relative to marking it: a primitive that uses a smaller part of its
+/// vertices sorts them.
 const FEW: usize = 16;
 
-/// What a list of vertices means.
+/// The elements that a list of vertices makes up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Elements {
     Triangles(Vec<[u32; 3]>),
@@ -41,7 +42,7 @@ impl Elements {
         }
     }
 
-    /// Returns whether vertices at the end of a list of so many make no whole element.
+    /// Returns true if the last vertices of a list of so many make no whole element.
     pub(super) fn leaves_rest(mode: Mode, count: usize) -> bool {
         match mode {
             Mode::Points => false,
@@ -61,8 +62,8 @@ impl Elements {
         }
     }
 
-    /// Names only vertices that are used, by their order. Returns which those are, `None` if all of
-    /// `count`.
+    /// Renumbers the vertices so that only used ones are named, in order. Returns the used
+    /// vertices, or `None` if all of `count` are used.
     ///
     /// # Errors
     /// A vertex that is not there.
@@ -88,7 +89,7 @@ impl Elements {
         Ok(Some(picks))
     }
 
-    /// Names all vertices anew.
+    /// Renumbers all vertices.
     fn rename(&mut self, new: impl Fn(u32) -> u32) {
         let all = match self {
             Self::Triangles(triangles) => triangles.as_flattened_mut(),
@@ -101,7 +102,7 @@ impl Elements {
     }
 }
 
-/// Returns the vertices of a list once each and in order, by sorting it.
+/// Returns the vertices of a list once each, in order, by sorting the list.
 fn sorted(list: &[u32]) -> Vec<u32> {
     let mut picks = list.to_vec();
     picks.sort_unstable();
@@ -109,7 +110,7 @@ fn sorted(list: &[u32]) -> Vec<u32> {
     picks
 }
 
-/// Returns the vertices of a list once each and in order, by marking those below `count`.
+/// Returns the vertices of a list once each, in order, by marking those below `count`.
 fn marked(list: &[u32], count: usize) -> Vec<u32> {
     let mut is_used = vec![false; count];
     for &vertex in list {

@@ -11,14 +11,14 @@ use super::primitives::{Primitive, Variant};
 use crate::notes::Notes;
 use crate::{Cause, ImportError};
 
-/// Texture coordinates beyond this are cut off: no number left between two of them is a texture's
-/// part.
+/// The limit of texture coordinates: beyond it, the spacing of floats is too coarse to address a
+/// texture.
 const LARGEST_UV: f32 = 1e6;
 
-/// The vertices of a primitive that something is drawn with: no other is read.
+/// The used vertices of a primitive: no other is read.
 pub(super) struct Vertices<'a> {
     primitive: &'a Primitive<'a>,
-    /// Increasing; all if there are none.
+    /// The used vertices in increasing order; `None` uses all.
     picks: Option<&'a [u32]>,
 }
 
@@ -72,7 +72,7 @@ impl<'a> Vertices<'a> {
         Ok(geometry)
     }
 
-    /// Returns the number in the file of the vertex that is read at this place.
+    /// Returns the number in the file of the vertex at this place.
     fn vertex(&self, place: usize) -> usize {
         self.picks.and_then(|it| it.get(place)).map_or(place, |&vertex| vertex as usize)
     }
@@ -130,7 +130,7 @@ impl<'a> Vertices<'a> {
         colours
     }
 
-    /// Returns all sets of joints and weights, which are 1 together for each vertex.
+    /// Returns all sets of joints and weights, which sum to 1 per vertex.
     fn skin(&self, joint_count: u32, vertices: usize, notes: &mut Notes) -> SkinWeights {
         let (source, attribute) =
             (self.primitive.source, |semantic| self.primitive.attribute(semantic));
@@ -156,7 +156,7 @@ impl<'a> Vertices<'a> {
                 let weights =
                     weights.map(|weight| if weight.is_finite() { weight.max(0.0) } else { 0.0 });
                 skin.joints.push(std::array::from_fn(|place| {
-                    // What weighs nothing may name a joint that is not there.
+                    // A joint without weight need not exist.
                     let is_there = weights[place] > 0.0 && joints[place] < joint_count;
                     if is_there { joints[place] as u16 } else { 0 }
                 }));

@@ -1,4 +1,5 @@
-//! All elements and picked ones are the same numbers, and picked ones cost no more than they are.
+//! Tests that all elements and picked ones are the same numbers, and that picked ones cost no more
+//! than their number.
 
 use std::cell::Cell;
 
@@ -7,11 +8,11 @@ use serde_json::json;
 use super::*;
 
 thread_local! {
-    /// Elements that this thread has read.
+    /// The number of elements that this thread has read.
     pub(super) static READ: Cell<u64> = const { Cell::new(0) };
 }
 
-/// SplitMix64.
+/// The generator SplitMix64.
 struct Random(u64);
 
 impl Random {
@@ -25,14 +26,14 @@ impl Random {
         (self.next() % end.max(1) as u64) as usize
     }
 
-    /// Returns each number below `end` by a chance of one in `rare`, in order.
+    /// Returns each number below `end` with a chance of one in `rare`, in order.
     fn some_below(&mut self, end: usize, rare: usize) -> Vec<u32> {
         (0..end as u32).filter(|_| self.below(rare) == 0).collect()
     }
 }
 
-/// Returns a file of any bytes whose first accessor has any layout, and whose second has the same
-/// elements, packed.
+/// Returns a file of random bytes. Its first accessor has a random layout, and its second has the
+/// same elements, packed.
 fn any_accessor(random: &mut Random) -> (Root, Store) {
     const TYPES: [(u32, usize); 6] =
         [(5120, 1), (5121, 1), (5122, 2), (5123, 2), (5125, 4), (5126, 4)];
@@ -92,7 +93,7 @@ fn read<const N: usize>(
     [is_float.map(|()| floats), is_integer.map(|()| integers)]
 }
 
-/// Compares three ways of reading. Returns how many elements were picked.
+/// Compares three ways of reading. Returns the number of picked elements.
 fn compare<const N: usize>(file: &(Root, Store), picks: &[u32]) -> usize {
     let all = read::<N>(file, 1, None);
     assert_eq!(read::<N>(file, 0, None), all);

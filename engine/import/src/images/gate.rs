@@ -1,4 +1,5 @@
-//! Lets threads take memory while there is some left, and wait until others give theirs back.
+//! A gate by which threads take memory while there is some left, and wait until others give theirs
+//! back.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
@@ -13,8 +14,8 @@ impl Gate {
         Self { left: Mutex::new(amount), given_back: Condvar::new() }
     }
 
-    /// Calls `work` while it holds `amount`, which must be no more than there is at all: it would
-    /// wait for ever. `work` must not panic.
+    /// Calls `work` while it holds `amount`, which must be at most the whole: it would wait for
+    /// ever for more. `work` must not panic.
     pub(super) fn with<T>(&self, amount: u64, work: impl FnOnce() -> T) -> T {
         let left = self.left.lock().unwrap_or_else(PoisonError::into_inner);
         let mut left = self

@@ -1,12 +1,12 @@
-//! What the decoder of JPEG does not say: it fills up files that are cut off, and takes more for
-//! progressive ones (ITU-T T.81, annex B).
+//! The facts about a JPEG that its decoder does not report: it fills up truncated files, and takes
+//! more memory for progressive ones (ITU-T T.81, annex B).
 
-/// What the markers of a file say.
+/// The facts in the markers of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Jpeg {
-    /// Its coefficients come in several scans, and are all held until the last.
+    /// True if its coefficients come in several scans and are all held until the last.
     pub(super) is_progressive: bool,
-    /// Its last marker is there.
+    /// True if its last marker is there.
     pub(super) has_end: bool,
 }
 
@@ -20,7 +20,7 @@ pub(super) fn inspect(bytes: &[u8]) -> Jpeg {
             0xFF => at += 1,
             // Markers without a segment.
             0x01 | 0xD0..=0xD8 => at += 2,
-            // The start of a scan: what follows has no marker of this kind in it but the last.
+            // The start of a scan: after it comes no marker of this kind but the last.
             0xDA => {
                 jpeg.has_end = bytes.get(at..).is_some_and(has_end);
                 break;
@@ -40,8 +40,8 @@ fn has_end(scans: &[u8]) -> bool {
     scans.windows(2).rev().any(|pair| pair == [0xFF, 0xD9])
 }
 
-/// Returns a file without its last marker, with that, and with other coefficients before it: the
-/// pictures differ if any of its own are missing.
+/// Returns the ends of a file without its last marker: that marker alone, and other coefficients
+/// before it. The decoded pictures differ if any of the file's own coefficients are missing.
 pub(super) fn endings(bytes: &[u8]) -> [Vec<u8>; 2] {
     const END: [u8; 2] = [0xFF, 0xD9];
     // Half of a marker is none, but for a byte that was stuffed.

@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-/// What stands for such a number: it is as short as the shortest of them, and beyond 32 bits as
-/// they are.
+/// The replacement of such a number: it is as short as the shortest of them, and beyond 32 bits
+/// like them.
 const STAND_IN: &[u8] = b"1e300";
 
 /// Returns true if an error is about such a number.
@@ -12,8 +12,8 @@ pub(super) fn is_cause(error: &serde_json::Error) -> bool {
     error.to_string().starts_with("number out of range")
 }
 
-/// Returns the JSON with a number beyond 32 bits, but not beyond 64, in place of each that is;
-/// `None` if there is none. All else stays where it is.
+/// Returns the JSON with a number beyond 32 bits, but not beyond 64, in place of each greater one;
+/// `None` if there is none. All other text stays where it is.
 pub(super) fn bounded(json: &[u8]) -> Option<Vec<u8>> {
     let mut bounded: Option<Vec<u8>> = None;
     for number in numbers(json) {

@@ -1,5 +1,5 @@
-//! JSON that `gltf` does not take as it is: each element of its lists is read by itself. What is
-//! wrong with one is its own fault, so that it refuses the file only if it is shown.
+//! The lenient reader of JSON that `gltf` refuses: each element of its lists is read by itself. A
+//! fault belongs to its element alone, so that it refuses the file only if the element is shown.
 
 use gltf::json::Root;
 use gltf::json::extensions::scene::khr_lights_punctual::Light;
@@ -16,13 +16,13 @@ use crate::notes::{Note, Notes};
 /// A root whose elements are in order, or blank and at fault.
 pub(crate) struct Parsed {
     pub(crate) root: Root,
-    /// Why elements of its lists are blank.
+    /// The faults of blank elements of its lists.
     pub(crate) faults: Vec<(Element, Fault)>,
 }
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
-/// Elements that cannot be read, at most: a blank takes more memory than the two characters of a
+/// The most elements that cannot be read: a blank takes more memory than the two characters of a
 /// broken one.
 const MOST_FAULTS: usize = 4096;
 
@@ -102,7 +102,7 @@ impl Lists<'_> {
         Ok(elements)
     }
 
-    /// Returns what stands for an element that cannot be read.
+    /// Returns the blank for an element that cannot be read.
     ///
     /// # Errors
     /// The fault, after too many others.
@@ -131,8 +131,8 @@ fn read<T: DeserializeOwned>(mut value: Value, element: Element) -> Result<T, Fa
     })
 }
 
-/// Turns numbers like `1.0` into whole ones, which some fields must be; a number is no other for
-/// that. Depth was limited by the reader of the JSON.
+/// Turns numbers such as `1.0` into whole ones, which some fields must be; their values stay the
+/// same. Depth was limited by the reader of the JSON.
 fn make_whole(value: &mut Value) {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     match value {
@@ -154,13 +154,14 @@ fn make_whole(value: &mut Value) {
     }
 }
 
-/// A target without a node is valid where an extension says what it animates.
+/// Drops channels whose target has no node, which is valid where an extension defines their
+/// targets.
 fn drop_channels_without_node(index: usize, animation: &mut Value, notes: &mut Notes) {
     let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
         return;
     };
     let before = channels.len();
-    // Whatever is no object stays, and is a fault for that.
+    // A value that is not an object stays, and is a fault.
     channels.retain(|channel| match channel.get("target").and_then(Value::as_object) {
         Some(target) => target.get("node").is_some_and(|node| !node.is_null()),
         None => true,
@@ -170,7 +171,7 @@ fn drop_channels_without_node(index: usize, animation: &mut Value, notes: &mut N
     });
 }
 
-/// Takes the list of lights. An extension without one has no lights.
+/// Takes out the list of lights. An extension without one has no lights.
 fn take_lights(
     object: &mut Map<String, Value>,
     faults: &mut Vec<(Element, Fault)>,

@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::names::shown_key;
 use crate::error::{Fault, Reason};
 
-/// Returns whether a list may be an element of a list in the JSON: outside of extensions, glTF has
+/// Returns true if a list may be an element of a list in the JSON: outside of extensions, glTF has
 /// no such thing.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
     // Within an object a list follows a colon.

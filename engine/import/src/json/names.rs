@@ -1,10 +1,11 @@
-//! How parts of a JSON are named in messages.
+//! The names of parts of a JSON in messages.
 
 use serde_path_to_error::Segment;
 
 use crate::error::quoted;
 
-/// "mesh 3, primitive 0, indices" for `primitives[0].indices` in "mesh 3".
+/// Returns the name of a path in an object: "mesh 3, primitive 0, indices" for
+/// `primitives[0].indices` in "mesh 3".
 pub(super) fn object_name(mut name: String, path: &serde_path_to_error::Path) -> String {
     for segment in path.iter() {
         let part = match segment {
@@ -29,13 +30,13 @@ pub(super) fn object_name(mut name: String, path: &serde_path_to_error::Path) ->
     if name.is_empty() { "JSON".to_owned() } else { name }
 }
 
-/// Returns a key as people are shown it.
+/// Returns a key as it is shown to people.
 pub(super) fn shown_key(key: &str) -> String {
     let is_plain = key.len() <= 40 && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if is_plain { key.to_owned() } else { quoted(key) }
 }
 
-/// Names of lists, and of one of each.
+/// The names of lists, in the plural and in the singular.
 const ONE_OF: &[(&str, &str)] = &[
     ("accessors", "accessor"),
     ("animations", "animation"),

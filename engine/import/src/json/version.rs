@@ -6,7 +6,7 @@ use gltf::json::Asset;
 use crate::error::{Fault, Reason, quoted};
 use crate::notes::{Note, Notes};
 
-/// The version that is known.
+/// The version that this reader knows.
 const KNOWN: Version = Version { major: 2, minor: 0 };
 
 /// A version of the format.
@@ -36,7 +36,7 @@ fn number(text: &str) -> Option<u32> {
 /// spellings than MAJOR.MINOR are noted.
 ///
 /// # Errors
-/// A version that is not known, or is none.
+/// A version that is unknown, or not a version.
 pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
     refuse_older(&asset.version)?;
     let version = read("version", &asset.version, notes)?;
@@ -44,7 +44,8 @@ pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
         Some(least) => Some(read("minVersion", least, notes)?),
         None => None,
     };
-    // A least version of older readers says nothing: files of this version are not for them.
+    // A least version before this one means nothing: files of this version are not for older
+    // readers.
     match least.filter(|least| least.major >= KNOWN.major) {
         Some(KNOWN) => Ok(()),
         Some(_) => Err(other(asset.min_version.as_deref().unwrap_or_default())),

@@ -1,4 +1,4 @@
-//! What JSON will take in memory once it is read, before it is: two characters can become a
+//! The memory that JSON will take once it is read, estimated before: two characters can become a
 //! structure of hundreds of bytes.
 
 use std::fmt;
@@ -10,12 +10,12 @@ use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
 use crate::Limits;
 use crate::error::Reason;
 
-/// A number, word or null in a list.
+/// The size of a number, word or null in a list.
 const SCALAR_BYTES: u64 = size_of::<serde_json::Value>() as u64;
-/// An entry of a map of JSON values, beside its key and value.
+/// The size of an entry of a map of JSON values, beside its key and value.
 const ENTRY_BYTES: u64 = 64;
-/// An object anywhere: the largest structure that `gltf` makes of one, save a material, of which
-/// there are few.
+/// The size of an object anywhere: the largest structure that `gltf` makes of one, save a material,
+/// of which there are few.
 const OBJECT_BYTES: u64 = 512;
 
 const _: () = {
@@ -38,15 +38,14 @@ const _: () = {
     assert!(size_of::<json::texture::Sampler>() <= largest);
 };
 
-/// The most that a byte of JSON weighs: `{}` and a comma are an object, and nothing is more for its
-/// length.
+/// The most that a byte of JSON weighs: `{}` and a comma are an object, and nothing of that length
+/// weighs more.
 const MOST_PER_BYTE: u64 = OBJECT_BYTES / 2;
 
 /// Fails if the JSON is longer than the limits allow, or would take more memory.
 ///
-/// JSON that is not well-formed passes as far as it is: who reads it says what is wrong with it.
-/// What is so short that it cannot be too much is not weighed, which takes as long as reading half
-/// of it.
+/// JSON that is not well-formed is weighed up to its fault, which its reader reports. Text too
+/// short to be too heavy is not weighed: weighing takes half as long as reading.
 pub(super) fn check(json: &[u8], limits: &Limits) -> Result<(), Reason> {
     let length = json.len() as u64;
     if length > limits.json_bytes {

@@ -1,11 +1,11 @@
-//! Indices beyond 32 bits, of which `gltf` keeps the lower half without a word.
+//! Indices beyond 32 bits, of which `gltf` silently keeps the lower half.
 
 use serde_json::Value;
 
 use super::names::shown_key;
 use crate::error::{Fault, Reason};
 
-/// Keys of glTF whose value is an index, a choice or a set: whole numbers of at most 32 bits.
+/// The keys of glTF whose value is an index, a choice or a set: whole numbers of at most 32 bits.
 const NARROW: &[&str] = &[
     "buffer",
     "bufferView",
@@ -34,14 +34,14 @@ const NARROW: &[&str] = &[
     "wrapT",
 ];
 
-/// Keys whose value is a list or an object of indices.
+/// The keys whose value is a list or an object of indices.
 const LISTS: &[&str] = &["attributes", "children", "joints", "nodes", "targets"];
 
-/// The digits of the least number beyond 32 bits.
+/// The number of digits of the least number beyond 32 bits.
 const WIDE_DIGITS: usize = 10;
 
 /// Returns true if a whole number of more than 32 bits may be in the JSON: so many digits in a row
-/// that follow no decimal point. Whoever has such a row has a digit at some multiple of its length.
+/// that follow no decimal point. Text with such a row has a digit at some multiple of its length.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
     let is_digit = |byte: &u8| byte.is_ascii_digit();
     let starts_wide = |at: usize| {
@@ -56,7 +56,7 @@ pub(super) fn may_be_in(json: &[u8]) -> bool {
     places.into_iter().any(|at| json.get(at).is_some_and(is_digit) && starts_wide(at))
 }
 
-/// Fails at the first such number that is wider. Depth was limited by the reader of the JSON.
+/// Fails at the first such number beyond 32 bits. Depth was limited by the reader of the JSON.
 pub(super) fn check(value: &Value) -> Result<(), Fault> {
     match value {
         Value::Object(entries) => {

@@ -1,9 +1,9 @@
-//! Errors of the JSON's reader in words of glTF.
+//! The errors of the JSON reader in words of glTF.
 
 /// The most characters of a value that are shown.
 const LONGEST: usize = 80;
 
-/// Returns the sentence for an error of a value: what it must be, and what it is.
+/// Returns the sentence for an error of a value: the demand on it, and the value found.
 pub(super) fn sentence(error: &str) -> String {
     if let Some(field) = error.strip_prefix("missing field `") {
         let field = field.split('`').next().unwrap_or_default();
@@ -17,12 +17,12 @@ pub(super) fn sentence(error: &str) -> String {
     };
     let is_length = error.starts_with("invalid length ");
     let found = if is_length { format!("has {found}") } else { format!("is {}", is(found)) };
-    // The reader of the JSON has escaped what cannot be shown.
+    // The reader of the JSON has escaped characters that cannot be shown.
     let found: String = found.chars().take(LONGEST).collect();
     format!("it must be {}, and {found}", must_be(wanted))
 }
 
-/// Returns what a value must be.
+/// Returns the demand on a value in words.
 fn must_be(wanted: &str) -> String {
     match wanted {
         "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0 on".to_owned(),
@@ -46,7 +46,7 @@ fn must_be(wanted: &str) -> String {
     }
 }
 
-/// Returns what a value is.
+/// Returns the value found in words.
 fn is(found: &str) -> String {
     match found {
         "null" | "unit value" => "null".to_owned(),

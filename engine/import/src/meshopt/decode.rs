@@ -1,10 +1,10 @@
-//! Decoding by the crate `meshopt`, whose decoders are made for bytes that nobody trusts.
+//! Decoding by the crate `meshopt`, whose decoders are made for untrusted bytes.
 
 use super::{Compressed, Filter, Mode};
 use crate::error::Reason;
 use crate::extensions::MESHOPT;
 
-/// The first byte of attributes: of version 0 and of version 1, which only the newer extension has.
+/// The first byte of attributes: version 0, and version 1 of the newer extension alone.
 const ATTRIBUTES: [u8; 2] = [0xA0, 0xA1];
 /// The first byte of triangles and of other indices.
 const TRIANGLES: u8 = 0xE1;
@@ -20,7 +20,7 @@ impl<const COUNT: usize> Default for Words<COUNT> {
     }
 }
 
-/// Decompresses what was checked to fit its mode.
+/// Decompresses a view, which was checked to fit its mode.
 pub(super) fn decode(view: &Compressed, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
     check_header(view, encoded)?;
     let (count, is_short) = (view.count, view.stride == 2);
@@ -79,7 +79,7 @@ fn decode_words<const COUNT: usize>(encoded: &[u8], count: usize) -> ::meshopt::
     Ok(words)
 }
 
-/// Returns what elements of `stride` bytes stand for.
+/// Returns the filtered elements of `stride` bytes.
 fn filtered(mut words: Vec<u32>, filter: Filter, stride: usize) -> Vec<u8> {
     let list = words.as_mut_slice();
     match (filter, stride) {

@@ -1,4 +1,4 @@
-//! The room that a scene takes while clips play.
+//! The extent of a scene while clips play.
 
 use cull::Aabb;
 use glam::Vec3;
@@ -7,23 +7,21 @@ use scene::{Object, PoseBounds, Scene};
 use super::SceneAnimator;
 use crate::gltf_scene::PlacedNode;
 
-/// How often a clip is looked at from its beginning to its end, at most.
+/// The most samples of a clip from its beginning to its end.
 const MOST_LOOKS_A_CLIP: usize = 32;
 
-/// How often all clips together are looked at, at most.
+/// The most samples of all clips together.
 const MOST_LOOKS: usize = 256;
 
-/// How many places of nodes and of what moves are looked at, at most; but each clip is looked at
-/// once.
+/// The most places of nodes and moving parts that are sampled; but each clip is sampled once.
 const MOST_PLACES: usize = 1 << 22;
 
 impl SceneAnimator {
-    /// Returns a box around everything that is seen while the clips play that play now, found by
-    /// looking at a bounded number of moments; the origin alone if there is nothing. `scene` is the
-    /// one that came with it.
+    /// Returns a box around everything visible during the clips that play now, from a bounded
+    /// number of samples in time; the origin alone if there is nothing. `scene` is the one that
+    /// came with this animator.
     ///
-    /// Everything is as if nothing had been shown yet afterwards: for use before a renderer shows a
-    /// moment.
+    /// Resets the shown state, so it is for use before a renderer shows anything.
     pub fn bounds_playing(&mut self, scene: &Scene) -> Aabb {
         let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
         let objects: Vec<&Object> = scene.objects.iter().chain(transparent).collect();
@@ -67,7 +65,7 @@ impl SceneAnimator {
         if all.is_usable() { all } else { Aabb::new(Vec3::ZERO, Vec3::ZERO) }
     }
 
-    /// Returns the moments that are looked at, in seconds.
+    /// Returns the sampled times, in seconds.
     fn looks(&self) -> Vec<f64> {
         let durations: Vec<f32> =
             self.playing.to().iter().filter_map(|clip| self.duration_s(*clip)).collect();
@@ -77,7 +75,7 @@ impl SceneAnimator {
         let all = durations.iter().flat_map(|seconds| {
             (0..a_clip).map(move |look| f64::from(*seconds) * look as f64 / a_clip as f64)
         });
-        // The beginning is looked at where nothing plays, too.
+        // The beginning is sampled even where nothing plays.
         std::iter::once(0.0).chain(all).take(most.max(durations.len()).min(MOST_LOOKS)).collect()
     }
 }

@@ -1,5 +1,5 @@
-//! What hangs on nodes: how it was shown last, and how it is to be shown. What several hang on is
-//! looked at once a moment.
+//! The parts on nodes: their shown state and their next one. A skeleton that several share is posed
+//! once per update.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -15,55 +15,55 @@ use scene::{
 use crate::convert::used_joints;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
 
-/// All that moves or changes its form.
+/// All that moves or is deformed.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     parts: Vec<Part>,
     skeletons: Vec<Hung>,
-    /// Matrices of a skeleton in the making, kept to allocate nothing.
+    /// The matrices of the skeleton being posed, kept to allocate nothing.
     matrices: Vec<Affine3A>,
 }
 
-/// A skeleton, whatever hangs on it.
+/// A skeleton that parts share.
 #[derive(Debug)]
 struct Hung {
     skeleton: Skeleton,
-    /// As they were last.
+    /// The last matrices.
     matrices: Vec<Affine3A>,
-    /// How often they changed.
+    /// The number of times they changed.
     version: u64,
-    /// Where they are among those of this moment, once they were looked at.
+    /// Their range among the matrices of this update, once they were posed.
     now: Option<Range<usize>>,
     is_known_now: bool,
 }
 
-/// Something that hangs on a node, and how it was shown last.
+/// An object or light on a node, and its shown state.
 #[derive(Debug)]
 struct Part {
     placement: NodeAttachment,
-    /// What it hangs on, if it has a skin.
+    /// The skeleton that it follows, if it has a skin.
     skeleton: Option<usize>,
-    /// The node in whose space it is; `None` in the world's.
+    /// The node in whose space it is; `None` for the world's.
     node: Option<RigNodeId>,
     shown: Affine3A,
     /// The version of its skeleton and the weights that were shown last; `None` before.
     shown_version: Option<u64>,
     shown_weights: Vec<f32>,
-    /// Whether its form is not that of the moment, because nobody could see it.
+    /// True if its pose is out of date because no view could show it.
     is_behind: bool,
 }
 
-/// What clips do to nodes themselves, rather than to those above them.
+/// The nodes that clips animate themselves, rather than through an ancestor.
 #[derive(Debug, Default)]
 pub(super) struct Touched {
-    /// Those whose place in their parent changes.
+    /// The nodes whose transform in their parent changes.
     moved: HashSet<RigNodeId>,
-    /// Those whose morph targets' weights change.
+    /// The nodes whose morph targets' weights change.
     weighed: HashSet<RigNodeId>,
 }
 
 impl Touched {
-    /// Collects what these clips do.
+    /// Collects the nodes that these clips animate.
     pub(super) fn by<'a>(clips: impl Iterator<Item = &'a Clip>) -> Self {
         let mut touched = Self::default();
         for channel in clips.flat_map(|clip| &clip.channels) {
@@ -75,17 +75,17 @@ impl Touched {
     }
 }
 
-/// The places of parts that are to be looked at.
+/// The indices of parts that are to be visited.
 #[derive(Debug, Default)]
 pub(super) struct Movers {
-    /// Those that playing clips move or change.
+    /// The parts that playing clips move or deform.
     pub(super) moved: Vec<usize>,
-    /// Others whose form is still that of another moment.
+    /// Other parts whose pose is out of date.
     pub(super) behind: Vec<usize>,
 }
 
 impl Parts {
-    /// Finds what hangs together. Takes as long as the parts have vertices.
+    /// Finds the parts that share skeletons. Takes time in proportion to the vertices.
     pub(super) fn new(
         rig: &Rig,
         skins: &[Skin],
@@ -124,7 +124,7 @@ impl Parts {
         parts
     }
 
-    /// Returns where a part was shown last, on which joints, and with which weights.
+    /// Returns the transform, joint matrices and weights of a part as shown last.
     #[cfg(test)]
     pub(super) fn shown(&self, part: usize) -> (Affine3A, Vec<Affine3A>, Vec<f32>) {
         let part = &self.parts[part];
@@ -132,7 +132,7 @@ impl Parts {
         (part.shown, joints.unwrap_or_default(), part.shown_weights.clone())
     }
 
-    /// Returns how many skeletons there are.
+    /// Returns the number of skeletons.
     #[cfg(test)]
     pub(super) fn skeletons(&self) -> usize {
         self.skeletons.len()
@@ -149,14 +149,13 @@ impl Parts {
         self.skeletons.len() - 1
     }
 
-    /// Returns how many parts there are.
+    /// Returns the number of parts.
     pub(super) fn len(&self) -> usize {
         self.parts.len()
     }
 
-    /// Returns the box in the world of a part as it was shown last. `mesh` are the bounds of its
-    /// mesh, which hold for what does not change its form; `form` are those of its poses, if it
-    /// does.
+    /// Returns the box in the world of a part as it was shown last. `mesh` bounds a mesh that is
+    /// not deformed; `form` bounds the poses of one that is.
     pub(super) fn seen_in(
         &self,
         part: usize,
@@ -176,7 +175,7 @@ impl Parts {
         bounds.is_usable().then_some(bounds)
     }
 
-    /// Forgets what was shown; `world` are the nodes at rest.
+    /// Resets the shown state; `world` holds the nodes at rest.
     pub(super) fn begin_anew(&mut self, world: &[Affine3A]) {
         for part in &mut self.parts {
             part.shown = part.place(world);
@@ -186,14 +185,14 @@ impl Parts {
         }
     }
 
-    /// Returns what a part is, and what changes its form.
+    /// Returns the object or light of a part, and its skinned mesh.
     pub(super) fn placed(&self, part: usize) -> Option<(PlacedNode, Option<SkinnedMeshId>)> {
         let placement = &self.parts.get(part)?.placement;
         Some((placement.placed, placement.skinned_mesh.map(|(skinned_mesh, _)| skinned_mesh)))
     }
 
-    /// Returns the parts that change while clips play that do this to nodes, and move these. Takes
-    /// as long as there are parts and bones.
+    /// Returns the parts that change under clips with these touched and moving nodes. Takes time in
+    /// proportion to parts and bones.
     pub(super) fn movers(&self, touched: &Touched, is_moving: &[bool], is_new: bool) -> Movers {
         let is_bent = |hung: &Hung| hung.skeleton.bones().any(|bone| touched.moved.contains(&bone));
         let bent: Vec<bool> = self.skeletons.iter().map(is_bent).collect();
@@ -212,15 +211,15 @@ impl Parts {
         movers
     }
 
-    /// Begins a moment.
+    /// Begins an update.
     pub(super) fn begin(&mut self) {
         for hung in &mut self.skeletons {
             (hung.now, hung.is_known_now) = (None, false);
         }
     }
 
-    /// Notes the form of a part if it is another, and if one of the `views` may show it or it never
-    /// had a form. Its place must be that of the moment.
+    /// Adds the pose of a part to the changes if it is a new one, and if one of the `views` may
+    /// show it or it never had a pose. Its transform must be up to date.
     pub(super) fn change(
         &mut self,
         part: usize,
@@ -254,7 +253,7 @@ impl Parts {
         changes.deformations.push(Deformation { skinned_mesh, joints, weights });
     }
 
-    /// Notes where a part is if that is elsewhere.
+    /// Adds the transform of a part to the changes if it moved.
     pub(super) fn change_place(
         &mut self,
         part: usize,
@@ -269,7 +268,7 @@ impl Parts {
 }
 
 impl Hung {
-    /// Looks at where the joints are now.
+    /// Poses the joints.
     fn pose(&mut self, rig: &Rig, pose: &Pose, matrices: &mut Vec<Affine3A>) {
         self.is_known_now = true;
         self.skeleton.joint_matrices(rig, pose, matrices);
@@ -279,7 +278,7 @@ impl Hung {
         }
     }
 
-    /// Returns where its matrices are among the changes.
+    /// Returns the range of its matrices among the changes.
     fn bring(&mut self, changes: &mut SceneUpdate) -> Range<usize> {
         let matrices = &self.matrices;
         let now = self.now.get_or_insert_with(|| {
@@ -292,13 +291,13 @@ impl Hung {
 }
 
 impl Part {
-    /// Returns where it is.
+    /// Returns its transform.
     fn place(&self, world: &[Affine3A]) -> Affine3A {
         let node = self.node.and_then(|node| world.get(node.0 as usize));
         node.map_or(self.placement.local, |node| *node * self.placement.local)
     }
 
-    /// Returns true if one of the views may show any of it, whatever form it has.
+    /// Returns true if one of the views may show any of it, in any pose.
     fn may_be_in(&self, views: &[View]) -> bool {
         let bounds = bounds_of_transformed(&self.placement.reach, &self.shown);
         let is_in =

@@ -1,4 +1,4 @@
-//! Which clips play, and how they follow each other.
+//! The clips that play, and the fades between them.
 
 use std::collections::HashSet;
 use std::mem::discriminant;
@@ -10,16 +10,16 @@ use animation::{Clip, Pose};
 pub(super) struct Playing {
     from: Vec<usize>,
     to: Vec<usize>,
-    /// Whether it is a mixed pose that is faded from, and no clips.
+    /// True if the fade starts from a mixed pose instead of clips.
     is_from_mix: bool,
-    /// Those whose nodes are not at rest again yet.
+    /// The clips whose nodes are not at rest again yet.
     lingering: Vec<usize>,
     began_s: f64,
     fade_s: f64,
 }
 
 impl Playing {
-    /// Goes on with other clips. Who is amid of a fade then goes on from the pose at that time.
+    /// Changes to other clips. An unfinished fade is replaced by one from its pose at that time.
     pub(super) fn change(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
         self.is_from_mix = self.weight(seconds) < 1.0;
         self.from = std::mem::replace(&mut self.to, clips.to_vec());
@@ -27,7 +27,7 @@ impl Playing {
         (self.began_s, self.fade_s) = (seconds, fade_s);
     }
 
-    /// Returns true if what is faded from is the pose in which the last fade was broken off.
+    /// Returns true if the fade starts from the pose in which the last one was interrupted.
     pub(super) fn is_from_mix(&self) -> bool {
         self.is_from_mix
     }
@@ -40,20 +40,19 @@ impl Playing {
         &self.to
     }
 
-    /// Returns how much of the change is done, 0 to 1.
+    /// Returns the share of the change that is done, 0 to 1.
     pub(super) fn weight(&self, seconds: f64) -> f32 {
         let is_over = self.lingering.is_empty() || self.fade_s <= 0.0;
         let done = if is_over { 1.0 } else { (seconds - self.began_s) / self.fade_s };
         if done.is_nan() { 1.0 } else { done.clamp(0.0, 1.0) as f32 }
     }
 
-    /// Returns all whose nodes are to be looked at.
+    /// Returns all clips whose nodes are to be visited.
     pub(super) fn concerned(&self) -> impl Iterator<Item = usize> {
         self.lingering.iter().chain(&self.to).copied()
     }
 
-    /// Forgets those that were replaced, once they were put to rest; answers whether there were
-    /// any.
+    /// Drops the replaced clips once their nodes are at rest, and returns true if there were any.
     pub(super) fn settles(&mut self, seconds: f64) -> bool {
         if self.lingering.is_empty() || self.weight(seconds) < 1.0 {
             return false;
@@ -63,15 +62,15 @@ impl Playing {
     }
 }
 
-/// Moves what clips move to where it is at a time, each clip in a loop.
+/// Adds the clips' values at a time to a pose, each clip in a loop.
 pub(super) fn sample(pose: &mut Pose, clips: &[Clip], playing: &[usize], seconds: f64) {
     for clip in playing.iter().filter_map(|clip| clips.get(*clip)) {
         pose.sample(clip, looped_s(clip.duration_s(), seconds));
     }
 }
 
-/// Returns the time in a clip that is played again and again. Where one round ends and the next
-/// begins it is at its end: who walks a clip once from end to end arrives.
+/// Returns the time in a looped clip. Where one round ends and the next begins, it is the end: a
+/// walk through the clip once arrives.
 fn looped_s(duration_s: f32, seconds: f64) -> f32 {
     let duration = f64::from(duration_s);
     if !(duration > 0.0 && seconds.is_finite()) {
@@ -81,7 +80,7 @@ fn looped_s(duration_s: f32, seconds: f64) -> f32 {
     if within == 0.0 && seconds > 0.0 { duration_s } else { within as f32 }
 }
 
-/// As many clips as can play at once.
+/// Returns as many clips as can play at once.
 pub(super) fn compatible(clips: &[Clip], first: Option<usize>) -> Vec<usize> {
     let mut moved = HashSet::new();
     let others = (0..clips.len()).filter(|clip| Some(*clip) != first);

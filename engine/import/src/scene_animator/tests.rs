@@ -1,4 +1,4 @@
-//! Tests of a performance: what changes when, without a device.
+//! Tests of the animator: the changes at each time, without a device.
 
 use animation::{
     Channel, Clip, Interpolation, Rest, Rig, RigNode, RigNodeId, Skin, Track, Trs, Values,
@@ -224,7 +224,7 @@ fn the_way_of_a_topmost_joint_is_in_the_transform_and_its_form_below_it() {
     assert_eq!(changes.joints[1].translation.z, 0.5);
 }
 
-/// Returns what somebody at x = `eye` sees who looks along x.
+/// Returns the view along x from x = `eye`.
 fn view_from(eye: f32) -> View {
     let camera =
         cull::Camera { eye: Vec3::X * eye, forward: Vec3::X, up: Vec3::Y, fov_y: 1.0, near: 0.1 };

@@ -1,4 +1,5 @@
-//! Refusing too much is as bad: what glTF 2.0 allows is accepted, and read right.
+//! Tests that valid files are accepted and read right: refusing too much is as bad as refusing too
+//! little.
 
 use antumbra_import::{Limits, Source, read};
 use serde_json::json;
@@ -255,7 +256,7 @@ fn what_is_not_understood_is_noted() {
     assert!(notes.iter().any(|note| note.reason.contains("KHR_texture_basisu")), "{notes:?}");
 }
 
-/// Files that show the fuzzer what there is.
+/// Returns files that show the fuzzer all features.
 pub fn seeds() -> Vec<(String, Vec<u8>)> {
     let mut seeds = vec![
         ("everything.glb".to_owned(), everything().glb()),

@@ -1,5 +1,5 @@
-//! Short files that ask for much: refused quickly, before the memory is taken (`memory.rs` measures
-//! that).
+//! Tests that short files with large demands are refused quickly, before the memory is taken
+//! (`memory.rs` measures that).
 
 use std::time::{Duration, Instant};
 
@@ -8,7 +8,7 @@ use serde_json::json;
 
 use gltf_files::files::{F32, Scene, U16, everything};
 
-/// Refused for its size, and in no time.
+/// Checks that a file is refused for its size, and in no time.
 fn too_large(bytes: Vec<u8>, expected: &[&str]) {
     let start = Instant::now();
     let error = read(bytes, None, &Limits::default()).map(drop).expect_err("too large");
@@ -124,7 +124,7 @@ fn large_images_are_refused_by_their_heads() {
     too_large(scene.glb(), &["image 2", "bytes of pixels up to it"]);
 }
 
-/// Returns a PNG that says it is this large, and has almost nothing in it.
+/// Returns a PNG that claims this size, and is almost empty.
 pub fn png_head(width: u32, height: u32) -> Vec<u8> {
     let chunk = |kind: &[u8; 4], data: &[u8]| {
         let mut body = kind.to_vec();
@@ -142,7 +142,7 @@ pub fn png_head(width: u32, height: u32) -> Vec<u8> {
     .concat()
 }
 
-/// CRC-32 as PNG has it.
+/// Returns the CRC-32 of PNG.
 fn checksum(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0u32, |sum, &byte| {
         (0..8).fold(sum ^ u32::from(byte), |sum, _| {

@@ -1,5 +1,5 @@
-//! Views that `EXT_meshopt_compression` compresses. The bytes were made by meshoptimizer 1.3's
-//! encoders, what they stand for by its decoders.
+//! Views that `EXT_meshopt_compression` compresses. The encoded bytes come from meshoptimizer 1.3's
+//! encoders, the decoded ones from its decoders.
 
 use antumbra_import::{ImportError, Limits, read};
 use base64::Engine;
@@ -26,7 +26,7 @@ const OCTAHEDRAL16: &str = "oAEkAAAAATwAAAANDgEsAAAA3QE8AAAADxgAAAE8AAAABAMBJAAA
 const QUATERNIONS: &str = "oAEMAAAA/AEMAAAAtQE8AAAAxzMBPAAAANgjAQwAAAD8AQwAAAC1ARwAAAADAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAP9/";
 const FLOATS: &str = "oAABMAAAAF8AAAABMAAAAKABIAAAAAEwAAAABgEwAAAA/wEwAAAA6wEQAAAAATAAAAANAAAAAAAAAAAAAAAAAAAAAAAAAAAAMADzAOD/8YA+APw=";
 
-/// What a view says about its compressed bytes.
+/// The parameters of a view's compression.
 #[derive(Clone, Copy)]
 struct View {
     mode: &'static str,
@@ -43,7 +43,7 @@ const OF_ATTRIBUTES: View = view("ATTRIBUTES", "NONE", 20, 8);
 const OF_TRIANGLES: View = view("TRIANGLES", "NONE", 24, 4);
 const OF_INDICES: View = view("INDICES", "NONE", 24, 2);
 
-/// Returns a file whose second buffer is what these bytes become.
+/// Returns a file whose second buffer holds these bytes, decompressed.
 fn scene(encoded: &[u8], view: View) -> Scene {
     let mut scene = Scene::triangle();
     let at = scene.binary.len();
@@ -101,7 +101,7 @@ fn all_modes_are_decompressed() {
     }
 }
 
-/// Returns the same file by the name of the newer extension.
+/// Returns the same file under the name of the newer extension.
 fn renamed(scene: &Scene) -> Scene {
     let text = scene.json.to_string().replace("EXT_meshopt", "KHR_meshopt");
     Scene { json: serde_json::from_str(&text).expect("it is JSON"), ..scene.clone() }

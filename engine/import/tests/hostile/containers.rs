@@ -1,4 +1,4 @@
-//! Containers that are cut off, or are none.
+//! Tests of truncated containers, and of files that are none.
 
 use antumbra_import::{Limits, read};
 use serde_json::json;

@@ -1,4 +1,5 @@
-//! Spellings, versions, deviations of what is shown, and what a scene can be shown without.
+//! Tests of spellings, versions, deviations of shown elements, and elements that a scene can be
+//! shown without.
 
 use serde_json::{Value, json};
 
@@ -121,7 +122,7 @@ pub const SPELLINGS: &[Row] = &[
     ),
 ];
 
-/// Deviations of what is shown.
+/// Deviations of shown elements.
 pub const SHOWN: &[Row] = &[
     (
         "a child as root, its parent outside",
@@ -257,7 +258,7 @@ pub const SHOWN: &[Row] = &[
     ("a broken sampler", |s| s.set("/samplers/0/wrapS", json!(1)), Refused(&["sampler 0"])),
 ];
 
-/// Animations and images, without which a scene can be shown.
+/// Animations and imagesthat a scene can be shown without.
 pub const LEFT_OUT: &[Row] = &[
     (
         "a clip that is a number",

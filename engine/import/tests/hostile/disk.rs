@@ -1,4 +1,4 @@
-//! Files beside the scene: nothing outside of its folder is read, and nothing that is no file.
+//! Files beside the scene: nothing outside of its folder is read, and nothing that is not a file.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! Files that are valid are accepted, files that are not are refused: with a reason, in time,
-//! without a panic.
+//! Tests that valid files are accepted and others are refused: with a reason, in time, without a
+//! panic.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

@@ -1,4 +1,5 @@
-//! Clips that go too far, limits that only a renderer has, and what is accepted although it is odd.
+//! Tests of clips that move too far, limits that only a renderer has, and odd files that are
+//! accepted.
 
 use std::ops::ControlFlow;
 
@@ -39,7 +40,7 @@ fn clip(scene: &mut Scene, name: &str, channels: &[(usize, &str, [f32; 6])]) -> 
 const GROWS: [f32; 6] = [1.0, 1.0, 1.0, 1e9, 1e9, 1e9];
 const LEAVES: [f32; 6] = [0.0, 0.0, 0.0, 1e9, 0.0, 0.0];
 
-/// Returns a triangle on a node (1) that hangs on another (0).
+/// Returns a triangle on a node (1) below another (0).
 fn arm() -> Scene {
     let mut scene = Scene::triangle();
     scene.set("/nodes", json!([{ "children": [1] }, { "mesh": 0, "name": "hand" }, { "mesh": 0 }]));
@@ -93,7 +94,7 @@ fn long_chains_of_matrices_are_not_too_far() {
     perform(imported);
 }
 
-/// Several places of a mesh with a morph target that a clip moves.
+/// Returns several places of a mesh with a morph target that a clip moves.
 fn instanced(count: usize) -> Scene {
     let mut scene = Scene::triangle();
     scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
@@ -256,7 +257,7 @@ fn colours_beyond_one_are_told() {
 
 #[test]
 fn what_plays_is_asked_for_by_its_file() {
-    // A performance without clips is one of nothing.
+    // An animator without clips animates nothing.
     let (_, mut animator, _, _) = SceneAnimator::of(load(&arm()));
     assert!(animator.changes(1.0).is_empty());
 }

@@ -1,5 +1,4 @@
-//! Many small changes of valid files, the same each time: nothing panics, whatever they make of
-//! them.
+//! Tests that many small changes of valid files, the same each time, never cause a panic.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -9,10 +8,10 @@ use serde_json::{Value, json};
 use gltf_files::files::{Scene, everything, glb_of};
 use gltf_files::target::try_bytes;
 
-/// Tries in a test; `cargo fuzz` goes on where this ends.
+/// The number of tries in a test; `cargo fuzz` continues where this ends.
 const TRIES: u64 = 200_000;
 
-/// SplitMix64.
+/// The generator SplitMix64.
 struct Random(u64);
 
 impl Random {
@@ -56,7 +55,7 @@ fn no_change_of_a_file_makes_it_panic() {
         assert!(began.elapsed() < Duration::from_secs(10), "try {turn} took {:?}", began.elapsed());
     }
     eprintln!("{TRIES} tries, {accepted} accepted, {:?}", start.elapsed());
-    // Both happen often, or the changes say nothing.
+    // Both happen often, or the changes prove nothing.
     assert!((TRIES / 50..TRIES * 49 / 50).contains(&accepted), "{accepted} of {TRIES} accepted");
 }
 
@@ -73,7 +72,7 @@ fn random_bytes_are_refused() {
     }
 }
 
-/// Returns a changed file: its bytes, or its JSON and binary chunk each for itself, so that it
+/// Returns a changed file: in its bytes, or in its JSON and binary chunk separately, so that it
 /// stays a container.
 fn mutant(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let mut bytes = corpus[random.below(corpus.len())].clone();
@@ -183,7 +182,7 @@ fn number(old: &Value, random: &mut Random) -> Value {
     }
 }
 
-/// Pointers to all values of some JSON.
+/// Collects pointers to all values of some JSON.
 fn collect(value: &Value, pointer: String, all: &mut Vec<String>) {
     match value {
         Value::Array(list) => {
@@ -199,7 +198,7 @@ fn collect(value: &Value, pointer: String, all: &mut Vec<String>) {
     all.push(pointer);
 }
 
-/// Writes the corpus anew: `cargo test -p antumbra-import --test hostile -- --ignored corpus`.
+/// Writes the corpus again: `cargo test -p antumbra-import --test hostile -- --ignored corpus`.
 #[test]
 #[ignore = "writes into the project"]
 fn write_corpus() {

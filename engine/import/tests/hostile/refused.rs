@@ -1,11 +1,11 @@
-//! Files that break one rule each: the error names the object and the reason.
+//! Tests of files that break one rule each: the error names the object and the reason.
 
 use antumbra_import::{Limits, read};
 use serde_json::json;
 
 use gltf_files::files::{F32, Scene, U8, U16, U32, encoded, everything};
 
-/// A change of a file that uses everything, and parts of what must be said about it.
+/// A change of a file that uses everything, and parts of the expected error.
 type Case = (fn(&mut Scene), &'static [&'static str]);
 
 const POSITION: &str = "/meshes/0/primitives/0/attributes/POSITION";
@@ -280,7 +280,7 @@ const NODES: &[Case] = &[
     (|s| s.set("/scenes/0/nodes", json!([0, 0])), &["scene 0", "node 0 is in it twice"]),
 ];
 
-/// Changes without which the scene can be shown, and parts of what is noted.
+/// Changes without which the scene can be shown, and parts of the notes.
 const LEFT_OUT: &[Case] = &[
     (
         |s| s.set("/animations/0/channels/0/sampler", json!(9)),
@@ -398,6 +398,7 @@ fn set_image(scene: &mut Scene, bytes: &[u8]) {
 
 fn set_cut_image(scene: &mut Scene, format: image::ImageFormat) {
     let whole = encoded(format);
-    // PNG ends with a checksum and an empty chunk, so that a little less is still a whole picture.
+    // PNG ends with a checksum and an empty chunk, so that a little less is still a complete
+    // picture.
     set_image(scene, &whole[..whole.len() - 24]);
 }

@@ -1,4 +1,5 @@
-//! Values of what is shown that cannot be, or that show nothing: replaced, and noted once.
+//! Tests that impossible values of shown elements, and values that show nothing, are replaced and
+//! noted once.
 
 use serde_json::json;
 
@@ -20,7 +21,7 @@ fn orthographic(scene: &mut Scene, size: [f32; 2]) {
     scene.set("/nodes/3/translation", json!([0, 0, 5]));
 }
 
-/// The first mesh without indices, in another mode.
+/// Sets the first mesh to another mode, without indices.
 fn mode(scene: &mut Scene, mode: u32) {
     scene.remove("/meshes/0/primitives/0/indices");
     scene.set("/meshes/0/primitives/0/mode", json!(mode));

@@ -1,5 +1,5 @@
-//! What a file is opened with although it is wrong, and what it is refused for: what is shown
-//! decides.
+//! Tests of the faults that are tolerated and of those that refuse a file, which depends on what is
+//! shown.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -14,27 +14,27 @@ use gltf_files::files::{F32, Scene, everything};
 use gltf_files::loaded;
 use gltf_files::perform::perform;
 
-/// What becomes of a file.
+/// The outcome of loading a file.
 #[derive(Clone, Copy, Debug)]
 pub enum Outcome {
-    /// It opens without a note.
+    /// A file that opens without a note.
     Opens,
-    /// It opens with one note, which has these parts.
+    /// A file that opens with one note, which has these parts.
     Noted(&'static [&'static str]),
-    /// It opens with one note, which has this part and says that nothing shown is wrong.
+    /// A file that opens with one note, which has this part and says that nothing shown is wrong.
     Unused(&'static str),
-    /// It is refused by a sentence with these parts.
+    /// A file that is refused by a sentence with these parts.
     Refused(&'static [&'static str]),
 }
 
-/// A situation, the change of a file that uses everything, and what becomes of it.
+/// A situation, the change of a file that uses everything, and its outcome.
 pub type Row = (&'static str, fn(&mut Scene), Outcome);
 
 fn load(bytes: Vec<u8>) -> Result<GltfScene, ImportError> {
     load_bytes(bytes, None, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()))
 }
 
-/// Returns the notes, but for those of what is no deviation.
+/// Returns the notes without those of mere remarks.
 fn texts(imported: &GltfScene) -> Vec<String> {
     let is_plain = |text: &String| {
         text.contains("scenes, only scene") || text.contains("the file has no light")
@@ -87,7 +87,7 @@ pub fn add(scene: &mut Scene, list: &str, value: Value) {
     scene.push(list, value);
 }
 
-/// Appends a buffer to that of the file.
+/// Appends a buffer to the one of the file.
 pub fn buffer(scene: &mut Scene, value: Value) {
     let own = Scene { json: json!({}), binary: scene.binary.clone() };
     let data = json!({ "byteLength": own.binary.len(), "uri": own.data_uri() });
@@ -105,7 +105,7 @@ pub fn light(scene: &mut Scene, value: Value) {
     scene.set("/extensions/KHR_lights_punctual/lights/1", value);
 }
 
-/// Gives the first node a matrix that is none of a turn and a scale, by one number.
+/// Gives the first node a matrix that is not a rotation and a scale, by one number.
 pub fn matrix(scene: &mut Scene, place: usize, number: f32) {
     let mut matrix = [0.0; 16];
     [0, 5, 10, 15].into_iter().for_each(|place| matrix[place] = 1.0);
@@ -120,7 +120,7 @@ pub fn keys(scene: &mut Scene) -> usize {
     at
 }
 
-/// Puts the first image, or keys of the animation, into a buffer that is not there.
+/// Puts the first image, or keys of the animation, into a buffer that does not exist.
 pub fn elsewhere(scene: &mut Scene, is_image: bool) {
     let at = keys(scene);
     buffer(scene, json!({ "byteLength": 8, "uri": "gone.bin" }));
@@ -159,7 +159,7 @@ pub fn vendor(value: &mut Value) {
     }
 }
 
-/// Loads in time, however it ends.
+/// Loads within the time limit, whatever the outcome.
 fn quickly(scene: &Scene) -> Result<GltfScene, ImportError> {
     let start = Instant::now();
     let result = load(scene.glb());
@@ -178,7 +178,7 @@ fn many_broken_elements_are_one_note_or_refused() {
     assert_eq!(imported.notes.len(), 1, "{:?}", imported.notes);
     assert_eq!(imported.notes[0].object, format!("accessor {first}"));
     assert_eq!(imported.notes[0].count, 100_000);
-    // What is no accessor at all could take far more memory than it is long.
+    // A fault in place of an accessor could take far more memory than its length.
     let list = scene.json["accessors"].as_array_mut().expect("a list");
     list.truncate(first);
     list.extend(std::iter::repeat_n(json!(1), 5_000));
@@ -218,7 +218,7 @@ fn a_chain_whose_nodes_are_all_named_as_roots_is_shown_once() {
     assert_eq!((imported.rig.nodes().len(), imported.scene.objects.len()), (depth, 1));
     let once = imported.notes.iter().find(|note| note.reason.contains("shown once"));
     assert_eq!(once.map(|note| note.count), Some(depth as u64 - 1));
-    // A circle that nothing shows, and one that is shown.
+    // A cycle that nothing shows, and one that is shown.
     scene.set("/scenes/0/nodes", json!([]));
     scene.set(&format!("/nodes/{}/children", depth - 1), json!([0]));
     let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));

@@ -1,4 +1,4 @@
-//! What is wrong in a file and not shown.
+//! Tests of faults in elements that are not shown.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,5 @@
-//! Poses that no clip has: any matrices, any weights, meshes far from where they are shown.
+//! Tests of poses that no clip has: any matrices, any weights, meshes far from where they are
+//! shown.
 
 use cull::Aabb;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
@@ -24,7 +25,7 @@ impl Posed {
         bounds.bounds(&self.joints, &self.weights)
     }
 
-    /// Returns where a vertex is, in single precision as `deform.comp` has it, or with fused
+    /// Returns the position of a vertex, in single precision as `deform.comp` has it, or with fused
     /// multiplication.
     fn vertex(&self, number: usize, is_fused: bool) -> Vec3 {
         let add = |sum: f32, a: f32, b: f32| if is_fused { a.mul_add(b, sum) } else { sum + a * b };
@@ -59,11 +60,11 @@ fn vector(size: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-size..size).prop_map(Vec3::from)
 }
 
-/// Returns any matrix: it turns, shears, mirrors, flattens, near by or from far away.
+/// Returns any matrix: it rotates, shears, mirrors, flattens, near by or from far away.
 fn joint(far: Vec3) -> impl Strategy<Value = Affine3A> {
     (prop::array::uniform3(vector(2.0)), vector(3.0)).prop_map(move |(axes, translation)| {
         let matrix3 = Mat3A::from_cols(axes[0].into(), axes[1].into(), axes[2].into());
-        // What is far away at rest is brought here.
+        // Geometry that is far away at rest is moved here.
         let back = matrix3 * Vec3A::from(far);
         Affine3A { matrix3, translation: Vec3A::from(translation) - back }
     })

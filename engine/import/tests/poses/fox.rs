@@ -1,5 +1,5 @@
-//! The fox of the shared assets: the boxes of its poses hold and are not much too large. Skipped,
-//! and says so, without `ANTUMBRA_ASSETS`, the folder that has `fox.glb`.
+//! Tests that the boxes of the fox's poses hold and are not much too large. Skipped, with a
+//! message, without `ANTUMBRA_ASSETS`, the folder that has `fox.glb`.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -35,14 +35,14 @@ fn tight(mesh: &Mesh, skinned_mesh: &SkinnedMesh, matrices: &[Affine3A]) -> Aabb
     })
 }
 
-/// Looks at poses of the fox, each mixed of two clips.
+/// A check of poses of the fox, each mixed from two clips.
 struct Watch<'a> {
     fox: &'a GltfScene,
     skeleton: Skeleton,
     bounds: PoseBounds,
     poses: [Pose; 2],
     matrices: Vec<Affine3A>,
-    /// How much larger boxes are than they have to be, in all: sums of surfaces.
+    /// The sums of surfaces of the boxes and of the tightest boxes.
     surfaces: [f64; 2],
     largest_ratio: f32,
 }

@@ -1,5 +1,5 @@
-//! The box of a pose holds: for rigs, clips and meshes of all kinds, sampled densely, alone, mixed
-//! and faded, and for poses that no clip has, nothing is outside.
+//! Tests that the box of a pose holds. Nothing is outside for rigs, clips and meshes of all kinds,
+//! sampled densely, alone, mixed and faded, nor for poses that no clip has.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod any_pose;
@@ -16,12 +16,12 @@ use scene::PoseBounds;
 
 use rigs::{Animated, animated};
 
-/// Moves the mesh and tells whether all of it is in its box.
+/// A mesh that is posed and checked against its box.
 struct Mover<'a> {
     animated: &'a Animated,
     skeleton: Option<Skeleton>,
     bounds: PoseBounds,
-    /// Where it stays whatever these clips do.
+    /// The box that it stays in whatever these clips do.
     reach: Aabb,
     matrices: Vec<Affine3A>,
 }
@@ -43,7 +43,7 @@ impl<'a> Mover<'a> {
         Self { animated, skeleton, bounds, reach, matrices: Vec::new() }
     }
 
-    /// Returns a vertex that is outside of the box of its pose, or of what it reaches.
+    /// Returns a vertex that is outside of the box of its pose or of its reach.
     fn outside(&mut self, pose: &Pose) -> Option<(Vec3, Aabb)> {
         let matrices = self.skeleton.as_ref().map(|skeleton| {
             skeleton.joint_matrices(&self.animated.rig, pose, &mut self.matrices);
@@ -57,7 +57,7 @@ impl<'a> Mover<'a> {
     }
 }
 
-/// Times from the beginning to the end of a clip, both among them.
+/// Returns times from the beginning to the end of a clip, both among them.
 fn times_s(clip: &Clip, steps: usize) -> impl Iterator<Item = f32> + use<> {
     let duration_s = clip.duration_s();
     (0..=steps).map(move |step| duration_s * (step as f32 / steps as f32))
@@ -102,7 +102,7 @@ proptest! {
         }
     }
 
-    /// Whatever a player does with its clips: fades into fades, layers over layers.
+    /// Checks all that a player does with its clips: fades into fades, layers over layers.
     #[test]
     fn no_vertex_leaves_the_box_of_a_player(
         animated in animated(),
@@ -128,7 +128,7 @@ proptest! {
         }
     }
 
-    /// The matrices are those of the specification, seen from the object's node.
+    /// Checks that the matrices are those of the specification, seen from the object's node.
     #[test]
     fn joints_are_where_the_world_has_them(animated in animated(), time_s in 0.0_f32..3.0) {
         let (rig, skeleton) = (&animated.rig, animated.skeleton());
@@ -146,7 +146,8 @@ proptest! {
         }
     }
 
-    /// What moves is listed, and updating it alone is as good as updating all.
+    /// Checks that all moving nodes are listed, and that updating them alone is as good as updating
+    /// all.
     #[test]
     fn only_what_moves_needs_to_be_updated(
         animated in animated(), times_s in prop::collection::vec(0.0_f32..3.0, 1..4)

@@ -1,4 +1,4 @@
-//! Small scenes of all kinds: trees of nodes, tracks of all kinds, meshes that hang on them.
+//! Small scenes of all kinds: trees of nodes, tracks of all kinds, meshes on them.
 
 use animation::{
     Channel, Clip, Interpolation, Pose, Rest, Rig, RigNode, RigNodeId, Skeleton, Skin, Track, Trs,
@@ -8,7 +8,7 @@ use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use scene::{MorphTarget, PoseBounds, SkinWeights};
 
-/// Targets of the mesh, and so weights of each node.
+/// The number of targets of the mesh, and so of weights per node.
 const TARGETS: usize = 2;
 
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl Animated {
         PoseBounds::new(positions, is_skinned.then_some(&skin), &targets)
     }
 
-    /// Returns where all vertices are, in the object's space, as a GPU would find it.
+    /// Returns the positions of all vertices in the object's space, as a GPU would compute them.
     pub fn vertices(&self, matrices: Option<&[Affine3A]>, pose: &Pose) -> Vec<Vec3> {
         let vertex = |index: usize| {
             let mut place = Vec3::from(self.positions[index]);
@@ -63,7 +63,7 @@ fn vector(size: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-size..size).prop_map(Vec3::from)
 }
 
-/// Scales of all signs, and none at all.
+/// Returns scales of all signs, and zero.
 fn scale() -> impl Strategy<Value = Vec3> {
     prop_oneof![
         3 => Just(Vec3::ONE),
@@ -73,7 +73,7 @@ fn scale() -> impl Strategy<Value = Vec3> {
     ]
 }
 
-/// Rotations by little, and by anything.
+/// Returns small and arbitrary rotations.
 fn rotation() -> impl Strategy<Value = Quat> {
     prop_oneof![vector(0.4), vector(3.0)].prop_map(Quat::from_scaled_axis)
 }
@@ -121,7 +121,7 @@ fn track() -> impl Strategy<Value = Track> {
     })
 }
 
-/// Channels that do not fit the rig, or are there twice, are left out.
+/// Returns a clip of the channels; those that do not fit the rig, or are there twice, are left out.
 fn clip(rig: &Rig, channels: Vec<(prop::sample::Index, Track)>) -> Clip {
     let mut kept: Vec<Channel> = Vec::new();
     for (node, track) in channels {
@@ -155,7 +155,7 @@ pub fn animated() -> impl Strategy<Value = Animated> {
     (nodes, clips, joints, prop::collection::vec(vertex, 1..6), any::<bool>()).prop_map(
         |(nodes, clips, joints, vertices, has_targets)| {
             let node = |(id, (node, parent)): (usize, (RigNode, prop::sample::Index))| {
-                // One in five or so hangs on nothing; all others on one before them.
+                // One in five or so has no parent; all others have one before them.
                 let parent = parent.index(id + 1).checked_sub(usize::from(id > 3));
                 RigNode { parent: parent.filter(|p| *p < id).map(|p| RigNodeId(p as u32)), ..node }
             };

@@ -1,4 +1,5 @@
-//! Whole scenes from a folder that `ANTUMBRA_ASSETS` names are loaded, and nothing of them is lost.
+//! Tests that whole scenes from a folder that `ANTUMBRA_ASSETS` names are loaded, and nothing of
+//! them is lost.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -8,8 +9,8 @@ use antumbra_import::{LoadOptions, load};
 
 use gltf_files::loaded::check;
 
-/// What is in a scene. Objects and triangles are those that are told of the files; the other
-/// numbers are what was found first, and guard against change alone.
+/// The expected contents of a scene. Objects and triangles are those published with the files; the
+/// other numbers are those of the first run, and guard against change alone.
 struct Expected {
     file: &'static str,
     meshes: usize,

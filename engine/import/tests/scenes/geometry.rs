@@ -1,4 +1,4 @@
-//! Geometry of files: attributes of all types, topologies, normals, what is broken.
+//! Tests of the geometry of files: attributes of all types, topologies, normals, broken values.
 
 use antumbra_import::GltfScene;
 use serde_json::json;

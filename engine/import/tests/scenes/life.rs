@@ -1,4 +1,4 @@
-//! What lives: clips, skins, morph targets, and how far they reach.
+//! Tests of animation: clips, skins, morph targets, and their reach.
 
 use std::ops::ControlFlow;
 
@@ -11,7 +11,7 @@ use super::geometry::ATTRIBUTES;
 use super::loading::{counts, load, notes, refused};
 use gltf_files::files::{Scene, U8, U16};
 
-/// Returns the triangle's node with one channel, of a sampler of these keys.
+/// Returns the triangle with one channel on its node, of a sampler of these keys.
 fn animated(path: &str, times: &[f32], kind: &str, values: &[f32], interpolation: &str) -> Scene {
     let mut scene = Scene::triangle();
     let input = scene.floats("SCALAR", times);
@@ -126,7 +126,7 @@ fn channels_that_cannot_be_are_left_out_and_told() {
 }
 
 /// Returns a leg of two joints: the root at x = 10, the foot 2 above it; the triangle's corners
-/// hang on both.
+/// follow both.
 fn leg(weights: &[f32]) -> Scene {
     let mut scene = Scene::triangle();
     scene.set(
@@ -152,7 +152,7 @@ fn leg(weights: &[f32]) -> Scene {
 
 const WEIGHTS: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 
-/// Returns where the vertices of the first deformed object are in the world, in a pose.
+/// Returns the positions in the world of the first deformed object's vertices, in a pose.
 fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let placement = &imported.placements[0];

@@ -1,4 +1,4 @@
-//! Loads a file that was made here, for all tests; and what holds for loading itself.
+//! The loading of files made here, for all tests, and tests of loading itself.
 
 use std::ops::ControlFlow;
 
@@ -10,20 +10,20 @@ use serde_json::json;
 use gltf_files::files::{Scene, everything};
 use gltf_files::loaded::check;
 
-/// Returns what loading with the default options gives.
+/// Returns the result of loading with the default options.
 pub fn try_load(scene: &Scene) -> Result<GltfScene, ImportError> {
     let options = LoadOptions::default();
     load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
 }
 
-/// Returns the scene of a file that can be loaded, after a look at everything in it.
+/// Returns the scene of a file that can be loaded, after a check of everything in it.
 pub fn load(scene: &Scene) -> GltfScene {
     let imported = try_load(scene).unwrap_or_else(|error| panic!("{error}"));
     check(&imported);
     imported
 }
 
-/// Returns what is said of a file that cannot.
+/// Returns the error of a file that cannot be loaded.
 pub fn refused(scene: &Scene) -> String {
     match try_load(scene) {
         Ok(_) => panic!("it was loaded"),
@@ -31,12 +31,12 @@ pub fn refused(scene: &Scene) -> String {
     }
 }
 
-/// Returns true if the reason of a note begins like this.
+/// Returns true if the reason of a note begins with `beginning`.
 pub fn notes(imported: &GltfScene, beginning: &str) -> bool {
     imported.notes.iter().any(|note| note.reason.starts_with(beginning))
 }
 
-/// Returns true if a note whose object and reason begin like this counts so many.
+/// Returns true if a note whose object and reason begin with these counts so many.
 pub fn counts(imported: &GltfScene, (object, reason, count): (&str, &str, u64)) -> bool {
     let is_it = |note: &Note| note.object.starts_with(object) && note.reason.starts_with(reason);
     imported.notes.iter().any(|note| is_it(note) && note.count == count)

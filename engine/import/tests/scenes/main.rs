@@ -1,4 +1,4 @@
-//! What becomes of a file: the values that are drawn, feature by feature.
+//! Tests of the scenes made of files: the values that are drawn, feature by feature.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

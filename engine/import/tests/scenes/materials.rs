@@ -1,4 +1,4 @@
-//! Materials, textures and samplers of files.
+//! Tests of materials, textures and samplers of files.
 
 use antumbra_import::GltfScene;
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! Where things are: nodes, scenes, instances, lights, cameras, and places that are none.
+//! Tests of places: nodes, scenes, instances, lights, cameras, and places that are none.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -9,7 +9,7 @@ use serde_json::json;
 use super::loading::{counts, load, notes};
 use gltf_files::files::{F32, Scene};
 
-/// Returns where each object's own (1, 0, 0) is.
+/// Returns the position of each object's own (1, 0, 0).
 fn tips(imported: &GltfScene) -> Vec<Vec3> {
     let objects = imported.scene.objects.iter();
     objects.map(|object| object.transform.transform_point3(Vec3::X)).collect()
@@ -114,7 +114,7 @@ fn instances_are_objects_each() {
     assert_near(&tips(&imported), &[vec3(1.0, 1.0, 9.0), vec3(-1.0, 0.0, 9.0)]);
     assert_eq!(imported.scene.meshes.len(), 2, "the second is mirrored");
     assert!(notes(&imported, "instances with a rotation of length 0"));
-    // On a node that moves, each goes with it from where it is on it.
+    // On a node that moves, each moves with it from its place on it.
     animate(&mut scene, 0);
     let moving = load(&scene);
     let locals: Vec<Vec3> =
