@@ -1,4 +1,4 @@
-//! What a clip must be before it plays: checked once, when it is made.
+//! The checks of a clip, made once when it is created.
 
 use std::collections::HashSet;
 
@@ -7,121 +7,120 @@ use glam::Quat;
 use crate::clip::{Channel, Clip, Interpolation, Track, Values};
 use crate::rig::{Rest, Rig, RigNodeId};
 
-/// Numbers beyond this size are refused: products of a few of them must stay finite.
+/// The largest number that is accepted: products of a few of them must stay finite.
 const LARGEST: f32 = 1e9;
 
-/// Why keys are no track.
+/// The reason why keys make no track.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrackError {
     /// No keys.
     #[error("there are no keys")]
     Empty,
-    /// A time that is no number.
+    /// A time that is not finite.
     #[error("key {key} is at {time_s} s, which is no time")]
     NoTime {
-        /// Which key.
+        /// The index of the key.
         key: usize,
-        /// What it says.
+        /// The time of the key.
         time_s: f32,
     },
     /// A key that is not later than the one before.
     #[error("key {key} is at {time_s} s, not later than the one before")]
     NotLater {
-        /// Which key.
+        /// The index of the key.
         key: usize,
-        /// When it is.
+        /// The time of the key.
         time_s: f32,
     },
-    /// As many values as the keys do not need.
+    /// A number of values that does not fit the keys.
     #[error("there are {values} values where the keys need {needed}")]
     Count {
-        /// How many there are.
+        /// The number of values.
         values: usize,
-        /// How many there should be.
+        /// The number of values needed.
         needed: usize,
     },
-    /// A value that is no number.
+    /// A value that is not finite.
     #[error("value {value} is not finite")]
     NotFinite {
-        /// Which value.
+        /// The index of the value.
         value: usize,
     },
     /// A value beyond 10^9.
     #[error("value {value} is beyond {LARGEST}, which is more than can be played")]
     TooLarge {
-        /// Which value.
+        /// The index of the value.
         value: usize,
     },
     /// A time beyond 10^9 s.
     #[error("key {key} is at {time_s} s, which is later than can be played")]
     TooLate {
-        /// Which key.
+        /// The index of the key.
         key: usize,
-        /// When it is.
+        /// The time of the key.
         time_s: f32,
     },
     /// A rotation of length 0.
     #[error("value {value} is a rotation of length 0")]
     NoRotation {
-        /// Which value.
+        /// The index of the value.
         value: usize,
     },
 }
 
-/// Why channels are no clip of a rig.
+/// The reason why channels make no clip of a rig.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClipError {
-    /// A node that is not there.
+    /// A node that does not exist.
     #[error("channel {channel} moves node {node}, which is not there")]
     NoNode {
-        /// Which channel.
+        /// The index of the channel.
         channel: usize,
-        /// What it names.
+        /// The node that it names.
         node: u32,
     },
-    /// A node whose place is a matrix.
+    /// A node with a matrix as its transform.
     #[error("channel {channel} moves node {node}, which is placed by a matrix")]
     Matrix {
-        /// Which channel.
+        /// The index of the channel.
         channel: usize,
-        /// Whose place it is.
+        /// The node with the matrix.
         node: u32,
     },
-    /// A property that another channel moves.
+    /// A property that another channel animates.
     #[error("channel {channel} moves what another channel of node {node} moves")]
     Twice {
-        /// Which channel.
+        /// The index of the channel.
         channel: usize,
-        /// Whose property it is.
+        /// The node of the property.
         node: u32,
     },
     /// Weights of a node that has no morph targets.
     #[error("channel {channel} moves weights of node {node}, which has no morph targets")]
     NoTargets {
-        /// Which channel.
+        /// The index of the channel.
         channel: usize,
-        /// Which node.
+        /// The node of the weights.
         node: u32,
     },
-    /// Keys that are no track.
+    /// Keys that make no track.
     #[error("channel {channel}: {error}")]
     Track {
-        /// Which channel.
+        /// The index of the channel.
         channel: usize,
-        /// What is wrong with it.
+        /// The fault of the track.
         #[source]
         error: TrackError,
     },
 }
 
 impl Track {
-    /// Creates a checked track. Rotations are brought to unit length (quantised ones are a little
-    /// off), but for tangents. `targets` is how many morph targets the node has; it counts for
-    /// weights only.
+    /// Creates a checked track. Rotations are normalised (quantised ones are a little off), except
+    /// tangents. `targets` is the number of the node's morph targets; it counts for weights only.
     ///
     /// # Errors
-    /// No keys; times that are no numbers, or not ascending; too few or too many values;
-    /// values that are not finite or beyond 10^9; rotations of length 0.
+    /// No keys; times that are not finite, or not ascending; too few or too many values; values
+    /// that are not finite or beyond 10^9; rotations of length 0.
     pub fn new(
         interpolation: Interpolation,
         times_s: Vec<f32>,
@@ -182,7 +181,7 @@ fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
     Ok(())
 }
 
-/// Brings all rotations to unit length: every value, or the middle one of three.
+/// Normalises all rotations: every value, or the middle one of three.
 fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
     for (index, value) in values.iter_mut().enumerate() {
         if parts == 3 && index % 3 != 1 {
@@ -201,8 +200,8 @@ impl Clip {
     /// Creates a checked clip of a rig: all its tracks go through [`Track::new`].
     ///
     /// # Errors
-    /// Nodes that are not there or are placed by a matrix; two channels for one property; weights
-    /// where there are no morph targets; what [`Track::new`] refuses.
+    /// Nodes that do not exist or have a matrix; two channels for one property; weights without
+    /// morph targets; the errors of [`Track::new`].
     pub fn new(name: String, channels: Vec<Channel>, rig: &Rig) -> Result<Self, ClipError> {
         let mut moved = HashSet::new();
         let checked = channels.into_iter().enumerate().map(|(channel, Channel { node, track })| {

@@ -1,6 +1,6 @@
-//! How far nodes go from their parents in any clip, and any mix of clips: for the whole rig in one
-//! walk over all keys. It is coarse, costs next to nothing, and says what can be out of sight
-//! whatever plays.
+//! The distances of nodes from their parents in any clip, and any mix of clips, for the whole rig
+//! in one walk over all keys. The bound is coarse, costs next to nothing, and shows which objects
+//! can be skipped whatever plays.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -13,28 +13,29 @@ use crate::hull::hull;
 use crate::rig::{Rest, Rig, RigNodeId};
 use crate::skeleton::Skeleton;
 
-/// Mixes lie between what is mixed, so the ranges of all clips and of the rest hold them all.
+/// The extent of a node. A mix lies between the poses that it mixes, so the ranges of all clips and
+/// of the pose at rest hold all mixes.
 #[derive(Clone, Copy, Debug)]
 struct Extent {
-    /// The farthest that its origin is from its parent's.
+    /// The greatest distance of its origin from its parent's.
     farthest: f32,
-    /// The most that it lengthens anything.
+    /// The greatest factor by which it lengthens a vector.
     lengthens: f32,
 }
 
-/// How far nodes go, whatever plays.
+/// The extents of nodes, whatever plays.
 #[derive(Clone, Debug)]
 pub struct Extents {
     nodes: Vec<Extent>,
-    /// The ranges of the scales of those that clips scale, which are few.
+    /// The ranges of scales of the nodes that clips scale, which are few.
     scales: HashMap<RigNodeId, [Vec3; 2]>,
 }
 
-/// What single precision may add on the way.
+/// The factor for rounding errors of single precision.
 const ROUNDING: f32 = 1.001;
 
-/// Returns the most that a matrix lengthens a vector, exactly so for turned and scaled axes: the
-/// square root of the largest sum of a row of its product with its transpose.
+/// Returns the greatest factor by which a matrix lengthens a vector, which is exact for rotated and
+/// scaled axes: the square root of the largest sum of a row of its product with its transpose.
 fn lengthens(matrix: &Affine3A) -> f32 {
     let axes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
     // Its entries may be as large as numbers get.
@@ -48,8 +49,8 @@ fn turns_inside_out([least, largest]: &[Vec3; 2]) -> bool {
 }
 
 impl Extents {
-    /// Returns those of a rig in these clips and at rest. Takes as long as there are nodes and
-    /// keys.
+    /// Creates the extents of a rig in these clips and at rest. Takes time in proportion to nodes
+    /// and keys.
     pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
         let at_rest = |rest: &Rest| match rest {
             Rest::Matrix(matrix) => {
@@ -68,7 +69,7 @@ impl Extents {
         extents
     }
 
-    /// Adds what a clip of the same rig does.
+    /// Adds a clip of the same rig.
     pub fn add(&mut self, rig: &Rig, clip: &Clip) {
         for channel in &clip.channels {
             let Some(extent) = self.nodes.get_mut(channel.node.0 as usize) else { continue };
@@ -96,31 +97,31 @@ impl Extents {
         }
     }
 
-    /// Returns true if a node may mirror at one time what it does not at another.
+    /// Returns true if a node may mirror at one time and not at another.
     pub fn may_turn_inside_out(&self, node: RigNodeId) -> bool {
         self.scales.get(&node).is_some_and(turns_inside_out)
     }
 
-    /// Returns true if any node may.
+    /// Returns true if any node may do so.
     pub fn may_any_turn_inside_out(&self) -> bool {
         self.scales.values().any(turns_inside_out)
     }
 
-    /// Returns how far a point that is at most `distance` from a node's origin is from its
-    /// parent's.
+    /// Returns the greatest distance from a parent's origin of a point that is at most `distance`
+    /// from the node's origin.
     fn lifted(&self, node: RigNodeId, distance: f32) -> f32 {
         let extent = self.nodes.get(node.0 as usize);
         let lifted = extent.map_or(distance, |it| it.farthest + it.lengthens * distance);
-        // What is no number would be lost in a maximum.
+        // A value that is not a number would be lost in a maximum.
         if lifted.is_nan() { f32::INFINITY } else { lifted }
     }
 
-    /// Returns how far from the origin of the world anything gets, for each node the farthest of
-    /// what is within `distances` of its origin, which may be infinite; negative where there is
-    /// nothing. Answers the node on which the farthest hangs, and how far that is. Takes as long as
-    /// the rig is large.
+    /// Returns the greatest distance of any point from the origin of the world, and the node that
+    /// it belongs to. `distances` holds, for each node, the greatest distance of its own points
+    /// from its origin, which may be infinite; it is negative for a node without points. Takes time
+    /// in proportion to the rig.
     pub fn farthest(&self, rig: &Rig, distances: &[f32]) -> Option<(RigNodeId, f32)> {
-        // Of what hangs on a node, in its own space: the farthest, and whose it is.
+        // The farthest point at or below each node, in the node's space, and its own node.
         let mut hanging: Vec<Option<(f32, RigNodeId)>> = (0..rig.nodes().len() as u32)
             .map(|id| {
                 let distance = distances.get(id as usize).filter(|distance| **distance >= 0.0)?;
@@ -145,11 +146,11 @@ impl Extents {
         farthest.map(|(distance, whose)| (whose, distance * ROUNDING))
     }
 
-    /// Returns a box that nothing leaves that hangs on a skeleton, whatever plays: the sum of the
-    /// lengths of the chains above it. `boxes` has for each joint, by its number in the skin, the
-    /// box of what follows it in the space of the mesh. Around the origin of the [skeleton's
-    /// space](Skeleton::space); infinite or larger than anything can be where it reaches that far.
-    /// Takes as long as there are boxes and bones.
+    /// Returns a box that no vertex of a skeleton leaves, whatever plays: the sum of the lengths of
+    /// the chains above it. `boxes` holds for each joint, by its number in the skin, the box of the
+    /// vertices that follow it, in the space of the mesh. The box is around the origin of the
+    /// [skeleton's space](Skeleton::space); it is infinite, or larger than anything can be, where
+    /// vertices reach that far. Takes time in proportion to boxes and bones.
     pub fn reach(&self, skeleton: &Skeleton, boxes: impl IntoIterator<Item = (u16, Aabb)>) -> Aabb {
         let mut hanging = vec![f32::NEG_INFINITY; skeleton.bones.len()];
         let mut farthest = 0.0_f32;
@@ -161,10 +162,10 @@ impl Extents {
             let entry = joint.bone.and_then(|bone| hanging.get_mut(bone));
             let entry = entry.unwrap_or(&mut farthest);
             for corner in bounds.corners() {
-                // Terms may cancel out each other, and their rounding does not.
+                // Terms may cancel each other out, but their rounding errors do not.
                 let terms = lengthens * corner.length() + offset;
                 let distance = bind.transform_point3(corner).length() + terms * (ROUNDING - 1.0);
-                // What is no number would be lost in a maximum.
+                // A value that is not a number would be lost in a maximum.
                 *entry = entry.max(if distance.is_nan() { f32::INFINITY } else { distance });
             }
         }
@@ -187,12 +188,12 @@ impl Extents {
 /// and at rest.
 #[derive(Clone, Debug, Default)]
 pub struct WeightRanges {
-    /// Of the nodes whose weights clips change.
+    /// The ranges of the nodes whose weights clips change.
     nodes: HashMap<RigNodeId, Vec<[f32; 2]>>,
 }
 
 impl WeightRanges {
-    /// Finds those of a rig in these clips. Takes as long as there are keys.
+    /// Finds the ranges of a rig in these clips. Takes time in proportion to the keys.
     pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
         let mut ranges = Self::default();
         for channel in clips.into_iter().flat_map(|clip| &clip.channels) {
@@ -209,7 +210,7 @@ impl WeightRanges {
         ranges
     }
 
-    /// Returns those of a node's targets.
+    /// Returns the ranges of a node's targets.
     pub fn of(&self, rig: &Rig, node: RigNodeId) -> Cow<'_, [[f32; 2]]> {
         match self.nodes.get(&node) {
             Some(ranges) => ranges.into(),

@@ -1,11 +1,11 @@
-//! Points whose hull holds all that a track does: the values of keys, and the control points of
+//! Points whose hull holds all values of a track: the values of keys, and the control points of
 //! cubic pieces (a cubic is a mix of its Bernstein control points with factors that are not
 //! negative and 1 together, so it does not leave their hull, however far it overshoots its keys).
 
 use crate::clip::{Interpolation, Track};
 use crate::sample::Mix;
 
-/// Visits points whose hull holds a place, a scale, or one of `stride` weights.
+/// Visits points whose hull holds a translation, a scale, or one of `stride` weights.
 pub(crate) fn hull<T: Mix>(
     track: &Track,
     values: &[T],

@@ -1,12 +1,12 @@
-//! How a scene moves: a rig of nodes, clips that play on it, poses, skins and morph targets. Pure
-//! values: time in, poses out. It reads no clock, knows no file format and no GPU, never panics,
-//! and allocates nothing per frame once its vectors have grown.
+//! The animation of a scene: a rig of nodes, clips that play on it, poses, skins and morph targets.
+//! Pure values: time in, poses out. It reads no clock, knows no file format and no GPU, never
+//! panics, and allocates nothing per frame once its vectors have grown.
 //!
-//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check what plays, [`Skeleton::new`]
-//! what hangs, and [`Extents`] finds how far anything can get. In each frame: [`Player::pose_at`]
-//! gives the pose, [`Rig::update_world`] the world transforms of what moves,
-//! [`Skeleton::joint_matrices`] what skinned vertices follow, [`Pose::weights`] what morphed ones
-//! do.
+//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check the clips, [`Skeleton::new`]
+//! checks the skins, and [`Extents`] bounds the distance of every node. In each frame:
+//! [`Player::pose_at`] gives the pose, [`Rig::update_world`] the world transforms of moving nodes,
+//! [`Skeleton::joint_matrices`] the matrices of skinned vertices, [`Pose::weights`] the weights of
+//! morphed ones.
 //!
 //! ```
 //! use antumbra_animation::*;
@@ -38,7 +38,7 @@
 //!     Clip::new("jump".into(), vec![Channel { node: RigNodeId(0), track: jump }], &rig)?,
 //! ];
 //!
-//! // A skin of one vertex at its tip. The object it belongs to hangs on the upper bone, so a jump is in the
+//! // A skin of one vertex at its tip. Its object moves with the upper bone, so a jump is in the
 //! // object's transform and not in its box.
 //! let skin = Skin {
 //!     joints: vec![RigNodeId(0), RigNodeId(1)],
@@ -50,7 +50,7 @@
 //! let tip = Vec3::new(0.0, 2.0, 0.0);
 //! let reach = Extents::new(&rig, &clips).reach(&skeleton, [(1, cull::Aabb::new(tip, tip))]);
 //!
-//! // Half a second into a fade of two seconds from the one to the other, a quarter of it is the other.
+//! // Half a second into a fade of two seconds, the pose is a quarter of the other clip.
 //! let mut player = Player::new();
 //! let once = Playback { repeat: Repeat::Once, ..Playback::looped(ClipId(0), 0.0) };
 //! let layer = player.play(once);

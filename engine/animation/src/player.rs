@@ -1,46 +1,47 @@
-//! Players: which clips play, as a pure function of time.
+//! Players: the clips that play, as a pure function of time.
 
 use crate::clip::Clip;
 use crate::pose::Pose;
 use crate::rig::Rig;
 
-/// Names a clip: an index into the clips of a scene.
+/// The identity of a clip: an index into the clips of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ClipId(pub u32);
 
-/// Names a layer of a [`Player`].
+/// The identity of a layer of a [`Player`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LayerId(pub u32);
 
-/// What comes after the end of a clip.
+/// The state after the end of a clip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Repeat {
-    /// It stays as it ended.
+    /// The clip stays at its end.
     Once,
-    /// It begins again.
+    /// The clip begins again.
     Loop,
 }
 
-/// A clip that plays.
+/// The playback of a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Playback {
-    /// Which.
+    /// The clip.
     pub clip: ClipId,
-    /// When it began, in seconds of the player's time; before that it is as it begins.
+    /// The time of its beginning, in seconds of the player's time; before that it shows its first
+    /// pose.
     pub start_s: f64,
-    /// How fast: 1 as it is, negative backwards from its end.
+    /// The speed: 1 for its own, negative for backwards from its end.
     pub speed: f32,
-    /// What comes after its end.
+    /// The state after its end.
     pub repeat: Repeat,
 }
 
 impl Playback {
-    /// Returns a clip that plays again and again from now on, as fast as it is.
+    /// Returns a playback that repeats from now on, at the clip's own speed.
     pub fn looped(clip: ClipId, now_s: f64) -> Self {
         Self { clip, start_s: now_s, speed: 1.0, repeat: Repeat::Loop }
     }
 
-    /// Returns which moment of a clip of this duration it shows.
+    /// Returns the time within a clip of this duration.
     pub fn time_s(&self, duration_s: f32, now_s: f64) -> f32 {
         let duration = f64::from(duration_s);
         let played_s = (now_s - self.start_s).max(0.0) * f64::from(self.speed);
@@ -50,19 +51,19 @@ impl Playback {
             Repeat::Loop if duration > 0.0 && played_s < 0.0 => played_s.rem_euclid(duration),
             Repeat::Once | Repeat::Loop => played_s,
         };
-        // What is no number begins at the beginning.
+        // A time that is not a number is the beginning.
         if time_s.is_finite() { time_s.clamp(0.0, duration) as f32 } else { 0.0 }
     }
 }
 
-/// A clip on its way in, over those before it.
+/// A clip that fades in over those before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Voice {
     playback: Playback,
     fade_start_s: f64,
-    /// 0 is there at once.
+    /// The duration of the fade; 0 is immediate.
     fade_s: f32,
-    /// How much of it there is at last.
+    /// The final weight.
     weight: f32,
 }
 
@@ -79,18 +80,18 @@ impl Voice {
     }
 }
 
-/// Which clips play. A **layer** is one clip, or several that fade from one to the next; what one
-/// of these does not move fades from or to rest. Layers play at once, and where two move the same
-/// property, the later wins.
+/// The state of playback. A **layer** is one clip, or several that fade from one to the next; a
+/// property that one of them does not animate fades from or to rest. Layers play at once, and where
+/// two animate the same property, the later wins.
 ///
-/// It is a value: the pose depends on it and on the time alone, in whatever order times are asked
-/// for, from the last change on.
+/// It is a value: the pose depends on it and on the time alone, for times after the last change in
+/// any order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Player {
     layers: Vec<Vec<Voice>>,
 }
 
-/// Poses that a [`Player`] needs on the way; keep one for as long as the rig.
+/// The scratch poses of a [`Player`]; keep one for as long as the rig.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     layer: Pose,
@@ -98,14 +99,14 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// For players on this rig.
+    /// Creates a workspace for players on this rig.
     pub fn new(rig: &Rig) -> Self {
         Self { layer: Pose::new(rig), voice: Pose::new(rig) }
     }
 }
 
 impl Player {
-    /// Nothing plays.
+    /// Creates a player in which nothing plays.
     pub fn new() -> Self {
         Self::default()
     }
@@ -118,15 +119,15 @@ impl Player {
         LayerId(self.layers.len().saturating_sub(1) as u32)
     }
 
-    /// From what plays in a layer to another clip, from `now_s` on, in `fade_s` seconds. Until then
-    /// the layer is as it was; what is faded over by others for good is forgotten. An unknown layer
-    /// stays unknown.
+    /// Fades from the clips of a layer to another clip, from `now_s` on, in `fade_s` seconds. Until
+    /// then the layer stays the same; clips that others have fully faded over are dropped. An
+    /// unknown layer stays unknown.
     pub fn cross_fade(&mut self, layer: LayerId, to: Playback, now_s: f64, fade_s: f32) {
         self.add(layer, now_s, Voice { playback: to, fade_start_s: now_s, fade_s, weight: 1.0 });
     }
 
-    /// Mixes another clip into a layer, with a weight from 0 to 1 that stays: 0 is all that was
-    /// there, 1 all of the clip.
+    /// Mixes another clip into a layer, with a weight from 0 to 1 that stays: 0 keeps the old pose,
+    /// 1 is the clip alone.
     pub fn mix(&mut self, layer: LayerId, with: Playback, now_s: f64, weight: f32) {
         let weight = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         self.add(layer, now_s, Voice { playback: with, fade_start_s: now_s, fade_s: 0.0, weight });
@@ -140,14 +141,14 @@ impl Player {
         }
     }
 
-    /// Ends what plays in a layer: what it moved is at rest again, or as other layers have it.
+    /// Stops the clips of a layer: the nodes that it moved return to rest, or to other layers.
     pub fn stop(&mut self, layer: LayerId) {
         if let Some(voices) = self.layers.get_mut(layer.0 as usize) {
             voices.clear();
         }
     }
 
-    /// Returns the clips that have a part in the pose at a time, some perhaps twice.
+    /// Returns the clips that contribute to the pose at a time, possibly with repetitions.
     pub fn playing(&self, now_s: f64) -> impl Iterator<Item = ClipId> {
         let heard = move |voices: &Vec<Voice>| first_heard(voices, now_s);
         let voices = self.layers.iter().flat_map(move |voices| voices.iter().skip(heard(voices)));
@@ -155,9 +156,9 @@ impl Player {
         parts.map(|voice| voice.playback.clip)
     }
 
-    /// The pose at a time: `pose` goes back to rest, then each layer sets what its clips move.
-    /// Clips that are not there move nothing. The work goes with what moves and has moved last, not
-    /// with the rig.
+    /// Computes the pose at a time: `pose` is reset to rest, then each layer sets the properties of
+    /// its clips. Clips that do not exist move nothing. The work is in proportion to the nodes that
+    /// move or moved last, not to the rig.
     pub fn pose_at(
         &self,
         rig: &Rig,
@@ -190,7 +191,7 @@ impl Player {
     }
 }
 
-/// Returns the last of a layer's voices that leaves nothing of those before it, or the first.
+/// Returns the last of a layer's voices that fully covers those before it, or the first.
 fn first_heard(voices: &[Voice], now_s: f64) -> usize {
     voices.iter().rposition(|voice| voice.covers(now_s)).unwrap_or(0)
 }

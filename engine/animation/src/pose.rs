@@ -1,4 +1,4 @@
-//! Poses: where all nodes of a rig are in their parents at one moment.
+//! Poses: the transforms of all nodes of a rig in their parents at one time.
 
 use glam::{Affine3A, Vec4};
 
@@ -6,20 +6,20 @@ use crate::clip::{Channel, Clip, Values};
 use crate::rig::{Rest, Rig, RigNodeId, Trs};
 use crate::sample::unit;
 
-/// The parts of all nodes and their morph targets' weights. It knows which nodes have been moved,
-/// so that work goes with them and not with the rig.
+/// The parts of all nodes and their morph targets' weights. It lists the nodes that have been
+/// moved, so that work is in proportion to them and not to the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     parts: Vec<Trs>,
     weights: Vec<f32>,
-    /// Where each node's weights begin, and where the last one's end.
+    /// The offset of each node's weights, and the end of the last one's.
     first_weight: Vec<usize>,
     moved: Vec<RigNodeId>,
     is_moved: Vec<bool>,
 }
 
 impl Pose {
-    /// Creates the rig at rest.
+    /// Creates the pose of the rig at rest.
     pub fn new(rig: &Rig) -> Self {
         let nodes = rig.nodes();
         let mut weights = Vec::new();
@@ -41,7 +41,7 @@ impl Pose {
         }
     }
 
-    /// Puts what was moved back to rest. `rig` is the one it was made for.
+    /// Resets the moved nodes to rest. `rig` is the one that the pose was made for.
     pub fn reset(&mut self, rig: &Rig) {
         let mut moved = std::mem::take(&mut self.moved);
         for id in moved.drain(..) {
@@ -60,13 +60,13 @@ impl Pose {
         self.moved = moved;
     }
 
-    /// Returns the nodes that have been moved since it was at rest, in no order.
+    /// Returns the nodes that have been moved since the pose was at rest, in no order.
     pub fn moved(&self) -> &[RigNodeId] {
         &self.moved
     }
 
-    /// Returns where a node is in its parent; `None` for what is not there. A node that is placed
-    /// by a matrix has no parts of its own.
+    /// Returns the transform of a node in its parent; `None` for a node that does not exist. A node
+    /// with a matrix has no parts of its own.
     pub fn parts(&self, node: RigNodeId) -> Option<&Trs> {
         self.parts.get(node.0 as usize)
     }
@@ -76,7 +76,7 @@ impl Pose {
         self.weight_range(node).and_then(|range| self.weights.get(range)).unwrap_or_default()
     }
 
-    /// From a node's space to its parent's.
+    /// Returns the transform from a node's space to its parent's.
     pub fn local(&self, rig: &Rig, node: RigNodeId) -> Affine3A {
         match rig.nodes().get(node.0 as usize).map(|node| node.rest) {
             Some(Rest::Matrix(matrix)) => matrix,
@@ -84,8 +84,8 @@ impl Pose {
         }
     }
 
-    /// What a clip moves goes to where it is at `time_s`, which is clamped to the clip's ends. What
-    /// it does not move stays.
+    /// Sets the properties that a clip animates to their values at `time_s`, which is clamped to
+    /// the clip's ends. Other properties stay.
     pub fn sample(&mut self, clip: &Clip, time_s: f32) {
         for Channel { node, track } in &clip.channels {
             self.mark(*node);
@@ -110,9 +110,9 @@ impl Pose {
         }
     }
 
-    /// Goes from this pose to another of the same rig: 0 is this one, 1 the other. Rotations take
+    /// Blends this pose with another of the same rig: 0 is this one, 1 the other. Rotations take
     /// the shorter arc, along its chord ("nlerp"): unlike slerp this keeps every mix of any number
-    /// of poses in the cone that their rotations span, which is what bounds of blends are made of.
+    /// of poses in the cone that their rotations span, on which the bounds of blends rely.
     pub fn blend(&mut self, other: &Self, weight: f32) {
         let weight = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         for node in &other.moved {
@@ -131,7 +131,8 @@ impl Pose {
         }
     }
 
-    /// Takes from another pose of the same rig what a clip moves, and nothing else.
+    /// Copies from another pose of the same rig the properties that a clip animates, and nothing
+    /// else.
     pub(crate) fn take(&mut self, other: &Self, clip: &Clip) {
         for Channel { node, track } in &clip.channels {
             self.mark(*node);

@@ -2,52 +2,52 @@
 
 use glam::{Affine3A, Quat, Vec3};
 
-/// Names a node of a rig: an index into its nodes.
+/// The identity of a node of a rig: an index into its nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RigNodeId(pub u32);
 
-/// A transform in parts: scaled first, then turned, then moved.
+/// A transform in parts: scale first, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trs {
-    /// Where it is.
+    /// The translation.
     pub translation: Vec3,
-    /// How it is turned; unit length.
+    /// The rotation, of unit length.
     pub rotation: Quat,
-    /// How it is scaled.
+    /// The scale.
     pub scale: Vec3,
 }
 
-/// Where a node is in its parent when nothing moves it.
+/// The transform of a node in its parent when no clip moves it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rest {
-    /// In parts, which clips may move.
+    /// Parts, which clips may move.
     Parts(Trs),
-    /// As a matrix, which no clip moves.
+    /// A matrix, which no clip moves.
     Matrix(Affine3A),
 }
 
-/// Something that has a place.
+/// A node: a transform in a parent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigNode {
-    /// What it is, for people.
+    /// The name, for people.
     pub name: String,
-    /// In whose space it is; `None` in the world's.
+    /// The parent in whose space it is; `None` for the world's.
     pub parent: Option<RigNodeId>,
-    /// Where it is there at rest.
+    /// Its transform there at rest.
     pub rest: Rest,
     /// Its morph targets' weights at rest; empty if it has none.
     pub weights: Vec<f32>,
 }
 
-/// Why nodes are no rig.
+/// The reason why nodes make no rig.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RigError {
-    /// A parent that is not there.
+    /// A parent that does not exist.
     #[error("node {node} has the parent {parent}, which is not there")]
     NoParent {
-        /// Whose.
+        /// The child.
         node: u32,
-        /// What it names.
+        /// The parent that it names.
         parent: u32,
     },
     /// Nodes that are their own ancestors.
@@ -58,12 +58,12 @@ pub enum RigError {
     },
 }
 
-/// Nodes, and an order in which parents come before their children.
+/// The nodes of a scene, and an order with parents before their children.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rig {
     nodes: Vec<RigNode>,
     order: Vec<RigNodeId>,
-    /// Where each node is in the order.
+    /// The position of each node in the order.
     places: Vec<u32>,
 }
 
@@ -71,7 +71,7 @@ impl Rig {
     /// Creates a rig of these nodes, in time proportional to their number, however deep they are.
     ///
     /// # Errors
-    /// A parent that is not there; nodes that are their own ancestors.
+    /// A parent that does not exist; nodes that are their own ancestors.
     pub fn new(nodes: Vec<RigNode>) -> Result<Self, RigError> {
         let is_after_parent = |(place, node): (usize, &RigNode)| {
             node.parent.is_none_or(|parent| (parent.0 as usize) < place)
@@ -122,7 +122,7 @@ impl Rig {
         }
     }
 
-    /// Its nodes, by their ids.
+    /// Returns its nodes, by their ids.
     pub fn nodes(&self) -> &[RigNode] {
         &self.nodes
     }
@@ -132,7 +132,7 @@ impl Rig {
         &self.order
     }
 
-    /// Returns where a node is in the order; after all others if it is not there.
+    /// Returns the position of a node in the order; the end if it does not exist.
     pub(crate) fn place_of(&self, node: RigNodeId) -> u32 {
         self.places.get(node.0 as usize).copied().unwrap_or(u32::MAX)
     }

@@ -1,26 +1,26 @@
-//! Tracks at a time: glTF 2.0, appendix C.
+//! Sampling of tracks: glTF 2.0, appendix C.
 
 use glam::{Quat, Vec3, Vec4};
 
 use crate::clip::{Channel, Clip, Interpolation, Track, Values};
 
-/// Where a time is among the keys of a track.
+/// The position of a time among the keys of a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Place {
-    /// At a key, or beyond the first or the last.
+    /// A time at a key, or beyond the first or the last.
     Key(usize),
-    /// Between this key and the next.
+    /// A time between this key and the next.
     Between {
-        /// The one before.
+        /// The key before.
         key: usize,
-        /// How much of the way to the next is behind, 0 to 1.
+        /// The fraction of the interval that has passed, 0 to 1.
         fraction: f32,
-        /// From the one to the other.
+        /// The length of the interval in seconds.
         interval_s: f32,
     },
 }
 
-/// What can be mixed: all that tracks move, rotations as the four numbers they are.
+/// A value that can be mixed: all values of tracks, rotations as their four numbers.
 pub(crate) trait Mix:
     Copy + std::ops::Add<Output = Self> + std::ops::Mul<f32, Output = Self>
 {
@@ -39,10 +39,10 @@ pub(crate) fn hermite<T: Mix>(from: T, leaving: T, arriving: T, to: T, t: f32) -
         + arriving * (t3 - t2)
 }
 
-/// From one rotation to another by the shorter arc, at constant speed.
+/// Returns the rotation between two by the shorter arc, at constant speed.
 pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
-    /// From here on the sine of the angle is too small to divide by, and arc and chord are the
-    /// same.
+    /// The cosine beyond which the sine of the angle is too small to divide by, and arc and chord
+    /// are the same.
     const NEARLY_SAME: f32 = 0.9995;
     let cosine = from.dot(to);
     let to = if cosine < 0.0 { -to } else { to };
@@ -55,14 +55,14 @@ pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
     unit(mixed, from)
 }
 
-/// Returns the rotation along these four numbers, or another where they have no direction.
+/// Returns the rotation along these four numbers, or `otherwise` where they have no direction.
 pub(crate) fn unit(value: Vec4, otherwise: Quat) -> Quat {
     let length = value.length();
     if length > 1e-6 && length.is_finite() { Quat::from_vec4(value / length) } else { otherwise }
 }
 
 impl Track {
-    /// Returns where a time is among its keys; `None` without keys.
+    /// Returns the position of a time among its keys; `None` without keys.
     pub(crate) fn place(&self, time_s: f32) -> Option<Place> {
         let next = self.times_s.partition_point(|key_s| *key_s <= time_s);
         let (Some(key), Some(to_s)) = (next.checked_sub(1), self.times_s.get(next)) else {
@@ -74,14 +74,13 @@ impl Track {
         Some(Place::Between { key, fraction, interval_s })
     }
 
-    /// Returns a key's value among all values; the first of as many as there are targets for
-    /// weights.
+    /// Returns a key's value among all values; for weights, the first of one per target.
     pub(crate) fn value<T: Copy>(&self, values: &[T], key: usize, stride: usize) -> Option<T> {
         self.part(values, key, 1, stride, 0)
     }
 
     /// Returns one of a key's three values (tangent in, value, tangent out), of one of `stride`
-    /// targets. What is not cubic has values alone.
+    /// targets. Tracks that are not cubic have values alone.
     pub(crate) fn part<T: Copy>(
         &self,
         values: &[T],
@@ -94,7 +93,7 @@ impl Track {
         values.get(row * stride + target).copied()
     }
 
-    /// Its value at a place, but for rotations that go straight.
+    /// Returns its value at a place, with rotations interpolated linearly.
     fn mixed<T: Mix>(&self, values: &[T], place: Place, stride: usize, target: usize) -> Option<T> {
         let at = |key, part| self.part(values, key, part, stride, target);
         let (key, t, interval_s) = match place {
@@ -112,12 +111,12 @@ impl Track {
         })
     }
 
-    /// Returns a place or a scale at a time.
+    /// Returns a translation or a scale at a time.
     pub(crate) fn vector_at(&self, values: &[Vec3], time_s: f32) -> Option<Vec3> {
         self.mixed(values, self.place(time_s)?, 1, 0)
     }
 
-    /// Returns a rotation at a time; unit length.
+    /// Returns a rotation at a time, of unit length.
     pub(crate) fn rotation_at(&self, values: &[Quat], time_s: f32) -> Option<Quat> {
         let place = self.place(time_s)?;
         let (key, t, interval_s) = match place {
@@ -139,7 +138,7 @@ impl Track {
         })
     }
 
-    /// Morph targets' weights at a time into `weights`, one each.
+    /// Writes the morph targets' weights at a time to `weights`, one each.
     pub(crate) fn weights_at(&self, values: &[f32], time_s: f32, weights: &mut [f32]) {
         let Some(place) = self.place(time_s) else { return };
         let stride = weights.len();
@@ -152,15 +151,16 @@ impl Track {
 }
 
 impl Channel {
-    /// Returns true if it moves its node rather than its morph targets' weights.
+    /// Returns true if it animates the transform of its node rather than the weights of its morph
+    /// targets.
     pub fn is_transform(&self) -> bool {
         !matches!(self.track.values, Values::Weights(_))
     }
 }
 
 impl Clip {
-    /// Returns when its last key is, in seconds: how long it lasts. Who wants it to loop starts
-    /// again after it.
+    /// Returns the time of its last key in seconds, which is its duration. A loop starts again
+    /// after it.
     pub fn duration_s(&self) -> f32 {
         let ends = self.channels.iter().filter_map(|channel| channel.track.times_s.last());
         ends.fold(0.0, |longest, end| longest.max(*end))

@@ -1,4 +1,4 @@
-//! Skeletons: how the joints of a skin hang together, and the matrices that its vertices follow.
+//! Skeletons: the hierarchy of a skin's joints, and the matrices that its vertices follow.
 
 use std::collections::BinaryHeap;
 
@@ -10,32 +10,32 @@ use crate::rig::{Rig, RigNodeId};
 use crate::skin::Skin;
 use crate::world::finite;
 
-/// Why joints are no skin of a rig.
+/// The reason why joints make no skin of a rig.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SkinError {
     /// No joints.
     #[error("the skin has no joints")]
     Empty,
-    /// A joint that is no node.
+    /// A joint that is not a node.
     #[error("joint {joint} is node {node}, which is not there")]
     NoNode {
-        /// Which joint.
+        /// The index of the joint.
         joint: usize,
-        /// What it names.
+        /// The node that it names.
         node: u32,
     },
-    /// Not one inverse bind matrix a joint.
+    /// A number of inverse bind matrices that differs from that of joints.
     #[error("{joints} joints have {matrices} inverse bind matrices")]
     Count {
-        /// How many joints there are.
+        /// The number of joints.
         joints: usize,
-        /// How many matrices.
+        /// The number of matrices.
         matrices: usize,
     },
     /// An inverse bind matrix that is not finite.
     #[error("the inverse bind matrix of joint {joint} is not finite")]
     NotFinite {
-        /// Whose.
+        /// The joint of the matrix.
         joint: usize,
     },
 }
@@ -43,49 +43,49 @@ pub enum SkinError {
 /// A node between the space of a skeleton and a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bone {
-    /// Which node.
+    /// The node of the bone.
     pub node: RigNodeId,
-    /// The bone it hangs on; `None` if it hangs on the space.
+    /// The parent bone; `None` if the parent is the skeleton's space.
     pub parent: Option<usize>,
 }
 
-/// A joint: what follows it first goes into its space.
+/// A joint: its vertices are first transformed to its space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Joint {
     /// Its bone; `None` if it is the space itself.
     pub bone: Option<usize>,
-    /// From the mesh's space at rest to its own.
+    /// The transform from the mesh's space at rest to its own.
     pub inverse_bind: Affine3A,
 }
 
 /// A skin on its rig.
 ///
-/// The object that hangs on a skin belongs to no node of the file: glTF ignores the transform of
-/// the node that has the mesh. Here it belongs to the **deepest node that moves all joints**
-/// ([`Skeleton::space`], mostly the topmost joint): what that node and those above it do (running
-/// away, turning round) is in the object's transform, and joint matrices and boxes say only what
-/// happens relative to it. So boxes stay as small as the animation "in place". The matrices are
-/// products of local transforms from there down to each joint, so that no transform is ever
-/// inverted, and singular ones are as good as others.
+/// A skinned object belongs to no node of the file: glTF ignores the transform of the node that has
+/// the mesh. Here it belongs to the **deepest node that moves all joints** ([`Skeleton::space`],
+/// mostly the topmost joint): the movement of that node and its ancestors (running away, turning
+/// round) is in the object's transform, and joint matrices and boxes are relative to it. So boxes
+/// stay as small as those of the animation "in place". The matrices are products of local
+/// transforms from there down to each joint, so that no transform is ever inverted, and singular
+/// ones are as valid as others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     space: Option<RigNodeId>,
-    /// Parents before children.
+    /// The bones, parents before children.
     pub(crate) bones: Vec<Bone>,
-    /// The bone of each node that has one, by node.
+    /// The bones of nodes, sorted by node.
     bone_of: Vec<(RigNodeId, usize)>,
     /// One for each joint of the skin; `None` if no vertex follows it.
     pub(crate) joints: Vec<Option<Joint>>,
 }
 
 impl Skeleton {
-    /// Creates the skeleton of a skin, in time that goes with its bones and not with the rig.
-    /// `is_used` says of each joint whether a vertex follows it: joints that move nothing then
-    /// neither pull [`Skeleton::space`] upwards nor cost time. Empty: all are used.
+    /// Creates the skeleton of a skin, in time proportional to its bones and not to the rig.
+    /// `is_used` is true for each joint that a vertex follows: unused joints then neither pull
+    /// [`Skeleton::space`] upwards nor cost time. If it is empty, all are used.
     ///
     /// # Errors
-    /// A skin without joints; joints that are no nodes; not one finite inverse bind matrix for each
-    /// joint.
+    /// A skin without joints; joints that are not nodes; not one finite inverse bind matrix for
+    /// each joint.
     pub fn new(rig: &Rig, skin: &Skin, is_used: &[bool]) -> Result<Self, SkinError> {
         check(rig, skin)?;
         let uses = |joint: usize| is_used.get(joint).copied().unwrap_or(is_used.is_empty());
@@ -107,37 +107,37 @@ impl Skeleton {
         Ok(Self { space, bones, bone_of, joints })
     }
 
-    /// Returns the node whose world transform is the object's; `None` if the joints have no
-    /// ancestor in common: then the object's space is the world.
+    /// Returns the node whose world transform is the object's; `None` if the joints have no common
+    /// ancestor, so that the object's space is the world.
     pub fn space(&self) -> Option<RigNodeId> {
         self.space
     }
 
-    /// Returns the bone that a node is.
+    /// Returns the bone of a node.
     pub(crate) fn bone_of(&self, node: RigNodeId) -> Option<usize> {
         find(&self.bone_of, node)
     }
 
-    /// Returns the nodes between its space and its joints, these among them, parents before
-    /// children: what changes the form of what hangs on it.
+    /// Returns the nodes between its space and its joints, joints included, parents before
+    /// children: these deform its vertices.
     pub fn bones(&self) -> impl Iterator<Item = RigNodeId> {
         self.bones.iter().map(|bone| bone.node)
     }
 
-    /// Returns how many matrices [`Skeleton::joint_matrices`] gives.
+    /// Returns the number of matrices of [`Skeleton::joint_matrices`].
     pub fn joint_count(&self) -> usize {
         self.joints.len()
     }
 
-    /// Returns true if a clip changes the form of what hangs on it, rather than only its place.
+    /// Returns true if a clip deforms its vertices, rather than only moving the object.
     pub fn is_moved_by(&self, clip: &Clip) -> bool {
         let mut moving = clip.channels.iter().filter(|channel| channel.is_transform());
         moving.any(|channel| self.bone_of(channel.node).is_some())
     }
 
-    /// For each joint the matrix from the mesh's space at rest to the object's: what vertices are
-    /// multiplied with. All are finite: what overflows becomes a point. Joints that are not used
-    /// stay where they are.
+    /// Computes for each joint the matrix from the mesh's space at rest to the object's, with which
+    /// vertices are multiplied. All are finite: a matrix that overflows becomes a point. Unused
+    /// joints stay where they are.
     pub fn joint_matrices(&self, rig: &Rig, pose: &Pose, matrices: &mut Vec<Affine3A>) {
         matrices.clear();
         self.bone_transforms(rig, pose, matrices);
@@ -171,8 +171,8 @@ fn find(bone_of: &[(RigNodeId, usize)], node: RigNodeId) -> Option<usize> {
 /// Returns the deepest node that moves all joints, and the nodes from there down to them, parents
 /// before children.
 ///
-/// Whichever is last in the order of the rig has all below it behind it: the first one, from the
-/// last joint upwards, below which all of them are is the deepest.
+/// In the order of the rig, all descendants of a node follow it. So the deepest common ancestor is
+/// the first one, upwards from the last joint, that has all joints below it.
 fn between(
     rig: &Rig,
     joints: impl Iterator<Item = RigNodeId>,

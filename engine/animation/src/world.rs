@@ -1,4 +1,4 @@
-//! Where nodes are in the world: all of them, or those alone that something moves.
+//! World transforms of nodes: all of them, or only those that something moves.
 
 use glam::{Affine3A, Quat, Vec3};
 
@@ -7,33 +7,33 @@ use crate::pose::Pose;
 use crate::rig::{Rig, RigNodeId, Trs};
 
 impl Trs {
-    /// No change at all.
+    /// The identity transform.
     pub const IDENTITY: Self =
         Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
 
-    /// As a matrix.
+    /// Returns it as a matrix.
     pub fn to_affine(&self) -> Affine3A {
         Affine3A::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 }
 
-/// Returns a product that overflowed becomes a point at the origin: nothing that is no number
+/// Returns the matrix, or a point at the origin if it overflowed: no value that is not finite
 /// leaves this crate.
 pub(crate) fn finite(matrix: Affine3A) -> Affine3A {
     if matrix.is_finite() { matrix } else { Affine3A::ZERO }
 }
 
 impl Rig {
-    /// Where all nodes are in the world: from each node's space to the world's. All are finite; a
-    /// node whose transform overflows becomes a point at the origin.
+    /// Computes the transforms from each node's space to the world's. All are finite; a node whose
+    /// transform overflows becomes a point at the origin.
     pub fn world(&self, pose: &Pose, world: &mut Vec<Affine3A>) {
         world.clear();
         world.resize(self.nodes().len(), Affine3A::IDENTITY);
         self.update_world(self.order(), pose, world);
     }
 
-    /// The same for `moved` alone, which [`Rig::moved_by`] lists; the rest of `world` stays as it
-    /// was.
+    /// Updates the world transforms of `moved` alone, which [`Rig::moved_by`] lists; the rest of
+    /// `world` stays the same.
     pub fn update_world(&self, moved: &[RigNodeId], pose: &Pose, world: &mut [Affine3A]) {
         for id in moved {
             let index = id.0 as usize;
@@ -47,10 +47,10 @@ impl Rig {
         }
     }
 
-    /// Returns the nodes that change their place in the world when these clips play: those that
-    /// they move and all below, parents before children. Takes as long as the rig is large: ask
-    /// once for a set of clips, not each frame. When a clip has ended, its nodes must be updated
-    /// once more, back to rest.
+    /// Returns the nodes that move in the world when these clips play: the animated nodes and all
+    /// below, parents before children. Takes time in proportion to the rig: call it once for a set
+    /// of clips, not per frame. When a clip has ended, its nodes must be updated once more, back to
+    /// rest.
     pub fn moved_by<'a>(&self, clips: impl IntoIterator<Item = &'a Clip>) -> Vec<RigNodeId> {
         let mut moves = vec![false; self.nodes().len()];
         let channels = clips.into_iter().flat_map(|clip| &clip.channels);

@@ -1,4 +1,5 @@
-//! Tracks, poses and players against glTF 2.0, appendix C, and against what their pages promise.
+//! Tests of tracks, poses and players against glTF 2.0, appendix C, and against their
+//! documentation.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
@@ -129,7 +130,7 @@ fn playbacks_clamp_loop_and_run_backwards() {
     assert_eq!([10.0, 11.0, 12.0].map(|now_s| at(backwards, now_s)), [3.0, 1.0, 2.0]);
     assert_eq!(at(looped, f64::NAN), 0.0);
     assert_eq!(looped.time_s(0.0, 99.0), 0.0);
-    // After a year, a moment is still a moment.
+    // After a year, times are still precise.
     assert!((at(looped, 10.0 + 3.0 * 1e7 + 0.125) - 0.125).abs() < 1e-6);
 }
 
@@ -149,7 +150,7 @@ fn players_fade_and_later_layers_win() {
         player.pose_at(&rig, &clips, now_s, &mut workspace, &mut pose);
         [0, 1].map(|node| pose.parts(RigNodeId(node)).unwrap().translation)
     };
-    // Times may be asked for in any order.
+    // Times may come in any order.
     assert_eq!(places(&player, 8.0), [Vec3::ZERO, Vec3::Y]);
     assert_eq!(places(&player, 6.5), [Vec3::X * 0.75, Vec3::Y * 0.25]);
     assert_eq!(places(&player, 4.0), [Vec3::X, Vec3::ZERO]);
@@ -180,7 +181,7 @@ fn rotation() -> impl Strategy<Value = Quat> {
 }
 
 proptest! {
-    /// By the shorter arc, at constant speed, in unit length.
+    /// Checks that rotations take the shorter arc, at constant speed, in unit length.
     #[test]
     fn rotations_take_the_shorter_arc(from in rotation(), to in rotation(), t in 0.0_f32..1.0) {
         let values = Values::Rotation(vec![from, to]);
@@ -192,7 +193,7 @@ proptest! {
         prop_assert!((angle(to, found) - (1.0 - t) * whole).abs() < 4e-3);
     }
 
-    /// Blending is the one end, the other, and unit length between; it needs no order of the two.
+    /// Checks that a blend meets both ends, has unit length between them, and is symmetric in them.
     #[test]
     fn blends_meet_both_ends(a in rotation(), b in rotation(), weight in 0.0_f32..1.0) {
         let (rig, turn) = (rig(), |q| track(Interpolation::Step, &[0.0], Values::Rotation(vec![q])));

@@ -1,4 +1,4 @@
-//! Where objects with skins hang and how far they reach, with a rig made by hand: two legs of three
+//! Tests of the spaces and reach of skinned objects, with a rig made by hand: two legs of three
 //! bones that walk and run.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -36,7 +36,8 @@ fn skin(rig: &Rig) -> Skin {
     Skin { joints: JOINTS.map(RigNodeId).to_vec(), inverse_bind: JOINTS.map(bind).to_vec() }
 }
 
-/// Legs that swing by an angle, knees that bend by another, while the root goes far away.
+/// Returns a clip in which legs swing by an angle and knees bend by another, while the root goes
+/// far away.
 fn gait(rig: &Rig, duration_s: f32, swing: f32, bend: f32) -> Clip {
     let times_s: Vec<f32> = (0..=8).map(|key| duration_s * key as f32 / 8.0).collect();
     let turn = |phase: f32, size: f32, middle: f32| {
@@ -136,8 +137,8 @@ fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
     assert!((reach(&[torn]).x - still.x - 6.5).abs() < 0.02);
 }
 
-/// A chain of 60,000 bones is bounded in reasonable time, numbers that overflow have no usable box,
-/// and neither panics.
+/// Checks that a chain of 60,000 bones is bounded in reasonable time, that numbers that overflow
+/// have no usable box, and that neither panics.
 #[test]
 fn deep_and_wild_rigs_end() {
     let reach = |count: u32, scale: f32| {

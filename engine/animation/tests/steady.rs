@@ -1,5 +1,5 @@
-//! A frame allocates nothing, and its work goes with what moves: two doors in a scene of 34,000
-//! nodes.
+//! Tests that a frame allocates nothing, and that its work is in proportion to what moves: two
+//! doors in a scene of 34,000 nodes.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
@@ -16,7 +16,8 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 const NODES: u32 = 34_000;
 
-/// Returns each tenth node hangs on none, the others on the one before.
+/// Returns a rig in which each tenth node has no parent, and every other one has the node before as
+/// its parent.
 fn rig() -> Rig {
     let node = |id: u32| RigNode {
         name: String::new(),
@@ -64,7 +65,7 @@ fn frames_allocate_nothing_and_touch_what_moves() {
         skeleton.joint_matrices(&rig, &pose, &mut matrices);
         (pose.moved().len(), player.playing(now_s).count())
     };
-    // All that ever plays has played once.
+    // All clips have played once.
     let warm = [frame(0.5), frame(1.5), frame(3.0)];
     assert_eq!(warm, [(2, 2), (2, 3), (1, 2)]);
     // The thread that runs the tests may allocate meanwhile; frames would do the same each time.
