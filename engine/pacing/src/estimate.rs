@@ -1,25 +1,25 @@
-//! How long things take: mean and spread of what was measured, deaf to single outliers.
+//! Estimates of durations: mean and spread of samples, robust against single outliers.
 
-/// Weight of a new sample once there are enough.
+/// The weight of a new sample once there are enough.
 const GAIN: f64 = 1.0 / 24.0;
-/// Mean deviation of what is not measured well, relative.
+/// The relative mean deviation of a duration that is not measured well.
 const USUAL_SPREAD: f64 = 1.0 / 16.0;
-/// Weight of a guess.
+/// The weight of a guess.
 const DRIFT: f64 = 0.1;
-/// Samples further off than so many mean deviations (and `LEAST_SURPRISE`) surprise.
+/// The distance of an outlier, in mean deviations; it must also exceed `LEAST_SURPRISE`.
 const SURPRISE: f64 = 8.0;
-/// Of the mean: smaller surprises are noise.
+/// The least distance of an outlier, as a share of the mean: smaller ones are noise.
 const LEAST_SURPRISE: f64 = 0.25;
-/// In nanoseconds, likewise.
+/// The least distance of an outlier, in nanoseconds.
 const LEAST_SURPRISE_NS: f64 = 200e3;
-/// So many surprises in a row are the new truth.
+/// The number of outliers in a row that become the new level.
 const BELIEVED: usize = 3;
 
-/// A span of time that is measured again and again, in nanoseconds.
+/// An estimate of a repeated duration, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Estimate {
     mean: f64,
-    /// Mean absolute deviation.
+    /// The mean absolute deviation.
     deviation: f64,
     count: u32,
     surprises: [f64; BELIEVED],
@@ -46,23 +46,23 @@ impl Estimate {
         self.count = self.count.saturating_add(1);
         let gain = GAIN.max(1.0 / f64::from(self.count));
         self.mean += gain * off;
-        // The first sample says nothing about the spread: assume some.
+        // The first sample has no spread: assume some.
         let deviation = if self.count == 1 { sample / 8.0 } else { off.abs() };
         self.deviation += gain * (deviation - self.deviation);
     }
 
-    /// It may be that: nothing was measured, and the spread is assumed to be usual.
+    /// Moves towards a guess: nothing was measured, and the spread is assumed to be usual.
     pub(crate) fn drift_to(&mut self, maybe: f64) {
         self.mean += DRIFT * (maybe.clamp(0.0, 10e9) - self.mean);
         self.deviation += GAIN * (USUAL_SPREAD * self.mean - self.deviation);
     }
 
-    /// It is at least that, known for sure.
+    /// Raises the mean to a known lower bound.
     pub(crate) fn raise_to(&mut self, least: f64) {
         self.mean = self.mean.max(least.clamp(0.0, 10e9));
     }
 
-    /// It was no more than that this time.
+    /// Lowers the mean to this sample's upper bound.
     pub(crate) fn lower_to(&mut self, most: f64) {
         self.mean = self.mean.min(most.max(0.0) + self.spread());
     }
@@ -75,7 +75,7 @@ impl Estimate {
         self.mean
     }
 
-    /// Standard deviation, were it normally distributed.
+    /// Returns the standard deviation of a normal distribution with this mean deviation.
     pub(crate) fn spread(&self) -> f64 {
         1.25 * self.deviation
     }

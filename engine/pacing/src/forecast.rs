@@ -1,26 +1,25 @@
-//! What will become of the frames that are queued: when the GPU is free, when each is shown.
+//! The forecast for queued frames: the times at which the GPU is free and each frame is shown.
 //!
-//! It is worked out anew from all that is known whenever it is needed, so that a stall leaves
-//! nothing behind but its facts.
+//! It is computed from all known facts each time, so that a stall leaves no other state behind.
 
 use crate::estimate::Estimate;
 use crate::frames::{Frames, Record};
 use crate::options::{PresentReports, Presentation};
 use crate::refresh_clock::RefreshClock;
 
-/// So many refreshes a frame that is not reported keeps the next ones back.
+/// The number of refreshes for which an unreported frame holds the next ones back.
 const PATIENCE_REFRESHES: f64 = 4.0;
 
-/// What forecasts rest on.
+/// The inputs of a forecast.
 pub(crate) struct Knowledge<'a> {
     pub(crate) presentation: &'a Presentation,
     pub(crate) clock: &'a RefreshClock,
     pub(crate) gpu: &'a Estimate,
-    /// From a showing to our knowing of it.
+    /// The delay from a frame's showing to its report.
     pub(crate) report: &'a Estimate,
-    /// Whether ticks come at all.
+    /// True if ticks are reported at all.
     pub(crate) sees_finishes: bool,
-    /// When the last frame that has left was shown, as far as anyone knows.
+    /// The best known time at which the last frame that left was shown.
     pub(crate) last_left: f64,
     pub(crate) now: f64,
 }
@@ -28,18 +27,19 @@ pub(crate) struct Knowledge<'a> {
 /// Expected times in nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forecast {
-    /// The GPU has done all that was submitted.
+    /// The time at which the GPU has finished all submitted work.
     pub(crate) gpu_free: f64,
-    /// The newest frame is shown.
+    /// The time at which the newest frame is shown.
     pub(crate) last_shown: f64,
-    /// The oldest queued frame is shown.
+    /// The time at which the oldest queued frame is shown.
     pub(crate) first_leaves: f64,
-    /// An image can be had for the next frame.
+    /// The time at which an image is available for the next frame.
     pub(crate) image_free: f64,
 }
 
 impl Knowledge<'_> {
-    /// `blocking` is the one that must be shown before an image can be had, by its position.
+    /// Returns the forecast. `blocking` is the ordinal of the frame that must be shown before an
+    /// image is available.
     pub(crate) fn forecast(&self, frames: &Frames, blocking: Option<u64>) -> Forecast {
         let mut forecast = Forecast {
             gpu_free: frames.newest_first().find_map(|(_, r)| r.finished).unwrap_or(0.0),
@@ -60,18 +60,19 @@ impl Knowledge<'_> {
         forecast
     }
 
-    /// Returns when the GPU is done with a frame, if it is free for it then.
+    /// Returns the time at which the GPU finishes a frame, if it is free from `gpu_free` on.
     pub(crate) fn finish(&self, record: &Record, gpu_free: f64) -> f64 {
         if let Some(finished) = record.finished {
             return finished;
         }
         let begin = record.queued.unwrap_or(self.now).max(gpu_free);
         let finish = begin + self.gpu.expected();
-        // Not seen finished, so it is not, where anyone looks.
+        // Not seen finished means not finished, where ticks are reported.
         if self.sees_finishes { finish.max(self.now) } else { finish }
     }
 
-    /// Returns when a frame is shown that is finished then, after another.
+    /// Returns the time at which a frame is shown that finishes at `finish`, after a frame shown at
+    /// `previous`.
     pub(crate) fn shown(&self, record: &Record, finish: f64, previous: f64) -> f64 {
         if let Some(shown) = record.shown {
             return shown;
@@ -84,8 +85,8 @@ impl Knowledge<'_> {
         };
         let mut earliest = finish.max(previous + 0.5 * period);
         if self.presentation.reports == PresentReports::Times {
-            // Had it been shown that long ago we would know. After some refreshes without a word we
-            // no longer wait for it: who never knows must not stand still.
+            // A showing that long ago would have been reported. After some refreshes without a
+            // report it is no longer waited for: a loop without reports must not stop.
             let knowing = self.report.expected() + 3.0 * self.report.spread() + 0.5 * period;
             let overdue = (self.now - knowing).min(earliest + PATIENCE_REFRESHES * period);
             earliest = earliest.max(overdue);

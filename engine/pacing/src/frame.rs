@@ -1,115 +1,115 @@
-//! What goes between the pacer and its caller: ids, plans, waits, feedback, and what became of a
-//! frame.
+//! The exchange between the pacer and its caller: ids, plans, waits, feedback, and the timing of
+//! frames.
 
 use std::time::Duration;
 
 use crate::Time;
 
-/// A frame that a [`Pacer`](crate::Pacer) let start, counted from 0. Also a good present id, plus
-/// one.
+/// The id of a frame that a [`Pacer`](crate::Pacer) let start, counted from 0. Plus one, it is also
+/// a good present id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PacedFrameId(pub u64);
 
-/// What to do now.
+/// The next action of the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[must_use = "a step is either slept through or recorded"]
 pub enum Step {
-    /// Sleep, deliver what became known, ask again.
+    /// A wait: sleep, deliver new feedback, ask again.
     Wait(Wait),
-    /// Take the input, record, acquire, submit and present this frame, now.
+    /// A start: take the input, record, acquire, submit and present this frame, now.
     Start(Plan),
 }
 
 /// A sleep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wait {
-    /// Until when at the latest, never more than a second from now. Waking earlier is always
-    /// allowed, and right when something became known.
+    /// The latest time to wake, never more than a second from now. Waking earlier is always
+    /// allowed, and right when there is new feedback.
     pub until: Time,
-    /// What is waited for.
+    /// The reason for the wait.
     pub reason: WaitReason,
 }
 
-/// Why a frame does not start yet.
+/// The reason why a frame does not start yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WaitReason {
-    /// Started now it would only wait to be shown.
+    /// The deadline: started now, the frame would only wait to be shown.
     Deadline,
-    /// So many frames are queued as may be. A caller with present wait may block on this one,
-    /// no longer than the wait says.
+    /// A full queue. A caller with present wait may block on this frame, no longer than the wait
+    /// lasts.
     QueueFull(PacedFrameId),
     /// The limit on frames per second.
     FrameLimit,
-    /// Nobody seems to see the window, or its frames are dropped one after the other.
+    /// A window that seems hidden, or whose frames are dropped one after the other.
     Hidden,
-    /// The GPU should be done with this frame about then: look, to learn how long it took.
+    /// The expected end of this frame on the GPU: look, to learn its duration.
     Poll(PacedFrameId),
 }
 
 /// A frame that starts now.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// To name it in feedback.
+    /// The frame's id, for feedback.
     pub frame: PacedFrameId,
-    /// When it starts: the time that was given to [`Pacer::next`](crate::Pacer::next), or the
-    /// latest before if that went backwards.
+    /// The time of its start: the one given to [`Pacer::next`](crate::Pacer::next), or the latest
+    /// before if that went backwards.
     pub start: Time,
-    /// When its picture should show; animation is right for that time. Unknown until the display is
-    /// known.
+    /// The time at which its picture should be shown, for which animation should be computed.
+    /// Unknown until the display is known.
     pub expected_present: Option<Time>,
 }
 
-/// What became known of a frame. All of it is optional but `Queued` or `Dropped`; it may come late,
-/// twice, or out of order.
+/// A fact about a frame. All are optional except `Queued` or `Dropped`; they may come late, twice,
+/// or out of order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feedback {
-    /// The call that acquired the image took from then until then.
+    /// The call that acquired the image has returned.
     Acquired {
-        /// When it was called.
+        /// The time of the call.
         from: Time,
-        /// When it returned.
+        /// The time of its return.
         to: Time,
     },
-    /// Work was submitted and the image handed to the presentation engine.
+    /// The work was submitted and the image handed to the presentation engine.
     Queued {
-        /// When the calls had returned.
+        /// The time at which the calls had returned.
         at: Time,
     },
-    /// The GPU's work ended: somebody waited for its tick, and this is when the wait ended.
+    /// The GPU's work ended, as seen by a wait for its tick.
     Finished {
-        /// When it ended.
+        /// The time at which the wait ended.
         at: Time,
     },
     /// The GPU's work was found finished, as by polling its tick. It ended some time after the last
-    /// [`Pacer::next`](crate::Pacer::next) or acquire before, so look each time before either.
+    /// [`Pacer::next`](crate::Pacer::next) or acquire before, so look before each of them.
     FoundFinished {
-        /// When somebody looked.
+        /// The time of the look.
         at: Time,
     },
-    /// How long the GPU took, by its timestamps. Better than both; may come long after.
+    /// The GPU time by timestamps. More exact than both others; it may come much later.
     GpuTime(Duration),
-    /// The image began to show.
+    /// The image appeared on the screen.
     Shown {
-        /// When it did.
+        /// The time at which it appeared.
         at: Time,
     },
-    /// It was not presented, or will never be: no image, no surface, an error.
+    /// The frame was not presented, or will never be: no image, no surface, an error.
     Dropped,
 }
 
-/// What became of a frame, as far as anyone knows: unknown is `None`.
+/// The timing of a frame, as far as it is known: unknown is `None`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameTiming {
-    /// From the start of the frame before to the start of this one.
+    /// The time from the start of the frame before to the start of this one.
     pub start_interval: Option<Duration>,
-    /// From the showing of the frame before to the showing of this one.
+    /// The time from the showing of the frame before to the showing of this one.
     pub present_interval: Option<Duration>,
-    /// From its start to its showing.
+    /// The time from its start to its showing.
     pub latency: Option<Duration>,
-    /// `present_interval` in refreshes, to the nearest.
+    /// The `present_interval` in refreshes, rounded to the nearest.
     pub refreshes: Option<u32>,
-    /// `latency` in refreshes, to the nearest.
+    /// The `latency` in refreshes, rounded to the nearest.
     pub latency_refreshes: Option<u32>,
-    /// Refreshes before this frame that should have shown a new one and did not.
+    /// The number of refreshes before this frame that should have shown a new one and did not.
     pub missed: Option<u32>,
 }

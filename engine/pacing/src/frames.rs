@@ -1,43 +1,44 @@
-//! The books: what is known of the newest frames, in a ring that never grows.
+//! The records of the newest frames, in a ring that never grows.
 
 use crate::PacedFrameId;
 
-/// Frames that are remembered: more than can be queued, and some for reports that come late.
+/// The number of frames that are remembered: more than can be queued, and some for reports that
+/// come late.
 pub(crate) const REMEMBERED: usize = 64;
 
-/// One frame. Times in nanoseconds.
+/// The record of one frame, with times in nanoseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Record {
     pub(crate) start: f64,
-    /// The refresh it was to be shown at.
+    /// The refresh for which it was planned.
     pub(crate) target: Option<f64>,
-    /// The clock's generation that foretold it.
+    /// The generation of the clock that predicted it.
     pub(crate) generation: u32,
     /// The margin it was given.
     pub(crate) margin: u32,
-    /// It started later than was wanted, so that its miss says nothing of the margin.
+    /// True if it started later than wanted, so that its miss teaches nothing about the margin.
     pub(crate) compromised: bool,
-    /// Acquires return early or late; how long this one kept the CPU waiting.
+    /// The time that its acquire kept the CPU waiting.
     pub(crate) waited: f64,
-    /// How many frames of this swapchain were queued before.
+    /// The number of frames of this swapchain that were queued before.
     pub(crate) ordinal: Option<u64>,
     pub(crate) queued: Option<f64>,
     pub(crate) finished: Option<f64>,
-    /// When it was told to be finished.
+    /// The time at which it was reported to be finished.
     pub(crate) seen_finished: Option<f64>,
-    /// `finished` is a guess between two looks.
+    /// True if `finished` is a guess between two looks.
     pub(crate) found: bool,
     /// The last time at which it was not known to be finished.
     pub(crate) unfinished: f64,
     pub(crate) gpu_timed: bool,
     pub(crate) shown: Option<f64>,
-    /// It is queued no more: shown, replaced, dropped, or given up.
+    /// True once it is no longer queued: shown, replaced, dropped, or given up.
     pub(crate) left: bool,
     pub(crate) dropped: bool,
 }
 
 impl Record {
-    /// Begun, and neither presented nor dropped yet.
+    /// Returns true if it is neither presented nor dropped yet.
     pub(crate) const fn open(&self) -> bool {
         self.queued.is_none() && !self.left
     }
@@ -47,7 +48,7 @@ impl Record {
 pub(crate) struct Frames {
     records: [Record; REMEMBERED],
     next: u64,
-    /// All before it have left.
+    /// The oldest queued frame: all before it have left.
     oldest_queued: u64,
 }
 
@@ -64,12 +65,12 @@ impl Frames {
         frame
     }
 
-    /// Returns the id after the newest.
+    /// Returns the id of the next frame.
     pub(crate) const fn next(&self) -> u64 {
         self.next
     }
 
-    /// Returns the oldest that is remembered.
+    /// Returns the oldest frame that is remembered.
     pub(crate) const fn oldest(&self) -> u64 {
         self.next.saturating_sub(REMEMBERED as u64)
     }
@@ -82,7 +83,7 @@ impl Frames {
         (self.oldest()..self.next).contains(&frame).then(|| &mut self.records[Self::slot(frame)])
     }
 
-    /// Returns those that have not left, oldest first.
+    /// Returns the frames that have not left, oldest first.
     pub(crate) fn queued(&self) -> impl Iterator<Item = (u64, &Record)> {
         (self.oldest_queued..self.next)
             .map(|frame| (frame, &self.records[Self::slot(frame)]))
@@ -93,12 +94,12 @@ impl Frames {
         self.queued().next().map(|(frame, record)| (frame, *record))
     }
 
-    /// Returns the one that so many were presented before in this swapchain.
+    /// Returns the frame with this ordinal in the swapchain.
     pub(crate) fn of_ordinal(&self, ordinal: u64) -> Option<(u64, &Record)> {
         self.newest_first().find(|(_, record)| record.ordinal == Some(ordinal))
     }
 
-    /// Nobody has told yet that these are finished.
+    /// Notes that frames without a report were not finished yet at this time.
     pub(crate) fn note_unfinished(&mut self, now: f64) {
         let oldest = self.next.saturating_sub(u64::from(crate::MAX_QUEUE_LIMIT)).max(self.oldest());
         for frame in oldest..self.next {
@@ -109,14 +110,14 @@ impl Frames {
         }
     }
 
-    /// Times of before mean nothing any more.
+    /// Forgets all times, after the clock was set.
     pub(crate) fn forget_all(&mut self) {
         self.records.fill(Record { left: true, dropped: true, ..Record::default() });
         self.skip_left();
     }
 
-    /// There is a new swapchain: none is queued but what is being recorded, and counting begins
-    /// anew.
+    /// Starts over with a new swapchain: no frame is queued but the one being recorded, and
+    /// ordinals restart.
     pub(crate) fn begin_anew(&mut self) {
         for record in &mut self.records {
             record.left |= !record.open();
@@ -125,12 +126,12 @@ impl Frames {
         self.skip_left();
     }
 
-    /// Returns all that are remembered, newest first.
+    /// Returns all remembered frames, newest first.
     pub(crate) fn newest_first(&self) -> impl Iterator<Item = (u64, &Record)> {
         (self.oldest()..self.next).rev().map(|frame| (frame, &self.records[Self::slot(frame)]))
     }
 
-    /// This one has left.
+    /// Notes that this frame has left.
     pub(crate) fn leave(&mut self, frame: u64) {
         if let Some(record) = self.record_mut(frame) {
             record.left = true;
@@ -138,7 +139,7 @@ impl Frames {
         self.skip_left();
     }
 
-    /// This one and all before it have left.
+    /// Notes that this frame and all before it have left.
     pub(crate) fn leave_through(&mut self, frame: u64) {
         for older in self.oldest_queued..=frame.min(self.next.saturating_sub(1)) {
             self.records[Self::slot(older)].left = true;

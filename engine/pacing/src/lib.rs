@@ -1,33 +1,31 @@
-//! When to start a frame, and how evenly frames came: time in, deadlines out.
+//! Frame pacing: the time to start each frame, and statistics of how evenly frames came.
 //!
-//! A frame that starts too early waits in line to be shown, and its input is old by then; one that
-//! starts too late misses its refresh. A [`Pacer`] learns when the display refreshes and how long
-//! CPU and GPU take, and says when to start so that each frame is ready for the next refresh it can
-//! reach, and hardly sooner. It does so as frame pacers of engines and compositors do: predicted
-//! times plus a margin, few frames queued, feedback from the presentation engine as far as there is
-//! any.
+//! A frame that starts too early waits to be shown, and its input is old by then; one that starts
+//! too late misses its refresh. A [`Pacer`] learns the refreshes of the display and the durations
+//! of CPU and GPU work. It schedules each frame to be ready for the next refresh that it can reach,
+//! and hardly sooner. It does so as frame pacers of engines and compositors do: predicted times
+//! plus a margin, few frames queued, feedback from the presentation engine where available.
 //!
 //! Nothing here knows Vulkan, reads a clock, sleeps, starts a thread, or allocates after creation,
 //! and equal calls give equal answers.
 //!
-//! - [`Pacer::next`]: what to do now, [`Step::Wait`] or [`Step::Start`].
-//! - [`Pacer::feedback`]: what became known of a frame; all of it is optional but that it was
-//!   queued or dropped.
-//! - [`Pacer::present_through`]: there is another swapchain. [`Pacer::choose`]: the user chose
-//!   anew.
-//! - [`Pacer::completed`]: what became of each frame, for [`FrameStatistics`].
+//! - [`Pacer::next`]: the next action, [`Step::Wait`] or [`Step::Start`].
+//! - [`Pacer::feedback`]: a fact about a frame; all are optional, except that it was queued or
+//!   dropped.
+//! - [`Pacer::present_through`]: a new swapchain. [`Pacer::choose`]: new options of the user.
+//! - [`Pacer::completed`]: the timing of each frame, for [`FrameStatistics`].
 //!
-//! # What is promised
+//! # Guarantees
 //!
-//! Shown against a simulated presentation engine in `tests/simulated_display`, at loads of up to 80
-//! %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
-//! latency is within a refresh of the optimum, and all is well again five frames after a stall.
-//! Where the GPU stalls that needs [`Feedback::Finished`], or [`Feedback::GpuTime`] together with
-//! [`PresentReports::Times`]: what is only found by looking may be taken for slower work for a
+//! Shown against a simulated presentation engine in `tests/simulated_display`, at loads of up
+//! to 80 %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
+//! latency is within a refresh of the optimum, and all is well again five frames after a stall. For
+//! stalls of the GPU this requires [`Feedback::Finished`], or [`Feedback::GpuTime`] together with
+//! [`PresentReports::Times`]: a stall found only by polling may be taken for slower work for a
 //! while.
 //!
-//! With [`PresentReports::Missing`], nothing but an acquire that had to wait tells of refreshes,
-//! once it is clear that it waits for the display: what waits for the GPU alone leaves all of it
+//! With [`PresentReports::Missing`], refreshes are learnt only from acquires that had to wait, once
+//! it is clear that they wait for the display: if acquires wait for the GPU alone, refreshes stay
 //! unknown. While the phase is searched for, as many frames may be queued as there are images: ask
 //! for no more images than frames may be queued.
 //!
@@ -39,8 +37,8 @@
 //! use std::time::Duration;
 //!
 //! use antumbra_pacing::{
-//!     Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentationMode, PresentReports,
-//!     Presentation, Refresh, Step, Time,
+//!     Feedback, FrameStatistics, HitchRule, Pacer, PacerOptions, PresentReports, Presentation,
+//!     PresentationMode, Refresh, Step, Time,
 //! };
 //!
 //! let mut pacer = Pacer::new(
@@ -59,7 +57,7 @@
 //! let mut shown = now;
 //!
 //! for _ in 0..2_000 {
-//!     // 1. What became known since: ticks, present waits, errors.
+//!     // 1. New feedback: ticks, present waits, errors.
 //!     reports.retain(|&(frame, at): &(_, Time)| {
 //!         if at <= now {
 //!             pacer.feedback(frame, Feedback::Shown { at });
@@ -69,7 +67,7 @@
 //!     while let Some((_, timing)) = pacer.completed() {
 //!         statistics.record(timing);
 //!     }
-//!     // 2. What to do.
+//!     // 2. The next action.
 //!     match pacer.next(now) {
 //!         // 3. Sleep until then, or until more is known, and ask again.
 //!         Step::Wait(wait) => now = wait.until,

@@ -1,30 +1,33 @@
-//! How much earlier than predicted a frame must be ready, learnt from those that came too late.
+//! The margin by which a frame must be ready earlier than predicted, learnt from frames that came
+//! too late.
 //!
-//! Each miss adds a step, each frame in time takes away a small part of one, so that the share of
+//! Each miss adds a step and each frame in time removes a small part of one, so that the share of
 //! misses settles where both balance: a quantile tracked by stochastic approximation (Robbins and
-//! Monro 1951). It covers what no prediction knows, such as a compositor that latches early.
+//! Monro 1951). It covers delays that no prediction includes, such as a compositor that latches
+//! early.
 
 use crate::options::PresentReports;
 use crate::time::MICROSECOND_NS;
 
-/// Of a period.
+/// The step, as a share of a period.
 const STEP: f64 = 1.0 / 16.0;
-/// Frames in time that outweigh a miss: the share of misses it settles at, or below.
+/// The number of frames in time that outweigh a miss, which bounds the share of misses that the
+/// margin settles at.
 const FRAMES_PER_MISS: f64 = 4_000.0;
 const FIRST: f64 = 1.0 / 16.0;
-/// Where nobody tells of misses it is chosen once, with room for what it cannot learn.
+/// The fixed margin where misses are not reported, with room for unknown delays.
 const BLIND: f64 = 3.0 / 16.0;
 const LEAST: f64 = 1.0 / 64.0;
 const MOST: f64 = 1.5;
-/// No scheduler wakes us better than that.
+/// The least margin in nanoseconds: no scheduler wakes a thread more precisely.
 const LEAST_NS: f64 = 100.0 * MICROSECOND_NS;
 
-/// In periods, so that it means the same on another display.
+/// The margin in periods, so that it has the same meaning on another display.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Margin {
     periods: f64,
     misses_in_a_row: u32,
-    /// Counts steps up: a frame that had less tells nothing of what is needed on top.
+    /// The number of steps up: a frame with an older margin teaches nothing about the current one.
     version: u32,
 }
 
@@ -47,7 +50,7 @@ impl Margin {
 
     pub(crate) fn missed(&mut self) {
         self.version = self.version.wrapping_add(1);
-        // Misses in a row tell of a constant delay, which is not learnt in small steps.
+        // Misses in a row mean a constant delay, which is not learnt in small steps.
         let step = STEP * f64::from(1_u32 << self.misses_in_a_row.min(2));
         self.misses_in_a_row = self.misses_in_a_row.saturating_add(1);
         self.periods = (self.periods + step).min(MOST);
@@ -65,7 +68,7 @@ mod tests {
 
     #[test]
     fn settles_where_misses_are_rare() {
-        // What is needed is spread evenly over half a period.
+        // The needed margin is spread evenly over half a period.
         let mut margin = Margin::new(PresentReports::Times);
         let mut state = 9_u64;
         let mut misses = 0;

@@ -1,4 +1,4 @@
-//! What a user may choose, and what a caller knows of the swapchain; both are checked.
+//! The user's options, and the caller's description of the swapchain, with their checks.
 
 use std::time::Duration;
 
@@ -6,27 +6,27 @@ use thiserror::Error;
 
 use crate::time::ns;
 
-/// Most frames that may be queued.
+/// The most frames that may be queued.
 pub const MAX_QUEUE_LIMIT: u32 = 16;
-/// Most images a swapchain may be said to have.
+/// The most images that a swapchain may have.
 pub const MAX_IMAGES: u32 = 32;
-/// Frame limits in frames per second lie between these.
+/// The range of frame limits, in frames per second.
 pub const FRAME_LIMIT_HZ: [f64; 2] = [0.1, 10_000.0];
-/// Refresh periods lie between these: 4 kHz and 1 Hz.
+/// The range of refresh periods: 4 kHz and 1 Hz.
 pub const REFRESH_PERIOD: [Duration; 2] = [Duration::from_micros(250), Duration::from_secs(1)];
-/// Intervals of frames in a hidden window lie between these.
+/// The range of intervals between frames in a hidden window.
 pub const HIDDEN_INTERVAL: [Duration; 2] = [Duration::from_millis(10), Duration::from_secs(10)];
 
-/// What a user chooses.
+/// The options of the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PacerOptions {
-    /// At most this many frames are between their start and their showing, 1 to
-    /// [`MAX_QUEUE_LIMIT`]. 1 is for the lowest latency and needs CPU and GPU together to stay
-    /// within a refresh; 2 lets them work at the same time.
+    /// The most frames between their start and their showing, 1 to [`MAX_QUEUE_LIMIT`]. 1 is for
+    /// the lowest latency and needs CPU and GPU together to stay within a refresh; 2 lets them work
+    /// at the same time.
     pub queue_limit: u32,
-    /// Frames per second, see [`FRAME_LIMIT_HZ`].
+    /// The limit of frames per second, see [`FRAME_LIMIT_HZ`].
     pub frame_limit_hz: Option<f64>,
-    /// Between the starts of frames that nobody seems to see, see [`HIDDEN_INTERVAL`].
+    /// The interval between the starts of frames in a hidden window, see [`HIDDEN_INTERVAL`].
     pub hidden_interval: Duration,
 }
 
@@ -55,60 +55,60 @@ impl PacerOptions {
     }
 }
 
-/// How images get to the screen: the present modes of Vulkan.
+/// The order in which images get to the screen: the present modes of Vulkan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PresentationMode {
-    /// In order, one a refresh.
+    /// In order, one per refresh.
     Fifo,
-    /// In order, one a refresh; one that is late is shown at once and tears.
+    /// In order, one per refresh; a late one is shown at once and tears.
     FifoRelaxed,
-    /// At each refresh the newest; older ones are never shown.
+    /// The newest at each refresh; older ones are never shown.
     Mailbox,
-    /// At once; tears.
+    /// Immediate, with tearing.
     Immediate,
 }
 
-/// What is known of the display beforehand. What is not known is learnt where it can be.
+/// The caller's knowledge of the display. The pacer learns the rest where possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refresh {
-    /// Nothing.
+    /// No knowledge.
     Unknown,
-    /// About this period, as the window system or `refreshDuration` tells. It may be wrong.
+    /// An approximate period, from the window system or `refreshDuration`. It may be wrong.
     About(Duration),
-    /// The display waits for a frame: it refreshes no sooner than the shorter and no later than
+    /// A display that waits for frames: it refreshes no sooner than the shorter and no later than
     /// the longer period after the refresh before.
     Variable {
-        /// Of the highest rate.
+        /// The period of the highest rate.
         min_period: Duration,
-        /// Of the lowest rate.
+        /// The period of the lowest rate.
         max_period: Duration,
     },
 }
 
-/// What tells when an image was shown.
+/// The source of the times at which images are shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PresentReports {
-    /// [`Feedback::Shown`](crate::Feedback::Shown) will come (present wait, display timing).
+    /// Reports by [`Feedback::Shown`](crate::Feedback::Shown) (present wait, display timing).
     Times,
-    /// Nothing does. In [`PresentationMode::Fifo`] the phase of the display is then learnt from
-    /// acquires that had to wait, for which the pacer fills the queue now and then; but only after
-    /// waits have shown that they are the display's and not the GPU's, which takes knowing when the
-    /// GPU was finished. Where there is no display that holds frames back, all about it stays
+    /// No reports. In [`PresentationMode::Fifo`] the pacer then learns the phase of the display
+    /// from acquires that had to wait, and fills the queue now and then for that. It does so only
+    /// after the waits have proved to be for the display and not for the GPU, which requires
+    /// reports of finished GPU work. Without a display that holds frames back, its refreshes stay
     /// unknown.
     Missing,
 }
 
-/// The swapchain in use. A new one means a new
+/// The swapchain in use. A new one requires a new call of
 /// [`Pacer::present_through`](crate::Pacer::present_through).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Presentation {
     /// Its present mode.
     pub mode: PresentationMode,
-    /// How many images it really has, 1 to [`MAX_IMAGES`].
+    /// The actual number of its images, 1 to [`MAX_IMAGES`].
     pub images: u32,
-    /// What is known of the display.
+    /// The knowledge of the display.
     pub refresh: Refresh,
-    /// What will be reported.
+    /// The reports that will come.
     pub reports: PresentReports,
 }
 
@@ -136,8 +136,8 @@ impl Presentation {
         }
     }
 
-    /// Returns the shortest period of a display that waits for frames; an image that tears waits
-    /// for none.
+    /// Returns the shortest period of a display that waits for frames; `None` for images that tear,
+    /// which never wait.
     pub(crate) fn variable_ns(&self) -> Option<f64> {
         match self.refresh {
             Refresh::Variable { min_period, .. } if self.mode != PresentationMode::Immediate => {
@@ -147,7 +147,7 @@ impl Presentation {
         }
     }
 
-    /// Returns true if images are shown at refreshes that come whatever we do.
+    /// Returns true if images are shown at refreshes that do not depend on frames.
     pub(crate) fn has_grid(&self) -> bool {
         self.mode != PresentationMode::Immediate && self.variable_ns().is_none()
     }
@@ -161,36 +161,36 @@ impl Presentation {
     }
 }
 
-/// Choices that make no sense. Nothing changed where one is returned.
+/// An option or property that is out of range. Nothing has changed when one is returned.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum PacingError {
-    /// See [`PacerOptions::queue_limit`].
+    /// A queue limit out of range, see [`PacerOptions::queue_limit`].
     #[error("{0} queued frames: choose 1 to {MAX_QUEUE_LIMIT}")]
     QueueLimit(u32),
-    /// See [`PacerOptions::frame_limit_hz`].
+    /// A frame limit out of range, see [`PacerOptions::frame_limit_hz`].
     #[error("a limit of {0} frames per second: choose {low} to {high}, or none",
         low = FRAME_LIMIT_HZ[0], high = FRAME_LIMIT_HZ[1])]
     FrameLimit(f64),
-    /// See [`PacerOptions::hidden_interval`].
+    /// An interval out of range, see [`PacerOptions::hidden_interval`].
     #[error("a frame every {0:?} while hidden: choose {low:?} to {high:?}",
         low = HIDDEN_INTERVAL[0], high = HIDDEN_INTERVAL[1])]
     HiddenInterval(Duration),
-    /// See [`Presentation::images`].
+    /// A number of images out of range, see [`Presentation::images`].
     #[error("a swapchain of {0} images: it must have 1 to {MAX_IMAGES}")]
     Images(u32),
-    /// See [`Refresh`].
+    /// A refresh period out of range, see [`Refresh`].
     #[error("a refresh period of {0:?}: it must be {low:?} to {high:?}; say Unknown if unsure",
         low = REFRESH_PERIOD[0], high = REFRESH_PERIOD[1])]
     RefreshPeriod(Duration),
-    /// See [`Refresh::Variable`].
+    /// A range of refresh periods out of range, see [`Refresh::Variable`].
     #[error("refresh periods of {min_period:?} to {max_period:?}: the first must be the shorter")]
     RefreshRange {
-        /// As given.
+        /// The shorter period as given.
         min_period: Duration,
-        /// As given.
+        /// The longer period as given.
         max_period: Duration,
     },
-    /// See [`FrameStatistics::new`](crate::FrameStatistics::new).
+    /// A number of frames out of range, see [`FrameStatistics::new`](crate::FrameStatistics::new).
     #[error("statistics over {0} frames: choose 1 to {max}", max = crate::MAX_STATISTICS_FRAMES)]
     StatisticsFrames(usize),
 }

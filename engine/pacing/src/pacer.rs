@@ -1,4 +1,4 @@
-//! The pacer: asked again and again what to do now, told what became known, never looking itself.
+//! The pacer: a state machine that is asked for the next action and receives feedback.
 
 mod api;
 mod books;
@@ -17,17 +17,17 @@ use crate::time::{MILLISECOND_NS, SECOND_NS, Time};
 use books::{Ledger, Silence};
 use trial::Trial;
 
-/// Never told to sleep longer, so that a caller can look after its window.
+/// The longest sleep, so that a caller can look after its window.
 const LONGEST_WAIT_NS: f64 = SECOND_NS;
-/// A sleep that is not worth it.
+/// The shortest sleep that is worth it.
 const SHORTEST_WAIT_NS: f64 = 1e4;
-/// A frame is aimed at another refresh so often.
+/// The number of times that a frame is aimed at another refresh.
 const MOST_OVERSLEPT: u32 = 2;
-/// Times that go back further than that are of another clock.
+/// The distance beyond which times that go back are of another clock.
 const BACKWARDS_NS: f64 = 100.0 * MILLISECOND_NS;
 
-/// Says when to start frames, so that each is shown at the next refresh it can reach, is started as
-/// late as that allows, and no more than so many are queued. See the crate's page for the loop.
+/// A frame pacer: it starts each frame as late as possible for the next refresh that it can reach,
+/// with a bounded number of queued frames. See the crate's page for the loop.
 ///
 /// A pure state machine: equal calls give equal answers; it allocates nothing after creation.
 #[derive(Clone, Debug)]
@@ -35,25 +35,25 @@ pub struct Pacer {
     options: PacerOptions,
     presentation: Presentation,
     clock: RefreshClock,
-    /// How much later than asked a sleep ends.
+    /// The lateness of the end of a sleep.
     wake: Estimate,
-    /// From start to submission, without the wait for an image.
+    /// The time from start to submission, without the wait for an image.
     cpu: Estimate,
     gpu: Estimate,
-    /// From a showing to our knowing of it.
+    /// The delay from a frame's showing to its report.
     report: Estimate,
     margin: Margin,
     frames: Frames,
-    /// Frames handed to this swapchain.
+    /// The number of frames presented to this swapchain.
     presented: u64,
     now: Option<f64>,
-    /// When the last frame started.
+    /// The start of the last frame.
     last_start: Option<f64>,
-    /// The newest frame that has left, and when it was shown as far as anyone knows.
+    /// The newest frame that has left, and the best known time of its showing.
     last_left: (u64, f64),
-    /// Until when the last answer was to sleep for a deadline.
+    /// The end of the last sleep for a deadline.
     slept_until: Option<f64>,
-    /// How often the sleep for this frame ended too late for the refresh it was for.
+    /// The number of sleeps for this frame that ended too late for its refresh.
     overslept: u32,
     /// The earliest start that keeps the limit.
     limit_due: f64,
@@ -61,34 +61,36 @@ pub struct Pacer {
     silence: Silence,
     phase_search: PhaseSearch,
     trial: Trial,
-    /// When the last acquire was called.
+    /// The time of the last call of acquire.
     last_from: Option<f64>,
     rate_search: RateSearch,
-    /// What the caller has been seen to report.
+    /// True once the caller has reported finished work.
     sees_finishes: bool,
     sees_acquires: bool,
     newest_report: Option<f64>,
-    /// Frames shown after their refresh.
+    /// The number of frames in a row that were shown after their refresh.
     late_in_a_row: u32,
-    /// The GPU is not hoped to be faster than that: frames that relied on it were late.
+    /// The least GPU time that is assumed: frames that relied on less were late.
     gpu_floor: f64,
     ledger: Ledger,
 }
 
-/// Filling the queue so that acquires wait, the only sign of refreshes where nothing is reported.
+/// The state of the phase search, which fills the queue so that acquires wait: without reports,
+/// these waits are the only sign of refreshes.
 #[derive(Clone, Copy, Debug, Default)]
 struct PhaseSearch {
     active: bool,
-    /// Frames since it began, or since it ended.
+    /// The number of frames since it began, or since it ended.
     frames: u32,
 }
 
-/// Starting half a period earlier for some frames, to see whether the display is really that slow:
-/// frames that were too heavy when the period was learnt make it look like a multiple.
+/// The state of the rate search, which starts some frames half a period earlier to check that the
+/// display is really that slow: frames that were too heavy while the period was learnt make it look
+/// like a multiple.
 #[derive(Clone, Copy, Debug)]
 struct RateSearch {
     remaining: u32,
-    /// Frames until the next, and how many that will be then.
+    /// The number of frames until the next search, and the number for the one after.
     pause: u32,
     next_pause: u32,
 }
@@ -103,10 +105,10 @@ impl RateSearch {
 }
 
 impl Pacer {
-    /// Creates a pacer that knows nothing yet.
+    /// Creates a pacer without any knowledge.
     ///
     /// # Errors
-    /// Where an option or a property of the swapchain makes no sense.
+    /// An option or a property of the swapchain that is out of range.
     pub fn new(options: PacerOptions, presentation: Presentation) -> Result<Self, PacingError> {
         options.check()?;
         presentation.check()?;
@@ -142,10 +144,10 @@ impl Pacer {
         })
     }
 
-    /// Changes what the user chose, from the next frame on.
+    /// Changes the user's options, from the next frame on.
     ///
     /// # Errors
-    /// Where an option makes no sense; then nothing changes.
+    /// An option that is out of range; then nothing changes.
     pub fn choose(&mut self, options: PacerOptions) -> Result<(), PacingError> {
         options.check()?;
         if options.frame_limit_hz != self.options.frame_limit_hz {
@@ -155,11 +157,11 @@ impl Pacer {
         Ok(())
     }
 
-    /// There is a new swapchain, or more is known of the display. Frames queued in the old one
-    /// count no more; what was learnt of CPU, GPU and display is kept where it can still be true.
+    /// Changes to a new swapchain, or to new knowledge of the display. Frames queued in the old one
+    /// no longer count; learnt times of CPU, GPU and display are kept where they can still be true.
     ///
     /// # Errors
-    /// Where a property makes no sense; then nothing changes.
+    /// A property that is out of range; then nothing changes.
     pub fn present_through(&mut self, presentation: Presentation) -> Result<(), PacingError> {
         presentation.check()?;
         self.frames.begin_anew();
@@ -184,33 +186,34 @@ impl Pacer {
         Ok(())
     }
 
-    /// Returns what was chosen.
+    /// Returns the user's options.
     #[must_use]
     pub const fn options(&self) -> &PacerOptions {
         &self.options
     }
 
-    /// Returns what frames are presented through.
+    /// Returns the presentation in use.
     #[must_use]
     pub const fn presentation(&self) -> &Presentation {
         &self.presentation
     }
 
-    /// Returns the display's refresh period, once it is known; of a display that waits for frames,
-    /// its shortest.
+    /// Returns the display's refresh period, once it is known; the shortest one for a display that
+    /// waits for frames.
     #[must_use]
     pub fn refresh_period(&self) -> Option<Duration> {
         self.period_ns().map(|period| Duration::from_nanos(period.round() as u64))
     }
 
-    /// Frames that were started and are not known to have been shown or dropped.
+    /// Returns the number of frames that were started and are not known to have been shown or
+    /// dropped.
     #[must_use]
     pub fn queued_frames(&self) -> usize {
         self.frames.queued().count()
     }
 
-    /// Returns what to do at `now`: to sleep, or to start a frame. Cheap, and right to be asked at
-    /// any time.
+    /// Returns the action at `now`: to sleep, or to start a frame. It is cheap, and may be called
+    /// at any time.
     ///
     /// A frame that was started before and neither [queued](crate::Feedback::Queued) nor
     /// [dropped](crate::Feedback::Dropped) since counts as dropped.
@@ -260,22 +263,22 @@ impl Pacer {
         })
     }
 
-    /// Returns true if to start although the frame would now be for a later refresh than it was to
-    /// be: after a few such sleeps the clock is too coarse to aim with, and a frame at some time is
-    /// better than none.
+    /// Returns true if the frame should start although it would now reach only a later refresh than
+    /// planned: after a few such sleeps the clock is too coarse to aim with, and a frame at some
+    /// time is better than none.
     fn gives_up_aiming(&mut self, now: f64) -> bool {
         if self.slept_until.is_none_or(|until| now < until) {
             return false;
         }
         self.slept_until = None;
-        // Those ahead that are late themselves are a reason to wait on.
+        // Late frames ahead of it are a reason to wait longer.
         let waits_for_gpu = self.sees_finishes
             && self.frames.newest_first().next().is_some_and(|(_, r)| r.finished.is_none());
         self.overslept += u32::from(!waits_for_gpu);
         self.overslept > MOST_OVERSLEPT && self.limit_due <= now
     }
 
-    /// Returns a sleep, or first one until the GPU should be done.
+    /// Returns a sleep, or first a shorter one until the GPU should be done.
     fn look_then_sleep(&mut self, now: f64, until: f64, reason: WaitReason) -> Step {
         match self.poll_due(now) {
             Some((at, frame)) if at < until && reason != WaitReason::Hidden => {
@@ -293,7 +296,7 @@ impl Pacer {
         Step::Wait(Wait { until, reason })
     }
 
-    /// Returns the time it is: never before the last one, unless the clock was evidently set.
+    /// Returns the current time: never before the last one, unless the clock was evidently set.
     fn advance(&mut self, now: f64) -> f64 {
         let last = self.now.unwrap_or(now);
         if now < last - BACKWARDS_NS {
@@ -334,7 +337,7 @@ impl Pacer {
         }
     }
 
-    /// For what needs some period and does not care which.
+    /// Returns a period for uses that need any plausible one.
     fn some_period_ns(&self) -> f64 {
         self.period_ns().or(self.presentation.hint_ns()).unwrap_or(SECOND_NS / 60.0)
     }
@@ -349,7 +352,7 @@ impl Pacer {
             return;
         }
         record.dropped = true;
-        // A frame that was handed over and came to nothing is no reason to hold back.
+        // A frame that was presented and then dropped is no reason to hold back.
         if record.queued.is_none() {
             self.dropped_in_a_row = self.dropped_in_a_row.saturating_add(1);
         }

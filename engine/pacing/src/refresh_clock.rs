@@ -1,50 +1,52 @@
-//! When the display refreshes: its period and phase, learnt from noisy times of past refreshes.
+//! The clock of the display's refreshes: their period and phase, learnt from noisy times of past
+//! refreshes.
 //!
 //! Learning takes a handful of samples, finds the period of which all their distances are
 //! multiples, and fits a line. From then on a Kalman filter over (phase, period) follows (R. E.
-//! Kalman 1960): unlike a plain phase-locked loop it is right for samples that come thousands of
-//! refreshes apart, and it says how uncertain a prediction is. Samples off the grid are left out;
-//! if they go on, all is learnt anew.
+//! Kalman 1960). Unlike a plain phase-locked loop it is right for samples that are thousands of
+//! refreshes apart, and it quantifies the uncertainty of a prediction. Samples off the grid are
+//! left out; if they persist, learning starts again.
 
 use crate::time::MICROSECOND_NS;
 
-/// Samples that learning looks at.
+/// The number of samples that learning uses.
 const WINDOW: usize = 12;
-/// Fewest samples to learn from.
+/// The fewest samples to learn from.
 const ENOUGH: usize = 5;
-/// Of a period: what a sample may be off the grid while learning, root mean square.
+/// The root mean square distance from the grid allowed while learning, as a share of a period.
 const FIT: f64 = 0.09;
-/// Variance of phase per refresh, in periods squared: displays are steadier, compositors are not.
+/// The variance of phase per refresh, in periods squared: displays are steadier, compositors are
+/// not.
 const PHASE_DRIFT: f64 = 1e-8;
-/// Variance of the period per refresh, in periods squared.
+/// The variance of the period per refresh, in periods squared.
 const PERIOD_DRIFT: f64 = 1e-15;
-/// Standard deviation of a sample that nobody believes to be better, in nanoseconds.
+/// The least standard deviation of a sample that is plausible, in nanoseconds.
 const LEAST_NOISE_NS: f64 = 5.0 * MICROSECOND_NS;
-/// So many errors of one sign in a row are no noise.
+/// The number of errors of one sign in a row that are not noise.
 const ONE_SIDED: i32 = 12;
-/// An outlier counts so many good samples, and so much discord ends the lock.
+/// The weight of an outlier in good samples, and the discord that ends the lock.
 const OUTLIER_WEIGHT: u32 = 4;
 const DISCORD: u32 = 12;
-/// So many samples before the last one make the last one a lie.
+/// The number of samples before the last one that prove the last one wrong.
 const STALE: u32 = 6;
 
-/// What is known of the grid of refreshes.
+/// The known grid of refreshes.
 #[derive(Clone, Copy, Debug)]
 struct Lock {
-    /// A refresh.
+    /// The time of a refresh.
     anchor: f64,
     period: f64,
-    /// Covariance of (phase, period).
+    /// The covariance of (phase, period).
     phase_variance: f64,
     covariance: f64,
     period_variance: f64,
-    /// Variance of a sample.
+    /// The variance of a sample.
     noise: f64,
-    /// Samples in a row that came later than predicted, or, negative, earlier.
+    /// The number of samples in a row that came later than predicted; negative for earlier.
     one_sided: i32,
 }
 
-/// Learns and predicts refreshes. All times in nanoseconds.
+/// A clock that learns and predicts refreshes, with all times in nanoseconds.
 #[derive(Clone, Debug)]
 pub(crate) struct RefreshClock {
     hint: Option<f64>,
@@ -52,9 +54,9 @@ pub(crate) struct RefreshClock {
     count: usize,
     lock: Option<Lock>,
     discord: u32,
-    /// Samples in a row that lay before the last one.
+    /// The number of samples in a row that lay before the last one.
     stale: u32,
-    /// How often the grid was learnt anew.
+    /// The number of times the grid was learnt again.
     generation: u32,
 }
 
@@ -71,7 +73,7 @@ impl RefreshClock {
         }
     }
 
-    /// A refresh was seen then. Times not after the last one say nothing.
+    /// Takes the time of a refresh. Times not after the last one are ignored.
     pub(crate) fn observe(&mut self, at: f64) {
         if self.count > 0 && at <= self.samples[self.count - 1] {
             // One time from far ahead must not silence all that follow.
@@ -99,7 +101,7 @@ impl RefreshClock {
             if self.discord < DISCORD {
                 return;
             }
-            // What led here is the newest samples; older ones tell of another grid.
+            // The newest samples led here; older ones are of another grid.
             self.lock = None;
             self.samples.copy_within(self.count.saturating_sub(ENOUGH)..self.count, 0);
             self.count = self.count.min(ENOUGH);
@@ -109,7 +111,7 @@ impl RefreshClock {
         self.learn();
     }
 
-    /// What was believed of the period does not come true: looks at the newest samples again.
+    /// Doubts the period, whose predictions fail: learns from the newest samples again.
     pub(crate) fn doubt(&mut self) {
         let before = self.period();
         self.lock = None;
@@ -119,7 +121,7 @@ impl RefreshClock {
         self.generation += u32::from(!same);
     }
 
-    /// Forgets the phase, keeps what the period may be.
+    /// Forgets the phase, and keeps the possible period.
     pub(crate) fn forget(&mut self, hint: Option<f64>) {
         let generation = self.generation + 1;
         *self = Self { generation, ..Self::new(hint.or(self.period()).or(self.hint)) };
@@ -136,19 +138,20 @@ impl RefreshClock {
         Some(lock.anchor + refreshes * lock.period)
     }
 
-    /// Standard deviation of a prediction for about that time.
+    /// Returns the standard deviation of a prediction for about that time.
     pub(crate) fn uncertainty(&self, time: f64) -> Option<f64> {
         let lock = self.lock?;
         let refreshes = ((time - lock.anchor) / lock.period).max(0.0);
         Some(lock.predicted(refreshes).0.sqrt())
     }
 
-    /// Changes when the grid is learnt anew: predictions of before are void.
+    /// Returns a number that changes when the grid is learnt again: earlier predictions are void
+    /// then.
     pub(crate) const fn generation(&self) -> u32 {
         self.generation
     }
 
-    /// Returns true if the hint says the same of the period.
+    /// Returns true if the hint agrees with the period.
     pub(crate) fn agrees_with_hint(&self) -> bool {
         let both = self.hint.zip(self.period());
         both.is_some_and(|(hint, period)| (hint / period - 1.0).abs() < 0.05)
@@ -162,8 +165,8 @@ impl RefreshClock {
             let steps = samples.windows(2).map(|pair| pair[1] - pair[0]);
             let shortest = steps.clone().fold(f64::INFINITY, f64::min);
             let halves = steps.filter(|step| (2.0 * step / shortest).round() % 2.0 == 1.0).count();
-            // A hint serves where it explains the samples; half a period always does, so it must
-            // be the only way to.
+            // A hint is used where it explains the samples; half a period always does, so it must
+            // be the only explanation.
             self.lock = self
                 .hint
                 .and_then(|hint| fit(samples, hint))
@@ -177,7 +180,7 @@ impl RefreshClock {
 }
 
 impl Lock {
-    /// Variances of (phase, covariance, period) so many refreshes on.
+    /// Returns the variances (phase, covariance, period) so many refreshes on.
     fn predicted(&self, refreshes: f64) -> (f64, f64, f64) {
         let square = self.period * self.period;
         let phase = self.phase_variance
@@ -188,11 +191,11 @@ impl Lock {
         (phase.max(0.0), covariance, self.period_variance + refreshes * square * PERIOD_DRIFT)
     }
 
-    /// Takes a sample in, or answers that it is off the grid.
+    /// Takes a sample in, or returns false if it is off the grid.
     fn follow(&mut self, at: f64) -> bool {
         let refreshes = ((at - self.anchor) / self.period).round();
         if refreshes < 1.0 {
-            // Shown again too soon: one more of the same refresh, or a finer grid.
+            // Too soon after the last: another sample of the same refresh, or a finer grid.
             return at - self.anchor < 0.3 * self.period;
         }
         let expected = self.anchor + refreshes * self.period;
@@ -201,7 +204,7 @@ impl Lock {
         let side = if error > 0.0 { 1 } else { -1 };
         self.one_sided = if self.one_sided * side > 0 { self.one_sided + side } else { side };
         if self.one_sided.abs() >= ONE_SIDED {
-            // This is no noise: the period is a little different from what it was.
+            // This is not noise: the period has changed a little.
             self.one_sided = 0;
             phase += error * error;
             period += error * error / f64::from(ONE_SIDED).powi(2);
@@ -224,7 +227,7 @@ impl Lock {
     }
 }
 
-/// Returns a line through samples that all lie near multiples of about a period, if they do.
+/// Returns a line through samples if all of them lie near multiples of about a period.
 fn fit(samples: &[f64], about: f64) -> Option<Lock> {
     if !about.is_finite() || about < 100.0 * MICROSECOND_NS {
         return None;

@@ -1,4 +1,5 @@
-//! How evenly frames came: percentiles, hitches and histograms over the newest frames.
+//! Statistics of how evenly frames came: percentiles, hitches and histograms over the newest
+//! frames.
 //!
 //! All of it is integer arithmetic on nanoseconds, so that a calculation elsewhere from the same
 //! timings gives the same numbers. Percentiles are nearest ranks: the least sample that so many
@@ -9,66 +10,66 @@ use std::time::Duration;
 use crate::frame::FrameTiming;
 use crate::options::PacingError;
 
-/// Most frames that statistics may look at.
+/// The most frames that statistics may hold.
 pub const MAX_STATISTICS_FRAMES: usize = 1 << 20;
-/// Bins of a [`Histogram`].
+/// The number of bins of a [`Histogram`].
 pub const HISTOGRAM_BINS: usize = 10;
-/// Frames on each side that a frame is compared with to tell a hitch.
+/// The number of frames on each side that a frame is compared with to detect a hitch.
 pub const HITCH_NEIGHBOURS: usize = 4;
 
-/// When a frame that took long is a hitch: where both hold.
+/// The rule by which a long frame is a hitch: both conditions must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HitchRule {
-    /// It took longer than that.
+    /// The duration that a hitch exceeds.
     pub longer_than: Duration,
-    /// It took longer than so many hundredths of the median of its neighbours, at most
+    /// The hundredths of the median of its neighbours that a hitch exceeds, at most
     /// [`HITCH_NEIGHBOURS`] before it and as many after it.
     pub percent_of_neighbours: u32,
 }
 
 impl Default for HitchRule {
-    /// Longer than 12 ms, and than 1.8 times its neighbours: a missed refresh at up to 144 Hz.
+    /// Returns a rule of 12 ms and 1.8 times the neighbours: a missed refresh at up to 144 Hz.
     fn default() -> Self {
         Self { longer_than: Duration::from_millis(12), percent_of_neighbours: 180 }
     }
 }
 
-/// Of durations, as far as they are known.
+/// The distribution of durations, as far as they are known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Distribution {
-    /// How many are known.
+    /// The number of known durations.
     pub samples: usize,
     /// Their mean, rounded down to nanoseconds.
     pub mean: Duration,
-    /// Half are at most that long.
+    /// The median: half are at most that long.
     pub median: Duration,
-    /// 95 of 100 are at most that long.
+    /// The 95th percentile.
     pub p95: Duration,
-    /// 99 of 100.
+    /// The 99th percentile.
     pub p99: Duration,
-    /// 999 of 1000.
+    /// The 99.9th percentile.
     pub p99_9: Duration,
     /// The longest.
     pub worst: Duration,
-    /// Mean of the longest hundredth of them, at least of one, rounded down to nanoseconds. Its
+    /// The mean of the longest hundredth of them, at least of one, rounded down to nanoseconds. Its
     /// reciprocal is known as "1 % low".
     pub slowest_percent: Duration,
 }
 
 impl Distribution {
-    /// Frames per second of the slowest hundredth of the frames.
+    /// Returns the frames per second of the slowest hundredth of the frames.
     #[must_use]
     pub fn low_1_percent_hz(&self) -> f64 {
         1.0 / self.slowest_percent.as_secs_f64()
     }
 }
 
-/// How many frames took 0, 1, 2.. refreshes.
+/// The numbers of frames that took 0, 1, 2… refreshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Histogram {
-    /// By refreshes; the last bin has all that took more.
+    /// The frames by refreshes; the last bin has all that took more.
     pub frames: [u32; HISTOGRAM_BINS],
-    /// Frames of which it is not known.
+    /// The number of frames for which it is not known.
     pub unknown: u32,
 }
 
@@ -81,22 +82,22 @@ impl Histogram {
     }
 }
 
-/// What the newest frames were like. `None` where nothing is known, never 0 for it.
+/// The summary of the newest frames. Unknown values are `None`, never 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
-    /// Frames looked at.
+    /// The number of frames covered.
     pub frames: usize,
-    /// From showing to showing.
+    /// The times from showing to showing.
     pub present_intervals: Option<Distribution>,
-    /// From start to start.
+    /// The times from start to start.
     pub start_intervals: Option<Distribution>,
-    /// From start to showing.
+    /// The times from start to showing.
     pub latencies: Option<Distribution>,
-    /// Refreshes that should have shown a new frame and did not.
+    /// The number of refreshes that should have shown a new frame and did not.
     pub missed_refreshes: Option<u64>,
-    /// Hitches among the intervals from showing to showing.
+    /// The number of hitches among the intervals from showing to showing.
     pub hitches: Option<u32>,
-    /// Hitches among the intervals from start to start.
+    /// The number of hitches among the intervals from start to start.
     pub start_hitches: Option<u32>,
     /// Intervals from showing to showing, in refreshes.
     pub refreshes: Histogram,
@@ -104,11 +105,11 @@ pub struct Summary {
     pub latency_refreshes: Histogram,
 }
 
-/// The newest frames, up to a number that is chosen once. Allocates when it is made, never after.
+/// The newest frames, up to a fixed number. It allocates at creation, never after.
 #[derive(Clone, Debug)]
 pub struct FrameStatistics {
     ring: Box<[FrameTiming]>,
-    /// Where the next goes.
+    /// The index of the next frame.
     next: usize,
     count: usize,
     rule: HitchRule,
@@ -118,10 +119,10 @@ pub struct FrameStatistics {
 type Span = fn(&FrameTiming) -> Option<Duration>;
 
 impl FrameStatistics {
-    /// Over so many newest frames.
+    /// Creates statistics over so many newest frames.
     ///
     /// # Errors
-    /// Unless they are 1 to [`MAX_STATISTICS_FRAMES`].
+    /// A number out of 1 to [`MAX_STATISTICS_FRAMES`].
     pub fn new(frames: usize, rule: HitchRule) -> Result<Self, PacingError> {
         if !(1..=MAX_STATISTICS_FRAMES).contains(&frames) {
             return Err(PacingError::StatisticsFrames(frames));
@@ -142,13 +143,13 @@ impl FrameStatistics {
         (self.next, self.count) = (0, 0);
     }
 
-    /// Frames held, oldest first: for graphs.
+    /// Returns the frames held, oldest first, for graphs.
     pub fn frames(&self) -> impl ExactSizeIterator<Item = &FrameTiming> {
         (0..self.count).map(|age| self.at(age))
     }
 
-    /// Returns all numbers over the frames held. Sorts them, so call it for a report, or a few
-    /// times a second for a display.
+    /// Returns the summary of the frames held. It sorts them, so call it for a report, or a few
+    /// times per second for a display.
     pub fn summary(&mut self) -> Summary {
         let mut summary = Summary { frames: self.count, ..Summary::default() };
         for age in 0..self.count {
@@ -168,7 +169,7 @@ impl FrameStatistics {
         summary
     }
 
-    /// Returns the oldest has age 0.
+    /// Returns the frame of this age, which is 0 for the oldest.
     fn at(&self, age: usize) -> &FrameTiming {
         &self.ring[(self.next + self.ring.len() - self.count + age) % self.ring.len()]
     }
@@ -196,7 +197,7 @@ impl FrameStatistics {
                 neighbours[count] = near;
                 count += 1;
             }
-            // Alone it cannot be told.
+            // A single frame has no neighbours to compare with.
             if count == 0 {
                 continue;
             }
@@ -215,14 +216,14 @@ fn nanos(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// Returns the least of them that so many thousandths do not exceed.
+/// Returns the least sample that so many thousandths do not exceed.
 fn rank(sorted: &[u64], thousandths: usize) -> u64 {
     sorted[(sorted.len() * thousandths).div_ceil(1_000).max(1) - 1]
 }
 
 fn mean(of: &[u64]) -> Duration {
     let sum: u128 = of.iter().map(|nanos| u128::from(*nanos)).sum();
-    // A mean of 64-bit numbers is one.
+    // A mean of 64-bit numbers fits 64 bits.
     Duration::from_nanos((sum / of.len() as u128) as u64)
 }
 

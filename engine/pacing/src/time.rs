@@ -4,8 +4,8 @@ use std::time::Duration;
 
 /// A point in time in nanoseconds on one monotonic clock of the caller's choice, from any origin.
 ///
-/// All times given to one [`Pacer`](crate::Pacer) must be of the same clock: reports of the
-/// presentation engine are converted by the caller if theirs is another.
+/// All times given to one [`Pacer`](crate::Pacer) must be of the same clock; the caller converts
+/// reports of the presentation engine from another clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Time(u64);
 
@@ -13,43 +13,44 @@ impl Time {
     /// The origin of the clock.
     pub const ZERO: Self = Self(0);
 
-    /// So many nanoseconds after the origin.
+    /// Returns the time so many nanoseconds after the origin.
     #[must_use]
     pub const fn from_nanos(nanos: u64) -> Self {
         Self(nanos)
     }
 
-    /// After the origin by what a clock such as `Instant::elapsed` says; the last representable
-    /// time (584 years) if that is too long.
+    /// Returns the time after the origin by a duration such as `Instant::elapsed`, at most the last
+    /// representable time (584 years).
     #[must_use]
     pub fn from_origin(elapsed: Duration) -> Self {
         Self(u64::try_from(elapsed.as_nanos()).unwrap_or(u64::MAX))
     }
 
-    /// Nanoseconds since the origin.
+    /// Returns the nanoseconds since the origin.
     #[must_use]
     pub const fn as_nanos(self) -> u64 {
         self.0
     }
 
-    /// Returns how long after `earlier` this is; zero if it is not after it.
+    /// Returns the duration since `earlier`; zero if this is not after it.
     #[must_use]
     pub const fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
     }
 
-    /// Later by a duration, at most the last representable time.
+    /// Returns the time later by a duration, at most the last representable time.
     #[must_use]
     pub fn after(self, duration: Duration) -> Self {
         Self(self.0.saturating_add(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)))
     }
 
-    /// For predictions. Exact up to 104 days from the origin, within 64 ns for a decade.
+    /// Returns nanoseconds for predictions: exact up to 104 days from the origin, within 64 ns for
+    /// a decade.
     pub(crate) const fn to_ns(self) -> f64 {
         self.0 as f64
     }
 
-    /// Returns the nearest representable time; the origin for what is no number.
+    /// Returns the nearest representable time; the origin if `ns` is not a number.
     pub(crate) fn from_ns(ns: f64) -> Self {
         Self(ns.round() as u64)
     }

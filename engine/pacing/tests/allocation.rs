@@ -1,4 +1,4 @@
-//! Pacing and statistics allocate when they are made, and never in the frame loop.
+//! Tests that pacing and statistics allocate when they are made, and never in the frame loop.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -18,8 +18,8 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// The thread that runs the tests may allocate meanwhile and is counted as well; the loop does the
-/// same each time.
+/// The number of tries: the thread that runs the tests may allocate meanwhile and is counted as
+/// well, but the loop does the same each time.
 const TRIES: usize = 10;
 
 #[test]
@@ -29,7 +29,7 @@ fn the_loop_does_not_allocate() {
     assert!(tries < TRIES, "it allocates each time");
 }
 
-/// Answers what was allocated after pacer and statistics were made.
+/// Returns the allocations made after pacer and statistics were made.
 fn run_the_loop() -> Stats {
     let period = Duration::from_micros(16_667);
     let presentation = Presentation {

@@ -1,4 +1,4 @@
-//! When a frame counts as known, and what is said of frames that nobody reported.
+//! Tests of the time at which a frame counts as known, and of frames that were not reported.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -21,7 +21,7 @@ fn pacer(mode: PresentationMode, images: u32, reports: PresentReports) -> Pacer 
     Pacer::new(options, presentation).unwrap()
 }
 
-/// Returns one of the frames that start every `STEP`.
+/// Returns the start of a frame, one every `STEP`.
 fn at(frame: u64) -> Time {
     Time::from_origin(Duration::from_secs(1) + STEP * frame as u32)
 }
@@ -37,9 +37,9 @@ fn known(pacer: &mut Pacer) -> Vec<u64> {
     std::iter::from_fn(|| pacer.completed()).map(|(frame, _)| frame.0).collect()
 }
 
-/// In order, a picture that nobody reported took the place of the one before at some time: how long
-/// either showed is unknown. The newest of a mailbox may have taken its place before it ever
-/// showed.
+/// Checks that in order an unreported picture replaced the one before at some time, so that the
+/// duration of both is unknown. The newest of a mailbox may have been replaced before it was ever
+/// shown.
 #[test]
 fn a_frame_of_unknown_time_did_show_unless_it_was_replaced() {
     for mode in [PresentationMode::Fifo, PresentationMode::FifoRelaxed, PresentationMode::Mailbox] {
@@ -59,8 +59,8 @@ fn a_frame_of_unknown_time_did_show_unless_it_was_replaced() {
     }
 }
 
-/// Of n images, the acquire of the frame n - 1 later is the last that can tell when one was shown:
-/// so long it is waited for, and no longer.
+/// Checks that, with n images, a frame is waited for until the acquire of the frame n - 1 later,
+/// the last that can reveal its showing, and no longer.
 #[test]
 fn without_reports_a_frame_is_known_after_the_last_acquire_that_can_tell() {
     for images in 1..5 {
@@ -75,7 +75,7 @@ fn without_reports_a_frame_is_known_after_the_last_acquire_that_can_tell() {
     }
 }
 
-/// What is still queued may still be dropped, and then it is not told of at all.
+/// Checks that a queued frame is not reported, since it may still be dropped, and then never is.
 #[test]
 fn without_reports_a_frame_that_is_still_queued_is_not_known() {
     let mut pacer = pacer(PresentationMode::Immediate, 1, PresentReports::Missing);

@@ -1,4 +1,4 @@
-//! However many images there are to fill, the pacer does not run ahead of the GPU.
+//! Tests that the pacer does not run ahead of the GPU, however many images there are to fill.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -13,8 +13,8 @@ use antumbra_pacing::{
     Refresh, Step, Time,
 };
 
-/// Where acquires must tell of refreshes the queue is filled up to the images, beyond the limit.
-/// That many may wait for the display; for the GPU no more than the limit.
+/// Checks that the queue is filled beyond the limit only for the display. Where acquires must
+/// reveal refreshes, it is filled up to the images; no more than the limit may wait for the GPU.
 #[test]
 fn no_more_than_the_limit_wait_for_the_gpu() {
     for queue_limit in 1..4 {
@@ -33,7 +33,7 @@ fn no_more_than_the_limit_wait_for_the_gpu() {
         for _ in 0..queue_limit {
             start(&mut pacer, now).expect("the GPU has less to do than allowed");
         }
-        // For a second the GPU is still at it.
+        // For a second the GPU is still at work.
         let end = now.after(Duration::from_secs(1));
         while now < end {
             now = start(&mut pacer, now).expect_err("it runs ahead of the GPU");
@@ -44,7 +44,7 @@ fn no_more_than_the_limit_wait_for_the_gpu() {
     }
 }
 
-/// Starts and presents a frame, or says until when to sleep.
+/// Starts and presents a frame, or returns the end of the sleep.
 fn start(pacer: &mut Pacer, now: Time) -> Result<PacedFrameId, Time> {
     match pacer.next(now) {
         Step::Start(plan) => {

@@ -1,4 +1,4 @@
-//! What is kept and what is forgotten when a swapchain takes the place of another.
+//! Tests of the knowledge that is kept and forgotten when a swapchain replaces another.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -28,13 +28,13 @@ struct Machine {
     now: u64,
     period: u64,
     gpu: u64,
-    /// How long before a refresh a frame must be finished.
+    /// The time before a refresh by which a frame must be finished.
     latch: u64,
-    /// How late it wakes to look after the GPU.
+    /// The lateness of waking to look at the GPU.
     look_late: u64,
     gpu_free: u64,
     last_shown: u64,
-    /// Frames with the end of their work and their showing, while nobody has told.
+    /// Unreported frames with the end of their work and their showing.
     unfinished: Vec<(PacedFrameId, u64)>,
     unseen: Vec<(PacedFrameId, u64)>,
 }
@@ -56,7 +56,7 @@ impl Machine {
         }
     }
 
-    /// So many frames; answers from start to showing of the last fifty, on average, in
+    /// Runs so many frames; returns the mean latency of the last fifty, from start to showing, in
     /// milliseconds.
     fn latency_ms(&mut self, frames: usize) -> f64 {
         let latencies: Vec<u64> = (0..frames).map(|_| self.frame().1).collect();
@@ -64,8 +64,8 @@ impl Machine {
         last.iter().sum::<u64>() as f64 / last.len() as f64 / MILLISECOND as f64
     }
 
-    /// Sleeps, and takes one frame to its presentation; answers when it was expected to show, and
-    /// how long after its start it does.
+    /// Sleeps, and takes one frame to its presentation; returns its expected showing, and its
+    /// latency.
     fn frame(&mut self) -> (Option<Time>, u64) {
         loop {
             self.look();
@@ -105,7 +105,7 @@ impl Machine {
         self.last_shown - start
     }
 
-    /// All that was presented is shown, and then there is another swapchain.
+    /// Shows all presented frames, then changes to another swapchain.
     fn present_through(&mut self, presentation: Presentation) {
         self.now = self.now.max(self.last_shown);
         self.look();
@@ -113,8 +113,8 @@ impl Machine {
     }
 }
 
-/// A smaller picture takes less: that the GPU once took longer is no reason to doubt it, even where
-/// looks are too coarse to show it.
+/// Checks that a slower GPU in the past is no reason to doubt a faster one with a smaller picture,
+/// even where looks are too coarse to show it.
 #[test]
 fn the_gpu_may_be_faster_in_a_new_swapchain() {
     let mut machine = Machine::new();
@@ -127,8 +127,8 @@ fn the_gpu_may_be_faster_in_a_new_swapchain() {
     assert!(after < 6.5, "{after} ms for 3 ms of work, {before} ms before");
 }
 
-/// Another display, or another rate of this one: until some of its refreshes were seen, none is
-/// foretold.
+/// Checks that nothing is predicted for another display, or another rate of this one, until some of
+/// its refreshes were seen.
 #[test]
 fn nothing_is_foretold_of_a_display_that_was_never_seen() {
     let mut machine = Machine::new();
@@ -149,7 +149,7 @@ fn nothing_is_foretold_of_a_display_that_was_never_seen() {
     }
 }
 
-/// How early a compositor takes pictures is learnt of one mode, by misses, and kept only there.
+/// Checks that the early latch of a compositor is learnt per mode, by misses, and kept only there.
 #[test]
 fn the_margin_is_learnt_anew_for_another_mode() {
     let mut machine = Machine::new();

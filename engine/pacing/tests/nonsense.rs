@@ -1,4 +1,4 @@
-//! Whatever is said to it, the pacer answers with something bounded and does not panic.
+//! Tests that the pacer answers any input with something bounded and does not panic.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -125,7 +125,7 @@ proptest! {
             prop_assert!(pacer.queued_frames() <= 64);
             while pacer.completed().is_some() {}
         }
-        // And it still works: time goes on, frames start.
+        // And it still works: time passes, frames start.
         let mut now = Time::from_origin(SECOND * 1_000_000);
         let mut started = 0;
         for _ in 0..20_000 {
@@ -169,7 +169,7 @@ fn a_caller_that_reports_nothing_is_throttled_not_hung() {
     assert!(steps < 3_000, "{steps} steps");
 }
 
-/// A GPU that never finishes: looked after ever more rarely, whatever the user chose.
+/// Checks that a GPU that never finishes is polled ever more rarely, with any options.
 #[test]
 fn a_gpu_that_hangs_does_not_make_the_loop_spin() {
     for frame_limit_hz in [None, Some(0.5)] {

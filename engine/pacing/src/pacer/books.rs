@@ -1,15 +1,14 @@
-//! What a pacer keeps of frames that were handed over: what is heard of them, what was said of
-//! them.
+//! The records of presented frames: signs that they are seen, and their reported timings.
 
-/// Whether anything is heard of the frames that were handed over.
+/// The silence after presents: the absence of signs that frames are seen.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::pacer) struct Silence {
-    /// When a frame was last known to leave the queue, or the queue was last not full.
+    /// The last time at which a frame was known to leave the queue, or the queue was not full.
     pub(in crate::pacer) since: f64,
     pub(in crate::pacer) hidden: bool,
 }
 
-/// Frames handed out, and what their successors are compared with.
+/// The timings handed out, and the times with which the next frames are compared.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::pacer) struct Ledger {
     pub(in crate::pacer) next: u64,
@@ -18,7 +17,7 @@ pub(in crate::pacer) struct Ledger {
 }
 
 impl Ledger {
-    /// What comes now has no neighbour.
+    /// Notes that the next frame has no predecessor.
     pub(in crate::pacer) const fn interrupt(&mut self) {
         self.last_start = None;
         self.last_shown = None;

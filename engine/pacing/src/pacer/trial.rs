@@ -1,43 +1,45 @@
-//! Whether acquires wait for the display at all: a trial before their waits are believed.
+//! A trial of acquires, before their waits are believed to be for the display.
 //!
-//! An acquire may as well wait for the GPU, or for a window system that copies pictures, and
-//! neither tells of refreshes. A display gives itself away by waits that end on one grid whenever
-//! frames start. So as soon as waits seem to have a period, frames are shaken: one waits until the
-//! GPU is idle, and some part of a frame more. What follows the GPU is off by as much from then on;
-//! a display is not.
+//! An acquire may also wait for the GPU, or for a window system that copies pictures, and neither
+//! reveals refreshes. A display reveals itself by waits that end on one grid whenever frames start.
+//! So as soon as waits seem to have a period, frames are shaken: one waits until the GPU is idle,
+//! and some part of a frame more. Waits that follow the GPU are shifted as much from then on; waits
+//! for a display are not.
 //!
-//! Looked at are waits only where the frame that had to be shown first was seen finished a whole
-//! frame ago. With two images that frame is the newest one, and never is: there frames start so
-//! that it is finished when the next image is asked for.
+//! A wait counts only if the frame that had to be shown first was seen finished a whole frame ago.
+//! With two images that frame is the newest one, and is never finished so early: there, frames
+//! start so that it is finished when the next image is asked for.
 
 use crate::refresh_clock::RefreshClock;
 use crate::time::MILLISECOND_NS;
 
-/// So many times in a row the first wait after a shake must end where the ones before foretold.
+/// The number of shakes in a row after which the first wait must end as predicted by the ones
+/// before.
 const ENOUGH: u32 = 6;
-/// Of a period: what it may be off. One that ends at random does so one time in seven.
+/// The error allowed, as a share of a period. A wait with a random end is within it one time in
+/// seven.
 const AGREES: f64 = 0.07;
-/// No display refreshes more rarely.
+/// The longest period of a display.
 const LONGEST_PERIOD_NS: f64 = 125.0 * MILLISECOND_NS;
 
-/// How far a shake is.
+/// The state of a shake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::pacer) enum Shaking {
     Rests,
-    /// The next frame is delayed.
+    /// A shake that is due: the next frame is delayed.
     Due,
-    /// This frame was, and no wait for it or a later one has ended since.
+    /// A shake of this frame, where no wait for it or a later one has ended since.
     Done(u64),
 }
 
-/// What speaks for a display that makes acquires wait.
+/// The evidence for a display that makes acquires wait.
 #[derive(Clone, Debug)]
 pub(in crate::pacer) struct Trial {
     clock: RefreshClock,
     agreed: u32,
     pub(in crate::pacer) is_won: bool,
     pub(in crate::pacer) shaking: Shaking,
-    /// When the last acquire returned.
+    /// The time at which the last acquire returned.
     returned: Option<f64>,
 }
 
@@ -48,12 +50,13 @@ impl Trial {
         Self { clock, agreed: 0, is_won: false, shaking, returned: None }
     }
 
-    /// Returns true if waits are believed.
+    /// Returns true if waits are believed to be for the display.
     pub(in crate::pacer) const fn is_won(&self) -> bool {
         self.is_won
     }
 
-    /// Returns the acquire of `frame` returned; answers when the one before did.
+    /// Notes that the acquire of `frame` returned, and returns the time at which the one before
+    /// did.
     pub(in crate::pacer) fn returned(&mut self, frame: u64, to: f64) -> Option<f64> {
         if self.shaking == Shaking::Due {
             self.shaking = Shaking::Done(frame);
@@ -61,7 +64,7 @@ impl Trial {
         self.returned.replace(to)
     }
 
-    /// What was seen so far was seen too long ago.
+    /// Discards the evidence, which is too old.
     pub(in crate::pacer) fn begin_anew(&mut self, hint: Option<f64>) {
         if !self.is_won {
             (self.clock, self.agreed) = (RefreshClock::new(hint), 0);
@@ -69,10 +72,10 @@ impl Trial {
         }
     }
 
-    /// Returns a wait for `shown` ended that a display may have caused; answers its clock once it
-    /// is sure.
+    /// Notes the end of a wait for `shown` that a display may have caused, and returns the
+    /// display's clock once it is sure.
     pub(in crate::pacer) fn observe(&mut self, shown: u64, at: f64) -> Option<RefreshClock> {
-        // What frames of before the shake are waited for is not shaken.
+        // Waits for frames from before the shake are not shaken.
         if matches!(self.shaking, Shaking::Done(frame) if shown < frame) {
             return None;
         }
@@ -96,9 +99,9 @@ impl Trial {
         self.is_won.then(|| self.clock.clone())
     }
 
-    /// Returns some part of what seems to be the period, another one for each frame.
+    /// Returns some part of the apparent period, a different one for each frame.
     pub(in crate::pacer) fn delay(&self, frame: u64) -> f64 {
-        // SplitMix64 (Steele, Lea, Flood 2014): followed by nothing that comes again and again.
+        // SplitMix64 (Steele, Lea, Flood 2014), which nothing periodic follows.
         let mut mixed = frame.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

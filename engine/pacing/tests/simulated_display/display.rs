@@ -1,12 +1,12 @@
-//! A presentation engine in an event-free form: what was presented, with the time its GPU work
-//! ends, is enough to say when it will show. True times, in nanoseconds.
+//! A presentation engine without events: each presented frame, with the end of its GPU work, is
+//! enough to compute when it is shown. True times, in nanoseconds.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
 use antumbra_pacing::PresentationMode;
 
-/// Refreshes: at fixed times whatever happens, or when a frame is there; or none at all.
+/// The refreshes of a display: at fixed times, when a frame is there, or none at all.
 #[derive(Clone, Copy, Debug)]
 pub enum Panel {
     Fixed {
@@ -17,29 +17,29 @@ pub enum Panel {
         min_period: f64,
         max_period: f64,
     },
-    /// No screen: a window system that takes each frame when it is finished and copies it, one
-    /// after the other, for about so long.
+    /// A window system without a screen, which copies each finished frame, one after the other, for
+    /// about so long.
     Unthrottled {
         copy: f64,
         waits_for: Work,
     },
 }
 
-/// Which work of the GPU an acquire waits for where there is no screen.
+/// The work of the GPU that an acquire waits for where there is no screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// Of the frame that frees its image.
+    /// The work of the frame that frees its image.
     Replacing,
-    /// All that was submitted, which the frame's own work is.
+    /// All submitted work, the frame's own included.
     All,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Presented {
     frame: usize,
-    /// Never, if it was replaced first.
+    /// The time of its showing; `None` if it was replaced first.
     shown: Option<f64>,
-    /// When its image can be acquired again.
+    /// The time at which its image can be acquired again.
     released: f64,
 }
 
@@ -48,9 +48,9 @@ pub struct Display {
     pub panel: Panel,
     pub mode: PresentationMode,
     pub images: usize,
-    /// How long before a refresh an image must be finished.
+    /// The time before a refresh by which an image must be finished.
     pub latch: f64,
-    /// When nothing is shown at all.
+    /// The span of time in which nothing is shown.
     pub hidden: Range<f64>,
     held: VecDeque<Presented>,
     last_shown: f64,
@@ -62,8 +62,8 @@ impl Display {
         Self { panel, mode, images, latch: 0.0, hidden: 0.0..0.0, held, last_shown: -1e9 }
     }
 
-    /// Returns when an image can be had, if it is asked for now; never, if none comes free by
-    /// itself.
+    /// Returns the time at which an image is available, if it is asked for now; infinite if none
+    /// becomes free by itself.
     pub fn image_free(&mut self, now: f64) -> f64 {
         self.held.retain(|held| held.released > now);
         let mut released: Vec<f64> = self.held.iter().map(|held| held.released).collect();
@@ -72,8 +72,8 @@ impl Display {
         if excess == 0 { now } else { released[excess - 1] }
     }
 
-    /// Takes a frame whose GPU work ends then; answers when it will show, and which frame will now
-    /// never show.
+    /// Takes a frame whose GPU work ends at `finish`; returns the time of its showing, and the
+    /// frame that will now never be shown.
     pub fn present(&mut self, frame: usize, finish: f64) -> (f64, Option<usize>) {
         let (shown, replaces) = match self.panel {
             Panel::Unthrottled { copy, .. } => (self.copied(frame, finish, copy), false),
@@ -86,7 +86,7 @@ impl Display {
                 last.shown = None;
                 last.released = finish;
             }
-            // What is on the screen stays there until this frame shows.
+            // The frame on the screen stays there until this one is shown.
             let on_screen = self.held.iter_mut().rev().find(|held| held.shown.is_some());
             if let Some(on_screen) = on_screen {
                 on_screen.released = shown;
@@ -98,7 +98,7 @@ impl Display {
         (shown, replaced)
     }
 
-    /// Returns a new swapchain: what has not been shown by now never is.
+    /// Changes to a new swapchain, and returns the frames that will now never be shown.
     pub fn recreate(&mut self, mode: PresentationMode, images: usize, now: f64) -> Vec<usize> {
         let unseen = self.held.iter().filter(|held| held.shown.is_some_and(|shown| shown > now));
         let lost = unseen.map(|held| held.frame).collect();
@@ -133,7 +133,7 @@ impl Display {
         }
     }
 
-    /// Returns the first refresh at or after a time that anyone sees.
+    /// Returns the first visible refresh at or after a time.
     pub fn refresh(&self, time: f64) -> f64 {
         let Panel::Fixed { period, phase } = self.panel else { return self.visible(time) };
         let next = |time: f64| phase + ((time - phase) / period - 1e-9).ceil() * period;
@@ -141,7 +141,7 @@ impl Display {
         if self.hidden.contains(&at) { next(self.hidden.end) } else { at }
     }
 
-    /// Copies take unevenly long.
+    /// Returns the end of a copy; copies take uneven times.
     fn copied(&self, frame: usize, finish: f64, copy: f64) -> f64 {
         let unevenness = 0.8 + 0.4 * (frame as f64 * 0.618).fract();
         finish.max(self.last_shown) + copy * unevenness
@@ -151,8 +151,8 @@ impl Display {
         if self.hidden.contains(&time) { self.hidden.end } else { time }
     }
 
-    /// Returns a variable panel repeats its picture when none has come for too long, and is busy
-    /// with that for the shortest period.
+    /// Returns the time at which a variable panel shows a ready frame. The panel repeats its
+    /// picture when none has come for too long, and is busy with that for the shortest period.
     fn variable(&self, ready: f64) -> f64 {
         let Panel::Variable { min_period, max_period } = self.panel else { return ready };
         let waited = ready - self.last_shown;
@@ -177,7 +177,7 @@ mod tests {
         let mut display = fixed(PresentationMode::Fifo, 3);
         let shown: Vec<f64> = (0..3).map(|n| display.present(n, 1.0 + n as f64).0).collect();
         assert_eq!(shown, [10.0, 20.0, 30.0]);
-        // All three are held: the first comes free when the second takes its place.
+        // All three are held: the first becomes free when the second replaces it.
         assert_eq!(display.image_free(4.0), 20.0);
         assert_eq!(display.image_free(20.0), 20.0);
         // A late one waits for the next refresh.
@@ -220,7 +220,7 @@ mod tests {
         display.last_shown = 0.0;
         assert_eq!(display.present(0, 3.0).0, 7.0);
         assert_eq!(display.present(1, 17.0).0, 17.0);
-        // Nothing came until 37: repeated then, and busy until 44.
+        // Nothing arrived until 37: repeated then, and busy until 44.
         assert_eq!(display.present(2, 38.0).0, 44.0);
     }
 

@@ -1,5 +1,4 @@
-//! Stalls, hidden windows, new swapchains, coarse clocks: what goes wrong, and how soon all is
-//! well.
+//! Tests of recovery from disturbances: stalls, hidden windows, new swapchains, coarse clocks.
 
 use antumbra_pacing::{PresentReports, PresentationMode};
 
@@ -8,7 +7,8 @@ use crate::measure::{mean, quantile};
 use crate::run::{Run, run, run_for};
 use crate::scenario::{Change, MILLISECOND, SECOND, Scenario, Stall, Ticks};
 
-/// After frame `from` every refresh shows a new one, none later than a refresh over the optimum.
+/// Checks that after frame `from` every refresh shows a new one, none later than a refresh over the
+/// optimum.
 fn assert_steady(run: &Run, from: usize, to: usize) {
     let seed = run.scenario.seed;
     let mut short = run.clone();
@@ -40,8 +40,8 @@ fn back_within_five_frames_of_a_stall() {
     }
 }
 
-/// With fewer images than frames may be queued, and with more. Here timestamps that come with a
-/// look are not enough where the GPU stalls.
+/// Checks recovery with fewer images than frames may be queued, and with more. Here timestamps that
+/// come with a look are not enough where the GPU stalls.
 #[test]
 fn back_within_five_frames_of_a_stall_without_reports() {
     const AT: usize = 200;
@@ -80,7 +80,7 @@ fn a_hidden_window_is_throttled_and_resumes_at_once() {
         let hidden = run.outcomes.iter().filter(while_hidden).count() as f64;
         let most = 20.0 * SECOND / interval + 10.0;
         assert!(hidden <= most, "seed {seed}: {hidden} frames while hidden");
-        // Not hung either: it goes on asking whether anyone sees it.
+        // Not hung either: it keeps checking for a visible window.
         assert!(hidden >= 10.0, "seed {seed}: {hidden} frames while hidden");
         let seen = |o: &&crate::run::Outcome| {
             o.shown.is_some_and(|shown| (28.15 * SECOND..29.15 * SECOND).contains(&shown))
@@ -125,7 +125,7 @@ fn swapchains_come_and_go() {
     assert!(missed_in_all * 1_000 <= all, "{missed_in_all} of {all} missed");
 }
 
-/// The display itself changes its rate, and nobody tells.
+/// Checks that a new rate of the display is noticed without any report of it.
 #[test]
 fn another_rate_is_noticed() {
     for seed in 0..200 {
@@ -155,7 +155,7 @@ fn a_clock_of_one_millisecond_will_do() {
     for seed in 0..500 {
         let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.clock_grain = MILLISECOND;
-        // At 144 Hz a step of the clock is a seventh of a refresh: leave it room.
+        // At 144 Hz a step of the clock is a seventh of a refresh: allow for that.
         let scale = if scenario.options.queue_limit == 1 { 0.75 } else { 1.0 };
         (scenario.cpu, scenario.gpu) = (scale * scenario.cpu, scale * scenario.gpu);
         let run = run(&scenario);
@@ -169,7 +169,8 @@ fn a_clock_of_one_millisecond_will_do() {
     assert!(missed_in_all * 200 <= all, "{missed_in_all} of {all}");
 }
 
-/// A clock whose steps are about a refresh tells nothing of phases; the loop must still run.
+/// Checks that the loop still runs with a clock whose steps are about a refresh, which reveals no
+/// phases.
 #[test]
 fn a_clock_of_sixty_four_hertz_does_not_break_it() {
     for seed in 0..300 {
@@ -186,7 +187,7 @@ fn a_clock_of_sixty_four_hertz_does_not_break_it() {
     }
 }
 
-/// Loops that only wake when they were told to.
+/// Checks loops that only wake at the ends of their sleeps.
 #[test]
 fn reports_need_not_wake_the_loop() {
     let (mut missed_in_all, mut all) = (0, 0);
@@ -205,7 +206,8 @@ fn reports_need_not_wake_the_loop() {
     assert!(missed_in_all * 500 <= all, "{missed_in_all} of {all}");
 }
 
-/// A compositor that takes pictures long before the display shows them: nobody says so, misses do.
+/// Checks that misses teach the early latch of a compositor that takes pictures long before they
+/// are shown.
 #[test]
 fn an_early_latch_is_learnt() {
     let (mut missed_in_all, mut all) = (0, 0);
@@ -230,7 +232,7 @@ fn an_early_latch_is_learnt() {
     assert!(missed_in_all * 500 <= all, "{missed_in_all} of {all}");
 }
 
-/// Sleeping is done in few sleeps.
+/// Checks that sleeping takes few sleeps.
 #[test]
 fn the_loop_wakes_a_few_times_a_frame() {
     for seed in 0..300 {

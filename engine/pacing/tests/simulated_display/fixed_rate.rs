@@ -1,4 +1,5 @@
-//! What is promised for displays of a fixed rate, over thousands of random machines and loads.
+//! Tests of the guarantees for displays of a fixed rate, over thousands of random machines and
+//! loads.
 
 use antumbra_pacing::{PresentReports, PresentationMode};
 
@@ -6,10 +7,10 @@ use crate::measure::{mean, quantile};
 use crate::run::{Run, run};
 use crate::scenario::{Policy, Scenario};
 
-/// Frames that a pacer is given to learn.
+/// The number of frames that a pacer has for learning.
 const LEARNT: usize = 120;
 
-/// Runs that the promises rest on, by what is reported.
+/// The number of runs behind the guarantees, by the kind of reports.
 const FIFO_RUNS: u64 = 5_000;
 const RELAXED_RUNS: u64 = 1_000;
 const MAILBOX_RUNS: u64 = 2_000;
@@ -27,7 +28,7 @@ struct Tally {
 }
 
 impl Tally {
-    /// Counts a run in, and checks what must hold for each.
+    /// Adds a run, and checks the guarantees for each single run.
     fn add(&mut self, run: &Run, queue_limit: u32) {
         let seed = run.scenario.seed;
         assert_eq!(run.outcomes.len(), run.scenario.frames);
@@ -92,8 +93,8 @@ fn mailbox_with_present_times() {
     tally("mailbox", MAILBOX_RUNS, |seed| Scenario::random(seed, PresentationMode::Mailbox));
 }
 
-/// Nothing but acquires and ticks. The queue can then be no shorter than the swapchain forces, so
-/// the caller asks for as many images as may be queued.
+/// Checks the guarantees with acquires and ticks only. The queue can then be no shorter than the
+/// swapchain forces, so the caller asks for as many images as may be queued.
 #[test]
 fn fifo_with_acquires_only() {
     tally("acquires only", ACQUIRES_ONLY_RUNS, |seed| {
@@ -105,7 +106,7 @@ fn fifo_with_acquires_only() {
     });
 }
 
-/// Long runs one by one: what holds on average holds for each.
+/// Checks that each long run keeps the guarantees that hold on average.
 #[test]
 fn long_runs_each_keep_the_promise() {
     for seed in 0..40 {
@@ -120,7 +121,8 @@ fn long_runs_each_keep_the_promise() {
     }
 }
 
-/// A period that drifts away from what acquires once told must be looked for again.
+/// Checks that a period is searched for again when it drifts away from the one that acquires
+/// revealed.
 #[test]
 fn long_runs_with_acquires_only() {
     for seed in 0..20 {
@@ -136,7 +138,7 @@ fn long_runs_with_acquires_only() {
     }
 }
 
-/// The measure can tell: a loop that starts at once shows as many frames, much later.
+/// Checks the measure: a loop that starts at once shows as many frames, much later.
 #[test]
 fn starting_at_once_has_worse_latency_and_longer_queues() {
     let mut worse = 0;
@@ -157,7 +159,7 @@ fn starting_at_once_has_worse_latency_and_longer_queues() {
     assert!(too_many > 200, "{too_many}");
 }
 
-/// The measure can tell misses as well: 130 % load cannot reach every refresh.
+/// Checks that the measure detects misses: 130 % load cannot reach every refresh.
 #[test]
 fn overload_misses_refreshes_and_stays_bounded() {
     for seed in 0..100 {
@@ -172,7 +174,7 @@ fn overload_misses_refreshes_and_stays_bounded() {
     }
 }
 
-/// What the pacer says was expected is what came.
+/// Checks that expected presents are the actual ones.
 #[test]
 fn expected_presents_come_true() {
     for seed in 0..200 {

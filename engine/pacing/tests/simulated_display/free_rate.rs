@@ -1,4 +1,4 @@
-//! Where no grid of refreshes rules: frame limits, immediate mode, displays that wait for frames.
+//! Tests without a grid of refreshes: frame limits, immediate mode, displays that wait for frames.
 
 use antumbra_pacing::PresentationMode;
 
@@ -53,7 +53,7 @@ fn immediate_mode_starts_when_the_gpu_is_about_to_be_free() {
         let serial = scenario.options.queue_limit == 1;
         let busy =
             if serial { scenario.cpu + scenario.gpu } else { scenario.cpu.max(scenario.gpu) };
-        // What reports and sleeps cost, a frame.
+        // The cost of reports and sleeps per frame.
         let overhead = scenario.report_delay + 2.0 * scenario.wake_lateness + 0.1 * MILLISECOND;
         let share = 179.0 * (busy + overhead) / took;
         assert!(share > 0.8, "seed {seed}: busy for {share} of the time");

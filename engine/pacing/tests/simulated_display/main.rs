@@ -1,5 +1,5 @@
-//! The pacer against a simulated presentation engine: seeded runs of every mode and kind of
-//! feedback.
+//! Tests of the pacer against a simulated presentation engine: seeded runs of every mode and kind
+//! of feedback.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,11 +1,11 @@
-//! What a run was worth: missed refreshes, and latency against the optimum of perfect knowledge.
+//! The measures of a run: missed refreshes, and latency against the optimum of perfect knowledge.
 
 use crate::run::{Outcome, Run};
 use crate::scenario::Scenario;
 
 impl Run {
-    /// Refreshes from the showing of frame `from` on that showed nothing new, and how many there
-    /// were.
+    /// Returns the number of refreshes from the showing of frame `from` on that showed nothing new,
+    /// and the number of all.
     pub fn missed_refreshes(&self, from: usize) -> (usize, usize) {
         let period = self.scenario.period();
         let shown: Vec<f64> =
@@ -20,7 +20,7 @@ impl Run {
         self.outcomes.iter().map(|outcome| outcome.queued).max().unwrap_or(0)
     }
 
-    /// Start to showing of each frame shown from `from` on, less the optimum, in refreshes.
+    /// Returns the latency of each frame shown from `from` on, less the optimum, in refreshes.
     pub fn latency_excess(&self, from: usize) -> Vec<f64> {
         let best = optimal_starts(&self.scenario, &self.outcomes);
         let period = self.scenario.period();
@@ -31,8 +31,8 @@ impl Run {
     }
 }
 
-/// Returns the latest starts for which every frame would have shown when it did, knowing how long
-/// each takes: backwards through a flow line of one CPU and one GPU.
+/// Returns the latest starts with which every frame would have been shown at the same time, given
+/// all durations: backwards through a flow line of one CPU and one GPU.
 pub fn optimal_starts(scenario: &Scenario, outcomes: &[Outcome]) -> Vec<f64> {
     let mut next_gpu = f64::INFINITY;
     let mut next_cpu = f64::INFINITY;

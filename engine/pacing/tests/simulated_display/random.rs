@@ -17,7 +17,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// Evenly in 0 to 1, 1 excluded.
+    /// Returns a number, evenly distributed in 0 to 1, 1 excluded.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -30,7 +30,8 @@ impl Random {
         from[(self.bits() % from.len() as u64) as usize]
     }
 
-    /// Mean 0, standard deviation 1, never beyond 3.5: a sum of four even ones.
+    /// Returns a number of mean 0 and standard deviation 1, never beyond 3.5: a sum of four even
+    /// ones.
     pub fn bell(&mut self) -> f64 {
         let sum: f64 = (0..4).map(|_| self.unit()).sum();
         (sum - 2.0) * 3.0_f64.sqrt()

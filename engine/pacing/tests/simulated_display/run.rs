@@ -9,10 +9,10 @@ use crate::display::{Display, Panel, Work};
 use crate::random::Random;
 use crate::scenario::{MILLISECOND, Policy, SECOND, Scenario, Stall, Ticks};
 
-/// An acquire gives up after that long.
+/// The timeout of an acquire.
 const ACQUIRE_TIMEOUT: f64 = 100.0 * MILLISECOND;
 
-/// What truly became of a frame.
+/// The true outcome of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
     pub start: f64,
@@ -21,7 +21,7 @@ pub struct Outcome {
     pub finish: f64,
     pub shown: Option<f64>,
     pub dropped: bool,
-    /// Frames between start and showing when it started, with itself.
+    /// The number of frames between start and showing when it started, including itself.
     pub queued: usize,
     pub expected: Option<f64>,
     pub acquire_wait: f64,
@@ -31,9 +31,9 @@ pub struct Outcome {
 pub struct Run {
     pub scenario: Scenario,
     pub outcomes: Vec<Outcome>,
-    /// As the pacer tells them.
+    /// The timings reported by the pacer.
     pub timings: Vec<(PacedFrameId, FrameTiming)>,
-    /// How often the pacer was asked.
+    /// The number of times the pacer was asked.
     pub steps: usize,
     pub ended: f64,
 }
@@ -42,7 +42,7 @@ struct Delivery {
     at: f64,
     frame: PacedFrameId,
     feedback: Feedback,
-    /// Waits for the loop to look.
+    /// True if it waits for the loop to look.
     polled: bool,
 }
 
@@ -115,7 +115,7 @@ impl Simulation {
                 assert!(wait.until.since(asked) <= Duration::from_secs(1));
                 let late = self.random.between(0.0, self.scenario.wake_lateness);
                 let grain = self.scenario.clock_grain;
-                // A coarse clock shows that time when it has passed, not earlier.
+                // A coarse clock shows that time after it has passed, not earlier.
                 let wake = (wait.until.as_nanos() as f64 / grain).ceil() * grain + late;
                 let report = self.deliveries.iter().filter(|delivery| !delivery.polled);
                 let report = report.map(|delivery| delivery.at).fold(f64::INFINITY, f64::min);
@@ -186,7 +186,7 @@ impl Simulation {
         }
         if free > self.now {
             self.outcomes[number].acquire_wait = free - self.now;
-            // The thread that slept for it wakes a little later.
+            // The thread that sleeps for it wakes a little later.
             self.now = free + self.random.between(0.0, 0.03 * MILLISECOND);
         }
         let at = self.clock(self.now);
@@ -204,7 +204,7 @@ impl Simulation {
         self.report(frame, finish, gpu, shown);
     }
 
-    /// A frame that is never shown after all has left the queue, as if it had been dropped.
+    /// Removes a frame that will never be shown from the queue, as if it had been dropped.
     fn unshow(&mut self, number: usize) {
         self.outcomes[number].shown = None;
         self.outcomes[number].dropped = true;

@@ -1,4 +1,5 @@
-//! What a simulated run is like: the display, the machine, the load, and what the pacer is told.
+//! The scenario of a simulated run: the display, the machine, the load, and the reports to the
+//! pacer.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -11,34 +12,34 @@ use crate::random::Random;
 pub const MILLISECOND: f64 = 1e6;
 pub const SECOND: f64 = 1e9;
 
-/// How the end of GPU work becomes known.
+/// The way in which the end of GPU work becomes known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ticks {
-    /// Somebody waits for them.
+    /// Ticks with a thread that waits for them.
     Watched,
-    /// Whenever the loop wakes it looks.
+    /// Ticks that the loop polls when it wakes.
     Polled,
-    /// As polled, and timestamps tell how long the work took.
+    /// Polled ticks, with timestamps of the work.
     Timestamps,
     Unknown,
 }
 
-/// Who decides when a frame starts.
+/// The policy that starts frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Policy {
     Paced,
-    /// As soon as the last was presented: what a loop does that does not pace.
+    /// A start as soon as the last was presented: a loop without pacing.
     AtOnce,
 }
 
-/// Something that keeps a frame from going on.
+/// A stall of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stall {
     Cpu { frame: usize, duration: f64 },
     Gpu { frame: usize, duration: f64 },
 }
 
-/// Another swapchain, before that frame.
+/// A change to another swapchain, before that frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
     pub frame: usize,
@@ -56,29 +57,29 @@ pub struct Scenario {
     pub mode: PresentationMode,
     pub images: usize,
     pub latch: f64,
-    /// Whether the period is told beforehand.
+    /// True if the period is given beforehand.
     pub hinted: bool,
     pub reports: PresentReports,
     pub ticks: Ticks,
-    /// Means, in nanoseconds.
+    /// The mean CPU time, in nanoseconds.
     pub cpu: f64,
     pub gpu: f64,
-    /// Standard deviation of both, relative.
+    /// The relative standard deviation of both.
     pub jitter: f64,
-    /// A sleep ends so much late at most.
+    /// The greatest lateness of a sleep's end.
     pub wake_lateness: f64,
-    /// Standard deviation of reported times.
+    /// The standard deviation of reported times.
     pub report_noise: f64,
-    /// A report comes so much later at most.
+    /// The greatest delay of a report.
     pub report_delay: f64,
-    /// Whether reports wake the loop.
+    /// True if reports wake the loop.
     pub woken_by_reports: bool,
-    /// The clock advances in such steps.
+    /// The step of the clock.
     pub clock_grain: f64,
     pub stalls: Vec<Stall>,
     pub hidden: Range<f64>,
     pub changes: Vec<Change>,
-    /// The display changes before that frame, and nobody is told.
+    /// A change of the display before that frame, without a report.
     pub silent_change: Option<(usize, Panel)>,
 }
 
@@ -113,7 +114,7 @@ impl Scenario {
         }
     }
 
-    /// Returns any display of a fixed rate, any load up to 80 %, any machine that is not
+    /// Returns a random display of a fixed rate, load up to 80 %, and machine that is not
     /// pathological.
     pub fn random(seed: u64, mode: PresentationMode) -> Self {
         let mut random = Random::new(seed);

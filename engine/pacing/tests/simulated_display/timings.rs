@@ -1,4 +1,4 @@
-//! What the pacer tells of frames is what truly became of them; what nobody told it is unknown.
+//! Tests that the pacer's timings of frames are true, and that unreported ones are unknown.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ fn exact(seed: u64) -> Scenario {
 }
 
 fn near(told: Duration, truth: f64) -> bool {
-    // Times are told in whole nanoseconds.
+    // Times are reported in whole nanoseconds.
     (told.as_nanos() as f64 - truth).abs() < 3.0
 }
 
@@ -44,7 +44,7 @@ fn exact_reports_give_exact_timings() {
     }
 }
 
-/// The whole way: from what the display did to the numbers a user reads.
+/// Checks the whole way from the display to the numbers that a user reads.
 #[test]
 fn statistics_of_a_run_count_its_stall() {
     for seed in 0..100 {
@@ -69,7 +69,7 @@ fn statistics_of_a_run_count_its_stall() {
     }
 }
 
-/// Refreshes that showed nothing new, before each of these frames.
+/// Returns the refreshes that showed nothing new, before each of these frames.
 fn missed(run: &Run, first: usize, last: usize) -> u64 {
     let shown = |frame: usize| run.outcomes[frame].shown.unwrap();
     let steps =
@@ -93,7 +93,7 @@ fn what_nobody_reports_is_unknown() {
         for (frame, timing) in &run.timings {
             let outcome = &run.outcomes[frame.0 as usize];
             match timing.latency {
-                // An acquire that had to wait told it, as exactly as its thread woke.
+                // An acquire that had to wait revealed it, as exactly as its thread woke.
                 Some(latency) => {
                     known += 1;
                     let truth = outcome.shown.unwrap() - outcome.start;
@@ -104,7 +104,7 @@ fn what_nobody_reports_is_unknown() {
             }
             assert!(timing.start_interval.is_some() || frame.0 == 0);
             if let Some(interval) = timing.present_interval {
-                // From the frame before, never across one of which nobody knows when it was shown.
+                // From the frame before, never across one with an unknown time of showing.
                 let before = run.outcomes[frame.0 as usize - 1].shown.unwrap();
                 let off = interval.as_nanos() as f64 - (outcome.shown.unwrap() - before);
                 assert!(off.abs() < 0.0001 * SECOND, "seed {seed}: {off}");

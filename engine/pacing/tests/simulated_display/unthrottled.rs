@@ -1,4 +1,5 @@
-//! No display at all, and a slow rasteriser: acquires wait, and none of it tells of refreshes.
+//! Tests with no display at all, and a slow rasteriser: acquires wait, and none of the waits
+//! reveals a refresh.
 
 use antumbra_pacing::{FrameStatistics, HitchRule, PresentReports, PresentationMode};
 
@@ -7,8 +8,8 @@ use crate::random::Random;
 use crate::run::{Run, run};
 use crate::scenario::{MILLISECOND, Scenario, Stall, Ticks};
 
-/// As under an X server without a screen: a GPU that takes as long as `gpu`, frame for frame the
-/// same at one end and never twice the same at the other.
+/// Returns a scenario of an X server without a screen: a GPU whose time per frame ranges from
+/// constant to never the same twice.
 fn rasteriser(seed: u64) -> Scenario {
     let mut random = Random::new(seed ^ 0xcafe);
     let mode = random.pick(&[
@@ -65,7 +66,8 @@ fn waits_for_a_rasteriser_are_no_refreshes() {
     );
 }
 
-/// Nor do they slow it down: the GPU is as busy as without a pacer that looks for a display.
+/// Checks that acquires do not slow a rasteriser down: the GPU is as busy as without a pacer that
+/// looks for a display.
 #[test]
 fn a_rasteriser_is_kept_busy() {
     for seed in 0..200 {

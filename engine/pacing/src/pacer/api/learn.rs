@@ -1,4 +1,4 @@
-//! What is learnt from what became known of a frame. Nonsense teaches nothing.
+//! The feedback of frames, from which the pacer learns. Nonsense teaches nothing.
 
 use std::time::Duration;
 
@@ -8,18 +8,18 @@ use crate::margin::Margin;
 use crate::options::{PresentReports, PresentationMode};
 use crate::time::{MICROSECOND_NS, SECOND_NS, Time, ns};
 
-/// Reports from further ahead than that are of another clock.
+/// The distance beyond which reports from the future are of another clock.
 const FUTURE_NS: f64 = 10.0 * SECOND_NS;
-/// An acquire that took longer did wait for a refresh: absolute, and in periods.
+/// The duration beyond which an acquire waited for a refresh: absolute, and in periods.
 const WAITED_NS: f64 = 250.0 * MICROSECOND_NS;
 const WAITED_PERIODS: f64 = 0.02;
 
-/// Of what we believe the GPU takes.
+/// The share of the estimated GPU time that is tried.
 const HOPE: f64 = 0.9;
 
-/// So many late frames in a row: the display is not what it seems.
+/// The number of late frames in a row after which the learnt refreshes are doubted.
 const DOUBTFUL: u32 = 8;
-/// What a miss taught is forgotten at that rate, a frame.
+/// The rate per frame at which the lesson of a miss fades.
 const FORGET: f64 = 1e-4;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +29,8 @@ enum Exactness {
 }
 
 impl Pacer {
-    /// Something became known of a frame. Frames that are unknown or long gone are ignored, as are
-    /// times before the frame's start.
+    /// Takes a fact about a frame. Frames that are unknown or long gone are ignored, as are times
+    /// before the frame's start.
     pub fn feedback(&mut self, frame: PacedFrameId, feedback: Feedback) {
         let Some(start) = self.frames.record(frame.0).map(|record| record.start) else { return };
         let sane = |time: Time| {
@@ -69,8 +69,9 @@ impl Pacer {
         }
     }
 
-    /// With n images, an acquire that returns has one that an image n - 1 presents ago took the
-    /// place of: that one is shown. If the acquire had to wait, it is shown since just now.
+    /// Notes the return of an acquire. With n images, it returns the image that a frame n - 1
+    /// presents ago has replaced: that frame is shown. If the acquire had to wait, it is shown
+    /// since just now.
     fn acquired(&mut self, frame: u64, to: f64, waited: f64) {
         if let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) {
             record.waited = waited;
@@ -99,7 +100,7 @@ impl Pacer {
         }
     }
 
-    /// Returns when something was shown at the latest that is known to be shown by then.
+    /// Returns the latest time at which a frame known to be shown by `by` can have been shown.
     fn last_refresh(&self, by: f64) -> f64 {
         let period = self.clock.period().filter(|_| self.presentation.has_grid());
         period.and_then(|period| self.clock.at_or_after(by - period)).unwrap_or(by).min(by)
@@ -123,7 +124,7 @@ impl Pacer {
     }
 
     fn finished(&mut self, frame: u64, at: f64, exactness: Exactness) {
-        // Where the frame before is not known to be finished, this one's beginning is not known.
+        // Unless the frame before is known to be finished, this one's beginning is unknown.
         let older = frame.checked_sub(1).and_then(|older| self.frames.record(older));
         let before =
             older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
@@ -132,7 +133,7 @@ impl Pacer {
             return;
         }
         record.seen_finished = Some(at);
-        // What shows is finished, whenever anyone looked.
+        // A shown frame is finished, whatever the looks found.
         let at = record.shown.map_or(at, |shown| at.min(shown));
         let timed = record.gpu_timed;
         let begin = record.queued.zip(before).map(|(queued, before)| queued.max(before));
@@ -159,17 +160,18 @@ impl Pacer {
         }
     }
 
-    /// The GPU took something in between.
+    /// Notes a GPU time between two bounds.
     fn gpu_took(&mut self, at_least: f64, at_most: f64) {
-        // Seen at work for longer: more than one such sample would be a surprise else.
+        // Seen at work for longer: otherwise, more than one such sample would be an outlier.
         self.gpu.raise_to(at_least.min(1.25 * self.gpu.expected()));
         self.gpu.lower_to(at_most);
         let expected = self.gpu.expected();
-        // It was seen to take that long: hope ends there, above all where nobody reports misses.
+        // It was seen to take that long: the assumption ends there, above all where misses are not
+        // reported.
         self.gpu_floor = self.gpu_floor.max(at_least.min(1.03 * expected));
         if (at_least..at_most).contains(&expected) {
-            // Where what we believe is possible we believe a little less: a later start leaves time
-            // for better looks.
+            // Where the estimate is possible, assume a little less: a later start leaves time for
+            // better looks.
             self.gpu.drift_to((HOPE * expected).max(expected.min(self.gpu_floor)).max(at_least));
         } else {
             self.gpu.observe(expected.clamp(at_least, at_most));
@@ -210,7 +212,7 @@ impl Pacer {
             self.clock.doubt();
         }
         let replaced = frame.checked_sub(1).filter(|_| newest_wins).filter(|before| {
-            // It came too late for its refresh, and this one took its place: nobody reports that.
+            // It came too late for its refresh, and this one replaced it: that is not reported.
             self.frames.record(*before).is_some_and(|before| {
                 let passed = before.target.zip(self.clock.period());
                 before.shown.is_none()
@@ -220,7 +222,7 @@ impl Pacer {
             })
         });
         if self.clock.generation() != generation {
-            // What was learnt of misses was learnt of a grid that is none.
+            // The misses were learnt on a wrong grid.
             self.margin = Margin::new(self.presentation.reports);
             self.gpu_floor = 0.0;
             self.rate_search = RateSearch::new();
@@ -254,7 +256,7 @@ impl Pacer {
         }
         self.margin.missed();
         if record.found {
-            // Nobody saw when it ended: to hope for less would be too much.
+            // Its end was not seen: assuming less would be too much.
             self.gpu_floor = self.gpu_floor.max(1.03 * self.gpu.expected());
         }
     }

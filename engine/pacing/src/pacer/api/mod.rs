@@ -1,4 +1,4 @@
-//! What a pacer does with what it is told, a file each.
+//! The reactions of a pacer to its input, one module each.
 
 mod learn;
 mod queue;

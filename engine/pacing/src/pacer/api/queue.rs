@@ -1,4 +1,4 @@
-//! How full the queue is, and what to do when it does not empty.
+//! The fill of the queue, and the reactions when it does not empty.
 
 use super::super::Pacer;
 use crate::frame::{PacedFrameId, WaitReason};
@@ -6,21 +6,23 @@ use crate::frames::Record;
 use crate::options::PresentReports;
 use crate::time::{MILLISECOND_NS, SECOND_NS, ns};
 
-/// Nothing leaves a full queue for so long: the window is hidden.
+/// The number of refreshes without a frame leaving the full queue after which the window counts as
+/// hidden.
 const PATIENCE_REFRESHES: f64 = 8.0;
 const PATIENCE_NS: f64 = 100.0 * MILLISECOND_NS;
-/// A hidden window is asked after so often, so that it goes on soon after it shows again.
+/// The interval of checks of a hidden window, so that frames continue soon after it is visible
+/// again.
 const HIDDEN_POLL_NS: f64 = 50.0 * MILLISECOND_NS;
-/// Work that is not told to be finished for so long is not waited for any more.
+/// The time after which unfinished work is no longer waited for.
 const GPU_PATIENCE_NS: f64 = 5.0 * SECOND_NS;
-/// Between two looks at a queue that is full.
+/// The shortest pause between two looks at a full queue.
 const SHORTEST_PAUSE_NS: f64 = 0.1 * MILLISECOND_NS;
-/// First pause after frames in a row that could not be presented.
+/// The first pause after frames in a row that could not be presented.
 const DROP_PAUSE_NS: f64 = 4.0 * MILLISECOND_NS;
 
 impl Pacer {
-    /// Frames that may be queued. Where nothing is reported and the phase is not known, only a
-    /// queue as full as the swapchain lets it be can tell of a refresh.
+    /// Returns the number of frames that may be queued. Without reports and without a known phase,
+    /// only a queue as full as the swapchain allows reveals a refresh.
     pub(in crate::pacer) fn queue_limit(&self) -> usize {
         let limit = self.options.queue_limit;
         let blind = self.learns_from_acquires()
@@ -28,21 +30,21 @@ impl Pacer {
         (if blind { limit.max(self.presentation.images) } else { limit }) as usize
     }
 
-    /// Returns where acquires are the only sign of refreshes.
+    /// Returns true if acquires are the only sign of refreshes.
     pub(in crate::pacer) fn learns_from_acquires(&self) -> bool {
         self.presentation.reports == PresentReports::Missing
             && self.presentation.in_order()
             && self.presentation.has_grid()
     }
 
-    /// Once every image was presented, the next is free when another has taken the place of the one
-    /// it showed last: that other's position among all presents.
+    /// Returns the ordinal of the frame that must replace another on the screen before an image is
+    /// free, once every image was presented.
     pub(in crate::pacer) fn ordinal_in_the_way(&self) -> Option<u64> {
         let images = u64::from(self.presentation.images);
         self.presented.checked_sub(images).map(|replaced| replaced + 1)
     }
 
-    /// Where nothing is reported, frames leave the queue when by all that is known they must have.
+    /// Removes frames from the queue without reports, once by all knowledge they must have left.
     pub(in crate::pacer) fn settle(&mut self, now: f64) {
         if self.presentation.reports == PresentReports::Times {
             return;
@@ -56,7 +58,7 @@ impl Pacer {
             let done = record.finished.is_some() || !self.sees_finishes;
             let certain = if self.learns_from_acquires() {
                 let doubt = self.clock.uncertainty(now).map(|deviation| 2.0 * deviation);
-                // Without a phase only acquires tell, if they are reported.
+                // Without a phase only acquires show it, if they are reported.
                 doubt.or((!self.sees_acquires).then_some(0.0))
             } else {
                 Some(0.0)
@@ -71,11 +73,12 @@ impl Pacer {
         }
     }
 
-    /// Until when, and why, no frame may start at all.
+    /// Returns the time until which no frame may start at all, and the reason.
     pub(in crate::pacer) fn held_back(&mut self, now: f64) -> Option<(f64, WaitReason)> {
         let last_start = self.last_start.unwrap_or(f64::NEG_INFINITY);
         if self.dropped_in_a_row > 1 {
-            // Doubling: a window being resized goes on, one that is gone does not spin.
+            // Doubling: a window being resized continues, one that is gone does not make the loop
+            // spin.
             let pause = DROP_PAUSE_NS * f64::from(1_u32 << (self.dropped_in_a_row - 2).min(12));
             let until = last_start + pause.min(ns(self.options.hidden_interval));
             if now < until {
@@ -103,7 +106,7 @@ impl Pacer {
             if now < due {
                 return Some((due.min(now + HIDDEN_POLL_NS), WaitReason::Hidden));
             }
-            // Given up, so that a report that got lost cannot hold us for ever.
+            // Given up, so that a lost report cannot block the loop for ever.
             self.frames.leave(oldest);
             return None;
         }
@@ -114,8 +117,8 @@ impl Pacer {
         Some((until, WaitReason::QueueFull(PacedFrameId(oldest))))
     }
 
-    /// Returns where the queue may be filled beyond its limit, as many as that may wait for the
-    /// display, but not for the GPU.
+    /// Returns a wait for the GPU where the queue may be filled beyond its limit: the extra frames
+    /// may wait for the display, but not for the GPU.
     fn gpu_backlog(&self, now: f64) -> Option<(f64, WaitReason)> {
         if !self.sees_finishes {
             return None;
@@ -144,14 +147,14 @@ impl Pacer {
         Some((until, WaitReason::QueueFull(PacedFrameId(frame))))
     }
 
-    /// What is best known of when the newest frame that left was shown.
+    /// Notes the best known time at which the newest frame that left was shown.
     pub(in crate::pacer) fn shown_at(&mut self, frame: u64, at: f64) {
         if frame >= self.last_left.0 {
             self.last_left = (frame, at);
         }
     }
 
-    /// Somebody sees our frames.
+    /// Notes a sign that frames are seen.
     pub(in crate::pacer) fn heard(&mut self) {
         self.silence.hidden = false;
         if let Some(now) = self.now {

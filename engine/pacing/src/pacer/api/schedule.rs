@@ -1,32 +1,34 @@
-//! When the next frame should start: as late as its refresh allows, and for the first it can reach.
+//! The start of the next frame: as late as its refresh allows, and for the first refresh that it
+//! can reach.
 
 use super::super::{Pacer, PhaseSearch, RATE_SEARCH_FRAMES, RATE_SEARCH_PAUSES};
 use crate::forecast::Forecast;
 use crate::frame::{PacedFrameId, WaitReason};
 use crate::time::{MICROSECOND_NS, SECOND_NS};
 
-/// Standard deviations that are kept free before a refresh.
+/// The number of standard deviations that are kept free before a refresh.
 const SAFE: f64 = 4.0;
-/// Of a period: work of one unit that fills more cannot reach every refresh, and then the GPU must
-/// not wait for us.
+/// The share of a period beyond which the work of one unit cannot reach every refresh, so that the
+/// GPU must not wait for the CPU.
 const OVERLOAD: f64 = 0.95;
-/// Of a period: a worse known phase is searched for again.
+/// The uncertainty of the phase, as a share of a period, beyond which it is searched for again.
 const WORST_PHASE: f64 = 1.0 / 24.0;
-/// A search for the phase looks so many refreshes ahead, lasts at most so long, and rests so long.
+/// The number of refreshes that a phase search looks ahead; then the longest search and the rest
+/// between searches.
 const SEARCH_AHEAD: f64 = 512.0;
 const LONGEST_SEARCH: u32 = 64;
 const SEARCH_REST: u32 = 512;
-/// So long it lasts while acquires are on trial.
+/// The longest search while acquires are on trial.
 const LONGEST_TRIAL: u32 = 112;
 
-/// The next frame, if it went by what is known now. Times in nanoseconds.
+/// The schedule of the next frame by current knowledge, with times in nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::pacer) struct Schedule {
-    /// Not before now.
+    /// The start, not before now.
     pub(in crate::pacer) start: f64,
-    /// Where it would have started if it still could.
+    /// The ideal start, which may be past.
     pub(in crate::pacer) wanted: f64,
-    /// When it should be shown.
+    /// The time at which it should be shown.
     pub(in crate::pacer) target: Option<f64>,
     pub(in crate::pacer) reason: WaitReason,
 }
@@ -37,7 +39,7 @@ impl Pacer {
         let limited = self.limit_due > now;
         let earliest = now.max(self.limit_due);
         let [cpu, gpu] = [self.cpu.expected(), self.gpu.expected()];
-        // Sooner it would only stand in line before the GPU.
+        // Earlier it would only wait for the GPU.
         let gpu_ready = forecast.gpu_free - cpu - SAFE * self.cpu.spread();
         let mut target = None;
         let wanted = if self.searches_phase() {
@@ -46,7 +48,7 @@ impl Pacer {
             let ready = self.ready(earliest, &forecast);
             let shown = ready.max(forecast.last_shown + min_period);
             target = Some(shown);
-            // To be late costs what it is late by, no more: no margin.
+            // A late frame costs only its lateness: no margin.
             (shown - gpu - cpu).max(gpu_ready)
         } else if let Some((shown, period)) = self.reachable_refresh(earliest, &forecast) {
             target = Some(shown);
@@ -63,15 +65,15 @@ impl Pacer {
         Schedule { start, wanted, target, reason }
     }
 
-    /// Returns when the GPU is done with a frame that starts then, if all goes as expected.
+    /// Returns the expected time at which the GPU finishes a frame that starts at `start`.
     fn ready(&self, start: f64, forecast: &Forecast) -> f64 {
         let submitted = (start + self.cpu.expected()).max(forecast.image_free);
         submitted.max(forecast.gpu_free) + self.gpu.expected()
     }
 
-    /// Returns the first refresh that a frame started then would reach, and the period. Refreshes
-    /// are tried for that are more likely reached than not: margins make us early, they do not make
-    /// us give up.
+    /// Returns the first refresh that a frame started at `start` would reach, and the period. A
+    /// refresh is aimed at if it is more likely reached than not: margins start frames earlier,
+    /// they do not give refreshes up.
     fn reachable_refresh(&self, start: f64, forecast: &Forecast) -> Option<(f64, f64)> {
         if !self.presentation.has_grid() {
             return None;
@@ -83,7 +85,7 @@ impl Pacer {
         Some((shown, period))
     }
 
-    /// Returns how long before its refresh a frame starts.
+    /// Returns the time from a frame's start to its refresh.
     fn lead_ns(&self, now: f64) -> f64 {
         let estimates = [&self.wake, &self.cpu, &self.gpu];
         let expected: f64 = estimates.iter().map(|estimate| estimate.expected()).sum();
@@ -92,8 +94,7 @@ impl Pacer {
         expected + SAFE * (variance.sqrt() + phase) + self.margin_ns()
     }
 
-    /// Returns when to look whether the GPU is done with the newest frame, if a look tells
-    /// anything.
+    /// Returns the time to poll the GPU for the newest frame, if a poll is informative.
     pub(in crate::pacer) fn poll_due(&self, now: f64) -> Option<(f64, PacedFrameId)> {
         if !self.sees_finishes {
             return None;
@@ -108,16 +109,16 @@ impl Pacer {
         }
         let before = self.frames.newest_first().skip(1).find_map(|(_, record)| record.finished);
         let begin = record.queued.unwrap_or(now).max(before.unwrap_or(0.0));
-        // A little early, or we would never learn that it got faster.
+        // A little early, or a faster GPU would never be noticed.
         let hoped = begin + 0.95 * self.gpu.expected();
-        // Ever more rarely, the longer it has been at work: one that hangs must not make us spin.
+        // More rarely the longer it has been at work: a GPU that hangs must not make the loop spin.
         let again =
             (self.some_period_ns() / 32.0).max(100.0 * MICROSECOND_NS).max(0.25 * (now - hoped));
         Some((hoped.max(now + again), PacedFrameId(frame)))
     }
 
-    /// The limit holds on average: a frame may come early by what the ones before it were late, up
-    /// to an interval, as they are where they wait for refreshes.
+    /// Accounts a start to the frame limit, which holds on average: a frame may be early by the
+    /// lateness of those before it, up to an interval, as frames are that wait for refreshes.
     pub(in crate::pacer) fn account_limit(&mut self, start: f64) {
         let Some(hz) = self.options.frame_limit_hz else { return };
         let interval = SECOND_NS / hz;
@@ -128,7 +129,7 @@ impl Pacer {
         self.learns_from_acquires() && self.phase_search.active
     }
 
-    /// Begins and ends the search for the phase where only acquires tell of it.
+    /// Begins and ends the search for the phase where only acquires reveal it.
     pub(in crate::pacer) fn search(&mut self, now: f64) {
         if !self.learns_from_acquires() || self.options.queue_limit == 0 {
             return;
@@ -152,7 +153,7 @@ impl Pacer {
         }
     }
 
-    /// Counts frames to the next search for a higher rate, and through it.
+    /// Advances the count of frames to the next search for a higher rate, and through it.
     pub(in crate::pacer) fn advance_rate_search(&mut self) {
         let Some(period) = self.clock.period() else { return };
         if !self.presentation.has_grid() || self.clock.agrees_with_hint() {

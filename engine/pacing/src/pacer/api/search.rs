@@ -1,20 +1,20 @@
-//! Where waits of acquires come from, tried out on the frames of a pacer.
+//! The trial of acquires: the cause of their waits, tested on the frames of a pacer.
 
 use super::super::Pacer;
 use super::super::trial::Shaking;
 use crate::frames::Record;
 use crate::time::SECOND_NS;
 
-/// Fewest images with which frames queue behind one that is finished.
+/// The fewest images with which frames queue behind a finished one.
 const QUEUEING_IMAGES: u32 = 3;
-/// Standard deviations that the GPU is given to finish.
+/// The number of standard deviations that the GPU is given to finish.
 const SAFE: f64 = 3.0;
-/// Work that is not seen finished for so long is not waited for.
+/// The time after which unfinished work is not waited for.
 const PATIENCE_NS: f64 = SECOND_NS;
 
 impl Pacer {
-    /// Returns an acquire that had to wait returned, the last one before it at `before`; `shown`
-    /// had to be shown for it. Answers whether that tells of a refresh.
+    /// Returns true if an acquire that had to wait and returned at `to` reveals a refresh. The last
+    /// acquire before it returned at `before`; `shown` had to be shown for it.
     pub(in crate::pacer) fn tells_of_refresh(
         &mut self,
         shown: u64,

@@ -1,4 +1,4 @@
-//! What became of each frame, in order, once all is known that will be.
+//! The timing of each frame, in order, once it is complete.
 
 use std::time::Duration;
 
@@ -8,13 +8,13 @@ use crate::frames::REMEMBERED;
 use crate::options::PresentReports;
 use crate::time::SECOND_NS;
 
-/// Frames after which nothing more is expected of one.
+/// The number of frames after which no more feedback is expected of one.
 const PATIENCE_FRAMES: u64 = 3 * REMEMBERED as u64 / 4;
 
 impl Pacer {
-    /// Returns the next frame of which all is known that will be, once each and in order; dropped
-    /// ones are left out. Ask until there is none, after delivering feedback: what lies back more
-    /// than about sixty frames is forgotten.
+    /// Returns the next frame with complete timing, each once and in order; dropped ones are left
+    /// out. Call it until there is none, after delivering feedback: frames more than about sixty
+    /// back are forgotten.
     pub fn completed(&mut self) -> Option<(PacedFrameId, FrameTiming)> {
         self.ledger.next = self.ledger.next.max(self.frames.oldest());
         loop {
@@ -37,7 +37,7 @@ impl Pacer {
             return true;
         }
         match self.presentation.reports {
-            // One after it was shown: no report of this one will come, or it was replaced.
+            // A later frame was shown: no report of this one will come, or it was replaced.
             PresentReports::Times => {
                 let later = self.frames.newest_first().take_while(|(id, _)| *id > frame);
                 record.left && later.into_iter().any(|(_, record)| record.shown.is_some())
@@ -67,8 +67,8 @@ impl Pacer {
             missed: refreshes.map(|refreshes| refreshes.saturating_sub(intended)),
         };
         self.ledger.last_start = Some(start);
-        // A frame that was replaced before it showed leaves the picture as it was; of one that is
-        // unknown nobody can say how long it showed.
+        // A frame that was replaced before it showed leaves the picture as it was; for an unknown
+        // one the duration of its showing is unknown.
         if shown.is_some() || self.presentation.in_order() {
             self.ledger.last_shown = shown;
         }
