@@ -34,10 +34,10 @@ const ATTRIBUTES: usize = 5;
 const ATTRIBUTE_WEIGHTS: [f32; ATTRIBUTES] = [0.5, 0.5, 0.5, 0.2, 0.2];
 
 impl GltfScene {
-    /// Makes coarser forms of all meshes but deformed and transparent ones. They take index memory,
-    /// about as much again as the meshes. Meshes with corners in which triangles meet by the
-    /// thousands have one form, and a note says so: simplifying them takes time with the square of
-    /// that.
+    /// Makes coarser forms of all meshes but deformed and transparent ones. These take index
+    /// memory, about as much again as the meshes. Meshes with corners in which triangles meet by
+    /// the thousands have one form, and a note says so: simplifying them takes time with the square
+    /// of that.
     pub fn make_levels(&mut self, options: &LevelOptions) {
         self.notes.extend(make_levels(&mut self.scene, options));
     }

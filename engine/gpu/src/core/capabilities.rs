@@ -30,7 +30,7 @@ pub enum Required {
 }
 
 impl Required {
-    /// All of them, in the order they are named to the user.
+    /// All required capabilities, in the order in which they are shown to the user.
     pub const ALL: [Required; 8] = [
         Required::Vulkan13,
         Required::DynamicRendering,
@@ -88,7 +88,7 @@ pub enum Optional {
 }
 
 impl Optional {
-    /// All of them.
+    /// All optional capabilities.
     pub const ALL: [Optional; 12] = [
         Optional::ConditionalRendering,
         Optional::DrawIndirectCount,

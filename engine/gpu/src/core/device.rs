@@ -109,7 +109,7 @@ impl Device {
         &self.shared.adapter
     }
 
-    /// Returns what the device can do.
+    /// Returns the capabilities of the device.
     pub fn capabilities(&self) -> &Capabilities {
         &self.shared.adapter.capabilities
     }

@@ -113,7 +113,7 @@ fn seal(identity: Identity, data: &[u8]) -> Vec<u8> {
     [MAGIC, &identity.0[..], &length.to_le_bytes(), &hash.to_le_bytes(), data].concat()
 }
 
-/// Returns what [`seal`] put into `file`, if that is whole and of the same identity.
+/// Returns the data that [`seal`] put into `file`, if that is whole and of the same identity.
 fn unseal(identity: Identity, file: &[u8]) -> Option<&[u8]> {
     let rest = file.strip_prefix(MAGIC)?.strip_prefix(&identity.0)?;
     let (length, rest) = rest.split_first_chunk()?;

@@ -122,7 +122,7 @@ impl Buffer {
         BufferSlice { raw, device, offset_bytes: 0, size_bytes: self.size_bytes }
     }
 
-    /// Returns what mapped memory holds now, as elements `range` of `T`; empty where there are
+    /// Returns the contents of mapped memory, as elements `range` of `T`; empty where there are
     /// none. The caller knows by a tick that the GPU is done writing.
     pub fn read<T: Pod>(&self, range: Range<usize>) -> &[T] {
         let size = size_of::<T>();

@@ -6,14 +6,14 @@ use ash::vk;
 /// The way in which a picture replaces the one before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PresentMode {
-    /// At a refresh, each in its turn. Every driver has it.
+    /// Each picture at a refresh, in order. Every driver has it.
     #[default]
     Fifo,
-    /// As `Fifo`, but a picture that comes late is shown at once, and may tear.
+    /// Like `Fifo`, but a late picture is shown at once, and may tear.
     FifoRelaxed,
-    /// At a refresh, the newest; those it overtook are never seen.
+    /// The newest picture at a refresh; overtaken ones are never seen.
     Mailbox,
-    /// At once; it may tear.
+    /// Each picture at once; it may tear.
     Immediate,
 }
 

@@ -61,7 +61,7 @@ impl<T: Copy> QueryRing<T> {
         })
     }
 
-    /// Returns the ring with queries that count as `counting` says.
+    /// Returns the ring with queries that use `counting`.
     #[must_use]
     pub fn counting(self, counting: Counting) -> Self {
         Self { counting, ..self }

@@ -8,7 +8,7 @@ use gltf::json::validation::Checked;
 
 use crate::error::Reason;
 
-/// A component type, and whether it is normalised.
+/// A component type, and true if it is normalised.
 type Form = (ComponentType, bool);
 
 const FLOAT: Form = (ComponentType::F32, false);

@@ -147,7 +147,7 @@ pub(super) struct Place {
     pub(super) should_see: bool,
 }
 
-/// Moves cameras to where they see the scene as they should. Cameras that see nothing of it are
+/// Moves cameras to the places from which they see the scene. Cameras that see nothing of it are
 /// noted.
 pub(super) fn settle(
     cameras: &mut [SceneCamera],

@@ -147,7 +147,7 @@ fn animator() -> SceneAnimator {
     animator
 }
 
-/// Returns the object of a change, and where it is then.
+/// Returns the object of a change, and its new transform.
 fn parts(change: &ObjectChange) -> (ObjectId, Affine3A) {
     match *change {
         ObjectChange::Move { object, transform } => (object, transform),
