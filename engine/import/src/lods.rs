@@ -1,4 +1,4 @@
-//! Levels of detail: coarser forms of meshes, by quadric error simplification (the crate
+//! Levels of detail: coarser levels of meshes, by quadric error simplification (the crate
 //! `meshopt`).
 
 use ::meshopt::{SimplifyOptions, VertexDataAdapter};
@@ -11,14 +11,14 @@ use crate::gltf_scene::GltfScene;
 /// The options of making coarser levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelOptions {
-    /// The greatest number of coarser forms of a mesh.
+    /// The greatest number of coarser levels of a mesh.
     pub most: usize,
-    /// The largest share of triangles that each form has of the one before, 0 to 1; a form that
+    /// The largest share of triangles that each level has of the one before, 0 to 1; a level that
     /// stays above nine tenths is not kept.
     pub share: f32,
-    /// The number of triangles below which a mesh has one form.
+    /// The number of triangles below which a mesh has one level.
     pub least_triangles: usize,
-    /// The largest error of a form, as a share of the mesh's largest extent.
+    /// The largest error of a level, as a share of the mesh's largest extent.
     pub most_error: f32,
 }
 
@@ -34,16 +34,16 @@ const ATTRIBUTES: usize = 5;
 const ATTRIBUTE_WEIGHTS: [f32; ATTRIBUTES] = [0.5, 0.5, 0.5, 0.2, 0.2];
 
 impl GltfScene {
-    /// Makes coarser forms of all meshes but deformed and transparent ones. These take index
+    /// Makes coarser levels of all meshes but deformed and transparent ones. These take index
     /// memory, about as much again as the meshes. Meshes with corners in which triangles meet by
-    /// the thousands have one form, and a note says so: simplifying them takes time with the square
-    /// of that.
+    /// the thousands have one level, and a note says so: simplifying them takes time with the
+    /// square of that.
     pub fn make_levels(&mut self, options: &LevelOptions) {
         self.notes.extend(make_levels(&mut self.scene, options));
     }
 }
 
-/// Makes coarser forms, and returns a note if meshes are [crowded](is_crowded).
+/// Makes coarser levels, and returns a note if meshes are [crowded](is_crowded).
 fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<Note> {
     let mut crowded = Vec::new();
     let surfaces = scene.surfaces.as_mut()?;
@@ -96,7 +96,7 @@ fn is_crowded(mesh: &Mesh) -> bool {
     sum > MOST_MET.saturating_mul(mesh.indices.len() as u64)
 }
 
-/// Returns the coarser forms of one mesh.
+/// Returns the coarser levels of one mesh.
 fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<LodLevel> {
     let triangles = mesh.indices.len() / 3;
     let positions: Vec<[f32; 3]> = mesh.vertices.iter().map(|vertex| vertex.position).collect();
@@ -115,7 +115,7 @@ fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<Lod
     for _ in 0..options.most {
         let wanted = (before as f32 * options.share.clamp(0.0, 1.0)) as usize;
         let mut error_m = 0.0;
-        // Always from the finest form: the errors of a chain of forms would add up.
+        // Always from the finest level: the errors of a chain of levels would add up.
         let indices = ::meshopt::simplify_with_attributes_and_locks(
             &mesh.indices,
             &adapter,
@@ -133,7 +133,7 @@ fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<Lod
         if !is_worth_it || !error_m.is_finite() {
             break;
         }
-        // A coarser form is no better than a finer one, whatever error was found.
+        // A coarser level is no better than a finer one, whatever error was found.
         let error_m = levels.last().map_or(error_m, |last| last.error_m.max(error_m));
         levels.push(LodLevel { indices, error_m });
         before = found;

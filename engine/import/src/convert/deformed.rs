@@ -35,7 +35,7 @@ impl Assembly<'_> {
         // A skinned mesh is where its joints are, and instances are where nodes are.
         let once = [Affine3A::IDENTITY];
         let locals = if skin.is_some() { &once } else { locals };
-        // Instances of a mesh have one form.
+        // Instances of a mesh share one pose.
         let mut known: Option<Option<DeformedExtent>> = None;
         for local in locals {
             self.tell()?;
