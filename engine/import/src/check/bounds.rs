@@ -30,8 +30,8 @@ pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
         let Some(accessor) = root.accessors.get_mut(index) else { continue };
         let what = match (holds(accessor, &least, &most), is_missing) {
             (true, false) => continue,
-            (true, true) => "it has no min or no max, as positions and times must: computed anew",
-            (false, _) => "its min and max do not hold its elements: they were computed anew",
+            (true, true) => "it has no min or no max, as positions and times must: computed again",
+            (false, _) => "its min and max do not hold its elements: they were computed again",
         };
         (accessor.min, accessor.max) = (Some(list(&least)), Some(list(&most)));
         verdict.notes.count(what, 1, || element.to_string());

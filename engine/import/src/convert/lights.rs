@@ -39,7 +39,7 @@ const FAULTS: &[Fault] = &[
             let is_spot = it.type_ == Checked::Valid(khr::Type::Spot);
             is_spot && it.spot.as_ref().is_some_and(|spot| !is_cone(spot))
         },
-        "spot lights whose angles are not 0 <= inner < outer <= 90 degrees, brought into these",
+        "spot lights whose angles are not 0 <= inner < outer <= 90 degrees, changed to fit",
     ),
 ];
 

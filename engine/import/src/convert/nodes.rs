@@ -182,7 +182,7 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
     }
     let length = given.rotation.map_or(1.0, |it| Vec4::from_array(it.0).length());
     let is_off = rotation.is_some() && (length - 1.0).abs() > 1e-3;
-    notes.count("rotations not of length 1, brought to it", usize::from(is_off), place);
+    notes.count("rotations not of length 1, normalised", usize::from(is_off), place);
     Rest::Parts(Trs {
         translation: given.translation.map_or(Vec3::ZERO, Vec3::from_array),
         rotation: rotation.unwrap_or(Quat::IDENTITY),

@@ -59,7 +59,7 @@ impl PresentSkipped {
             PresentSkipped::OutOfDate => {
                 "the window has changed, the next picture is made for its new size"
             }
-            PresentSkipped::SurfaceLost => "the window's surface was lost and made anew",
+            PresentSkipped::SurfaceLost => "the window's surface was lost and created again",
             PresentSkipped::WindowGone => "the window is gone; open another one",
             PresentSkipped::DeviceLost => {
                 "the driver gave up on the GPU; restart the program, update the driver if it comes back"
