@@ -134,7 +134,7 @@ impl Culler {
         self.frame
     }
 
-    /// Returns what is known of a node; unknown for a foreign id.
+    /// Returns the state of a node; unknown for a foreign id.
     #[must_use]
     pub fn state(&self, node: NodeId) -> NodeState {
         self.history.record(node.0).state
@@ -154,9 +154,9 @@ impl Culler {
         }
     }
 
-    /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that
-    /// fit nothing (a node that stood for something else, a frame to come, older than what is
-    /// known) are ignored.
+    /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Answers that
+    /// fit nothing (a node that stood for something else, a frame to come, an older answer than the
+    /// last) are ignored.
     pub fn ingest(&mut self, hierarchy: &Hierarchy, answers: impl IntoIterator<Item = Answer>) {
         self.history.adopt(hierarchy);
         let now = self.stamp(self.frame).unwrap_or(FrameStamp::NEVER);
@@ -289,7 +289,7 @@ impl Culler {
         plan.stats.visible = leaves.len() as u32;
     }
 
-    /// Returns what is known of a node; nothing of a foreign one.
+    /// Returns the history of a node; an empty one for a foreign id.
     #[must_use]
     pub fn node_history(&self, node: NodeId) -> NodeHistory {
         let record = self.history.record(node.0);
@@ -304,7 +304,7 @@ impl Culler {
         }
     }
 
-    /// Explains what `plan`, made for `view` over the hierarchy as it is now, decided about an
+    /// Explains the decision of `plan`, made for `view` over the hierarchy as it is now, about an
     /// object. `None` if there is no such object.
     #[must_use]
     pub fn explain(

@@ -26,7 +26,7 @@ pub struct MeshDraw {
     pub triangles: u32,
 }
 
-/// The place of a [`MeshDraw`] among those of a table.
+/// The place of a [`MeshDraw`] in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MeshDrawId(pub u32);
 
@@ -42,7 +42,7 @@ pub struct LeafTableInfo {
     pub mesh_draws: Arc<[MeshDraw]>,
     /// The way that hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<Predication>,
-    /// Frames that may be on their way to the GPU at once.
+    /// Frames that may be in flight at once.
     pub frames_in_flight: usize,
     /// The most samples of a test that still counts as hidden.
     pub threshold_samples: u32,

@@ -55,8 +55,8 @@ pub trait ObjectRenderer {
     /// kept.
     fn shades_later(&self) -> bool;
 
-    /// Adds the colour to what the rounds drew, if it has none yet: `draw` draws all of it again.
-    /// Outside of rendering.
+    /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
+    /// again. Outside of rendering.
     fn shade(
         &mut self,
         executor: &PlanExecutor,

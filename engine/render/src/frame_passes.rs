@@ -144,7 +144,8 @@ impl FramePasses {
         })
     }
 
-    /// Adds the colour to what the rounds drew, if it has none yet: `draw` draws all of it again.
+    /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
+    /// again.
     pub(crate) fn shade_surfaces(
         &mut self,
         executor: &PlanExecutor,

@@ -27,7 +27,7 @@ pub struct ViewTarget<'a> {
     /// The objects that own a pixel, for [`Strategy::Ideal`], which uses nothing else.
     pub visible: Option<&'a VisibleSet>,
     /// The part of the picture for its image: at least a pixel, within the picture. Where areas
-    /// overlap, later eyes replace what earlier ones drew.
+    /// overlap, later views replace the image of earlier ones.
     pub area: Rect,
 }
 

@@ -182,7 +182,7 @@ impl Scene {
     /// # Errors
     /// The first mesh whose indices do not fit its vertices or whose numbers are not finite, the
     /// first object that names no mesh or has a transform that is not finite, or the first part of
-    /// its surfaces that does not belong to it or has a value that is no number.
+    /// its surfaces that does not belong to it or has a value that is not finite.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

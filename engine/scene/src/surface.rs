@@ -273,10 +273,10 @@ pub struct MorphTarget {
     pub tangents: Vec<[f32; 3]>,
 }
 
-/// A mesh of one object alone whose vertices move: morphed first, then skinned.
+/// A mesh of a single object whose vertices move: morphed first, then skinned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkinnedMesh {
-    /// The mesh; as it is in the scene, it is at rest.
+    /// The mesh; the scene holds it at rest.
     pub mesh: MeshId,
     /// Its skin, if it has one.
     pub skin: Option<SkinWeights>,

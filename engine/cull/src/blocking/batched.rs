@@ -1,8 +1,8 @@
 //! Some large occluders, then a query for every other object, then a wait for all of them (GPU
 //! Gems, 29.3).
 //!
-//! The queries do not wait for each other, so no test profits from what another one revealed: what
-//! hides is what was drawn before all of them, untested (29.3.2).
+//! The queries do not wait for each other, so no test profits from what another one revealed: only
+//! objects that were drawn before all of them, untested, are occluders (29.3.2).
 
 use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
@@ -56,7 +56,7 @@ impl Batched {
         }
     }
 
-    /// Draws the occluders and what cannot be tested, and keeps the others.
+    /// Draws the occluders and the objects that cannot be tested, and keeps the others.
     fn draw_occluders(&mut self, recorder: &mut Recorder<'_>) {
         let viewed = recorder.viewed;
         self.leaves.retain(|leaf| {

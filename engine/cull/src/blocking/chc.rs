@@ -1,14 +1,14 @@
 //! Coherent hierarchical culling as published (GPU Gems 2, 6.4 and 6.5): the last frame's
 //! visibility is the guess that keeps both sides busy, and every guess is checked within the frame.
 //!
-//! What was visible is drawn at once, its own geometry being the test; what was hidden is tested by
-//! the boxes of the topmost hidden nodes; results are taken as they come back, and waited for only
-//! when there is nothing else to do.
+//! Leaves that were visible are drawn at once, with their own geometry as the test; hidden ones are
+//! tested by the boxes of the topmost hidden nodes; results are taken as they come back, and waited
+//! for only when there is nothing else to do.
 //!
 //! In place of the listing's flag and frame number, a node keeps the last frame in which it was
 //! found visible: it was visible in the last frame if that is the last frame.
 //!
-//! A query is on its way only once its commands are submitted, so queries are sent in batches.
+//! A query starts only once its commands are submitted, so queries are sent in batches.
 
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ pub struct CoherentOptions {
     /// no longer exact, and the device must count samples precisely.
     pub visibility_threshold_samples: u32,
     /// The frames for which a leaf that was found visible is drawn without a test (6.5.5). The
-    /// first such time is shorter at random, so that leaves do not all ask in the same frame.
+    /// first such time is shorter at random, so that leaves are not all tested in the same frame.
     pub assumed_visible_frames: u32,
     /// Boxes that are tested together. Fewer of them, and results come back sooner; more, and there
     /// are fewer submits.

@@ -7,16 +7,15 @@
 //! gpu_ns = draws * (draw_ns + test_ns) + excess * test_ns + rest_ns
 //! ```
 //!
-//! where `draw_ns` and `test_ns` are what the table says of the frame, and the rest is what it says
-//! nothing of: above all the shading of pixels. Tests cost `draws + excess` times what the table
-//! says. The prior is that the table is right, and that the excess is 0 for any `draws`: a clock
-//! that goes wrong makes all dearer and changes no decision. The rest may be anything and drifts.
-//! So only where frames differ in their tests is anything learned about tests. The corrections fade
-//! back to the prior: where tests ended because they were dear, a few are tried again after a
-//! while.
+//! where `draw_ns` and `test_ns` are the table's prices of the frame, and the rest has no price in
+//! it: above all the shading of pixels. Tests cost `draws + excess` times their price in the table.
+//! The prior is that the table is right, and that the excess is 0 for any `draws`: a wrong clock
+//! makes everything dearer and changes no decision. The rest may have any size and drifts. So only
+//! frames that differ in their tests teach anything about tests. The corrections fade back to the
+//! prior: where tests ended because they were dear, a few are tried again after a while.
 //!
-//! The excess counts only as far as it is sure, so that noise decides nothing. A frame that took
-//! too long to be believed is left out, unless several in a row say the same.
+//! The excess counts only as far as it is sure, so that noise decides nothing. A frame with an
+//! implausible time is left out, unless several in a row agree.
 
 use crate::cost::contents::Predicted;
 
@@ -196,7 +195,7 @@ impl Learner {
         }
     }
 
-    /// Forgets what is known of the rest but that it is off by about `error_ns`.
+    /// Forgets the rest, but for an error of about `error_ns`.
     fn rest_changed(&mut self, error_ns: f64) {
         for place in [DRAWS, EXCESS] {
             self.covariance[REST][place] = 0.0;

@@ -26,7 +26,7 @@ const CALM_SHARE: f32 = 0.01;
 /// The most frames by which [`CALM_SHARE`] may delay the notice of a change in the scene.
 const MOST_GATE_FRAMES: u32 = 32;
 
-/// The frames in which tests could not pay after which it is of little use to learn what they could
+/// The frames without a test that pays after which it is of little use to learn what tests could
 /// hide.
 const IDLE_AFTER_FRAMES: u32 = 8;
 
@@ -34,8 +34,8 @@ const IDLE_AFTER_FRAMES: u32 = 8;
 /// have shown it.
 const HORIZON_FRAMES: f32 = 8.0;
 
-/// The share of its box's pixels that an object covers: those of a hidden one fail the depth test
-/// like those of the box.
+/// The share of its box's pixels that an object covers: the pixels of a hidden object fail the
+/// depth test like the box's.
 const LEAF_FILL: f32 = 0.5;
 
 /// The prior of unknown nodes: an even bet that they are hidden, until some were tested.

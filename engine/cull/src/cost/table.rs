@@ -132,7 +132,7 @@ impl CostTable {
     /// Returns the table itself if all its entries are possible.
     ///
     /// # Errors
-    /// [`BadCost`] for the first that is infinite, no number, negative, or a share above 1.
+    /// [`BadCost`] for the first that is infinite, NaN, negative, or a share above 1.
     pub fn checked(self) -> Result<Self, BadCost> {
         let is_bad = |&(name, value): &(&str, f32)| {
             !value.is_finite() || value < 0.0 || (name == "break_wait_share" && value > 1.0)

@@ -26,7 +26,7 @@ use glam::Vec3;
 
 use crate::geom::bounds::Aabb;
 
-/// Pixels added to what the sub-pixel grid needs, against rounding of depths.
+/// Pixels added to the need of the sub-pixel grid, against rounding of depths.
 const SLACK_PIXELS: f32 = 0.25;
 
 /// Relative distance that a proxy keeps from the near plane.

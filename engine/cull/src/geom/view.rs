@@ -42,7 +42,7 @@ impl View {
     /// Derives a view for an image of `size` pixels on a device that snaps vertices to
     /// `2^-sub_pixel_bits` pixels (Vulkan's `subPixelPrecisionBits`).
     ///
-    /// Never fails: a size of 0 counts as 1; an eye that is no number is taken to the origin; a
+    /// Never fails: a size of 0 counts as 1; an eye that is not finite is moved to the origin; a
     /// missing `forward` becomes -z and an `up` that does not fit the axis farthest from it; the
     /// angle is kept between 0.001 and 3.1 radians and the near plane between 1e-6 and 1e6 m.
     #[must_use]
@@ -85,7 +85,7 @@ impl View {
     }
 }
 
-/// Returns `value` clamped to a range, or `otherwise` if it is no number.
+/// Returns `value` clamped to a range, or `otherwise` if it is NaN.
 fn clamp_or(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
     if value.is_nan() { otherwise } else { value.clamp(low, high) }
 }

@@ -15,7 +15,7 @@ pub const BUILD_BYTES_PER_OBJECT: usize = 288;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HierarchyError {
-    /// A box has a coordinate that is infinite, no number, or beyond
+    /// A box has a coordinate that is infinite, NaN, or beyond
     /// [`MAX_COORDINATE`](crate::MAX_COORDINATE), or its minimum lies above its maximum.
     #[error(
         "object {} has no usable bounding box ({} to {}): \

@@ -12,7 +12,7 @@ pub(crate) const NEW_LEAF: u32 = u32::MAX;
 /// A leaf without an object.
 pub(crate) const FREE_LEAF: u32 = u32::MAX - 1;
 
-/// One change of what nodes stand for.
+/// One change in the meaning of nodes.
 #[derive(Clone, Debug)]
 pub(crate) enum Change {
     /// The leaf that is this node holds another object from now on.

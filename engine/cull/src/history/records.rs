@@ -159,9 +159,9 @@ impl History {
         }
     }
 
-    /// Follows the hierarchy to its present generation. Objects keep what was known of them; a new
-    /// inner node is hidden if all below it is hidden, and visible if something is visible. Nothing
-    /// is known of another hierarchy, or of one that is too far ahead.
+    /// Follows the hierarchy to its present generation. Objects keep their records; a new inner
+    /// node is hidden if all below it is hidden, and visible if something is visible. Nothing is
+    /// known of another hierarchy, or of one that is too far ahead.
     pub(crate) fn adopt(&mut self, hierarchy: &Hierarchy) {
         let (journal, generation) = (hierarchy.journal(), hierarchy.generation());
         let is_same = self.identity.as_ref().is_some_and(|i| Arc::ptr_eq(i, journal.identity()));

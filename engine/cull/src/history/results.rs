@@ -39,7 +39,7 @@ pub enum LeafList<'a> {
 #[derive(Debug)]
 pub struct ResultReader<C> {
     results: Vec<TestResult<C>>,
-    /// Tests that share the proxy of one that showed: their leaves answer for them.
+    /// Tests that share the proxy of one that showed: the results of their leaves count.
     shared: Vec<PendingTest<C>>,
 }
 

@@ -83,8 +83,8 @@ pub struct LeafExplanation {
     node: NodeId,
 }
 
-/// Explains what `plan`, made for `view` over the hierarchy as it is now, decided about an object;
-/// `known` returns the history of a node. `None` if there is no such object.
+/// Explains the decision of `plan`, made for `view` over the hierarchy as it is now, about an
+/// object; `known` returns the history of a node. `None` if there is no such object.
 pub(crate) fn explain(
     hierarchy: &Hierarchy,
     view: &View,

@@ -170,7 +170,7 @@ pub struct PlanStats {
     pub probes: u32,
     /// Boxes of visible leaves that are tested.
     pub own_boxes: u32,
-    /// Tests among those of the frontier that another test answers.
+    /// Tests of the frontier that share the result of another test.
     pub shared_proxies: u32,
     /// Leaves drawn because they were visible, queried or not.
     pub visible: u32,

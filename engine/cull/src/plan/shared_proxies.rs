@@ -2,9 +2,9 @@
 //! outline.
 //!
 //! If no sample of a proxy shows, the depth buffer is nearer than its front at every sample that it
-//! covers. So nothing shows of an object whose samples are all among those and which is all beyond
-//! the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden, so
-//! does the object behind it; if it shows, the leaves behind are tested one by one.
+//! covers. So an object shows no sample if all of its samples are among those and all of it is
+//! beyond the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden,
+//! so does the object behind it; if it shows, the leaves behind are tested one by one.
 //!
 //! A ray from the eye has entered a box once it has passed the planes of all faces that the eye
 //! sees from outside (the slab method). So every point on the inner side of these planes and within

@@ -86,8 +86,8 @@ impl Strategy {
         }
     }
 
-    /// Returns true if it never misses an object that owns a pixel, and draws what plain frustum
-    /// culling draws, as long as no option gives that up: a threshold where it [can have
+    /// Returns true if it never misses an object that owns a pixel, and has the image of plain
+    /// frustum culling, as long as no option gives that up: a threshold where it [can have
     /// one](Strategy::can_neglect), and [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of
     /// [`Strategy::Coherent`], under which some devices choose another of two faces of equal depth.
     #[must_use]

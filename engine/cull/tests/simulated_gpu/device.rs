@@ -1,5 +1,5 @@
 //! Executes plans as the renderer does: writes results to memory, which are read frames later, with
-//! all possible mishaps. The same [`ResultReader`] reads them as answers as those of a GPU.
+//! all possible mishaps. They are read as answers by the [`ResultReader`] that also reads a GPU's.
 
 use antumbra_cull::{
     Aabb, Answer, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList, LeafRange,
@@ -81,7 +81,7 @@ impl Written {
         answers
     }
 
-    /// Checks the answers about tests against what was drawn. If the list had no room, answers may
+    /// Checks the answers about tests against the draws. If the list had no room, answers may
     /// report more as visible than there is.
     fn assert_true(&self, answers: &[Answer], is_listed: bool) {
         for (test, showed) in self.tests.iter().zip(&self.showed) {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use cull::LeafIndex;
 
-/// The latest leaves whose draw changed, numbered from the first there ever was.
+/// The latest leaves whose draw changed, numbered from the first change on.
 #[derive(Debug)]
 pub struct DrawChanges {
     leaves: VecDeque<LeafIndex>,

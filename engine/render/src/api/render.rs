@@ -178,7 +178,8 @@ impl Renderer {
         self.frame_times.teach(eyes);
     }
 
-    /// Refuses a set of another renderer, and an ideal frame without one of the scene as it is now.
+    /// Refuses a set of another renderer, and an ideal frame without a set of the scene as it is
+    /// now.
     fn check_visible(&self, strategy: Strategy, visible: Option<&VisibleSet>) -> Result<(), Error> {
         visible.map_or(Ok(()), |visible| self.check_renderer(visible.renderer(), VISIBLE_SET))?;
         match visible {

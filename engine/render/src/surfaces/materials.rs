@@ -195,7 +195,7 @@ fn entry_of(material: &Material, plan: &PagePlan, transforms: &mut Transforms) -
     }
 }
 
-/// Returns `value`, or `otherwise` if it is no number.
+/// Returns `value`, or `otherwise` if it is not finite.
 fn or(value: f32, otherwise: f32) -> f32 {
     if value.is_finite() { value } else { otherwise }
 }
