@@ -58,9 +58,9 @@ impl PacerOptions {
 /// The order in which images get to the screen: the present modes of Vulkan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PresentationMode {
-    /// In order, one per refresh.
+    /// Each image in order, one per refresh.
     Fifo,
-    /// In order, one per refresh; a late one is shown at once and tears.
+    /// Each image in order, one per refresh; a late one is shown at once and tears.
     FifoRelaxed,
     /// The newest at each refresh; older ones are never shown.
     Mailbox,

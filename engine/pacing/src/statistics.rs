@@ -39,7 +39,7 @@ impl Default for HitchRule {
 pub struct Distribution {
     /// The number of known durations.
     pub samples: usize,
-    /// Their mean, rounded down to nanoseconds.
+    /// The mean, rounded down to nanoseconds.
     pub mean: Duration,
     /// The median: half are at most that long.
     pub median: Duration,

@@ -9,7 +9,7 @@ pub enum PresentMode {
     /// Each picture at a refresh, in order. Every driver has it.
     #[default]
     Fifo,
-    /// Like `Fifo`, but a late picture is shown at once, and may tear.
+    /// Each picture at a refresh, in order, but a late one at once; it may tear.
     FifoRelaxed,
     /// The newest picture at a refresh; overtaken ones are never seen.
     Mailbox,

@@ -17,17 +17,17 @@ use crate::{Cause, ImportError, Source};
 pub(super) struct Tree {
     /// The nodes.
     pub(super) rig: Rig,
-    /// For each of them, its number in the file.
+    /// The number in the file of each of them.
     pub(super) in_file: Vec<usize>,
-    /// For each of them, its mesh in the file.
+    /// The mesh in the file of each of them.
     pub(super) meshes: Vec<Option<u32>>,
     /// The nodes with a camera, and its number in the file.
     pub(super) cameras: Vec<(RigNodeId, usize)>,
     /// The nodes with a light, and its number in the file.
     pub(super) lights: Vec<(RigNodeId, usize)>,
-    /// For each node of the file, its id in the rig, if it is in the scene.
+    /// The id in the rig of each node of the file, if it is in the scene.
     pub(super) ids: Vec<Option<RigNodeId>>,
-    /// For each of them, its transform to the world at rest.
+    /// The transform to the world, at rest, of each of them.
     pub(super) worlds: Vec<Affine3A>,
     /// True for each that a clip moves, by itself or with an ancestor.
     pub(super) moves: Vec<bool>,
