@@ -137,8 +137,8 @@ fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
     assert!((reach(&[torn]).x - still.x - 6.5).abs() < 0.02);
 }
 
-/// Checks that a chain of 60,000 bones is bounded in reasonable time, that numbers that overflow
-/// have no usable box, and that neither panics.
+/// Checks that a chain of 60,000 bones is bounded in reasonable time, and that overflowing numbers
+/// give no usable box; neither panics.
 #[test]
 fn deep_and_wild_rigs_end() {
     let reach = |count: u32, scale: f32| {

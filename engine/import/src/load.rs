@@ -18,8 +18,8 @@ use crate::{GltfScene, ImportError, convert, source};
 /// finite.
 ///
 /// # Errors
-/// Files that cannot be read, that violate glTF 2.0, that need an unsupported extension, or that
-/// are beyond the limits; positions, morph targets and animations with numbers that are not finite;
+/// Unreadable files, violations of glTF 2.0, unsupported extensions that are required, and files
+/// beyond the limits; positions, morph targets and animations with numbers that are not finite;
 /// [`Cause::GivenUp`](crate::Cause::GivenUp) if `listener` stops the loading. Each names the file,
 /// the object in it, and the reason.
 pub fn load(

@@ -1,8 +1,8 @@
 //! The animation of a scene out of a file: time in, scene updates out.
 //!
-//! The work per update is in proportion to what moves, not to the scene. Nodes that no playing clip
-//! moves are not visited, objects that stay in place are not changed, and objects that no view can
-//! show take no new pose ([`SceneAnimator::changes_in`]).
+//! The work per update is in proportion to what moves, not to the scene. Nodes without a playing
+//! clip are not visited, resting objects are not changed, and objects out of all views take no new
+//! pose ([`SceneAnimator::changes_in`]).
 
 mod extent;
 mod parts;

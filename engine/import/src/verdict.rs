@@ -15,7 +15,7 @@ pub(crate) struct Verdict {
     reach: Reach,
     /// The first fault of each optional element: the elements that need it are left out.
     held: BTreeMap<Element, Fault>,
-    /// Elements that nothing uses and whose first fault is noted: others often follow from that.
+    /// Unused elements whose first fault is noted: other faults often follow from it.
     noted: BTreeSet<Element>,
     pub(crate) notes: Notes,
 }

@@ -11,8 +11,8 @@ use crate::time::MICROSECOND_NS;
 
 /// The step, as a share of a period.
 const STEP: f64 = 1.0 / 16.0;
-/// The number of frames in time that outweigh a miss, which bounds the share of misses that the
-/// margin settles at.
+/// The number of frames in time that outweigh a miss; it bounds the share of misses when the margin
+/// settles.
 const FRAMES_PER_MISS: f64 = 4_000.0;
 const FIRST: f64 = 1.0 / 16.0;
 /// The fixed margin where misses are not reported, with room for unknown delays.

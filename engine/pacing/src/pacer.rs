@@ -84,9 +84,9 @@ struct PhaseSearch {
     frames: u32,
 }
 
-/// The state of the rate search, which starts some frames half a period earlier to check that the
-/// display is really that slow: frames that were too heavy while the period was learnt make it look
-/// like a multiple.
+/// The state of the rate search. It starts some frames half a period earlier to check that the
+/// display is really that slow: frames too heavy for the display, while the period was learnt, make
+/// it look like a multiple.
 #[derive(Clone, Copy, Debug)]
 struct RateSearch {
     remaining: u32,

@@ -29,8 +29,8 @@ const MAINTENANCE: [(&CStr, &CStr); 2] = [
 ];
 
 impl WindowSystem {
-    /// Returns the window system that `display` belongs to, which is a window or an event loop that
-    /// has none yet.
+    /// Returns the window system that `display` belongs to, the display of a window or of an event
+    /// loop without one.
     ///
     /// # Errors
     /// [`Error::NoDisplay`] where the connection is gone, or for a system unknown to Vulkan.

@@ -1,5 +1,5 @@
-//! Words that the GPU writes and that predicates read in the same frame, with a copy in mapped
-//! memory that the CPU reads when the frame is over.
+//! Words that the GPU writes for the predicates of the same frame, with a copy in mapped memory for
+//! the CPU when the frame is over.
 
 use ash::vk;
 

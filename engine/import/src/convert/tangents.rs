@@ -110,7 +110,7 @@ fn is_tame(geometry: &Geometry, uvs: &[Vec2]) -> bool {
     around.values().all(|&count| count <= MOST_AROUND) && comparisons <= MOST_COMPARISONS
 }
 
-/// The triangles that MikkTSpace sees, which are all whose corners are three points.
+/// The triangles given to MikkTSpace: all with three different corners.
 struct Faces<'a> {
     geometry: &'a Geometry,
     uvs: &'a [Vec2],

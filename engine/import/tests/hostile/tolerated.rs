@@ -1,5 +1,4 @@
-//! Tests of the faults that are tolerated and of those that refuse a file, which depends on what is
-//! shown.
+//! Tests of tolerated faults, and of faults that refuse a file, depending on the shown elements.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};

@@ -269,7 +269,7 @@ impl RetiredImages {
 
 impl RetiredObject for RetiredImages {
     /// Destroys the chain once the GPU no longer uses it. Waits, within a bound, for presents that
-    /// still hold it, which happens only to a swapchain that is dropped in the middle of a frame.
+    /// still hold it. They do so only if a swapchain is dropped in the middle of a frame.
     fn destroy(self: Box<Self>, device: &ash::Device) {
         const BOUND: Duration = Duration::from_secs(1);
         let chain = self.chain;
