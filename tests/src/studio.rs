@@ -4,10 +4,9 @@ use bytemuck::{Pod, Zeroable};
 use cull::{Camera, Hierarchy, View};
 use glam::{Affine3A, Vec3};
 use gpu::{Device, Readback, Target, vk};
-use render::{
-    OpaqueIo, OpaquePass, ShaderSet, SkyPass, SurfaceIo, SurfaceKind, SurfaceOptions, SurfacePass,
-    SurfaceResources, object_bounds,
-};
+use render::passes::{OpaqueIo, OpaquePass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass};
+use render::surfaces::{SurfaceOptions, SurfaceResources};
+use render::{ShaderSet, object_bounds};
 use scene::{
     Light, Mesh, MeshId, Object, Scene, SurfaceMesh, SurfaceVertex, Surfaces, Vertex,
     bounds_of_vertices,

@@ -130,7 +130,7 @@ fn first_plan(bencher: Bencher<'_, '_>, count: usize) {
     let walk = RefCell::new(Walk::new(count));
     bencher
         .counter(ItemsCount::new(count))
-        .with_inputs(|| walk.borrow_mut().culler.forget())
+        .with_inputs(|| walk.borrow_mut().culler.reset())
         .bench_local_values(|()| walk.borrow_mut().plan());
 }
 

@@ -45,8 +45,8 @@ mod limits;
 mod lod;
 mod object_bounds;
 mod outline;
-mod palette;
-mod passes;
+pub mod palette;
+pub mod passes;
 mod pick;
 mod renderer;
 mod sample_counts;
@@ -54,7 +54,7 @@ mod scene_degradations;
 mod shading;
 mod skinned_meshes;
 mod sprites;
-mod surfaces;
+pub mod surfaces;
 mod top_down;
 mod transparent;
 mod update;
@@ -66,23 +66,13 @@ mod visible_set;
 pub use debug_overlay::{DebugOverlay, OVERLAY_PASSES};
 pub use error::Error;
 pub use flat_overlay::FlatOverlay;
-pub use lod::DETAIL_OBJECTS_A_CALL;
 pub use object_bounds::object_bounds;
 pub use occlusion::{Costs, FrameOutcome, Rect, ShaderSet};
-pub use palette::{
-    BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, FRUSTUM, SELECTED, Swatch, WIRES, level_colour,
-};
-pub use passes::{
-    CountPass, FlatDraw, FlatIo, FlatPass, FlatVertex, OpaqueIo, OpaquePass, OverlayIo,
-    OverlayPass, OverlayVertex, SeenIo, SeenPass, SkyPass, SurfaceIo, SurfaceKind, SurfacePass,
-};
+pub use passes::{FlatDraw, FlatVertex};
 pub use pick::Pick;
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use sample_counts::{ProxySamples, VisibleSamples};
 pub use scene_degradations::SceneDegradations;
-pub use surfaces::{
-    LightLists, Page, PagePlan, SMALL_PAGES_BYTES, SurfaceOptions, SurfaceResources, reach_m,
-};
 pub use update::UpdateReport;
 pub use view_state::ViewState;
 pub use views::{FrameReport, FrameRequest, ViewTarget, ViewsRequest};

@@ -28,7 +28,7 @@ pub const BOX_SHOWED: Swatch = Swatch { meaning: "was visible", rgb: [213, 94, 0
 pub const FRUSTUM: Swatch =
     Swatch { meaning: "the camera's frustum", rgb: [255, 255, 255], alpha: 1.0 };
 /// The colour of the edges of triangles that are taken as visible, as in `wireframe.frag`.
-pub const WIRES: Swatch =
+pub const WIREFRAME: Swatch =
     Swatch { meaning: "triangles taken as visible", rgb: [50, 240, 190], alpha: 1.0 };
 
 /// The colour of the outline of the object that is selected.
@@ -90,7 +90,7 @@ mod tests {
     fn states_levels_and_wireframes_share_no_hue() {
         let levels: Vec<f32> = (0..20).filter_map(|level| hue(level_colour(level))).collect();
         assert_eq!(levels.len(), 20, "every level has a hue");
-        for state in STATES.into_iter().chain([WIRES, SELECTED]) {
+        for state in STATES.into_iter().chain([WIREFRAME, SELECTED]) {
             let of_state = hue(state).unwrap();
             let others = STATES.into_iter().filter(|_| !STATES.contains(&state)).filter_map(hue);
             for level in levels.iter().copied().chain(others) {

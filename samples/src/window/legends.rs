@@ -1,9 +1,8 @@
 //! Legends for the colours that explain the picture.
 
 use bench::legend;
-use render::{
-    BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, DebugOverlay, Rect, SELECTED, WIRES,
-};
+use render::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, SELECTED, WIREFRAME};
+use render::{DebugOverlay, Rect};
 
 use crate::hud::Legend;
 
@@ -24,7 +23,7 @@ pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
         legends.push(Legend { title: "Boxes that are tested", entries, area: None });
     }
     if explanation.has_wireframe {
-        legends.push(Legend { title: "Wires", entries: vec![WIRES.into()], area: None });
+        legends.push(Legend { title: "Wireframe", entries: vec![WIREFRAME.into()], area: None });
     }
     legends.extend(explanation.top_down.map(|area| from_above(Some(area))));
     legends
@@ -49,10 +48,10 @@ mod tests {
         };
         assert!(titles(nothing, false).is_empty());
         let above = "Boxes and the camera";
-        assert_eq!(titles(all, false), ["Boxes that are tested", "Wires", above]);
+        assert_eq!(titles(all, false), ["Boxes that are tested", "Wireframe", above]);
         // What is frozen shows the boxes by their level, whatever is explained.
         assert_eq!(titles(nothing, true), [above]);
-        assert_eq!(titles(all, true), [above, "Wires", above]);
+        assert_eq!(titles(all, true), [above, "Wireframe", above]);
         for legend in of(all, false) {
             let mut colours: Vec<[u8; 3]> =
                 legend.entries.iter().flat_map(|entry| entry.colours.clone()).collect();

@@ -7,7 +7,7 @@
 
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec3A, vec3};
 use gpu::Device;
-use render::SurfaceOptions;
+use render::surfaces::SurfaceOptions;
 use scene::{
     LightKind, Material, Mesh, PunctualLight, Scene, SurfaceMesh, SurfaceVertex, Surfaces,
 };

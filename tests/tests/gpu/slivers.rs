@@ -7,7 +7,7 @@ use gpu::{
     BufferSlice, Device, FrameRing, IndirectDraw, QueryIndex, QueryRing, Target, Uploads, vk,
 };
 use occlusion::{ProxyBox, ProxyIo, ShaderSet};
-use render::{OpaqueIo, OpaquePass};
+use render::passes::{OpaqueIo, OpaquePass};
 use scene::{Mesh, Object, Scene};
 use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
 use tests::{Driver, run};

@@ -7,7 +7,7 @@ mod details;
 
 use glam::{Affine2, Affine3A, Mat2, Vec2, vec2};
 use gpu::Device;
-use render::SurfaceOptions;
+use render::surfaces::SurfaceOptions;
 use scene::{
     Encoding, Filter, Image, ImageId, Material, Mesh, Sampler, Scene, SurfaceMesh, SurfaceVertex,
     Surfaces, Texture, TextureId, TextureUse, Wrap,

@@ -101,7 +101,7 @@ fn flags_are_words_and_leaf_boxes_switch_on_draws() {
 fn the_overlay_has_a_matrix_and_no_buffers() {
     assert_eq!(interface("overlay.vert"), (vec![], 64));
     assert_eq!(interface("overlay.frag"), (vec![], 0));
-    assert_eq!(offset_of!(render::OverlayVertex, colour), 12);
+    assert_eq!(offset_of!(render::passes::OverlayVertex, colour), 12);
 }
 
 #[test]

@@ -9,11 +9,13 @@ mod seen;
 mod sky;
 mod surface;
 
-pub use count::CountPass;
+pub(crate) use count::CountPass;
 pub(crate) use deform::{DeformIo, DeformPass, Deformation, REST_WORDS};
-pub use flat::{FlatDraw, FlatIo, FlatPass, FlatVertex};
+pub use flat::{FlatDraw, FlatVertex};
+pub(crate) use flat::{FlatIo, FlatPass};
 pub use opaque::{OpaqueIo, OpaquePass};
-pub use overlay::{OverlayIo, OverlayPass, OverlayVertex};
-pub use seen::{SeenIo, SeenPass};
+pub use overlay::OverlayVertex;
+pub(crate) use overlay::{OverlayIo, OverlayPass};
+pub(crate) use seen::{SeenIo, SeenPass};
 pub use sky::SkyPass;
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass};

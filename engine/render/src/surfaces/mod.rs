@@ -11,10 +11,7 @@ mod page_upload;
 mod pages;
 mod resources;
 
-pub use light_lists::LightLists;
 pub use lights::reach_m;
-pub use page_groups::SMALL_PAGES_BYTES;
-pub use pages::{Page, PagePlan};
 pub use resources::{SurfaceOptions, SurfaceResources};
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! thread.
 
 use gpu::{Error, FrameRing, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
-use render::SurfaceOptions;
+use render::surfaces::SurfaceOptions;
 use scene::{Encoding, Filter, Sampler};
 use tests::run_on_all;
 
