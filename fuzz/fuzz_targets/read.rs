@@ -1,4 +1,4 @@
-//! Any bytes are read as a scene: an error is fine, a panic is not.
+//! Reads arbitrary bytes as a scene: an error is fine, a panic is not.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Draws a scene of its own without a window, and says how much of it was drawn.
+//! Draws a scene of its own without a window, and prints how much of it was drawn.
 #![forbid(unsafe_code)]
 
 use std::error::Error;
@@ -16,7 +16,7 @@ fn square(name: &str, colour: [f32; 3]) -> Mesh {
     Mesh::of_triangles(name, &[a, b, c, a, c, d].map(|corner| (corner, colour)))
 }
 
-/// Returns a wall, and behind it a thousand tiles that nobody can see, and one that peeps out.
+/// Returns a wall, a thousand hidden tiles behind it, and one tile that shows beside it.
 fn scene() -> Scene {
     let object = |mesh: u32, scale: f32, at: Vec3| {
         let transform = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(scale));

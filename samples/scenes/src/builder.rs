@@ -12,7 +12,8 @@ pub(crate) struct Paint {
     tint_share: f32,
 }
 
-/// Returns the electro-optical transfer function of sRGB (IEC 61966-2-1), for one channel.
+/// Returns a channel in linear light: the electro-optical transfer function of sRGB (IEC
+/// 61966-2-1).
 fn linear_of_srgb(byte: u32) -> f32 {
     let value = byte as f32 / 255.0;
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
@@ -35,19 +36,19 @@ impl Paint {
         Self { linear: self.linear.map(|value| value * factor), ..self }
     }
 
-    /// As a vertex colour or an object's tint: linear unorm8x4.
+    /// Returns the vertex colour, or the object's tint: linear unorm8x4.
     pub(crate) fn packed(self) -> u32 {
         let [red, green, blue] = self.linear;
         pack_unorm([red, green, blue, self.tint_share])
     }
 }
 
-/// Which of a box's faces are built; hidden ones are left out.
+/// The faces of a box that are built; hidden ones are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Faces {
     /// All six.
     All,
-    /// All but the bottom: it stands on something.
+    /// All but the bottom, for a box that stands on something.
     Standing,
     /// The four sides.
     Sides,
@@ -102,7 +103,7 @@ pub(crate) fn panel(u0: f32, v0: f32, u1: f32, v1: f32) -> Panel {
     Panel { u0, v0, u1, v1 }
 }
 
-/// Collects triangles; equal vertices are stored once.
+/// A collector of triangles, which stores equal vertices once.
 #[derive(Default)]
 pub(crate) struct MeshBuilder {
     vertices: Vec<Vertex>,
@@ -130,7 +131,7 @@ impl MeshBuilder {
         }
     }
 
-    /// A flat convex polygon, counter-clockwise from its front.
+    /// Adds a flat convex polygon, counter-clockwise from its front.
     pub(crate) fn polygon(&mut self, points: &[Vec3], paint: Paint) {
         let [first, rest @ ..] = points else { return };
         let first = *first;
@@ -144,7 +145,7 @@ impl MeshBuilder {
         }
     }
 
-    /// A flat polygon as a fan around `centre`, from which its whole outline can be seen.
+    /// Adds a flat polygon as a fan around `centre`, from which its whole outline can be seen.
     pub(crate) fn fan(&mut self, centre: Vec3, outline: &[Vec3], paint: Paint) {
         for (position, &point) in outline.iter().enumerate() {
             let next = outline[(position + 1) % outline.len()];
@@ -152,15 +153,15 @@ impl MeshBuilder {
         }
     }
 
-    /// A rectangle on a wall, `d` metres out of it.
+    /// Adds a rectangle on a wall, `d` metres out of it.
     pub(crate) fn rectangle(&mut self, frame: &Frame, area: Panel, d: f32, paint: Paint) {
         let Panel { u0, v0, u1, v1 } = area;
         let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)].map(|(u, v)| frame.at(u, v, d));
         self.polygon(&corners, paint);
     }
 
-    /// The wall between `cell` and the `hole` in it, and the four sides of the hole, which goes
-    /// `depth` metres into the wall. What closes the hole is the caller's.
+    /// Adds the wall between `cell` and the `hole` in it, and the four sides of the hole. The hole
+    /// goes `depth` metres into the wall; the caller closes it.
     pub(crate) fn recess(
         &mut self,
         frame: &Frame,
@@ -184,7 +185,7 @@ impl MeshBuilder {
         }
     }
 
-    /// A box standing out of a wall by `d` metres, without its back.
+    /// Adds a box that stands out of a wall by `d` metres, without its back.
     pub(crate) fn ledge(&mut self, frame: &Frame, area: Panel, d: f32, paint: Paint) {
         let Panel { u0, v0, u1, v1 } = area;
         let corners =
@@ -197,12 +198,12 @@ impl MeshBuilder {
         self.polygon(&front, paint);
     }
 
-    /// An axis-aligned box.
+    /// Adds an axis-aligned box.
     pub(crate) fn cuboid(&mut self, min: Vec3, max: Vec3, faces: Faces, paint: Paint) {
         self.tapered(min, max, Vec2::ZERO, faces, paint);
     }
 
-    /// A box whose top is drawn in by `inset` metres on each side along x and z.
+    /// Adds a box whose top is drawn in by `inset` metres on each side along x and z.
     pub(crate) fn tapered(
         &mut self,
         min: Vec3,
@@ -234,8 +235,8 @@ impl MeshBuilder {
         }
     }
 
-    /// A band around a box of these half sizes, standing out of its walls by `out` metres, from
-    /// height `low` to `high`.
+    /// Adds a band around a box of these half sizes, from height `low` to `high`. It stands out of
+    /// the box's walls by `out` metres.
     pub(crate) fn band(&mut self, half: Vec2, out: f32, heights: [f32; 2], paint: Paint) {
         let corners = |half: Vec2, y: f32| {
             [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)]
@@ -262,9 +263,9 @@ impl MeshBuilder {
         }
     }
 
-    /// A solid of revolution about the local y axis. The profile is (radius, height), from the
-    /// bottom up; radius 0 closes an end. Round about, but with an edge at each point of the
-    /// profile.
+    /// Adds a solid of revolution about the local y axis. The profile is (radius, height), from the
+    /// bottom up; radius 0 closes an end. Normals are smooth around the axis, with an edge at each
+    /// point of the profile.
     pub(crate) fn turned(
         &mut self,
         place: &Affine3A,
@@ -279,7 +280,7 @@ impl MeshBuilder {
         }
     }
 
-    /// An ellipsoid with smooth normals; `paints` are the colours of its bottom and its top.
+    /// Adds an ellipsoid with smooth normals; `paints` are the colours of its bottom and its top.
     pub(crate) fn ellipsoid(
         &mut self,
         centre: Vec3,
@@ -341,8 +342,8 @@ impl MeshBuilder {
         }
     }
 
-    /// A prism: a convex outline in (z, y), clockwise where z points right and y up, drawn from the
-    /// first x to the second, larger one.
+    /// Adds a prism: a convex outline in (z, y), clockwise where z points right and y up, drawn
+    /// from the first x to the second, larger one.
     pub(crate) fn extruded(&mut self, outline: &[Vec2], ends: [f32; 2], paint: Paint) {
         let [x0, x1] = ends;
         let at = |x: f32, point: &Vec2| vec3(x, point.y, point.x);

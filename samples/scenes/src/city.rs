@@ -37,17 +37,18 @@ use super::{
 /// neighbouring ground tiles have exactly the same edges.
 pub(super) const TILE_M: f32 = 64.0;
 
-/// From a district's wall to the line on which one walks along it, in metres.
+/// The distance between a district's wall and the line on which one walks along it, in metres.
 const WALL_WALK_M: f32 = 5.4;
 
-/// Between the kerb and a parked car, and between the kerb and a thing on the pavement, in metres.
+/// The gap between the kerb and a parked car, and between the kerb and a thing on the pavement, in
+/// metres.
 const PARKING_GAP_M: f32 = 0.35;
 const PAVEMENT_GAP_M: f32 = 0.15;
 
 /// Makes a city of exactly `objects` objects.
 ///
 /// # Errors
-/// [`GeneratorError::ObjectCount`] if there are to be none, or more than
+/// [`GeneratorError::ObjectCount`] if `objects` is 0 or more than
 /// [`MAX_OBJECTS`](super::MAX_OBJECTS).
 pub fn city(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> {
     let room = room_for_objects(objects)?;
@@ -89,7 +90,7 @@ struct Kit {
     wall: MeshId,
     gate_house: MeshId,
     corner_tower: MeshId,
-    /// By footprint, in the order of [`Footprint::ALL`].
+    /// The buildings, by footprint in the order of [`Footprint::ALL`].
     buildings: [Vec<MeshId>; 4],
     lamps: Vec<Choice>,
     pavement: Vec<Choice>,
@@ -148,11 +149,11 @@ fn choose<T: Copy>(choices: &[T], random: &mut Random) -> Option<T> {
 /// A place for a prop in a block.
 #[derive(Clone, Copy)]
 enum Slot {
-    /// So far along the pavement of a side.
+    /// A place on the pavement of a side, this far along it.
     Pavement { side: usize, along: f32 },
-    /// So far along the road at a side.
+    /// A place on the road at a side, this far along it.
     Parking { side: usize, along: f32 },
-    /// In the court.
+    /// A place in the court.
     Court { place: Vec2 },
 }
 
@@ -165,8 +166,8 @@ struct City {
 }
 
 impl City {
-    /// Moves a few objects from a block to its neighbour, so that blocks differ and the sum is
-    /// kept.
+    /// Returns the number of objects that move from a block to its neighbour: a few, so that blocks
+    /// differ and the sum is kept.
     fn swing(&self, number: u32, blocks: u32) -> i32 {
         if number ^ 1 >= blocks || blocks < 16 {
             return 0;
@@ -207,8 +208,8 @@ impl City {
         }
     }
 
-    /// Walls, gate houses and towers on this block's lower boundaries; on its upper ones too where
-    /// the city ends.
+    /// Adds walls, gate houses and towers on this block's lower boundaries; on its upper ones too
+    /// where the city ends.
     fn closures(&mut self, limit: usize, column: i32, row: i32, random: &mut Random) {
         let own = |at: i32, last: i32| if at + 1 == last { at..at + 2 } else { at..at + 1 };
         let xs = own(column, self.plan.columns.last());

@@ -1,5 +1,5 @@
-//! The field: objects side by side on a plane, so far apart that from above nothing hides anything:
-//! the scene in which testing for visibility can only cost.
+//! The field: objects on a plane, so far apart that from above nothing hides anything. Here,
+//! testing for visibility can only cost.
 
 use glam::{Vec3, vec3};
 use scene::{Light, Mesh, MeshId, Object, Scene};
@@ -14,21 +14,21 @@ use super::{
     share,
 };
 
-/// A cell holds one object in its middle, in metres.
+/// The side of a cell in metres; a cell holds one object in its middle.
 const CELL_M: f32 = 16.0;
 
-/// Cells along a side of a ground tile.
+/// The number of cells along a side of a ground tile.
 const TILE_CELLS: u8 = 4;
 
 const TILE_M: f32 = CELL_M * TILE_CELLS as f32;
 
-/// One walks within this distance of the origin, in metres.
+/// The distance from the origin within which one walks, in metres.
 const WALK_M: f32 = 128.0;
 
 /// Makes a field of exactly `objects` objects, tiles of the ground among them.
 ///
 /// # Errors
-/// [`GeneratorError::ObjectCount`] if there are to be none, or more than
+/// [`GeneratorError::ObjectCount`] if `objects` is 0 or more than
 /// [`MAX_OBJECTS`](super::MAX_OBJECTS).
 pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> {
     let mut placed = room_for_objects(objects)?;

@@ -1,8 +1,8 @@
-//! Scenes made from a number of objects and a seed, and where one can walk or fly through them.
+//! Scenes made from a number of objects and a seed, and the camera's routes through them.
 //!
 //! [`city`] and [`field`] make them. Objects of a generated scene neither touch nor have coplanar
-//! faces, and what stands on the ground hovers 2 cm over it: so each pixel's colour does not depend
-//! on the order in which objects are drawn. Only the ground's tiles share edges, with bit-identical
+//! faces, and objects on the ground hover 2 cm over it. So each pixel's colour does not depend on
+//! the order in which objects are drawn. Only the ground's tiles share edges, with bit-identical
 //! vertices. Transforms are quarter turns about y (exact: each column one of the axes) and uniform
 //! scales only.
 //!
@@ -37,22 +37,22 @@ pub use path::{CameraPath, EYE_HEIGHT_M, PathKind};
 /// The most objects that a generated scene can have.
 pub const MAX_OBJECTS: u32 = 2_000_000;
 
-/// How far a thing hovers over what carries it, in metres.
+/// The distance that a thing hovers over the surface that carries it, in metres.
 const HOVER_M: f32 = 0.02;
 
-/// Why a scene, a path or a motion cannot be made.
+/// The reasons why a scene, a path or a motion cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GeneratorError {
-    /// No objects at all, or more than a generated scene can hold.
+    /// Zero objects, or more than a generated scene can hold.
     #[error("a scene has 1 to {MAX_OBJECTS} objects, not {asked}: choose a number in that range")]
     ObjectCount {
         /// The number that was asked for.
         asked: u32,
     },
-    /// Less memory can be had than the objects take.
+    /// Too little memory for the objects.
     #[error("there is no memory for a scene of {count} objects: use fewer, or end other programs")]
     NoMemory {
-        /// How many there were.
+        /// The number of objects.
         count: u32,
     },
     /// A motion that cannot be made.
@@ -64,38 +64,37 @@ pub enum GeneratorError {
         /// The name that was asked for.
         name: String,
     },
-    /// The scene has no streets, so nobody can walk in it.
+    /// A walk in a scene that has no streets.
     #[error("the scene has no streets to walk along: choose the path fly")]
     NoStreets,
-    /// A scene that cannot be drawn has no motion.
+    /// A scene that cannot be drawn, which has no motion.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
 
-/// A scene, and what is known about it since it was generated.
+/// A scene, and the facts about it that are known from its generation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeneratedScene {
-    /// What is drawn.
+    /// The objects to draw.
     pub scene: Scene,
-    /// Where one can walk and fly.
+    /// The routes for walks and flights.
     pub routes: Routes,
 }
 
-/// Where one can walk and fly.
+/// The routes for walks and flights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Routes {
-    /// What the scene was made from, and what decides where walks lead; the same seed and number
-    /// of objects give the same bytes.
+    /// The seed of the scene and of its walks; the same seed and number of objects give the same
+    /// bytes.
     pub seed: u64,
-    /// Where to walk; empty where one cannot.
+    /// The lines to walk on; empty where one cannot walk.
     pub streets: Streets,
-    /// Where to fly.
+    /// The round trip to fly.
     pub flight: Flight,
 }
 
-/// Where one can walk: straight lines parallel to x and z, all of them crossing. At least 0.3 m
-/// around every line, and around every turn with the given radius, no object's box is met at eye
-/// level.
+/// Lines to walk on: straight, parallel to x and z, all of them crossing. At least 0.3 m around
+/// every line, and around every turn with the given radius, there is no object's box at eye level.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Streets {
     /// The x of the lines that run along z, in metres, ascending.
@@ -113,11 +112,11 @@ pub struct Flight {
     pub centre: Vec3,
     /// Its radius in metres.
     pub radius_m: f32,
-    /// How far the view looks down, in radians.
+    /// The angle by which the view looks down, in radians.
     pub down_rad: f32,
 }
 
-/// Returns room for so many objects.
+/// Returns an empty list with room for so many objects.
 fn room_for_objects(asked: u32) -> Result<Vec<Object>, GeneratorError> {
     if !(1..=MAX_OBJECTS).contains(&asked) {
         return Err(GeneratorError::ObjectCount { asked });
@@ -127,8 +126,8 @@ fn room_for_objects(asked: u32) -> Result<Vec<Object>, GeneratorError> {
     reserved.map(|()| objects).map_err(|_| GeneratorError::NoMemory { count: asked })
 }
 
-/// Turns +z to side `side` (0: +z, 1: +x, 2: -z, 3: -x), scales, and moves. Exact: the matrix holds
-/// zeros and the scale only.
+/// Returns a transform that turns +z to side `side` (0: +z, 1: +x, 2: -z, 3: -x), scales, and
+/// moves. Exact: the matrix holds zeros and the scale only.
 fn placement(side: usize, scale: f32, position: Vec3) -> Affine3A {
     let (x, z) = match side % 4 {
         0 => (Vec3A::X, Vec3A::Z),

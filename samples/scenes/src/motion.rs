@@ -1,10 +1,10 @@
 //! Objects that move, come and go, as a pure function of the frame: any frame can be shown after
 //! any other.
 //!
-//! Nobody meets anybody: an object gets only a motion whose whole sweep is free of the boxes of all
-//! others and of their sweeps. So moving objects neither touch nor share planes, as
-//! [the scenes](super) promise, and pictures do not depend on the order of draws. Where there is no
-//! room for any motion, an object can still come and go.
+//! No two objects meet: an object gets only a motion whose whole sweep is free of the boxes of all
+//! others and of their sweeps. So moving objects neither touch nor share planes, as [the
+//! scenes](super) promise, and images do not depend on the order of draws. Where there is no room
+//! for any motion, an object can still come and go.
 
 mod act;
 mod room;
@@ -17,30 +17,30 @@ use self::room::Room;
 use super::GeneratorError;
 use super::random::Random;
 
-/// One mover in so many is a big one, something that hides much: a building or a gate house.
+/// The number of movers per big one: a building or a gate house, which hides much.
 const MOVERS_PER_BIG: usize = 20;
 
-/// What is higher than this is big, in metres.
+/// The height above which an object is big, in metres.
 const BIG_M: f32 = 5.0;
 
-/// One mover in so many comes and goes, too.
+/// The number of movers per mover that comes and goes, too.
 const MOVERS_PER_GUEST: u32 = 6;
 
-/// What name begins with is the ground: it stays.
+/// The prefix of the names of ground objects, which stay.
 const GROUND: &str = "ground";
 
-/// Why a motion cannot be made.
+/// The reasons why a motion cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
-    /// More than all.
+    /// A percentage above 100.
     #[error("{percent} percent of the objects cannot move: choose 0 to 100")]
     Percent {
-        /// What was asked for.
+        /// The percentage that was asked for.
         percent: u32,
     },
 }
 
-/// Who moves in a scene, and how.
+/// The moving objects of a scene, and their motions.
 #[derive(Clone, Debug)]
 pub struct Motion {
     movers: Vec<Mover>,
@@ -51,13 +51,13 @@ pub struct Motion {
 struct Mover {
     /// Its place in the scene.
     index: u32,
-    /// As it is in the scene.
+    /// The object as it is in the scene.
     object: Object,
     act: Act,
     presence: Option<Presence>,
 }
 
-/// When someone is there who comes and goes.
+/// The times at which an object that comes and goes is present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Presence {
     period_frames: u32,
@@ -83,8 +83,8 @@ impl Presence {
 }
 
 impl Motion {
-    /// Lets `percent` of the objects of a scene move, or as many as can without meeting others; the
-    /// ground never does. The same seed makes the same motion.
+    /// Creates motions for `percent` of the objects of a scene, or for as many as can move without
+    /// meeting others; the ground never moves. The same seed makes the same motion.
     ///
     /// # Errors
     /// [`MotionError::Percent`]; a scene that cannot be drawn.
@@ -125,13 +125,13 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Returns how many objects move, or come and go.
+    /// Returns the number of objects that move, or come and go.
     pub fn movers(&self) -> usize {
         self.movers.len()
     }
 
     /// Returns the scene as it is in a frame. Its objects are in the same order, less those that
-    /// are away.
+    /// are absent.
     pub fn scene_at(&self, scene: &Scene, frame: u32) -> Scene {
         let mut objects: Vec<Option<Object>> = scene.objects.iter().copied().map(Some).collect();
         for mover in &self.movers {
@@ -144,7 +144,7 @@ impl Motion {
 }
 
 impl Mover {
-    /// Returns the object in a frame; `None` while it is away.
+    /// Returns the object in a frame; `None` while it is absent.
     fn at(&self, frame: u32) -> Option<Object> {
         let is_there = self.presence.is_none_or(|presence| presence.is_there(frame));
         is_there.then(|| Object {
@@ -154,8 +154,8 @@ impl Mover {
     }
 }
 
-/// Returns the objects in the order in which they are asked to move: some big ones, then whoever
-/// comes.
+/// Returns the objects in the order in which motions are sought for them: some big ones, then all
+/// others.
 fn order(scene: &Scene, wanted: usize, random: &mut Random) -> Vec<u32> {
     let is_ground =
         |object: &Object| scene.mesh_of(object).is_none_or(|mesh| mesh.name.starts_with(GROUND));
@@ -179,11 +179,11 @@ fn order(scene: &Scene, wanted: usize, random: &mut Random) -> Vec<u32> {
     order
 }
 
-/// The movers as a renderer shows them now: who is there, under which id.
+/// The movers as a renderer shows them now: those present, with their ids.
 #[derive(Clone, Debug)]
 pub struct Cast {
     ids: Vec<Option<ObjectId>>,
-    /// Movers that come with the newest changes, and those that go.
+    /// The movers that come with the newest changes, and those that go.
     coming: Vec<usize>,
     going: Vec<usize>,
     changes: Vec<ObjectChange>,
@@ -196,8 +196,8 @@ impl Cast {
         Self { ids: ids.collect(), coming: Vec::new(), going: Vec::new(), changes: Vec::new() }
     }
 
-    /// Returns what has to change to show `frame`. [`Cast::came`] must follow once it has, with the
-    /// ids that the update gave to those who came.
+    /// Returns the changes that make the renderer show `frame`. [`Cast::came`] must follow once
+    /// they are made, with the ids that the update returned for new objects.
     pub fn changes(&mut self, motion: &Motion, frame: u32) -> &[ObjectChange] {
         self.coming.clear();
         self.going.clear();
@@ -227,7 +227,7 @@ impl Cast {
         &self.changes
     }
 
-    /// Notes that the newest changes were made, and the ids of those who came with them.
+    /// Records that the newest changes were made, and the ids of the objects that came with them.
     pub fn came(&mut self, added: &[ObjectId]) {
         for place in self.going.drain(..) {
             if let Some(id) = self.ids.get_mut(place) {

@@ -1,4 +1,4 @@
-//! Camera paths: where the eye is in a frame, as a pure function of the frame's number.
+//! Camera paths: the camera of a frame, as a pure function of the frame's number.
 
 mod tour;
 
@@ -17,19 +17,20 @@ use super::{Flight, GeneratorError, Routes, Streets};
 /// The height of a walker's eye over the road, in metres.
 pub const EYE_HEIGHT_M: f32 = 1.7;
 
-/// A walker's way in one frame, in metres: 3 m/s at 30 frames a second.
+/// The distance that a walker covers per frame, in metres: 3 m/s at 30 frames per second.
 const WALK_STEP_M: f64 = 0.1;
 
-/// An aircraft's way in one frame, in metres.
+/// The distance that an aircraft covers per frame, in metres.
 const FLY_STEP_M: f64 = 0.5;
 
-/// How many frames the path `cut` stays in one place.
+/// The number of frames for which the path `cut` stays in one place.
 const CUT_FRAMES: u32 = 10;
 
-/// How far to the side one may look after a jump, in radians.
+/// The largest angle to the side of the view after a jump, in radians.
 const CUT_ASIDE_RAD: f32 = 1.3;
 
-/// A walker looks this far to the left and right, in radians, once in about so many metres.
+/// The angle by which a walker looks to the left and right, in radians, once in about so many
+/// metres.
 const GLANCE_RAD: f32 = 0.2;
 const GLANCE_PERIOD_M: f64 = 40.0;
 
@@ -48,7 +49,7 @@ impl PathKind {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Street, Self::Fly, Self::Cut];
 
-    /// Returns the name by which it is chosen.
+    /// Returns its name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Street => "street",
@@ -73,7 +74,7 @@ impl FromStr for PathKind {
     }
 }
 
-/// A path through a routes. Walks and flights are closed, so any number of frames will do.
+/// A path along routes. Walks and flights are closed, so any number of frames will do.
 #[derive(Clone, Debug)]
 pub struct CameraPath {
     kind: PathKind,
@@ -88,10 +89,10 @@ enum Route {
 }
 
 impl CameraPath {
-    /// Makes the path of that kind through the scene with these routes.
+    /// Creates the path of that kind through the scene with these routes.
     ///
     /// # Errors
-    /// [`GeneratorError::NoStreets`] if a walk is asked for where there are no streets.
+    /// [`GeneratorError::NoStreets`] if a walk is asked for in a scene without streets.
     pub fn new(kind: PathKind, routes: &Routes) -> Result<Self, GeneratorError> {
         let streets = &routes.streets;
         let no_streets = || GeneratorError::NoStreets;
@@ -108,7 +109,7 @@ impl CameraPath {
         Ok(Self { kind, route })
     }
 
-    /// Returns what kind of path it is.
+    /// Returns the kind of the path.
     pub fn kind(&self) -> PathKind {
         self.kind
     }

@@ -1,5 +1,5 @@
-//! Reproducible random numbers: splitmix64, keyed by what they are for, so that a block of the city
-//! looks the same whatever was generated before it.
+//! Reproducible random numbers: splitmix64, keyed by their use, so that a block of the city looks
+//! the same regardless of what was generated before it.
 
 /// A splitmix64 stream (Steele, Lea and Flood, "Fast splittable pseudorandom number generators").
 #[derive(Clone, Debug)]
@@ -51,7 +51,7 @@ impl Random {
         choices[self.below(N as u32) as usize]
     }
 
-    /// Puts the items in random order (Fisher and Yates).
+    /// Shuffles the items (Fisher and Yates).
     pub(crate) fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.below(last as u32 + 1) as usize);

@@ -1,4 +1,4 @@
-//! Tests of whole scenes, and what they share.
+//! Tests of whole scenes, and the parts that they share.
 
 mod ground;
 mod layout;
@@ -16,7 +16,7 @@ fn is_ground(scene: &Scene, object: &Object) -> bool {
     scene.mesh_of(object).unwrap().name.starts_with("ground")
 }
 
-/// The boxes of a scene's objects, found by where they are: cells of the x-z plane.
+/// The boxes of a scene's objects, found by position: cells of the x-z plane.
 struct Boxes {
     bounds: Vec<Aabb>,
     cells: HashMap<IVec2, Vec<u32>>,
@@ -63,7 +63,7 @@ impl Boxes {
         number.map(|&number| self.bounds[number as usize])
     }
 
-    /// Returns the nearest box along a ray of at most `reach_m`, and how far away it is.
+    /// Returns the nearest box along a ray of at most `reach_m`, and its distance.
     fn first_hit(&self, eye: Vec3, towards: Vec3, reach_m: f32) -> Option<(u32, f32)> {
         let inverse = Vec3::ONE / towards;
         let mut nearest: Option<(u32, f32)> = None;

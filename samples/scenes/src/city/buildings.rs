@@ -1,4 +1,4 @@
-//! The buildings' meshes: a table of what they are, and how one is put together.
+//! The buildings' meshes: a table of their parts, and how they are put together.
 
 use glam::{Vec2, Vec3, vec2};
 use scene::Mesh;
@@ -9,8 +9,8 @@ use super::facade::{Entrance, Facade, Side};
 use super::palette::Materials;
 use super::roofs::{Roof, RoofSite};
 
-/// How many lots of a block a building takes, along x and z in sixths of the block's side. All
-/// fronts look towards +z.
+/// The footprint of a building: the lots of a block that it takes along x and z, in sixths of the
+/// block's side. All fronts look towards +z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Footprint {
     /// 2 by 2.
@@ -26,17 +26,17 @@ pub(super) enum Footprint {
 /// A sixth of the buildable side of a block, in metres.
 pub(super) const LOT_M: f32 = 44.0 / 6.0;
 
-/// Air between a building's box and the edge of its lot, in metres: neighbours stand twice that
+/// The air between a building's box and the edge of its lot, in metres: neighbours stand twice that
 /// apart.
 const CLEARANCE_M: f32 = 0.335;
 
-/// How far ledges and roofs may stand out of the walls, in metres.
+/// The distance that ledges and roofs may stand out of the walls, in metres.
 const OVERHANG_M: f32 = 0.3;
 
 impl Footprint {
     pub(super) const ALL: [Self; 4] = [Self::House, Self::Row, Self::Tower, Self::Slab];
 
-    /// Its size in lots along x and z.
+    /// Returns its size in lots along x and z.
     pub(super) fn lots(self) -> [i8; 2] {
         match self {
             Self::House => [2, 2],

@@ -4,16 +4,16 @@ use super::super::builder::{Frame, MeshBuilder, Panel, panel};
 use super::super::random::Random;
 use super::palette::Materials;
 
-/// How the upper floors look.
+/// The look of the upper floors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Facade {
     /// Single windows in recesses.
     Punched,
     /// Single windows with sills that stand out, and a key stone above each.
     Framed,
-    /// A band of glass a floor, behind fins that run up the wall.
+    /// A band of glass per floor, behind fins that run up the wall.
     Ribbon,
-    /// Recessed strips from bottom to top, a pane and a spandrel a floor.
+    /// Recessed strips from bottom to top, a pane and a spandrel per floor.
     Strips,
     /// Deep niches with a parapet in front.
     Loggia,
@@ -32,7 +32,7 @@ pub(super) struct Side<'a> {
     pub(super) materials: &'a Materials,
 }
 
-/// What the ground floor of a side has.
+/// The ground floor of a side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Entrance {
     /// Shop windows around a door with steps and a canopy.

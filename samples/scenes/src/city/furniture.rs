@@ -191,7 +191,7 @@ pub(super) fn bollards(materials: &Materials) -> Mesh {
     builder.finish("bollards")
 }
 
-/// Five hoops to lean bicycles on.
+/// Returns five hoops to lean bicycles on.
 pub(super) fn bicycle_stand(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let steel = materials.steel;

@@ -15,15 +15,16 @@ use super::TILE_M;
 /// The height of the pavement over the road, in metres.
 pub(crate) const PAVEMENT_M: f32 = 0.125;
 
-/// From the middle of a block to its kerbs, in metres.
+/// The distance between the middle of a block and its kerbs, in metres.
 pub(crate) const KERB_M: f32 = 26.0;
 
-/// From the middle of a block to the line that its buildings keep behind, in metres.
+/// The distance between the middle of a block and the line that its buildings keep behind, in
+/// metres.
 pub(super) const BUILDING_LINE_M: f32 = 22.0;
 
 const EDGE_M: f32 = TILE_M / 2.0;
 
-/// What lies between the pavements.
+/// The surface between the pavements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Middle {
     /// Slabs.
@@ -45,7 +46,7 @@ pub(crate) struct Plates {
 }
 
 impl Plates {
-    /// A level plate from (`x0`, `z0`) to (`x1`, `z1`).
+    /// Adds a level plate from (`x0`, `z0`) to (`x1`, `z1`).
     pub(crate) fn level(&mut self, x: [f32; 2], z: [f32; 2], y: f32, paint: Paint) {
         let [x0, x1] = x;
         let [z0, z1] = z;

@@ -1,4 +1,4 @@
-//! Where blocks, districts and lots lie.
+//! The places of blocks, districts and lots.
 
 use glam::Vec2;
 
@@ -8,7 +8,7 @@ use super::buildings::{Footprint, LOT_M};
 /// Blocks along a side of a district.
 const DISTRICT_BLOCKS: i32 = 6;
 
-/// The city on about how many objects a block holds: a tile, 5 to 9 buildings, 12 to 18 props.
+/// The average number of objects that a block holds: a tile, 5 to 9 buildings, 12 to 18 props.
 const OBJECTS_PER_BLOCK: f64 = 23.0;
 
 /// One direction of the city: blocks `first..last`, cut into districts.
@@ -56,7 +56,8 @@ impl Axis {
     }
 }
 
-/// Ends of the districts in `blocks` blocks beyond the middle one; the last is smaller or larger.
+/// Returns the ends of the districts in `blocks` blocks beyond the middle one; the last is smaller
+/// or larger.
 fn outward(blocks: i32) -> Vec<i32> {
     if blocks == 0 {
         return Vec::new();
@@ -81,15 +82,15 @@ impl Plan {
         Self { columns: Axis::new(columns as i32), rows: Axis::new(rows as i32) }
     }
 
-    /// Returns how many blocks there are.
+    /// Returns the number of blocks.
     pub(super) fn blocks(&self) -> u32 {
         let length = |axis: &Axis| axis.last().abs_diff(axis.first());
         length(&self.columns) * length(&self.rows)
     }
 }
 
-/// Returns where a block boundary lies, in metres: the middle of the district around the origin is
-/// at 0.
+/// Returns the position of a block boundary, in metres: the middle of the district around the
+/// origin is at 0.
 pub(super) fn boundary_m(boundary: i32) -> f32 {
     (boundary - DISTRICT_BLOCKS / 2) as f32 * TILE_M
 }
@@ -99,17 +100,17 @@ pub(super) fn block_centre(column: i32, row: i32) -> Vec2 {
     Vec2::new(boundary_m(column), boundary_m(row)) + Vec2::splat(TILE_M / 2.0)
 }
 
-/// A place for one building: lot coordinates of its corner, and what fits.
+/// A place for one building: lot coordinates of its corner, and the footprint that fits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lot {
     x: i8,
     z: i8,
     pub(super) footprint: Footprint,
-    /// Whether the footprint's x runs along the block's z.
+    /// The axis of the block along which the footprint's x runs.
     across: Across,
 }
 
-/// How a footprint lies in its block.
+/// The way a footprint lies in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Across {
     /// Its x along the block's x.
@@ -127,7 +128,7 @@ const fn tall(x: i8, z: i8, footprint: Footprint) -> Lot {
 }
 
 impl Lot {
-    /// Its size in lots, along the block's x and z.
+    /// Returns its size in lots, along the block's x and z.
     pub(super) fn size(&self) -> [i8; 2] {
         let [x, z] = self.footprint.lots();
         match self.across {
@@ -136,7 +137,7 @@ impl Lot {
         }
     }
 
-    /// Its middle relative to the middle of the block, in metres.
+    /// Returns its middle relative to the middle of the block, in metres.
     pub(super) fn centre(&self) -> Vec2 {
         let [width, depth] = self.size().map(f32::from);
         let corner = Vec2::new(f32::from(self.x), f32::from(self.z));
@@ -158,16 +159,16 @@ impl Lot {
     }
 }
 
-/// Whether the middle of a block is built over.
+/// The middle of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Court {
-    /// It is.
+    /// Built over.
     Built,
-    /// The middle four lots are free.
+    /// Open: the middle four lots are free.
     Open,
 }
 
-/// How a block is divided among buildings.
+/// A way to divide a block among buildings.
 pub(super) struct Division {
     pub(super) lots: &'static [Lot],
     pub(super) court: Court,

@@ -20,7 +20,7 @@ const LEAF_TINTS: [u32; 5] = [0x6F9A45, 0x7FA552, 0x5B8A45, 0x93A84B, 0x4F7D4B];
 
 const FURNITURE_TINTS: [u32; 4] = [0x2F6B5A, 0x2F4F6B, 0x7A3B35, 0x55585C];
 
-/// How many families of wall colours there are.
+/// The number of families of wall colours.
 pub(super) const WALL_FAMILIES: u32 = WALL_TINTS.len() as u32;
 
 /// Returns a wall's tint from one of the families.
@@ -29,10 +29,10 @@ pub(super) fn wall_tint(family: u32, random: &mut Random) -> u32 {
     Paint::srgb(random.pick(&family)).shade(random.between(0.92, 1.06)).packed()
 }
 
-/// What a prop's tinted part is made of.
+/// The material of a prop's tinted part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TintKind {
-    /// Nothing of it is tinted.
+    /// No part of it is tinted.
     Plain,
     /// Leaves.
     Leaf,
@@ -53,7 +53,7 @@ pub(crate) fn prop_tint(kind: TintKind, random: &mut Random) -> u32 {
     paint.packed()
 }
 
-/// Returns the stone of walls and gates between districts.
+/// Returns a tint for the stone of walls and gates between districts.
 pub(super) fn stone_tint(random: &mut Random) -> u32 {
     Paint::srgb(random.pick(&[0xCDBFA6, 0xC4B49A, 0xD3C7B2])).packed()
 }

@@ -1,4 +1,4 @@
-//! The things that stand in streets, each a mesh of some hundreds of triangles: the list of them.
+//! The list of the things that stand in streets, each a mesh of some hundreds of triangles.
 //!
 //! All stand on y = 0, face +z, and keep within 1.9 m of their middle along x and z, cars within
 //! 2.3 m along x and 0.95 m along z.
@@ -8,7 +8,7 @@ use scene::Mesh;
 use super::palette::{Materials, TintKind};
 use super::{furniture, plants, shelters, vehicles};
 
-/// Where a prop may stand.
+/// The places where a prop may stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Site {
     /// Everywhere on a pavement, and in courts.
@@ -26,7 +26,7 @@ pub(crate) struct Prop {
     pub(crate) mesh: Mesh,
     pub(crate) site: Site,
     pub(crate) tint: TintKind,
-    /// How often it is chosen among those of its site.
+    /// The weight with which it is chosen among the props of its site.
     pub(crate) weight: u32,
 }
 

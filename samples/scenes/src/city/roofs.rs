@@ -1,4 +1,4 @@
-//! Roofs and what stands on them.
+//! Roofs, and the things that stand on them.
 
 use glam::{Affine3A, Vec2, Vec3, vec3};
 
@@ -49,7 +49,7 @@ impl RoofSite<'_> {
         }
     }
 
-    /// A wall of 0.9 m around a flat roof that lies 0.1 m below the eaves.
+    /// Adds a wall of 0.9 m around a flat roof that lies 0.1 m below the eaves.
     fn parapet(&self, builder: &mut MeshBuilder, half: Vec2, eaves: f32) {
         let Materials { trim, wall, gravel, .. } = self.materials;
         let (top, deck, thick) = (eaves + 0.8, eaves - 0.1, 0.3);
@@ -187,7 +187,7 @@ impl RoofSite<'_> {
         self.dormers(builder, [0, 2], 3, rise / z, 0.9);
     }
 
-    /// Small windows that stand out of a slope which rises by `slope` metres a metre.
+    /// Adds small windows that stand out of a slope which rises by `slope` metres per metre.
     fn dormers(
         &self,
         builder: &mut MeshBuilder,

@@ -1,4 +1,4 @@
-//! What closes a district: walls along its edge, a gate house across the end of each street, a
+//! The closure of a district: walls along its edge, a gate house across the end of each street, a
 //! round tower at each corner.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
@@ -13,7 +13,7 @@ use super::palette::Materials;
 /// Half the width of gate houses and corner towers, in metres; both fill a square of that size.
 pub(super) const POST_HALF_M: f32 = 4.5;
 
-/// Air between a wall and the posts at its ends, in metres.
+/// The air between a wall and the posts at its ends, in metres.
 const GAP_M: f32 = 0.3;
 
 /// The bare wall without its piers and coping.
@@ -58,7 +58,7 @@ pub(super) fn wall(materials: &Materials) -> Mesh {
     builder.finish("district wall")
 }
 
-/// A recess that ends in a round arch.
+/// Adds a recess that ends in a round arch.
 fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], materials: &Materials) {
     let [u0, u1] = ends;
     let (middle, radius, spring, foot, depth) = ((u0 + u1) / 2.0, 2.0, 7.2, 1.2, 0.2);

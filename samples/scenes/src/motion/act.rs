@@ -1,4 +1,4 @@
-//! What one object does: its transform in a frame, and the space that this takes.
+//! The motion of one object: its transform in a frame, and the space that this takes.
 
 use std::f32::consts::TAU;
 
@@ -10,23 +10,23 @@ use crate::random::Random;
 /// A motion that repeats itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Act {
-    /// None.
+    /// No motion.
     Stay,
-    /// To a place and back.
+    /// A slide to a place and back.
     Slide {
-        /// To where, from where it stands in the scene (metres).
+        /// The farthest place, relative to its place in the scene (metres).
         reach: Vec3,
-        /// How much higher it is all the while (metres), to be clear of the kerbs.
+        /// The height by which it is lifted throughout (metres), to be clear of the kerbs.
         lift_m: f32,
         pace: Pace,
     },
-    /// From side to side about an upright axis.
+    /// A swing from side to side about an upright axis.
     Turn { centre: Vec3, angle_rad: f32, lift_m: f32, pace: Pace },
-    /// Smaller and back, on its foot.
+    /// A change to a smaller size and back, on its foot.
     Shrink { foot: Vec3, least: f32, pace: Pace },
 }
 
-/// How fast, and from when.
+/// The speed and the start of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pace {
     period_frames: f32,
@@ -38,13 +38,13 @@ impl Pace {
         Self { period_frames: random.between(50.0, 300.0), phase: random.unit() }
     }
 
-    /// Returns where in its cycle a frame is: an angle.
+    /// Returns the position of a frame in its cycle: an angle.
     fn angle(self, frame: u32) -> f32 {
         let cycles = f64::from(frame) / f64::from(self.period_frames) + f64::from(self.phase);
         cycles.fract() as f32 * TAU
     }
 
-    /// From 0 to 1 and back.
+    /// Returns a value that swings from 0 to 1 and back.
     fn swing(self, frame: u32) -> f32 {
         0.5 - 0.5 * self.angle(frame).cos()
     }

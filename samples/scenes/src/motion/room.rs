@@ -1,5 +1,4 @@
-//! Finds a motion for an object that meets nobody: the sweeps of all movers are kept in a
-//! hierarchy.
+//! A search for motions without collisions: the sweeps of all movers are kept in a hierarchy.
 
 use cull::{Aabb, Hierarchy, NodeId, ObjectId};
 use glam::Vec3;
@@ -10,14 +9,15 @@ use super::act::{Act, Pace};
 use crate::HOVER_M;
 use crate::random::Random;
 
-/// Sweeps keep this far from each other, in metres: what stands still does, too.
+/// The distance that sweeps keep from each other and from resting objects, in metres.
 const CLEARANCE_M: f32 = HOVER_M * 0.5;
 
-/// The space that everybody takes.
+/// The space that all objects take.
 pub(super) struct Room {
-    /// Over all objects; the ground takes no part, since whatever moves is lifted clear of it.
+    /// The hierarchy over all objects; the ground takes no part, since everything that moves is
+    /// lifted clear of it.
     taken: Option<Hierarchy>,
-    /// The highest kerb.
+    /// The height of the highest kerb.
     ground_top_m: f32,
     stack: Vec<NodeId>,
 }
@@ -40,7 +40,7 @@ impl Room {
         Self { taken: Hierarchy::build(&boxes).ok(), ground_top_m, stack: Vec::new() }
     }
 
-    /// Returns a motion for an object, whose sweep is taken from now on.
+    /// Returns a motion for an object. Its sweep is taken from now on.
     pub(super) fn act_for(
         &mut self,
         scene: &Scene,
@@ -61,7 +61,7 @@ impl Room {
         None
     }
 
-    /// Returns what an object with this box might do if there is room.
+    /// Returns the motions that an object with this box might make if there is room.
     fn acts(&self, bounds: &Aabb, random: &mut Random) -> [Act; 7] {
         let size = bounds.max - bounds.min;
         let lift_m = (self.ground_top_m + HOVER_M - bounds.min.y).max(0.0);
@@ -85,7 +85,7 @@ impl Room {
         [east, west, south, north, up, turn, shrink]
     }
 
-    /// Returns true if nobody else's space meets a box.
+    /// Returns true if no other object's space meets a box.
     fn is_free(&mut self, object: ObjectId, space: &Aabb) -> bool {
         let Some(taken) = &self.taken else {
             return false;

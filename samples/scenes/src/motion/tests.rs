@@ -1,4 +1,4 @@
-//! Who moves meets nobody, in any frame; the same frame is always the same.
+//! Movers meet nothing in any frame; the same frame is always the same.
 
 use std::collections::BTreeMap;
 

@@ -9,14 +9,15 @@ use super::super::Streets;
 use super::super::random::Random;
 use super::direction;
 
-/// How many legs are walked at random before the way leads home.
+/// The number of legs that are walked at random before the tour closes.
 const RANDOM_LEGS: usize = 24;
 
-/// How far before a corner the walk begins, in metres: short runs should see a turn too.
+/// The distance before a corner at which the walk begins, in metres: short runs should see a turn
+/// too.
 const LEAD_IN_M: f32 = 9.0;
 
-/// Where one stands at a crossing, and which way one is about to leave it (quarter turns from +x
-/// towards +z).
+/// A crossing, and the direction in which one is about to leave it (quarter turns from +x towards
+/// +z).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Stand {
     column: usize,
@@ -27,7 +28,7 @@ struct Stand {
 /// A straight way from one crossing to the next, and the turn at its end.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
-    /// Metres walked before it.
+    /// The distance walked before it, in metres.
     begin_m: f32,
     from: Vec2,
     straight_m: f32,
@@ -46,7 +47,7 @@ pub(super) struct Tour {
 }
 
 impl Tour {
-    /// Creates a walk that the seed decides; `None` if the streets form no round way.
+    /// Creates a walk that the seed decides; `None` if the streets form no closed walk.
     pub(super) fn new(streets: &Streets, seed: u64) -> Option<Self> {
         let grid = Grid { columns: streets.xs.len(), rows: streets.zs.len() };
         if grid.columns < 2 || grid.rows < 2 {
@@ -67,7 +68,7 @@ impl Tour {
         Some(Self::along(streets, &stands))
     }
 
-    /// `stands` begins and ends with the same.
+    /// Creates the walk along `stands`, which begins and ends with the same stand.
     fn along(streets: &Streets, stands: &[Stand]) -> Self {
         let radius_m = streets.turn_radius_m;
         let place = |stand: &Stand| {
@@ -103,13 +104,13 @@ impl Tour {
         Self { legs, radius_m, length_m: begin_m, start_m }
     }
 
-    /// Its length in metres.
+    /// Returns its length in metres.
     pub(super) fn length_m(&self) -> f64 {
         f64::from(self.length_m)
     }
 
-    /// Returns where one is and which way one walks, as an angle from +x towards +z, after so many
-    /// metres of at most its length.
+    /// Returns the position and the direction of the walk, as an angle from +x towards +z, after so
+    /// many metres of at most its length.
     pub(super) fn at(&self, way_m: f32) -> (Vec2, f32) {
         let way = (way_m + self.start_m) % self.length_m;
         let number = self.legs.partition_point(|leg| leg.begin_m <= way).saturating_sub(1);
@@ -147,8 +148,7 @@ impl Grid {
         (column < self.columns && row < self.rows).then_some(Stand { column, row, quarter })
     }
 
-    /// Returns the directions in which one can go on from where one arrives: ahead, right, left;
-    /// not back.
+    /// Returns the directions in which one can go on from a crossing: ahead, right, left; not back.
     fn turns(&self, arrived: Stand) -> [Option<Stand>; 3] {
         [0, 1, 3].map(|turn| {
             let stand = Stand { quarter: (arrived.quarter + turn) % 4, ..arrived };

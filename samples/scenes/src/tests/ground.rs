@@ -1,4 +1,4 @@
-//! That the ground has no cracks, within a tile and between tiles.
+//! The ground has no cracks, within a tile and between tiles.
 
 use std::collections::{HashMap, HashSet};
 

@@ -1,4 +1,4 @@
-//! How many objects there are, that they repeat, and that none touches another.
+//! Scenes have the number of objects asked for, are reproducible, and no object touches another.
 
 use cull::Aabb;
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -89,8 +89,8 @@ fn no_two_objects_touch() {
     }
 }
 
-/// Returns what carries a thing: the road, or the pavement if all of its box is over the pavement.
-/// A thing that lies over both gives `None`.
+/// Returns the height of the surface that carries a thing: the road, or the pavement if all of its
+/// box is over the pavement. A thing that lies over both gives `None`.
 fn carrier_m(scene: &Scene, bounds: &Aabb) -> Option<f32> {
     if scene.name == "field" {
         return Some(0.0);

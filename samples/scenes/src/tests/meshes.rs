@@ -1,4 +1,4 @@
-//! That every mesh is within its budget, closed as far as one can look, and lit from outside.
+//! Every mesh is within its budget, closed as far as one can look, and lit from outside.
 
 use glam::Vec3;
 use scene::{Mesh, unpack_normal};
@@ -68,9 +68,9 @@ fn triangles_face_the_way_their_normals_do() {
     }
 }
 
-/// Returns where a ray meets a triangle's plane inside the triangle (Moeller and Trumbore, 1997),
-/// and whether it meets its front. In double precision: in single, rays slip through between
-/// slender triangles.
+/// Returns the distance at which a ray meets a triangle's plane inside the triangle (Moeller and
+/// Trumbore, 1997), and true if it meets its front. In double precision: in single, rays slip
+/// through between slender triangles.
 fn meet(eye: Vec3, towards: Vec3, corners: [Vec3; 3]) -> Option<(f64, bool)> {
     let (eye, towards) = (eye.as_dvec3(), towards.as_dvec3());
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());

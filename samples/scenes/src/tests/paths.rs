@@ -1,4 +1,4 @@
-//! That cameras move smoothly, jump when they should, and never enter anything.
+//! Cameras move smoothly, jump when they should, and never enter anything.
 
 use glam::Vec3;
 

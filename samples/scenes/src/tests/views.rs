@@ -1,4 +1,4 @@
-//! What can be seen: at street level a district and hardly more, whatever the size of the city.
+//! The visible objects: at street level a district and hardly more, for any size of the city.
 
 use std::collections::HashSet;
 
@@ -8,15 +8,16 @@ use scene::FOV_Y_RAD;
 use super::super::{CameraPath, GeneratedScene, PathKind, city};
 use super::Boxes;
 
-/// Farther than any view of these tests should reach.
+/// A distance beyond the reach of every view of these tests.
 const REACH_M: f32 = 5000.0;
 
-/// From a corner of a district to the opposite one, and a house more, in metres.
+/// The distance between opposite corners of a district, and a house more, in metres.
 const DISTRICT_M: f32 = 6.0 * 64.0 * 1.42 + 20.0;
 
 const VIEWS: [u32; 12] = [0, 90, 300, 700, 1100, 1700, 2500, 3300, 4100, 5200, 6500, 8000];
 
-/// Returns how many objects own at least one of 160 by 90 rays, on average over the views.
+/// Returns the number of objects that own at least one of 160 by 90 rays, on average over the
+/// views.
 fn seen_per_view(GeneratedScene { scene, routes }: &GeneratedScene) -> f32 {
     let boxes = Boxes::new(scene, 0.0, |_| true);
     let path = CameraPath::new(PathKind::Street, routes).unwrap();
