@@ -1,6 +1,7 @@
 //! The window programs `city` and `viewer`, and their head-up display.
 //!
-//! What they share with the measuring programs (options, cameras, reports, endings) is in `bench`.
+//! Parts that they share with the measuring programs (options, cameras, reports, exit codes) are in
+//! `bench`.
 #![forbid(unsafe_code)]
 
 pub mod hud;

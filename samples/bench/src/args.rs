@@ -23,7 +23,7 @@ use crate::terminal::shown;
 ///
 /// Each strategy draws the same frames with a history of its own. They take turns in short rounds
 /// of consecutive frames; the first frames of a round warm it up and do not count. A table at the
-/// end tells the times, and how many pixels differ from plain frustum culling.
+/// end shows the times, and the number of pixels that differ from plain frustum culling.
 #[derive(Clone, Debug, Parser)]
 #[command(
     name = "walkthrough",
@@ -51,25 +51,25 @@ wrong, or a file cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or
 walk short: the table and the report then have what was measured until then."
 )]
 pub struct Arguments {
-    /// What to walk through: city (nearly all hidden at street level), field (objects side by side:
-    /// from above nothing hides anything), or a glTF file, whose name has a dot or a slash
+    /// The scene: city (nearly all hidden at street level), field (objects side by side: from above
+    /// nothing hides anything), or a glTF file, whose name has a dot or a slash
     #[arg(long, value_name = "city|field|FILE", default_value = "city", help_heading = "Scene")]
     pub scene: SceneArgument,
     /// The numbers that city and field are made from.
     #[command(flatten)]
     pub made: MadeArguments,
-    /// How the camera moves: street (eye level), fly (from above), cut (every tenth frame jumps),
-    /// or as in a file that city or viewer recorded, whose name ends in .txt or has a slash. In a
-    /// glTF file: a camera of that name, whose whole clip is walked once from end to end [default:
-    /// street; in a file its first camera, or a turn around the scene if it has none]
+    /// The camera's path: street (eye level), fly (from above), cut (every tenth frame jumps), or a
+    /// file that city or viewer recorded, whose name ends in .txt or has a slash. In a glTF file: a
+    /// camera of that name, whose whole clip is walked once from end to end [default: street; in a
+    /// file its first camera, or a turn around the scene if it has none]
     #[arg(long, value_name = "street|fly|cut|CAMERA|FILE", help_heading = "Walk")]
     pub path: Option<String>,
-    /// How many eyes look: 1, or 2 for a stereo pair side by side in one frame, half of it each
+    /// Number of eyes: 1, or 2 for a stereo pair side by side in one frame, half of it each
     #[arg(long, value_name = "1..2", default_value = "1", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_VIEWS)))]
     pub views: u32,
-    /// How many objects of a hundred of city or field move, come and go, 0 to 100. In a file its
-    /// clips play
+    /// Share of the objects of city or field that move, come and go, 0 to 100. In a file its clips
+    /// play
     #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(0..=100))]
     pub moving: u32,
@@ -81,31 +81,31 @@ pub struct Arguments {
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Walk")]
     pub size: FrameSize,
 
-    /// What to compare: names from --list-strategies, or all that can be; `ideal` only where
+    /// Strategies to compare: names from --list-strategies, or all that can run; `ideal` only where
     /// nothing moves [default: frustum,antumbra,ideal]
     #[arg(long, value_name = "NAME[,NAME]|all", help_heading = "Compare")]
     pub strategy: Option<StrategyList>,
-    /// Print a line for each strategy: its name, whether it is exact, what it does; and end
+    /// Print a line for each strategy, with its name, exact or not, and a summary; and end
     #[arg(long, help_heading = "Compare")]
     pub list_strategies: bool,
     /// Compare frames bit for bit with frustum culling: every one, every K-th, or none; those that
     /// warm up too, from an empty history on
     #[arg(long, value_name = "every|K|off", default_value = "off", help_heading = "Compare")]
     pub verify: Verify,
-    /// How many frames the CPU may be ahead of the GPU
+    /// Number of frames that the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Compare")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
     pub frames_in_flight: u32,
-    /// How draws that turn out hidden are skipped; auto takes what the device does best
+    /// Way to skip draws that turn out hidden; auto takes the best that the device has
     #[arg(long, value_name = "WAY", default_value = "auto", help_heading = "Compare")]
     pub predicates: Predicates,
 
-    /// What shows at most so many pixels counts as hidden, with antumbra, antumbra_queries and
+    /// Largest number of visible pixels that counts as hidden, with antumbra, antumbra_queries and
     /// coherent: above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: u32,
-    /// What the governor does: leave out tests that cost more than they save, by costs that are
-    /// measured on the device before the walk and corrected by what frames take; or nothing
+    /// Costs in the cost model. measured: on the device before the walk, corrected by the times of
+    /// the frames; tests that cost more than they save are left out. ignored: everything is tested
     /// [default: measured]
     #[arg(long, value_name = "COSTS", help_heading = "Compare")]
     pub costs: Option<Costs>,
@@ -125,11 +125,11 @@ pub struct Arguments {
     /// Folder for pictures; made if it is missing [default: no pictures]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
-    /// How many frames become pictures in --out, spread over the walk [default: 4]
+    /// Number of frames that become pictures in --out, spread over the walk [default: 4]
     #[arg(long, value_name = "N", requires = "out", help_heading = "Output")]
     pub pictures: Option<u32>,
-    /// The frame that --out also shows from above: what is drawn, what is hidden, the frustum; or
-    /// off [default: the middle one]
+    /// The frame that --out also shows from above, with the draws, the hidden boxes and the
+    /// frustum; or off [default: the middle one]
     #[arg(long, value_name = "FRAME|off", requires = "out", help_heading = "Output")]
     pub top_down: Option<TopDown>,
     /// File for the report as JSON [default: none]
@@ -143,7 +143,7 @@ pub struct Arguments {
 /// The numbers that a scene is made from.
 #[derive(Clone, Debug, Args)]
 pub struct MadeArguments {
-    /// About how many objects city or field has, 1 to 2000000 [default: 10000]
+    /// Approximate number of objects in city or field, 1 to 2000000 [default: 10000]
     #[arg(long, value_name = "N", help_heading = "Scene")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_OBJECTS)))]
     pub objects: Option<u32>,
@@ -153,7 +153,7 @@ pub struct MadeArguments {
 }
 
 impl MadeArguments {
-    /// Returns what they make of a scene.
+    /// Returns the scene that they describe, of this kind.
     pub fn of(&self, scene: Scene) -> MadeScene {
         MadeScene { scene, objects: self.objects.unwrap_or(10_000), seed: self.seed.unwrap_or(1) }
     }
@@ -170,7 +170,7 @@ pub struct DeviceArguments {
     #[arg(long, value_name = "MODE", default_value = "off", help_heading = "Device")]
     pub validation: Validation,
     /// Compile the shaders from this folder instead of using the embedded ones; in a window again
-    /// whenever they change (needs a build with `--features shader-compiler`)
+    /// after every change (needs a build with `--features shader-compiler`)
     #[arg(long, value_name = "DIR", help_heading = "Device")]
     pub shaders: Option<PathBuf>,
 }
@@ -182,12 +182,12 @@ impl DeviceArguments {
     }
 }
 
-/// A scene that is made, or the file that it is in: what has a dot or a slash is no name of ours.
+/// A generated scene, or a scene's file: a name with a dot or a slash is a file's.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneArgument {
-    /// It is made.
+    /// A scene that is generated.
     Made(Scene),
-    /// It is in this file.
+    /// A scene in this file.
     File(PathBuf),
 }
 
@@ -207,7 +207,7 @@ impl FromStr for SceneArgument {
 /// Strategies to compare.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum StrategyList {
-    /// All that can be.
+    /// All that can run.
     All,
     /// These, each of them once.
     These(Vec<Strategy>),
@@ -235,9 +235,9 @@ impl FromStr for StrategyList {
 /// The frame that is shown from above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TopDown {
-    /// None.
+    /// No frame.
     Off,
-    /// This one.
+    /// The frame of this number.
     Frame(u32),
 }
 
@@ -253,8 +253,8 @@ impl FromStr for TopDown {
 }
 
 impl Arguments {
-    /// Checks what no argument can say alone. Looks at nothing but the arguments: files and devices
-    /// come later.
+    /// Checks the arguments against each other and returns the options of the walk. Looks at
+    /// nothing but the arguments: files and devices come later.
     ///
     /// # Errors
     /// The first arguments that do not go together.
@@ -305,7 +305,7 @@ impl Arguments {
         })
     }
 
-    /// Returns what is walked through, and on which way.
+    /// Returns the scene and the camera's path.
     fn walk(&self) -> Result<(SceneChoice, PathChoice), UsageError> {
         let file = match &self.scene {
             SceneArgument::File(file) => file,
@@ -330,7 +330,7 @@ impl Arguments {
         Ok((SceneChoice::File(file.clone()), PathChoice::OfFile(self.path.clone())))
     }
 
-    /// Returns the strategies, and those that were not asked for by name and cannot be.
+    /// Returns the strategies, and those that cannot run and were not asked for by name.
     fn strategies(&self) -> Result<(Vec<Strategy>, Vec<LeftOut>), UsageError> {
         const STANDS_STILL: &str =
             "it draws what was found visible beforehand, in a scene that stands still";
@@ -362,7 +362,8 @@ impl Arguments {
         }
     }
 
-    /// Nobody measures what none of the strategies heeds, unless he is told to: then he says so.
+    /// Returns the costs to use. Costs that none of the strategies uses are not measured; asking
+    /// for them explicitly is an error.
     fn costs(&self, strategies: &[Strategy]) -> Result<Costs, UsageError> {
         let Some(costs) = self.costs else {
             let is_heeded = strategies.iter().any(|strategy| strategy.uses_cost_model());
@@ -386,7 +387,7 @@ impl Arguments {
     }
 }
 
-/// Refuses with a sentence.
+/// Returns an error of this sentence.
 ///
 /// # Errors
 /// Always.
@@ -401,7 +402,7 @@ fn at_most(option: &str, number: u32, most: u32) -> Result<u32, UsageError> {
     }
 }
 
-/// Refuses an option that none of the strategies heeds.
+/// Refuses an option that none of the strategies uses.
 fn refuse_unheeded(
     option: &str,
     strategies: &[Strategy],
@@ -429,7 +430,7 @@ pub fn path_file(text: &str) -> Option<PathBuf> {
 /// Reads a path of a made scene, or the name of a recorded one.
 ///
 /// # Errors
-/// What is neither.
+/// A name that is neither.
 pub fn parse_path(text: &str) -> Result<PathChoice, String> {
     if let Some(file) = path_file(text) {
         return Ok(PathChoice::Recorded(file));

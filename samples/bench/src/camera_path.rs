@@ -1,4 +1,5 @@
-//! Where a camera goes: along a path of the scene, along one that was recorded, as a clip moves it.
+//! The camera of each frame: along a path of the scene, along a recorded path, or as a clip moves
+//! it.
 
 use cull::Camera;
 use scenes::{CameraPath, PathKind, Routes};
@@ -12,14 +13,14 @@ use crate::run_error::RunError;
 /// A camera for every frame.
 #[derive(Clone, Debug)]
 pub enum Course {
-    /// Made for the scene.
+    /// A path made for the scene.
     Made(CameraPath),
-    /// From a file, which has a frame at least; the camera is for one that has not.
+    /// A recorded path from a file; the camera is the fallback for a path without frames.
     Recorded(RecordedPath, Camera),
-    /// The camera of a scene out of a file in the first frame, and in those that follow; after the
-    /// last one it stays.
+    /// The cameras of a scene's file: in the first frame, and in those that follow; after the last
+    /// one it stays.
     Filmed(Camera, Vec<Camera>),
-    /// Once around the scene in so many frames.
+    /// A turn around the scene in so many frames.
     Around(Orbit, u32),
 }
 

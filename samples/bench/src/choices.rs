@@ -1,4 +1,4 @@
-//! The named choices of the command line, and what suggests a name to whoever misses one.
+//! The named choices of the command line, and the suggestion of a name after a typing error.
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -8,7 +8,7 @@ use clap::ValueEnum;
 
 use crate::strategy::Strategy;
 
-/// What the camera walks through.
+/// The scene that the camera walks through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Scene {
     /// Streets between buildings, with props: nearly everything is hidden from eye level.
@@ -23,7 +23,7 @@ impl fmt::Display for Scene {
     }
 }
 
-/// How the camera moves.
+/// The camera's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CameraPath {
     /// At eye level along the streets.
@@ -40,7 +40,7 @@ impl fmt::Display for CameraPath {
     }
 }
 
-/// How much the Vulkan validation layer looks at.
+/// The checks of the Vulkan validation layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Validation {
     /// The layer is not loaded.
@@ -51,7 +51,7 @@ pub enum Validation {
     Sync,
 }
 
-/// How the GPU skips draws that turned out hidden.
+/// The way in which the GPU skips draws that turned out hidden.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Predicates {
     /// Conditional rendering where the device has it, counts otherwise.
@@ -64,13 +64,12 @@ pub enum Predicates {
     Instances,
 }
 
-/// Whether the engine weighs what its tests cost.
+/// The costs that the engine's cost model uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Costs {
-    /// It tests whatever may be hidden.
+    /// None: everything that may be hidden is tested.
     Ignored,
-    /// It measures at the start what things cost on the device, and leaves out tests that do not
-    /// pay.
+    /// Costs measured on the device at the start: tests that do not pay are left out.
     Measured,
 }
 
@@ -83,12 +82,12 @@ impl From<Costs> for render::Costs {
     }
 }
 
-/// Which frames are compared with plain frustum culling, bit for bit.
+/// The frames that are compared with plain frustum culling, bit for bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verify {
     /// None.
     Off,
-    /// Every K-th frame, beginning with the first; the same ones where they only warm up.
+    /// Every K-th frame, beginning with the first; the same frames in warm-ups.
     EveryNth(NonZeroU32),
 }
 
@@ -102,14 +101,14 @@ impl Verify {
     }
 }
 
-/// Which Vulkan device draws.
+/// The Vulkan device that draws.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// The one that the engine scores highest.
+    /// The device that the engine scores highest.
     Best,
-    /// The one at this place of `--list-devices`.
+    /// The device at this place of `--list-devices`.
     Index(usize),
-    /// The one whose name contains this, whatever its case.
+    /// The device whose name contains this text, in any case.
     Name(String),
 }
 
@@ -162,8 +161,7 @@ pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
     text.parse().map_err(|_| unknown("strategy", text, &Strategy::ALL.map(Strategy::name)))
 }
 
-/// Returns a sentence about a name that nobody has: it lists those that there are and suggests the
-/// nearest.
+/// Returns a sentence about an unknown name: it lists the known names and suggests the nearest.
 pub fn unknown(what: &str, text: &str, names: &[&str]) -> String {
     let mut message = format!("unknown {what} '{text}': there is {}", enumerate(names));
     if let Some(name) = nearest(text, names) {
@@ -181,7 +179,7 @@ pub fn enumerate(names: &[&str]) -> String {
     }
 }
 
-/// Returns the name within few typing errors of the text, or that it begins.
+/// Returns the name within few typing errors of the text, or that begins with it.
 fn nearest<'a>(text: &str, names: &[&'a str]) -> Option<&'a str> {
     let text = text.to_lowercase();
     names

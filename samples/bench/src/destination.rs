@@ -1,5 +1,5 @@
-//! Where a file is written, by what stands there already: files are replaced whole, where links
-//! lead; pipes, devices and our own output are written into as they are.
+//! The destination of a file: files are replaced whole, at the end of links; pipes, devices and the
+//! process's own output are written into as they are.
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, Metadata, OpenOptions};
@@ -11,28 +11,27 @@ use std::time::{Duration, Instant};
 /// The most links that are followed, one after the other.
 const LINKS_MAX: usize = 40;
 
-/// The reader of a pipe may come so late: as long as a person takes to start one.
+/// The time within which the reader of a pipe may open it: as long as a person takes to start one.
 const READER_WAIT: Duration = Duration::from_secs(10);
-/// Readers are looked for so often.
+/// The interval at which readers are looked for.
 const READER_POLL: Duration = Duration::from_millis(50);
 
-/// What a name stands for when something is to be written there.
+/// The thing that a name stands for when a file is to be written there.
 #[derive(Debug)]
 pub enum Destination {
-    /// A file, there already or not, under the name that is its own and no link. It is replaced
-    /// whole.
+    /// A file, existing or not, under its own name, which is no link. It is replaced whole.
     File(PathBuf),
-    /// What this process writes to by itself, such as `/dev/stdout`: it goes on where that stands.
+    /// The output of this process itself, such as `/dev/stdout`: writing continues at its position.
     Output(File),
     /// Anything else that is written into: a pipe, a terminal, a device.
     Stream(PathBuf),
 }
 
 impl Destination {
-    /// Finds out what `path` stands for. Opens nothing and changes nothing.
+    /// Resolves `path`. Opens nothing and changes nothing.
     ///
     /// # Errors
-    /// A folder, or a name that is none; links that lead in a circle; whatever the system refuses.
+    /// A folder, or a name that is none; links that lead in a circle; any error of the system.
     pub fn of(path: &Path) -> io::Result<Self> {
         match fs::metadata(path) {
             Ok(found) => Self::there(path, &found),
@@ -58,11 +57,11 @@ impl Destination {
         Ok(Self::Stream(path.to_owned()))
     }
 
-    /// Writes `bytes`. A file is the old one or the whole new one, whatever goes wrong.
+    /// Writes `bytes`. A file is the old one or the whole new one after any failure.
     ///
     /// # Errors
-    /// When the folder or the disk refuses, nobody reads any more, or nobody comes within seconds
-    /// to read from a pipe.
+    /// When the folder or the disk refuses, the reader is gone, or no reader opens a pipe within
+    /// seconds.
     pub fn write(self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Self::File(path) => replace(&path, bytes),
@@ -73,7 +72,7 @@ impl Destination {
     }
 }
 
-/// Opens what is there already. A pipe that nobody reads would hold whoever opens it for ever.
+/// Opens a stream that exists already. Opening a pipe without a reader would block for ever.
 #[cfg(unix)]
 fn open_stream(path: &Path) -> io::Result<File> {
     use std::os::unix::fs::OpenOptionsExt;
@@ -133,8 +132,8 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its links lead in a circle"))
 }
 
-/// Our standard output or error, if that is what was found: a file behind it must not be replaced
-/// under the feet of what is written there next.
+/// Returns our standard output or error, if the metadata are the same: a file behind it must not be
+/// replaced while more is written there.
 #[cfg(unix)]
 fn own_output(found: &Metadata) -> Option<File> {
     use std::os::fd::AsFd;
@@ -164,7 +163,7 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a file that was not there, whole or not at all. Where `path` is taken, its name gets a
+/// Writes a file that did not exist, whole or not at all. Where `path` is taken, its name gets a
 /// number: `street.png`, `street-2.png`. Returns the path that was free, also among other
 /// processes.
 ///
@@ -189,8 +188,8 @@ pub fn create(path: &Path, bytes: &[u8]) -> io::Result<PathBuf> {
     Err(io::Error::new(io::ErrorKind::AlreadyExists, "all names like it are taken"))
 }
 
-/// Returns a file without a name of its own yet, gone when dropped. Everyone may read it whom the
-/// process lets.
+/// Returns a file without a name of its own yet, removed when dropped. Its permissions are those
+/// that the process' mask allows.
 fn partial(folder: &Path, bytes: &[u8]) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".antumbra-").suffix(".partial");

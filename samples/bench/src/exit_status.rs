@@ -1,11 +1,11 @@
-//! Whether a walk went as it must: what the program ends with when everything ran to its end.
+//! The exit status of a walk that ran to its end: failure where its result is wrong.
 
 use crate::report::Report;
 use crate::strategy::Strategy;
 
-/// Returns what must not be in a report: wrong pixels of a strategy that promises none, more of
-/// them than the threshold accounts for, or anything that the validation layer said. A sentence for
-/// the person who asked, or nothing.
+/// Returns a sentence about a result that must not be in a report: wrong pixels of a strategy that
+/// promises none, more of them than the threshold accounts for, or any message of the validation
+/// layer. `None` if there is no such result.
 pub fn complaint(report: &Report) -> Option<String> {
     let mut found = Vec::new();
     for run in &report.runs {

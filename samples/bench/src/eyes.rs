@@ -1,4 +1,4 @@
-//! The eyes that walk: one, or a stereo pair side by side in one picture.
+//! The eyes of a walk: one, or a stereo pair side by side in one picture.
 
 use cull::{Camera, FrameId, Strategy, View};
 use gpu::Readback;
@@ -11,13 +11,13 @@ use crate::run_error::RunError;
 /// The distance between the eyes of a person, in metres.
 const BETWEEN_EYES_M: f32 = 0.065;
 
-/// One strategy's eyes, each with what it saw.
+/// One strategy's eyes, each with its history.
 pub struct Eyes {
     histories: Vec<ViewState>,
 }
 
 impl Eyes {
-    /// As many eyes as asked for, at least one. They know nothing yet.
+    /// Creates as many eyes as asked for, at least one, with empty histories.
     ///
     /// # Errors
     /// When the device fails.
@@ -26,8 +26,8 @@ impl Eyes {
         Ok(Self { histories: histories.collect::<Result<_, _>>()? })
     }
 
-    /// Renders a frame from `camera`, which is in the middle of the eyes; `visible` is what each of
-    /// them sees, for [`Strategy::Ideal`].
+    /// Renders a frame from `camera`, which is in the middle of the eyes; `visible` holds the
+    /// visible set of each of them, for [`Strategy::Ideal`].
     ///
     /// # Errors
     /// When the device fails, or the picture has fewer columns than there are eyes.
@@ -53,7 +53,7 @@ impl Eyes {
         Ok(renderer.render_views(&mut eyes, &request)?)
     }
 
-    /// Returns what each eye sees. Not for a timed loop: it waits for the GPU.
+    /// Returns the visible set of each eye. Not for a timed loop: it waits for the GPU.
     ///
     /// # Errors
     /// When the device fails.
@@ -71,7 +71,7 @@ impl Eyes {
         .collect()
     }
 
-    /// Waits until every frame is over and picks up its answers.
+    /// Waits until every frame is over and reads back its results.
     ///
     /// # Errors
     /// When the device fails.
@@ -87,7 +87,7 @@ impl Eyes {
         self.histories.first().map_or(FrameId(0), |history| history.plan().frame)
     }
 
-    /// Returns what became of the frames whose answers came home: one outcome an eye and frame.
+    /// Returns the outcomes of the frames whose results were read back: one per eye and frame.
     pub fn take_outcomes(&mut self) -> impl Iterator<Item = FrameOutcome> {
         self.histories.iter_mut().flat_map(ViewState::take_outcomes)
     }
@@ -105,7 +105,7 @@ impl Eyes {
     }
 }
 
-/// Returns where eye `number` of `views` is: all beside each other, looking the same way.
+/// Returns the camera of eye `number` of `views`: all beside each other, looking the same way.
 fn camera_of(middle: &Camera, number: u32, views: u32) -> Camera {
     let aside = number as f32 - (views.max(1) - 1) as f32 / 2.0;
     let right = middle.forward.cross(middle.up).normalize_or_zero();

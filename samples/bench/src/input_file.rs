@@ -1,4 +1,4 @@
-//! Small files that a user names: read up to a limit, and only where they are files.
+//! Small files that a user names: read up to a limit, and only if they are regular files.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
@@ -7,8 +7,8 @@ use std::path::Path;
 /// Opens a regular file, to be read up to `bytes_max` bytes.
 ///
 /// # Errors
-/// A folder, a pipe or a device, none of which has an end that is known; a file that is larger;
-/// whatever the system refuses.
+/// A folder, a pipe or a device, none of which has a known end; a file that is larger; any error of
+/// the system.
 pub fn open(path: &Path, bytes_max: u64) -> io::Result<io::Take<File>> {
     let file = open_at_once(path)?;
     // What was opened counts: what stands there may change.
@@ -39,13 +39,13 @@ pub fn read(path: &Path, bytes_max: u64) -> io::Result<Vec<u8>> {
 /// Reads a regular file of at most `bytes_max` bytes that is text.
 ///
 /// # Errors
-/// As [`open`]; bytes that are no UTF-8.
+/// As [`open`]; bytes that are not UTF-8.
 pub fn read_text(path: &Path, bytes_max: u64) -> io::Result<String> {
     let text = String::from_utf8(read(path, bytes_max)?);
     text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text"))
 }
 
-/// Opens without waiting for somebody to open a pipe's other end.
+/// Opens without waiting for the other end of a pipe.
 fn open_at_once(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.read(true);

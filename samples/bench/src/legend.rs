@@ -5,7 +5,7 @@ use render::palette::{FRUSTUM, Swatch, level_colour};
 
 /// The title of the legend of the view from above.
 pub const TITLE_FROM_ABOVE: &str = "Boxes and the camera";
-/// Levels that stand for the scale of all.
+/// Levels that represent the colour scale of all.
 const LEVELS: [u32; 6] = [0, 3, 6, 9, 12, 15];
 
 const FONT: (FontWeight, RasterHeight) = (FontWeight::Regular, RasterHeight::Size16);
@@ -52,7 +52,7 @@ pub fn from_above() -> Vec<LegendEntry> {
     vec![LegendEntry { colours: levels, meaning }, FRUSTUM.into()]
 }
 
-/// Draws a legend into the upper right of a picture of RGBA pixels, `width` in a row. Draws nothing
+/// Draws a legend into the upper right of a picture of RGBA pixels, `width` per row. Draws nothing
 /// where it has no room.
 pub fn draw(rgba8: &mut [u8], width: usize, title: &str, entries: &[LegendEntry]) {
     let rows = rgba8.as_chunks_mut::<4>().0;

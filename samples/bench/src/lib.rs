@@ -1,9 +1,9 @@
-//! What measures the engine, and what the sample programs share: options, reports, pictures,
-//! endings.
+//! The measuring of the engine, and the parts that the sample programs share: options, reports,
+//! pictures, exit codes.
 //!
 //! The program `walkthrough`, step by step: [`args`] turns its command line into [`Options`],
-//! [`outputs`] makes sure that what it will write can be written, [`run`] draws the frames that
-//! [`schedule`] orders and measures them with [`measurement`], [`report`] and [`table`] tell.
+//! [`outputs`] checks that its files can be written, [`run`] draws the frames that [`schedule`]
+//! orders and measures them with [`measurement`], and [`report`] and [`table`] present the results.
 //! The program `compare` makes one page of many such reports: `compare`, with the feature `charts`.
 #![forbid(unsafe_code)]
 

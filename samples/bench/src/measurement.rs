@@ -1,4 +1,4 @@
-//! Collects what is measured of each frame of one strategy, and sums it up for the report.
+//! Collects the measurements of each frame of one strategy, and sums them up for the report.
 
 use std::collections::BTreeMap;
 
@@ -8,12 +8,12 @@ use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
 use crate::statistics::{Summary, median_count};
 use crate::strategy::Strategy;
 
-/// What is measured of one timed frame.
+/// The measurements of one timed frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameMeasurement {
-    /// Time of the whole frame in milliseconds.
+    /// The time of the whole frame in milliseconds.
     pub frame_ms: f64,
-    /// CPU time of the engine in it, in milliseconds.
+    /// The CPU time of the engine in it, in milliseconds.
     pub cpu_ms: f64,
     /// Draws submitted.
     pub draws: u64,
@@ -25,34 +25,35 @@ pub struct FrameMeasurement {
     pub queries: u64,
     /// Draws that a predicate decided.
     pub predicated_draws: u64,
-    /// Nodes of the hierarchy that the culler looked at.
+    /// Nodes of the hierarchy that the culler visited.
     pub nodes_visited: u64,
     /// Leaves drawn because testing them would cost more than it saves.
     pub untested_by_cost: u64,
     /// Rounds of tests that went to a compute shader because that cost least.
     pub rounds_by_compute: u64,
-    /// After how many frames a calm leaf's own draw is tested again; 0 without prices.
+    /// The number of frames after which the draw of a stable visible leaf is tested again; 0
+    /// without costs.
     pub retest_interval_frames: u64,
-    /// What the tests are expected to save, in nanoseconds of GPU time.
+    /// The expected saving of the tests, in nanoseconds of GPU time.
     pub expected_saving_ns: u64,
-    /// What the governor has learned about prices; none without one.
+    /// The corrections that the cost model has learned; none without one.
     pub corrections: Option<Corrections>,
-    /// Age in frames of the oldest result that came home in it; none if none did.
+    /// The age in frames of the oldest result that was read back in it; none if none was.
     pub result_age_frames: Option<u64>,
     /// Waits of the frame loop other than for the frame's own slot.
     pub blocking_waits: u64,
-    /// Samples that showed and were left out because of a threshold.
+    /// Visible samples that were left out because of a threshold.
     pub neglected_samples: u64,
-    /// Whether the frame is compared with plain frustum culling.
+    /// True if the frame is compared with plain frustum culling.
     pub is_compared: bool,
 }
 
-/// What counts of frames that are not timed.
+/// The counts of frames that are not timed.
 #[derive(Clone, Copy, Debug, Default)]
 struct WarmUp {
     blocking_waits: u64,
     frames_verified: u64,
-    /// In those that are compared.
+    /// The neglected samples of those that are compared.
     neglected_samples: u64,
 }
 
@@ -90,8 +91,8 @@ impl RunMeasurement {
         self.frames.push(frame);
     }
 
-    /// Adds a frame that is not timed: its waits count all the same, and what it leaves out if it
-    /// is compared.
+    /// Adds a frame that is not timed: its waits count all the same, and its neglected samples if
+    /// it is compared.
     pub fn warmed_up(&mut self, frame: &FrameMeasurement) {
         self.warm_up.blocking_waits += frame.blocking_waits;
         if frame.is_compared {
@@ -99,19 +100,19 @@ impl RunMeasurement {
         }
     }
 
-    /// Adds what came out for a frame that is not timed and was compared.
+    /// Adds the result of comparing a frame that is not timed.
     pub fn verified_warm_up(&mut self, pixels_wrong: u64) {
         self.warm_up.frames_verified += 1;
         self.pixels_wrong += pixels_wrong;
     }
 
-    /// Adds what came out for a timed frame that was compared with plain frustum culling.
+    /// Adds the result of comparing a timed frame with plain frustum culling.
     pub fn verified(&mut self, pixels_wrong: u64) {
         self.frames_verified += 1;
         self.pixels_wrong += pixels_wrong;
     }
 
-    /// Adds the GPU times of one frame's passes; passes of one label are added up.
+    /// Adds the GPU times of one frame's passes; passes with the same label are summed.
     pub fn timed_passes(&mut self, passes: impl IntoIterator<Item = (&'static str, f64)>) {
         let mut frame = BTreeMap::new();
         for (label, gpu_ms) in passes {
@@ -122,7 +123,7 @@ impl RunMeasurement {
         }
     }
 
-    /// Sums up.
+    /// Sums the frames up.
     pub fn report(&self) -> RunReport {
         let times = |of: fn(&FrameMeasurement) -> f64| Summary::of(self.frames.iter().map(of));
         let count = |of: fn(&FrameMeasurement) -> u64| median_count(self.frames.iter().map(of));

@@ -2,8 +2,8 @@
 
 use std::fs;
 
-/// Returns the most memory this process has had resident so far, in MiB; absent where the system
-/// does not tell (it is read from Linux' `/proc/self/status`, `VmHWM`).
+/// Returns the largest resident memory of this process so far, in MiB; absent where the system does
+/// not report it (it is read from Linux' `/proc/self/status`, `VmHWM`).
 pub fn peak_resident_mib() -> Option<f64> {
     parse_peak_mib(&fs::read_to_string("/proc/self/status").ok()?)
 }

@@ -1,4 +1,4 @@
-//! What moves in a walk: brings the renderer's scene to a frame before that is drawn.
+//! The motion in a walk: moves the renderer's scene to a frame before that is drawn.
 
 use std::time::{Duration, Instant};
 
@@ -13,16 +13,16 @@ use crate::run_error::RunError;
 /// The movers of a walk, as the renderer shows them now. Any frame can follow any other.
 pub struct Moving(Movers);
 
-/// Who moves.
+/// The kinds of movers.
 enum Movers {
-    /// Objects of a scene that was made.
+    /// Objects of a scene that was generated.
     Made { motion: Motion, cast: Cast },
-    /// What the clips of a file move.
+    /// Objects that the clips of a file move.
     Played { animator: Box<SceneAnimator>, clock: FrameClock },
 }
 
 impl Moving {
-    /// Lets `percent` of the objects of `scene` move.
+    /// Creates movers for `percent` of the objects of `scene`.
     ///
     /// # Errors
     /// More than 100 percent.
@@ -37,7 +37,7 @@ impl Moving {
         Self(Movers::Played { animator: Box::new(animator), clock })
     }
 
-    /// Returns how many objects move.
+    /// Returns the number of objects that move.
     pub fn movers(&self) -> usize {
         match &self.0 {
             Movers::Made { motion, .. } => motion.movers(),
@@ -45,7 +45,7 @@ impl Moving {
         }
     }
 
-    /// Shows `frame`; answers the CPU's time in the engine. Takes none where nothing moves.
+    /// Shows `frame`; returns the CPU's time in the engine. Takes none where nothing moves.
     ///
     /// # Errors
     /// When the renderer refuses a change.

@@ -1,4 +1,4 @@
-//! The options of a walk, checked: what [`crate::args`] makes of the command line.
+//! The options of a walk, checked: [`crate::args`] makes them from the command line.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,12 +11,12 @@ use crate::choices::{CameraPath, Costs, DeviceChoice, Predicates, Scene, Validat
 use crate::strategy::Strategy;
 use crate::terminal::shown;
 
-/// A strategy that does not run, and why.
+/// A strategy that does not run, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct LeftOut {
     /// Its name.
     pub strategy: String,
-    /// Why it cannot run here.
+    /// The reason why it cannot run here.
     pub reason: String,
 }
 
@@ -28,10 +28,10 @@ pub const MAX_FRAMES: u32 = 1_000_000;
 pub const MAX_FRAMES_IN_FLIGHT: u32 = 4;
 /// The most eyes that may look.
 pub const MAX_VIEWS: u32 = 2;
-/// How many pictures of frames a walk leaves where `--pictures` does not say.
+/// The number of pictures of frames that a walk leaves without `--pictures`.
 pub const DEFAULT_PICTURES: u32 = 4;
 
-/// What the user asked for that cannot be: one sentence that says what is wrong and what to do.
+/// A command line that cannot be carried out: one sentence that names the error and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct UsageError(pub String);
@@ -65,12 +65,12 @@ impl fmt::Display for FrameSize {
     }
 }
 
-/// What is walked through.
+/// The scene of a walk.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneChoice {
-    /// Something that is made for it.
+    /// A scene that is generated.
     Made(MadeScene),
-    /// What is in this glTF file.
+    /// The scene in this glTF file.
     File(PathBuf),
 }
 
@@ -83,26 +83,26 @@ impl fmt::Display for SceneChoice {
     }
 }
 
-/// A scene that is made from a few numbers.
+/// A scene that is generated from a few numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MadeScene {
-    /// Which one.
+    /// The kind of scene.
     pub scene: Scene,
-    /// About how many objects it has: 1 to [`MAX_OBJECTS`].
+    /// The approximate number of its objects: 1 to [`MAX_OBJECTS`].
     pub objects: u32,
-    /// The same seed makes the same scene and the same paths.
+    /// The seed: the same one makes the same scene and the same paths.
     pub seed: u64,
 }
 
-/// Where the camera goes.
+/// The camera's path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum PathChoice {
-    /// Along a path of the scene.
+    /// A path made for the scene.
     Made(CameraPath),
-    /// Along the one in this file.
+    /// The recorded path in this file.
     Recorded(PathBuf),
-    /// With the camera of this name in the scene's file; with the first one, or around the scene
-    /// where there is none. What is no camera may be a recorded path.
+    /// The camera of this name in the scene's file; the first one, or a turn around the scene where
+    /// there is none. A name that no camera has may be a recorded path.
     OfFile(Option<String>),
 }
 
@@ -119,37 +119,37 @@ impl fmt::Display for PathChoice {
 /// A walk, fully described. Every value is in its range.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// What is walked through.
+    /// The scene.
     pub scene: SceneChoice,
-    /// How the camera moves.
+    /// The camera's path.
     pub path: PathChoice,
-    /// How many eyes look: 1, or a pair side by side; the frame has at least a column for each.
+    /// The number of eyes: 1, or a pair side by side; the frame has at least a column for each.
     pub views: u32,
-    /// How many objects of a hundred move: 0 to 100, and 0 in a scene out of a file.
+    /// The percentage of objects that move: 0 to 100, and 0 in a scene out of a file.
     pub moving_percent: u32,
     /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].
     pub frames: u32,
     /// Size of the frames; the device may have a lower limit.
     pub size: FrameSize,
-    /// What is compared: at least one, each once, in the order asked for.
+    /// The strategies to compare: at least one, each once, in the order asked for.
     pub strategies: Vec<Strategy>,
-    /// Those among all of them that cannot be here.
+    /// Those of all strategies that cannot run here.
     pub left_out: Vec<LeftOut>,
-    /// Which frames are compared with plain frustum culling.
+    /// The frames that are compared with plain frustum culling.
     pub verify: Verify,
-    /// How many frames the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
+    /// The number of frames that the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
     pub frames_in_flight: u32,
-    /// Whether the engine weighs what its tests cost.
+    /// The costs of the cost model.
     pub costs: Costs,
-    /// Whether the GPU time of every pass is measured.
+    /// True if the GPU time of every pass is measured.
     pub time_passes: bool,
-    /// Which device draws.
+    /// The device that draws.
     pub device: DeviceChoice,
-    /// What the validation layer looks at.
+    /// The checks of the validation layer.
     pub validation: Validation,
-    /// How hidden draws are skipped.
+    /// The way in which hidden draws are skipped.
     pub predicates: Predicates,
-    /// What shows no more pixels than this counts as hidden; 0 where all is exact.
+    /// The largest number of visible pixels that counts as hidden; 0 where all is exact.
     pub threshold_pixels: u32,
     /// Folder of GLSL that replaces the embedded shaders.
     pub shaders: Option<PathBuf>,
@@ -157,7 +157,8 @@ pub struct Options {
     pub output: Option<PathBuf>,
     /// File for the report, as JSON.
     pub report: Option<PathBuf>,
-    /// How many frames become pictures in `output`, spread over the walk; 0 without a folder.
+    /// The number of frames that become pictures in `output`, spread over the walk; 0 without a
+    /// folder.
     pub pictures: u32,
     /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
     pub top_down: Option<u32>,

@@ -1,4 +1,4 @@
-//! Files a walk writes: that they can be is made sure before any work, and none is ever half there.
+//! Files that a walk writes: checked to be writable before any work, and never left half written.
 
 use std::fs;
 use std::io;
@@ -27,16 +27,16 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    /// Returns the error for a file and what went wrong with it.
+    /// Creates the error for a file from its cause.
     pub fn new(path: &Path, reason: impl ToString) -> Self {
         Self::File { path: shown(path).to_string(), reason: reason.to_string() }
     }
 }
 
-/// How often a folder is made that others remove.
+/// The number of attempts to make a folder that others remove.
 const TRIES_MAX: u32 = 100;
 
-/// The folders that were made for a walk. Dropped, it removes those that are still empty, so that a
+/// The folders that were made for a walk. Dropping it removes those that are still empty, so that a
 /// walk that failed leaves nothing behind.
 #[derive(Debug)]
 pub struct Outputs {
@@ -44,11 +44,12 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Makes the folder of pictures and that of a file, by its option, where they are missing, and
-    /// makes sure that files can be written there; checks also that the folder of shaders is one.
+    /// Makes the folder of pictures and the folder of a file, by its option, where they are
+    /// missing, and checks that files can be written there. Checks also that the folder of shaders
+    /// is one.
     ///
     /// # Errors
-    /// Which option names something that cannot be written or read, and why.
+    /// The option that names something that cannot be written or read, and the reason.
     pub fn prepare(
         shaders: Option<&Path>,
         pictures: Option<&Path>,
@@ -61,7 +62,7 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Does the same for what a walk writes.
+    /// Does the same for the files of a walk.
     ///
     /// # Errors
     /// As [`Outputs::prepare`].
@@ -127,12 +128,12 @@ impl Outputs {
     }
 }
 
-/// Returns true for what a folder says that another program removes.
+/// Returns true for an error of a folder that another program removes.
 fn may_pass(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied)
 }
 
-/// Makes sure that files can be written into a folder.
+/// Checks that files can be written into a folder.
 fn probe(folder: &Path) -> Result<(), (&'static str, io::Error)> {
     // With a name: some systems take a folder that was removed and made again for the removed one
     // when they are asked for a file without.
@@ -163,8 +164,8 @@ fn check_shaders(folder: &Path) -> Result<(), UsageError> {
     Err(UsageError(format!("--shaders: there is no folder '{}'", shown(folder))))
 }
 
-/// Writes `bytes` where `path` leads: a file is the old one or the whole new one, whatever goes
-/// wrong; a pipe or a device is written into.
+/// Writes `bytes` where `path` leads: a file is the old one or the whole new one after any failure;
+/// a pipe or a device is written into.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
@@ -173,8 +174,8 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     written.map_err(|error| WriteError::new(path, error))
 }
 
-/// Writes a file that was not there: under the name of `path`, or with a number behind it where
-/// that is taken. Returns the path that it has.
+/// Writes a file that did not exist: under the name of `path`, or with a number behind it where
+/// that is taken. Returns its path.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
@@ -189,7 +190,7 @@ pub(crate) mod tests {
     use clap::Parser;
     use std::process;
 
-    /// A folder of the test's own that is gone afterwards.
+    /// A folder of the test's own that is removed afterwards.
     pub(crate) struct Scratch(pub PathBuf);
 
     impl Scratch {

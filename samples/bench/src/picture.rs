@@ -13,15 +13,15 @@ pub enum PictureError {
     /// The bytes are not `width * height` pixels of four bytes.
     #[error("a picture of {size} pixels needs 4 bytes for each, not {bytes} in all")]
     WrongLength {
-        /// The size it was to have.
+        /// The expected size.
         size: FrameSize,
-        /// The bytes that came.
+        /// The number of bytes.
         bytes: usize,
     },
-    /// The encoder refused.
+    /// An error of the encoder.
     #[error("cannot encode a picture: {0}")]
     Encoding(#[from] png::EncodingError),
-    /// The file system refused.
+    /// An error of the file system.
     #[error(transparent)]
     Writing(#[from] WriteError),
 }

@@ -1,4 +1,4 @@
-//! The pictures a walk leaves: some frames, and one moment seen from above.
+//! The pictures of a walk: some frames, and one frame seen from above.
 
 use std::path::{Path, PathBuf};
 
@@ -15,9 +15,10 @@ use crate::picture::write_png;
 use crate::run_error::RunError;
 use crate::signals::Signals;
 
-/// Frames walked before a picture, so that it shows a history at work and not a first frame.
+/// The number of frames walked before a picture, so that it shows a history at work and not a first
+/// frame.
 const WARM_UP_FRAMES: u32 = 8;
-/// The same before the moment seen from above: until the frontier has come to rest.
+/// The number of frames walked before the frame seen from above: until the frontier is stable.
 const SETTLING_FRAMES: u32 = 60;
 
 /// Pictures that were asked for.
@@ -25,13 +26,14 @@ const SETTLING_FRAMES: u32 = 60;
 pub struct Pictures {
     /// The files that were written.
     pub written: Vec<PathBuf>,
-    /// Why others were not.
+    /// The reasons why others were not.
     pub failures: Vec<RunError>,
 }
 
 impl Pictures {
-    /// Draws and writes what the options ask for into `folder`. Untimed, after the walk, by the
-    /// last strategy asked for. Each is tried on its own; after a signal no more are begun.
+    /// Draws and writes the pictures that the options ask for into `folder`. Untimed, after the
+    /// walk, by the last strategy asked for. Each is tried on its own; after a signal no more are
+    /// begun.
     pub fn write(
         &mut self,
         renderer: &mut Renderer,

@@ -1,5 +1,4 @@
-//! How a scene out of a file is filmed: which camera looks, which clips play, what time it is in a
-//! frame.
+//! The camera, the clips and the clock of a scene out of a file, for each frame.
 
 use std::f32::consts::TAU;
 use std::fmt::Display;
@@ -13,24 +12,25 @@ use crate::camera_path::Course;
 use crate::choices::unknown;
 use crate::run_error::RunError;
 
-/// Frames a second where no clip says how long a walk is.
+/// The frames per second where no clip determines the length of a walk.
 const FRAMES_A_SECOND: f64 = 60.0;
-/// How far a camera that goes around something looks down, in radians.
+/// The angle by which a camera that goes around something looks down, in radians.
 const DOWN_RAD: f32 = 0.35;
-/// It has that much more than enough room.
+/// The factor of the distance at which everything would just fit.
 const ROOM: f32 = 1.05;
-/// What is smaller is seen from so far as if it were not, in metres.
+/// The smallest size that the camera's distance is made for, in metres.
 const LEAST_M: f32 = 1e-5;
-/// How far what stands still is turned to the side, so that what is long is seen, in radians.
+/// The angle to the side under which a resting scene is shown, so that its length is visible, in
+/// radians.
 const TURNED_RAD: f32 = 0.6;
-/// The rims of the cylinder around a scene are looked at in so many points.
+/// The number of points by which the rims of the cylinder around a scene are sampled.
 const RIM_POINTS: u32 = 64;
 
-/// Returns the place of the camera of that name, or of the first one; none where there is none and
-/// none is named.
+/// Returns the index of the camera of that name, or of the first one; `None` where there is none
+/// and none is named.
 ///
 /// # Errors
-/// A name that no camera has, with those that there are.
+/// A name that no camera has, with the existing names.
 pub fn find_camera(
     cameras: &[import::SceneCamera],
     wanted: Option<&str>,
@@ -51,26 +51,26 @@ pub fn find_camera(
     }))
 }
 
-/// What time it is in a frame.
+/// The time of each frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrameClock {
-    /// So many frames a second.
+    /// A fixed number of frames per second.
     Steady {
-        /// Frames a second.
+        /// The frames per second.
         hz: f64,
     },
-    /// The first frame is at the beginning of a time, the last one at its end.
+    /// A time from its beginning, in the first frame, to its end, in the last one.
     Spread {
         /// The time, in seconds.
         seconds: f64,
-        /// How many frames it lasts.
+        /// The number of frames.
         frames: u32,
     },
 }
 
 impl FrameClock {
-    /// For a walk of so many frames: from end to end of a clip of the camera that lasts `seconds`,
-    /// if there is one.
+    /// Creates the clock of a walk of so many frames: from end to end of a clip of the camera that
+    /// lasts `seconds`, if there is one.
     pub fn of_walk(seconds: Option<f32>, frames: u32) -> Self {
         match seconds {
             Some(seconds) => Self::Spread { seconds: seconds.into(), frames },
@@ -78,7 +78,7 @@ impl FrameClock {
         }
     }
 
-    /// Seconds after the beginning.
+    /// Returns the seconds after the beginning.
     pub fn seconds(&self, frame: u32) -> f64 {
         match *self {
             Self::Steady { hz } => f64::from(frame) / hz,
@@ -90,8 +90,8 @@ impl FrameClock {
     }
 }
 
-/// Returns where a camera of a file is in so many frames by that clock, on pictures of `size`
-/// pixels, while the clips play that do.
+/// Returns the cameras of so many frames by that clock: of a camera of a file, on pictures of
+/// `size` pixels, while the playing clips play.
 pub fn cameras(
     animator: &mut SceneAnimator,
     camera: &import::SceneCamera,
@@ -111,20 +111,20 @@ pub fn cameras(
     Course::Filmed(first, others.collect())
 }
 
-/// Which clips of a file play. No two of them move the same thing.
+/// The playing clips of a file. No two of them move the same thing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Clips {
     playing: Vec<usize>,
 }
 
 impl Clips {
-    /// Returns all of them, but for those that move what an earlier one moves; `first` comes before
-    /// all others.
+    /// Returns all clips, but for those that move something that an earlier one moves; `first`
+    /// precedes all others.
     pub fn all(animator: &SceneAnimator, first: Option<usize>) -> Self {
         Self { playing: animator.compatible(first) }
     }
 
-    /// Returns the one after the one that plays alone; after the last one, and after several, the
+    /// Returns the clip after the one that plays alone; after the last one, and after several, the
     /// first.
     pub fn next(&self, animator: &SceneAnimator) -> Self {
         let after = match self.playing.as_slice() {
@@ -135,12 +135,12 @@ impl Clips {
         Self { playing: clip.into_iter().collect() }
     }
 
-    /// Their places.
+    /// Returns their indices.
     pub fn playing(&self) -> &[usize] {
         &self.playing
     }
 
-    /// For people.
+    /// Returns their names, for people.
     pub fn describe(&self, animator: &SceneAnimator) -> String {
         let all = animator.clips();
         match self.playing.as_slice() {
@@ -151,7 +151,7 @@ impl Clips {
         }
     }
 
-    /// Returns a sentence about those that cannot play, for people.
+    /// Returns a sentence about the clips that cannot play, for people.
     pub fn conflicts(&self, animator: &SceneAnimator) -> Option<String> {
         let left_out = animator.clips().iter().enumerate();
         let left_out = left_out.filter(|(place, _)| !self.playing.contains(place));
@@ -169,7 +169,7 @@ impl Clips {
     }
 }
 
-/// A turn around something, which is all in the picture.
+/// A turn around something that fits into the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
     centre: Vec3,
@@ -177,7 +177,7 @@ pub struct Orbit {
 }
 
 impl Orbit {
-    /// Around everything in `bounds`, on pictures of `size` pixels.
+    /// Creates a turn around everything in `bounds`, on pictures of `size` pixels.
     pub fn around(bounds: &Aabb, size: [u32; 2]) -> Self {
         let half = (bounds.max - bounds.min) * 0.5;
         let is_something = half.is_finite() && half.cmpge(Vec3::ZERO).all();
@@ -203,7 +203,7 @@ impl Orbit {
         Self { centre, away_m }
     }
 
-    /// Returns where the camera is in a frame of so many.
+    /// Returns the camera in a frame of so many.
     pub fn camera(&self, frame: u32, frames: u32) -> Camera {
         let around = Vec2::from_angle(TAU * frame as f32 / frames.max(1) as f32);
         let (down, level) = DOWN_RAD.sin_cos();
@@ -218,9 +218,9 @@ impl Orbit {
     }
 }
 
-/// Returns something from its front and somewhat from the side, as near as pictures of `size`
-/// pixels allow whose left is covered up to a share of `covered` (from 0 to less than 1) of the
-/// width.
+/// Returns a camera that looks at something from its front and somewhat from the side. It is as
+/// near as pictures of `size` pixels allow, whose left is covered up to a share of `covered` (from
+/// 0 to less than 1) of the width.
 pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
     let Orbit { centre, .. } = Orbit::around(bounds, size);
     let (down, level) = DOWN_RAD.sin_cos();
@@ -265,7 +265,8 @@ mod tests {
         assert_eq!(steady.seconds(90), 1.5);
     }
 
-    /// Returns everything is in the picture; answers how much of its height or width that takes.
+    /// Checks that everything is in the picture, and returns the part of its height or width that
+    /// this takes.
     fn filled(camera: &Camera, bounds: &Aabb, size: [u32; 2]) -> f32 {
         let right = camera.forward.cross(Vec3::Y).normalize();
         let up = right.cross(camera.forward);

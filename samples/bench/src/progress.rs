@@ -1,4 +1,4 @@
-//! Shows how far a walk has come: a bar on a terminal, a line now and then elsewhere.
+//! Shows the progress of a walk: a bar on a terminal, a line now and then elsewhere.
 
 use std::cell::{Cell, RefCell};
 use std::fmt::Write;
@@ -9,15 +9,15 @@ use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
 use crate::terminal::{say, style::can_redraw};
 
-/// What a walk tells while it runs.
+/// The observer of a running walk.
 pub trait Progress {
-    /// A step of the preparations begins: "building the city".
+    /// Begins a step of the preparations: "building the city".
     fn stage(&self, what: &str);
-    /// So many frames begin, for that.
+    /// Begins so many frames, for that purpose.
     fn begin_frames(&self, what: &str, frames: u64);
-    /// One frame is done; `how` says by which strategy, or nothing.
+    /// Notes that one frame is done; `how` names its strategy, or is empty.
     fn frame_done(&self, how: &str);
-    /// The frames are over; nothing more will come.
+    /// Ends the frames; no more calls follow.
     fn finish(&self);
 }
 
@@ -32,7 +32,7 @@ pub fn for_terminal(quiet: bool) -> Box<dyn Progress> {
     }
 }
 
-/// Tells nothing.
+/// An observer that shows nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
@@ -43,12 +43,12 @@ impl Progress for Silent {
     fn finish(&self) {}
 }
 
-/// So much must have gone by before what is left can be estimated.
+/// The time that must have passed before the rest can be estimated.
 const ESTIMATE_AFTER: Duration = Duration::from_secs(1);
-/// Less than this is not worth a word.
+/// The least rest that is shown.
 const REST_MIN: Duration = Duration::from_secs(1);
 
-/// Returns how long the rest takes, in words; nothing where that is not known yet.
+/// Returns the remaining time in words; an empty text where it is not known yet.
 fn left(elapsed: Duration, rest: Duration) -> String {
     if elapsed < ESTIMATE_AFTER || rest < REST_MIN {
         return String::new();
@@ -99,7 +99,7 @@ impl Progress for Bar {
     }
 }
 
-/// How far a file has come on its way, on standard error where that is a terminal.
+/// The progress of loading a file, on standard error where that is a terminal.
 #[derive(Debug)]
 pub struct LoadingBar(Option<ProgressBar>);
 
@@ -115,7 +115,7 @@ impl LoadingBar {
         }))
     }
 
-    /// What is being done, and how much of that is done, 0 to 1, where it is known.
+    /// Shows the current step, and its fraction done, 0 to 1, where it is known.
     pub fn told(&self, what: &str, fraction: Option<f32>) {
         let Some(bar) = &self.0 else { return };
         if bar.message() != what {

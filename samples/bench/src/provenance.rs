@@ -1,22 +1,23 @@
-//! Where a report comes from: the command line that made it, and when it was done.
+//! The provenance of a report: the command line that made it, and the time.
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
 
-/// How and when a report was made.
+/// The command line and the time of a report.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Provenance {
     /// The words of the command line; the program without its folder.
     pub command: Vec<String>,
-    /// Seconds since 1970, when the walk was over; 0 where the machine's clock stands before that.
+    /// The time when the walk was over, in seconds since 1970; 0 where the machine's clock stands
+    /// before that.
     pub unix_s: u64,
 }
 
 impl Provenance {
-    /// This process, now.
+    /// Returns the provenance of this process, now.
     pub fn of_this_process() -> Self {
         let mut command: Vec<String> =
             std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
@@ -37,7 +38,7 @@ impl Provenance {
     }
 }
 
-/// Year, month and day of a day counted from 1970-01-01, in the Gregorian calendar.
+/// Returns year, month and day of a day counted from 1970-01-01, in the Gregorian calendar.
 fn civil_day(day: u64) -> (u64, u64, u64) {
     // Counted from the first of March of the year 0, so that a leap day ends its year; 400 years
     // have 146,097 days.

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A header with the format's version, then a line for each frame. Empty lines and lines that begin
-//! with `#` mean nothing. Numbers are the shortest that read back to the same bits.
+//! with `#` are ignored. Numbers are the shortest that read back to the same bits.
 
 use std::fmt::Write;
 use std::io::{BufRead, BufReader, Read};
@@ -24,23 +24,24 @@ use crate::terminal::shown;
 const HEADER: &str = "antumbra path 1";
 const COLUMNS: &str = "# seconds, eye, forward, up, field of view, near plane";
 const NUMBERS: usize = 12;
-/// So many frames are ten hours at 60 a second; a file with more was not recorded by us.
+/// The most frames of a path: ten hours at 60 per second. A file with more was not recorded by us.
 const MOST_FRAMES: usize = 2_000_000;
-/// So many frames with their numbers at full length; a larger file was not recorded by us.
+/// The largest file: the most frames with numbers at full length. A larger file was not recorded by
+/// us.
 const MOST_BYTES: u64 = 512 << 20;
-/// A longer line is none of ours.
+/// The longest line in bytes.
 const MOST_LINE_BYTES: u64 = 4096;
 
 /// One recorded frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathFrame {
-    /// When it was drawn, in seconds after the first one.
+    /// The time when it was drawn, in seconds after the first one.
     pub seconds: f64,
-    /// The eye.
+    /// The camera.
     pub camera: Camera,
 }
 
-/// The frames of a path, at least one once it was read.
+/// The frames of a path, at least one after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecordedPath {
     frames: Vec<PathFrame>,
@@ -48,8 +49,7 @@ pub struct RecordedPath {
 }
 
 impl RecordedPath {
-    /// Adds the next frame. Beyond two million of them nothing more is recorded, which the log
-    /// says.
+    /// Adds the next frame. Frames beyond two million are not recorded, which the log reports.
     pub fn push(&mut self, seconds: f64, camera: Camera) {
         if self.frames.len() < MOST_FRAMES {
             self.frames.push(PathFrame { seconds, camera });
@@ -63,13 +63,13 @@ impl RecordedPath {
         &self.frames
     }
 
-    /// Returns the camera of a frame; after the last one it begins again.
+    /// Returns the camera of a frame; after the last one the path repeats.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
         let frame = (frame as usize).checked_rem(self.frames.len())?;
         self.frames.get(frame).map(|frame| frame.camera)
     }
 
-    /// Writes a file that was not there, whole or not at all. Returns the path that was
+    /// Writes a file that did not exist, whole or not at all. Returns the path that was
     /// [free](write_new).
     ///
     /// # Errors
@@ -102,7 +102,7 @@ impl RecordedPath {
             .map_err(|(line, reason)| UsageError(format!("{shown}:{line}: {reason}")))
     }
 
-    /// Returns the path in a text, or the line that is wrong, and why.
+    /// Returns the path in a text, or the number of the wrong line and the reason.
     fn parse(mut text: impl BufRead) -> Result<Self, (usize, String)> {
         let mut recorded = Self::default();
         let mut has_header = false;

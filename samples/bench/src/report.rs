@@ -1,7 +1,7 @@
-//! `report.json`: what a walk measured, in a form that other programs read.
+//! `report.json`: the measurements of a walk, in a form that other programs read.
 //!
-//! Its keys are a contract: they may grow, they do not change. Numbers that could not be had are
-//! `null`; all others are finite. Times are milliseconds, memory is MiB.
+//! Its keys are a contract: they may grow, they do not change. Missing numbers are `null`; all
+//! others are finite. Times are milliseconds, memory is MiB.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,63 +14,63 @@ use crate::outputs::{WriteError, write_file};
 use crate::provenance::Provenance;
 use crate::statistics::{Summary, kept, paired_ratio, ratio};
 
-/// Everything a walk measured.
+/// The measurements of a walk.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// What drew.
+    /// The device that drew.
     pub device: DeviceReport,
-    /// What was drawn.
+    /// The scene that was drawn.
     pub scene: SceneReport,
-    /// Name of the camera's path.
+    /// The name of the camera's path.
     pub path: String,
-    /// How many eyes looked, side by side in one frame; counts are those of all together.
+    /// The number of eyes, side by side in one frame; counts are of all together.
     pub views: u32,
-    /// How many objects of a hundred were asked to move.
+    /// The percentage of objects that were asked to move.
     pub moving_percent: u32,
-    /// How many objects moved, came or went.
+    /// The number of objects that moved, came or went.
     pub moving_objects: u64,
     /// Timed frames of each strategy.
     pub frames: u32,
     /// Width and height of the frames in pixels.
     pub size: [u32; 2],
-    /// Whether a signal ended the walk: then a run may have fewer frames than `frames`.
+    /// True if a signal ended the walk: then a run may have fewer frames than `frames`.
     pub cut_short: bool,
-    /// How many frames the CPU was allowed to be ahead.
+    /// The number of frames that the CPU was allowed to be ahead.
     pub frames_in_flight: u32,
-    /// How hidden draws were skipped: what `--predicates` chose.
+    /// The way in which hidden draws were skipped: the one that `--predicates` chose.
     pub predicates: String,
-    /// What showed no more pixels than this counted as hidden; 0 where all was exact.
+    /// The largest number of visible pixels that counted as hidden; 0 where all was exact.
     pub threshold_pixels: u32,
-    /// What things cost on this device in nanoseconds of GPU time, measured before the walk.
+    /// The costs on this device in nanoseconds of GPU time, measured before the walk.
     pub costs_ns: BTreeMap<String, Option<f64>>,
     /// Messages of the validation layer, 0 where it was off.
     pub validation_messages: u64,
     /// Memory at the end of the walk.
     pub memory: MemoryReport,
-    /// How long the preparations took.
+    /// The times of the preparations.
     pub build_ms: BuildReport,
-    /// Strategies that could not run, and why.
+    /// Strategies that could not run, and the reasons.
     pub left_out: Vec<LeftOut>,
-    /// One entry a strategy, in the order asked for.
+    /// The runs, one per strategy, in the order asked for.
     pub runs: Vec<RunReport>,
     /// "A/B": median frame time of A over that of B, for every ordered pair.
     pub ratios: BTreeMap<String, Option<f64>>,
     /// "A/B": median over the frames of A's time of a frame over B's time of the same one.
     pub paired_ratios: BTreeMap<String, Option<f64>>,
-    /// How and when all this was measured.
+    /// The command line and the time of the measurement.
     pub provenance: Provenance,
 }
 
 /// The device that drew.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeviceReport {
-    /// Its name, as the driver gives it.
+    /// Its name, as the driver reports it.
     pub name: String,
     /// Name and version of the driver.
     pub driver: String,
-    /// The Vulkan version it implements, as "1.3.230".
+    /// The Vulkan version that it implements, as "1.3.230".
     pub api: String,
-    /// Whether it has `VK_EXT_conditional_rendering`.
+    /// True if it has `VK_EXT_conditional_rendering`.
     pub conditional_rendering: bool,
 }
 
@@ -79,13 +79,13 @@ pub struct DeviceReport {
 pub struct SceneReport {
     /// Its name on the command line.
     pub name: String,
-    /// How many objects it really has.
+    /// The exact number of its objects.
     pub objects: u64,
     /// Triangles of all objects together.
     pub triangles: u64,
     /// The seed it was built from; 0 where it comes out of a file.
     pub seed: u64,
-    /// What there is to say of the file it comes from; absent where it was made.
+    /// The file that it comes from; absent where it was generated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<FileReport>,
 }
@@ -93,40 +93,40 @@ pub struct SceneReport {
 /// A file that a scene was loaded from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FileReport {
-    /// Where it is.
+    /// Its path.
     pub path: String,
-    /// How long it took to read it and to make a scene of it.
+    /// The time of reading it and of making a scene of it.
     pub load_ms: Option<f64>,
-    /// Meshes of the scene: each is there once, however many objects have it.
+    /// Meshes of the scene: each is counted once, for any number of objects that have it.
     pub meshes: u64,
-    /// What they are made of.
+    /// Materials of the meshes.
     pub materials: u64,
-    /// Their textures.
+    /// Textures of the materials.
     pub textures: u64,
-    /// Images of those.
+    /// Images of the textures.
     pub images: u64,
     /// Lights beside the ambient one.
     pub lights: u64,
-    /// Objects through which one sees what is behind; they are not among the scene's objects.
+    /// Transparent objects; they are not among the scene's objects.
     pub transparent_objects: u64,
-    /// Meshes that change their form.
+    /// Meshes that are skinned or morphed.
     pub deformed_meshes: u64,
     /// Cameras.
     pub cameras: u64,
     /// Clips.
     pub clips: u64,
-    /// How many of them played.
+    /// The number of clips that played.
     pub playing: u64,
-    /// What was in the file that is not shown.
+    /// The parts of the file that are not shown.
     pub notes: Vec<String>,
 }
 
 /// Memory at the end of a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MemoryReport {
-    /// The most that the process had resident.
+    /// The largest resident memory of the process.
     pub peak_resident_mib: Option<f64>,
-    /// What was allocated from the device.
+    /// The memory allocated from the device.
     pub gpu_allocated_mib: Option<f64>,
 }
 
@@ -137,7 +137,7 @@ pub struct BuildReport {
     pub scene: Option<f64>,
     /// Building the bounding-volume hierarchy.
     pub hierarchy: Option<f64>,
-    /// Bringing everything to the device.
+    /// Uploading everything to the device.
     pub upload: Option<f64>,
 }
 
@@ -150,16 +150,17 @@ pub struct AgeReport {
     pub max: Option<u64>,
 }
 
-/// What frames taught a governor about the costs, in times what was measured before the walk.
+/// The corrections of the costs that the cost model learned from frames, as multiples of the costs
+/// measured before the walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct CorrectionsReport {
-    /// What draws seem to cost.
+    /// The estimated factor of the cost of draws.
     pub draws: Option<f64>,
-    /// What tests seem to cost.
+    /// The estimated factor of the cost of tests.
     pub tests: Option<f64>,
-    /// By what the prices of tests were multiplied at the end, since that much was sure.
+    /// The factor applied to the costs of tests at the end, since that much was certain.
     pub proportion: Option<f64>,
-    /// From how many frames that was learned; 0 where the device tells no times.
+    /// The number of frames from which that was learned; 0 where the device reports no times.
     pub frames: u64,
 }
 
@@ -180,11 +181,12 @@ impl From<Corrections> for CorrectionsReport {
 pub struct RunReport {
     /// Its name.
     pub strategy: String,
-    /// Time of a frame: from its begin on the CPU to its end on the device, per frame in flight.
+    /// The time of a frame: from its beginning on the CPU to its end on the device, per frame in
+    /// flight.
     pub frame_ms: Summary,
     /// The times that `frame_ms` sums up, in the order of the path.
     pub frame_times_ms: Vec<Option<f64>>,
-    /// CPU time of the engine in a frame.
+    /// The CPU time of the engine per frame.
     pub cpu_ms: Summary,
     /// Draws submitted.
     pub draws: Option<u64>,
@@ -196,55 +198,56 @@ pub struct RunReport {
     pub queries: Option<u64>,
     /// Draws that a predicate decided.
     pub predicated_draws: Option<u64>,
-    /// Nodes of the hierarchy that the culler looked at.
+    /// Nodes of the hierarchy that the culler visited.
     pub nodes_visited: Option<u64>,
     /// Objects drawn because testing them would have cost more than it saved.
     pub untested_by_cost: Option<u64>,
     /// Rounds of tests that `antumbra` gave to a compute shader because that cost least.
     pub rounds_by_compute: Option<u64>,
-    /// After how many frames the own draw of a calm object was tested again; 0 without a governor.
+    /// The number of frames after which the draw of a stable visible object was tested again; 0
+    /// without a cost model.
     pub retest_interval_frames: Option<u64>,
-    /// What the tests were expected to save in a frame, in nanoseconds of GPU time.
+    /// The expected saving of the tests per frame, in nanoseconds of GPU time.
     pub expected_saving_ns: Option<u64>,
-    /// What the governor had learned about the costs at the end; absent without one.
+    /// The corrections that the cost model had learned at the end; absent without one.
     pub corrections: Option<CorrectionsReport>,
-    /// GPU time of each pass by its label, where `--time-passes` asked for it.
+    /// The GPU time of each pass by its label, with `--time-passes`.
     pub passes_ms: BTreeMap<String, Summary>,
-    /// How old the results were that came home.
+    /// The age of the results that were read back.
     pub result_age_frames: AgeReport,
-    /// Waits for answers within a frame.
+    /// Waits for results within a frame.
     pub waits: Option<u64>,
     /// Waits of the frame loop, in all frames together, other than for a frame's own slot.
     pub blocking_waits: u64,
-    /// How many frames the times and counts come from.
+    /// The number of frames in the times and counts.
     pub frames_timed: u64,
-    /// How many of them were compared with plain frustum culling.
+    /// The number of them that were compared with plain frustum culling.
     pub frames_verified: u64,
-    /// How many more were compared that are not timed: they warm the strategy up, the first of all
-    /// from an empty history.
+    /// The number of compared frames that are not timed: they warm the strategy up, the first of
+    /// all from an empty history.
     pub warm_up_frames_verified: u64,
-    /// Pixels that differed in all that were compared; absent where none was compared.
+    /// Pixels that differed in all compared frames; absent where none was compared.
     pub pixels_wrong: Option<u64>,
-    /// How many of them a threshold accounts for at most: the samples that showed and were left
-    /// out. 0 without a threshold; absent where none was compared, or nothing is promised.
+    /// The number of them for which a threshold accounts at most: the visible samples that were
+    /// left out. 0 without a threshold; absent where none was compared, or nothing is promised.
     pub pixels_wrong_at_most: Option<u64>,
-    /// Samples that showed and were left out because of the threshold, in all frames timed.
+    /// Visible samples that were left out because of the threshold, in all timed frames.
     pub neglected_samples: u64,
 }
 
-/// "A/B" for every ordered pair of runs: median frame time of A over that of B.
+/// Returns "A/B" for every ordered pair of runs: median frame time of A over the median of B.
 pub fn ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
     pairs(runs, |a, b| ratio(a.frame_ms.median, b.frame_ms.median))
 }
 
-/// "A/B" for every ordered pair of runs: the median of the ratios frame by frame. Where frames
-/// differ much over a path, it says more than the ratio of two medians that stem from different
-/// frames.
+/// Returns "A/B" for every ordered pair of runs: the median of the ratios frame by frame. Where
+/// frames differ much over a path, it says more than the ratio of two medians that stem from
+/// different frames.
 pub fn paired_ratios(runs: &[RunReport]) -> BTreeMap<String, Option<f64>> {
     pairs(runs, |a, b| paired_ratio(&a.frame_times_ms, &b.frame_times_ms))
 }
 
-/// Frame times as reports keep them: absent where they are no number.
+/// Returns frame times as reports keep them: absent where they are not finite.
 pub fn kept_times(times_ms: impl Iterator<Item = f64>) -> Vec<Option<f64>> {
     times_ms.map(|time_ms| time_ms.is_finite().then(|| kept(time_ms))).collect()
 }

@@ -23,19 +23,19 @@ use crate::walk::Walk;
 use crate::walk_scene::WalkScene;
 use crate::{Options, memory};
 
-/// What a walk leaves.
+/// The result of a walk.
 pub struct Walked {
-    /// What was measured.
+    /// The measurements.
     pub report: Report,
     /// The pictures in `options.output`.
     pub pictures: Pictures,
 }
 
 /// Walks, measures, writes the pictures into `options.output` (which exists and is writable). After
-/// a signal it leaves what was measured so far.
+/// a signal it returns the measurements so far.
 ///
 /// # Errors
-/// When the device is not there or cannot do it, or a signal came before anything was measured.
+/// When the device is missing or unsuited, or a signal came before anything was measured.
 pub fn run(
     options: &Options,
     progress: &dyn Progress,
@@ -92,7 +92,7 @@ fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapter, R
     Ok(instance.pick_adapter(wanted(choice).as_deref())?)
 }
 
-/// Returns a choice as the engine takes it.
+/// Returns a choice in the engine's form.
 pub fn wanted(choice: &DeviceChoice) -> Option<String> {
     match choice {
         DeviceChoice::Best => None,
@@ -101,7 +101,7 @@ pub fn wanted(choice: &DeviceChoice) -> Option<String> {
     }
 }
 
-/// Returns where compiled pipelines are kept: the user's cache folder, if there is one.
+/// Returns the file of compiled pipelines: in the user's cache folder, if there is one.
 pub fn pipeline_cache_file() -> Option<PathBuf> {
     let absolute = |folder: &PathBuf| folder.is_absolute();
     let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(absolute);
@@ -110,7 +110,7 @@ pub fn pipeline_cache_file() -> Option<PathBuf> {
     Some(folder.join("antumbra").join("pipelines.bin"))
 }
 
-/// Does the same on a device that is open.
+/// Does the same on an open device.
 ///
 /// # Errors
 /// As [`run`].
@@ -201,7 +201,7 @@ pub fn walk_on(
     Ok(Walked { report, pictures })
 }
 
-/// Returns what reports call a scene: a file by its name without its folder.
+/// Returns the scene's name in reports: a file by its name without its folder.
 fn scene_name(choice: &SceneChoice) -> String {
     match choice {
         SceneChoice::Made(made) => made.scene.to_string(),
@@ -211,10 +211,10 @@ fn scene_name(choice: &SceneChoice) -> String {
     }
 }
 
-/// Returns the strategies that the device has everything for, and the others.
+/// Returns the strategies that the device supports, and the others.
 ///
 /// # Errors
-/// The first reason, if it has what it takes for none.
+/// The first reason, if it supports none.
 fn able(renderer: &Renderer, options: &Options) -> Result<(Vec<Strategy>, Vec<LeftOut>), RunError> {
     let mut able = Vec::new();
     let mut left_out = options.left_out.clone();
@@ -244,7 +244,8 @@ fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     entries.into_iter().flatten().map(entry).collect()
 }
 
-/// Returns the same threshold for the method of the literature that has one.
+/// Returns options with the same threshold for coherent hierarchical culling, the one method of the
+/// literature that has one.
 fn blocking_options(options: &Options) -> BlockingOptions {
     let coherent = CoherentOptions {
         visibility_threshold_samples: options.threshold_pixels,

@@ -1,4 +1,4 @@
-//! Why there is no result, and whose fault that is: it decides the exit code.
+//! The error of a program without a result, and the blame for it: it decides the exit code.
 
 use std::path::Path;
 
@@ -8,50 +8,51 @@ use thiserror::Error;
 use crate::options::UsageError;
 use crate::terminal::shown;
 
-/// Whose fault a failure is: it decides the exit code.
+/// The blame for a failure: it decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blame {
-    /// The command line asks for what cannot be: exit code 2.
+    /// The user: the command line asks for the impossible; exit code 2.
     User,
-    /// The machine lacks something or failed: exit code 1.
+    /// The machine: it lacks something or failed; exit code 1.
     Machine,
-    /// Nobody's: it was given up because the program is to end.
+    /// No one: the work was given up because the program is to end.
     Nobody,
 }
 
-/// Why there is no report: one sentence that says what is wrong and what to do.
+/// The reason why there is no report: one sentence that names the error and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{message}")]
 pub struct RunError {
-    /// Whose fault it is.
+    /// The blame for it.
     pub blame: Blame,
     message: String,
 }
 
 impl RunError {
-    /// Returns the command line asks for what cannot be.
+    /// Creates the error of a command line that asks for the impossible.
     pub fn user(message: impl ToString) -> Self {
         Self { blame: Blame::User, message: message.to_string() }
     }
 
-    /// Returns the machine lacks something or failed.
+    /// Creates the error of a machine that lacks something or failed.
     pub fn machine(message: impl ToString) -> Self {
         Self { blame: Blame::Machine, message: message.to_string() }
     }
 
-    /// It was given up because the program is to end, which is no failure.
+    /// Creates the error of work that was given up because the program is to end, which is no
+    /// failure.
     pub fn given_up() -> Self {
         Self { blame: Blame::Nobody, message: "it was given up".to_owned() }
     }
 
-    /// Returns the same, said of a scene's file.
+    /// Returns the same error with the name of a scene's file.
     #[must_use]
     pub fn about(mut self, file: &Path) -> Self {
         self.message = format!("{}: {}", shown(file), self.message);
         self
     }
 
-    /// Returns what the program ends with.
+    /// Returns the exit code.
     pub fn exit_code(&self) -> u8 {
         match self.blame {
             Blame::User => 2,

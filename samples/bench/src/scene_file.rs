@@ -1,4 +1,4 @@
-//! Scenes out of glTF files: loaded, told of, and ready to be filmed.
+//! Scenes out of glTF files: loaded with progress, and reported.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -12,19 +12,19 @@ use crate::report::FileReport;
 use crate::run_error::RunError;
 use crate::terminal::shown;
 
-/// How far loading has come.
+/// The progress of loading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Told<'a> {
-    /// What is being done.
+    /// The current step.
     pub what: &'a str,
-    /// How much of that is done, 0 to 1, where it is known.
+    /// The fraction of it that is done, 0 to 1, where it is known.
     pub fraction: Option<f32>,
 }
 
-/// Who is told, and says whether to go on.
+/// The receiver of the progress, which decides if loading continues.
 pub type Listener<'a> = dyn FnMut(Told<'_>) -> ControlFlow<()> + 'a;
 
-/// Tells how far it is; ends all that where nobody waits for it any more.
+/// Reports the progress; ends the loading where its result is no longer wanted.
 ///
 /// # Errors
 /// When it was given up.
@@ -38,7 +38,7 @@ pub fn tell(told: &mut Listener<'_>, what: &str, fraction: Option<f32>) -> Resul
 /// Reads a file. Lights are dimmed where they are too bright, unless an exposure is given.
 ///
 /// # Errors
-/// What is wrong with it: file, object in it, reason; that it was given up.
+/// The error: file, object in it, reason; or that it was given up.
 pub fn load(
     file: &Path,
     exposure: Option<f32>,
@@ -72,16 +72,16 @@ pub fn load(
     })
 }
 
-/// Returns the hierarchy over a scene, in time for a word about it.
+/// Returns the hierarchy over a scene, after reporting the step.
 ///
 /// # Errors
-/// A scene that there can be no hierarchy over; that it was given up.
+/// A scene over which no hierarchy can be built; loading that was given up.
 pub fn hierarchy(scene: &Scene, told: &mut Listener<'_>) -> Result<Hierarchy, RunError> {
     tell(told, "building the hierarchy", None)?;
     Hierarchy::build(&object_bounds(scene)?).map_err(RunError::machine)
 }
 
-/// Returns what reports say of a file.
+/// Returns the report about a file.
 pub fn report(file: &Path, imported: &GltfScene, load_ms: f64) -> FileReport {
     let scene = &imported.scene;
     let surfaces = scene.surfaces.as_ref();

@@ -3,21 +3,21 @@
 //!
 //! Turns frame by frame would be fairer to the noise but not to the caches: a strategy that touches
 //! the whole scene leaves them cold for the next one. Hence rounds, each begun by warm-up frames
-//! that do not count, and a rotating order, so that nobody always follows the same other.
+//! that do not count, and a rotating order, so that no strategy always follows the same other.
 
 /// The fewest consecutive timed frames of a round, where the walk has that many.
 pub const ROUND_FRAMES: u32 = 12;
 /// The frames walked again before each round's first timed one.
 pub const WARM_UP_FRAMES: u32 = 4;
 
-/// Which strategy draws which frame next.
+/// The strategy and the frame that are drawn next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Step {
-    /// Place of the strategy among those compared.
+    /// The index of the strategy among those compared.
     pub strategy: usize,
     /// The frame of the walk.
     pub frame: u32,
-    /// Whether it counts; a warm-up frame does not.
+    /// True if it counts; a warm-up frame does not.
     pub timed: bool,
 }
 
@@ -48,12 +48,12 @@ impl Schedule {
         Self { frames, strategies, round_frames: round_frames.max(10), warm_up_frames }
     }
 
-    /// Returns how many rounds each strategy walks.
+    /// Returns the number of rounds that each strategy walks.
     pub fn rounds(&self) -> u32 {
         (self.frames / self.round_frames).max(1)
     }
 
-    /// Returns how many frames are drawn in all, warm-up included.
+    /// Returns the number of frames that are drawn in all, warm-up included.
     pub fn len(&self) -> u64 {
         let warm_up = u64::from(self.rounds()) * u64::from(self.warm_up_frames);
         let strategies = u64::try_from(self.strategies).unwrap_or(u64::MAX);

@@ -1,4 +1,4 @@
-//! Signals that end a program as if all was done: what there is by then is printed and written.
+//! Signals that end a program as if its work was done: the results so far are printed and written.
 
 use std::fs;
 use std::sync::Arc;
@@ -31,13 +31,14 @@ impl Signal {
         }
     }
 
-    /// Returns what shells know a program by that this signal ended: 129, 130 or 143.
+    /// Returns the exit code by which shells recognise a program that this signal ended: 129, 130
+    /// or 143.
     pub const fn exit_code(self) -> u8 {
         128 + self.number() as u8
     }
 }
 
-/// Notes the signals that come.
+/// A record of the signals that come.
 #[derive(Debug, Default)]
 pub struct Signals {
     /// The number of the newest; 0 before the first.
@@ -45,9 +46,9 @@ pub struct Signals {
 }
 
 impl Signals {
-    /// From here on a signal is noted, and the second one ends the process at once: the first may
-    /// have come while nobody looks, or what it asks for may hang. What the caller ignores, as
-    /// `nohup` does, stays ignored.
+    /// Starts noting signals. The second one ends the process at once: the first may have come
+    /// while nothing checks for it, or the work may hang. Signals that the caller ignores, as
+    /// `nohup` does, stay ignored.
     ///
     /// # Errors
     /// When the system refuses.
@@ -69,23 +70,23 @@ impl Signals {
         Ok(Self { newest })
     }
 
-    /// Returns the one that asks for the end.
+    /// Returns the signal that asks for the end.
     pub fn received(&self) -> Option<Signal> {
         let newest = self.newest.load(Ordering::Relaxed);
         Signal::ALL.into_iter().find(|signal| signal.number() as usize == newest)
     }
 
-    /// Gives the work up if a signal asks for the end.
+    /// Gives up the work if a signal asks for the end.
     ///
     /// # Errors
-    /// That it was given up.
+    /// The error of work that was given up.
     pub fn check(&self) -> Result<(), RunError> {
         self.received().map_or(Ok(()), |_| Err(RunError::given_up()))
     }
 }
 
 /// Returns a bit for each signal that is ignored, the lowest one for signal 1; none where the
-/// system does not tell (it is read from Linux' `/proc/self/status`, `SigIgn`).
+/// system does not report them (they are read from Linux' `/proc/self/status`, `SigIgn`).
 fn ignored_signals() -> u64 {
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));

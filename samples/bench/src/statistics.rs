@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Digits after the point that reports keep: a tenth of a microsecond where the unit is ms.
+/// The factor of the digits that reports keep: a tenth of a microsecond where the unit is ms.
 const KEPT_DIGITS: f64 = 1e4;
 
-/// Three numbers that describe many; absent where there was no sample.
+/// Three numbers that describe a set of samples; absent where there was none.
 ///
 /// Samples that are not finite are left out, so a summary never holds one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Describes samples in any order.
+    /// Creates the summary of samples in any order.
     pub fn of(samples: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> =
             samples.into_iter().filter(|sample| sample.is_finite()).collect();
@@ -41,13 +41,13 @@ pub fn median_count(counts: impl IntoIterator<Item = u64>) -> Option<u64> {
     nearest_rank(&sorted, 50).copied()
 }
 
-/// Returns how many times `a` is as large as `b`; absent where that is no finite number.
+/// Returns the ratio of `a` to `b`; absent where it is not finite.
 pub fn ratio(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     let ratio = a? / b?;
     ratio.is_finite().then(|| kept(ratio))
 }
 
-/// Returns the median of the ratios of what stands at the same place in both; absent where no pair
+/// Returns the median of the ratios of the values at the same index in both; absent where no pair
 /// has one.
 pub fn paired_ratio(a: &[Option<f64>], b: &[Option<f64>]) -> Option<f64> {
     let ratios = a.iter().zip(b).filter_map(|(&a, &b)| Some(a? / b?));
@@ -70,7 +70,7 @@ fn nearest_rank<T>(sorted: &[T], percent: usize) -> Option<&T> {
     sorted.get(rank.checked_sub(1)?)
 }
 
-/// Rounded to the digits that reports keep.
+/// Returns the value rounded to the digits that reports keep.
 pub fn kept(value: f64) -> f64 {
     let scaled = (value * KEPT_DIGITS).round() / KEPT_DIGITS;
     if scaled.is_finite() { scaled } else { value }

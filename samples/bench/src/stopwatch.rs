@@ -1,15 +1,15 @@
-//! A stopwatch: the time since it was last looked at.
+//! A stopwatch: the time since the last lap.
 
 use std::time::Instant;
 
-/// Measures laps in milliseconds.
+/// A stopwatch of laps in milliseconds.
 #[derive(Debug, Clone, Copy)]
 pub struct Stopwatch {
     last: Instant,
 }
 
 impl Stopwatch {
-    /// Starts now.
+    /// Starts a stopwatch.
     pub fn start() -> Self {
         Self { last: Instant::now() }
     }

@@ -1,8 +1,8 @@
-//! The strategies a walk compares, by the names they have on the command line and in reports.
+//! The strategies that a walk compares, by their names on the command line and in reports.
 
 pub use cull::Strategy;
 
-/// Returns what a strategy does, in a few words.
+/// Returns a summary of a strategy in a few words.
 pub const fn summary(strategy: Strategy) -> &'static str {
     match strategy {
         Strategy::Frustum => "the baseline: all that is in the view frustum",
@@ -20,7 +20,7 @@ pub const fn summary(strategy: Strategy) -> &'static str {
     }
 }
 
-/// Returns a line for each strategy: its name, whether it is exact, what it does.
+/// Returns a line for each strategy: its name, exact or not, its summary.
 pub fn list() -> String {
     let line = |strategy: Strategy| {
         let exact = if strategy.is_exact() { "exact" } else { "not exact" };

@@ -1,4 +1,4 @@
-//! The table a person reads after a walk: the same numbers as the report.
+//! The table that a person reads after a walk: the same numbers as the report.
 
 use std::fmt::{Display, Write};
 
@@ -9,7 +9,7 @@ use crate::report::{Report, RunReport};
 use crate::statistics::Summary;
 use crate::strategy::Strategy;
 
-/// Shown where a number could not be had.
+/// The text for a missing number.
 const ABSENT: &str = "-";
 
 const COLUMNS: [&str; 10] = [
@@ -25,7 +25,7 @@ const COLUMNS: [&str; 10] = [
     "pixels\nwrong",
 ];
 
-/// Returns what was drawn on what, the strategies side by side, their ratios, memory and build
+/// Returns the device and the scene, the strategies side by side, their ratios, memory and build
 /// times, in lines of at most `width` columns where words are no longer.
 pub fn render(report: &Report, width: usize) -> String {
     let above = [head(report)];
@@ -121,7 +121,8 @@ fn head(report: &Report) -> String {
     )
 }
 
-/// Lines of their own where several eyes look, something moves, or a strategy cannot run.
+/// Returns additional lines where there are several eyes, something moves, or a strategy cannot
+/// run.
 fn more_lines(report: &Report) -> String {
     let mut lines = String::new();
     if report.cut_short {
@@ -149,10 +150,10 @@ fn more_lines(report: &Report) -> String {
     lines
 }
 
-/// So many runs are compared with each other, one by one.
+/// The most runs that are compared with each other, one by one.
 const FEW_RUNS: usize = 3;
 
-/// What all others are compared with where there are many.
+/// The strategies that all others are compared with where there are many.
 const MEASURES: [Strategy; 3] = [Strategy::Frustum, Strategy::Antumbra, Strategy::Ideal];
 
 /// Returns a sentence for each pair, in the order of the runs; of many, one for each run.
@@ -180,13 +181,13 @@ fn ratio_lines(report: &Report) -> String {
     lines.join("\n")
 }
 
-/// Returns what in a file is not shown, a line each.
+/// Returns the parts of a file that are not shown, a line each.
 fn note_lines(report: &Report) -> String {
     let notes = report.scene.file.iter().flat_map(|file| &file.notes);
     notes.map(|note| format!("not as in the file: {note}")).collect::<Vec<_>>().join("\n")
 }
 
-/// Returns a line for each run with a governor.
+/// Returns a line for each run with a cost model.
 fn cost_lines(report: &Report) -> String {
     let line = |run: &RunReport| {
         let learned = run.corrections?;
@@ -245,7 +246,7 @@ fn foot(report: &Report) -> String {
     text + &neglect_lines(report)
 }
 
-/// Returns a line for each run that left out what showed little.
+/// Returns a line for each run that neglected visible samples.
 fn neglect_lines(report: &Report) -> String {
     let neglecting = report.runs.iter().filter(|run| {
         // Those of frames before the walk are in the second number only.

@@ -1,5 +1,5 @@
 //! The walk: every strategy takes its turns over the frames, is timed, and is compared with plain
-//! frustum culling where that is asked for.
+//! frustum culling on request.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -38,14 +38,15 @@ pub struct Walk<'a> {
     visible_sets: BTreeMap<u32, Vec<VisibleSet>>,
 }
 
-/// One strategy on its way.
+/// One strategy in the walk.
 struct Run {
     strategy: Strategy,
     eyes: Eyes,
     measurement: RunMeasurement,
 }
 
-/// A frame of the turn: known in part when it was submitted, the rest when its answers came home.
+/// A frame of the turn: known in part when it was submitted, the rest when its results were read
+/// back.
 struct Walked {
     frame: FrameId,
     timed: bool,
@@ -53,7 +54,7 @@ struct Walked {
 }
 
 impl<'a> Walk<'a> {
-    /// Prepares a walk; every strategy starts knowing nothing.
+    /// Prepares a walk; every strategy starts with an empty history.
     ///
     /// # Errors
     /// When the device fails.
@@ -84,7 +85,7 @@ impl<'a> Walk<'a> {
         })
     }
 
-    /// Finds what is visible in every frame if `ideal` is among the strategies. Not timed.
+    /// Finds the visible set of every frame if `ideal` is among the strategies. Not timed.
     fn find_visible_sets(
         &mut self,
         progress: &dyn Progress,
@@ -127,8 +128,8 @@ impl<'a> Walk<'a> {
         Ok(self.runs.iter().map(|run| run.measurement.report()).collect())
     }
 
-    /// Walks one strategy over some consecutive frames; the pictures are compared when it is
-    /// through, so that comparing costs nobody time.
+    /// Walks one strategy over some consecutive frames; the pictures are compared at the end, so
+    /// that comparing is in no measured time.
     fn walk_turn(
         &mut self,
         turn: &[Step],
@@ -203,8 +204,8 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Draws the reference pictures of `frames` with plain frustum culling, unless they are there
-    /// from another strategy's turn in the same round.
+    /// Draws the reference pictures of `frames` with plain frustum culling, unless they exist from
+    /// another strategy's turn in the same round.
     fn draw_references(&mut self, frames: impl Iterator<Item = u32>) -> Result<(), RunError> {
         let frames: BTreeSet<u32> = frames.collect();
         if frames.iter().all(|frame| self.references.contains_key(frame)) {
@@ -223,7 +224,7 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Adds what the answers told to the frames of a turn, and the frames to the run.
+/// Adds the results that were read back to the frames of a turn, and the frames to the run.
 fn book(run: &mut Run, mut walked: Vec<Walked>) {
     for outcome in run.eyes.take_outcomes() {
         if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
@@ -253,8 +254,8 @@ fn next_turn(steps: &mut VecDeque<Step>) -> Option<Vec<Step>> {
     Some(turn)
 }
 
-/// Returns how many pixels of two pictures of the same size are not the same bits; all, if the
-/// sizes differ.
+/// Returns the number of pixels of two pictures of the same size that are not the same bits; all,
+/// if the sizes differ.
 fn pixels_that_differ(reference: &[u8], picture: &[u8]) -> u64 {
     let (expected, found) = (reference.chunks_exact(4), picture.chunks_exact(4));
     if reference.len() != picture.len() || picture.is_empty() {

@@ -1,5 +1,4 @@
-//! What a walk goes through: the scene, the camera's way, what moves, and what there is to say of
-//! it.
+//! The scene of a walk: objects, camera path, motion, and the report about its file.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -23,28 +22,28 @@ use crate::signals::Signals;
 use crate::stopwatch::Stopwatch;
 use crate::terminal::shown;
 
-/// What is walked through.
+/// The scene of a walk, with its camera path and its motion.
 pub struct WalkScene {
     /// The scene at rest.
     pub scene: Scene,
-    /// The seed it was made from; 0 where it comes out of a file.
+    /// The seed it was generated from; 0 where it comes out of a file.
     pub seed: u64,
-    /// Where the camera goes.
+    /// The camera's path.
     pub path: Course,
-    /// What that is called.
+    /// The name of the path.
     pub path_name: String,
-    /// What moves.
+    /// The motion.
     pub moving: Moving,
-    /// What there is to say of its file, if it comes from one.
+    /// The report about its file, if it comes from one.
     pub file: Option<FileReport>,
 }
 
 impl WalkScene {
-    /// Makes or loads what the options ask for.
+    /// Makes or loads the scene that the options ask for.
     ///
     /// # Errors
-    /// Numbers that no scene can be made from; a file that cannot be shown; a path or a camera that
-    /// is not there.
+    /// Numbers from which no scene can be made; a file that cannot be shown; a path or a camera
+    /// that does not exist.
     pub fn build(
         options: &Options,
         progress: &dyn Progress,
@@ -125,7 +124,7 @@ impl WalkScene {
     }
 }
 
-/// Who leads the camera.
+/// The source of the camera's path.
 enum Way {
     Camera(usize),
     Recorded(RecordedPath),

@@ -1,4 +1,5 @@
-//! Where shapes and texts of the HUD are collected, in points from the upper left of the picture.
+//! The canvas that collects shapes and texts of the HUD, in points from the upper left of the
+//! picture.
 
 use std::sync::Arc;
 
@@ -7,7 +8,7 @@ use epaint::{ClippedShape, Color32, Galley, Pos2, Rect, Shape, Stroke, pos2, vec
 
 use super::style::{PANEL, Style};
 
-/// Which end of a text is at its place.
+/// The end of a text that is at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Its left end.
@@ -16,18 +17,18 @@ pub enum Align {
     Right,
 }
 
-/// A panel whose size is known when all that it holds is laid out.
+/// A panel whose size is known when all its contents are laid out.
 #[derive(Clone, Copy, Debug)]
 pub struct OpenPanel(usize);
 
-/// Collects the shapes of one picture.
+/// A collector of the shapes of one picture.
 pub struct Canvas<'a> {
     fonts: &'a mut Fonts,
-    /// What is drawn, in this order.
+    /// The shapes, in the order of drawing.
     pub shapes: Vec<ClippedShape>,
-    /// Pixels of a point.
+    /// The pixels per point.
     pub scale: f32,
-    /// The whole picture.
+    /// The area of the whole picture.
     pub screen: Rect,
 }
 
@@ -91,7 +92,7 @@ impl<'a> Canvas<'a> {
         area
     }
 
-    /// Writes one row as long as it is.
+    /// Writes one row in its full length. Returns its area.
     pub fn text(&mut self, at: Pos2, align: Align, text: &str, style: Style) -> Rect {
         self.text_within(at, align, f32::INFINITY, text, style)
     }
@@ -102,13 +103,13 @@ impl<'a> Canvas<'a> {
         fonts.layout(text, style.font(), style.colour, width.max(1.0))
     }
 
-    /// Returns how wide a text is, in points.
+    /// Returns the width of a text, in points.
     pub fn width(&mut self, text: &str, style: Style) -> f32 {
         let mut fonts = self.fonts.with_pixels_per_point(self.scale);
         fonts.layout_no_wrap(text.to_owned(), style.font(), style.colour).size().x
     }
 
-    /// Returns how high a row is, in points.
+    /// Returns the height of a row, in points.
     pub fn row(&mut self, style: Style) -> f32 {
         self.fonts.with_pixels_per_point(self.scale).row_height(&style.font()).max(1.0)
     }

@@ -1,4 +1,4 @@
-//! The graph of frame times: a bar a frame, a labelled scale, and marks on what is beyond it.
+//! The graph of frame times: one bar per frame, a labelled scale, and marks on bars that exceed it.
 
 use epaint::{Pos2, Rect, pos2, vec2};
 
@@ -8,16 +8,16 @@ use super::scale::GraphScale;
 use super::style::{BAD, DIM, GOOD, MARGIN, MARK, NAME, Style};
 
 const HEIGHT: f32 = 46.0;
-/// Room for the numbers of the scale.
+/// The width of the numbers of the scale.
 const GUTTER: f32 = 34.0;
-/// From bar to bar, and what of it a bar takes.
+/// The distance between bars, and the width of a bar.
 const PITCH: [f32; 2] = [2.0, 1.5];
-/// Height of the mark on a bar that is cut.
+/// The height of the mark on a bar that is cut.
 const CUT_MARK: f32 = 4.0;
 const CAPTION: Style = Style::text(10.5, NAME);
 const SCALE: Style = Style::number(9.5, NAME);
 
-/// Draws the graph from `corner` on, `width` points wide. Returns where it ends below.
+/// Draws the graph from `corner` on, `width` points wide. Returns its lower end.
 pub fn draw(canvas: &mut Canvas<'_>, overview: &Overview, corner: Pos2, width: f32) -> f32 {
     let scale = GraphScale::of(&overview.frames_ms, overview.budget_ms);
     let caption = canvas.text(corner, Align::Left, overview.caption, CAPTION);
@@ -38,7 +38,7 @@ pub fn draw(canvas: &mut Canvas<'_>, overview: &Overview, corner: Pos2, width: f
     plot.max.y + MARGIN * 0.5
 }
 
-/// The lines of the scale with their numbers.
+/// Draws the lines of the scale with their numbers.
 fn rules(canvas: &mut Canvas<'_>, scale: &GraphScale, plot: Rect) {
     let row = canvas.row(SCALE);
     for (share, above) in [(1.0, 0.0), (0.0, row)] {
@@ -66,7 +66,7 @@ fn bars(canvas: &mut Canvas<'_>, overview: &Overview, scale: &GraphScale, plot: 
     }
 }
 
-/// The line that frames should stay below, where it has room beside the ends of the scale.
+/// Draws the line that frames should stay below, where it has room beside the ends of the scale.
 fn budget(canvas: &mut Canvas<'_>, overview: &Overview, scale: &GraphScale, plot: Rect) {
     let Some(budget_ms) = overview.budget_ms else { return };
     let y = plot.max.y - scale.height(budget_ms) * plot.height();

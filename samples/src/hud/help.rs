@@ -9,7 +9,7 @@ use super::style::{MARGIN, MARK, NAME, Style, VALUE};
 const TITLE: Style = Style::text(13.0, VALUE);
 const KEY: Style = Style::number(11.0, MARK);
 const WHAT: Style = Style::text(12.0, NAME);
-/// Between columns.
+/// The distance between columns.
 const GUTTER: f32 = 24.0;
 
 /// A row of a column.
@@ -19,7 +19,7 @@ enum Row<'a> {
     Empty,
 }
 
-/// So many columns, the best first.
+/// The numbers of columns to try, the best first.
 const COLUMNS: [usize; 4] = [3, 2, 4, 1];
 
 /// Draws the page in the middle of the picture, above `bottom`. Returns its area, or `None` where
@@ -60,7 +60,7 @@ pub fn draw(canvas: &mut Canvas<'_>, help: &Help, bottom: f32) -> Option<Rect> {
     Some(area)
 }
 
-/// Returns the widths of a column's keys and of what they do.
+/// Returns the widths of a column's keys and of their texts.
 fn widths(canvas: &mut Canvas<'_>, rows: &[Row<'_>]) -> [f32; 2] {
     rows.iter().fold([0.0, 0.0], |[keys, actions], row| match row {
         Row::Key(key, action) => {

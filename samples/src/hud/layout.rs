@@ -1,19 +1,19 @@
-//! How large points are on a picture, and what of the panel there is room for.
+//! The size of points in a picture, and the parts of the panel that fit.
 
 use super::style::MARGIN;
 
 /// The panel's share of the picture's width, at most.
 pub const PANEL_SHARE: f32 = 0.25;
-/// Width of the whole panel, in points.
+/// The width of the whole panel, in points.
 const FULL_WIDTH: f32 = 232.0;
-/// Width of the panel that has the most important numbers alone, in points.
+/// The widths of the panel with the most important numbers alone, in points.
 const NARROW_WIDTH: [f32; 2] = [62.0, 120.0];
-/// A picture so large has points of the window's own size.
+/// The size of a picture from which on points have the window's own size.
 const USUAL_SIZE: [f32; 2] = [960.0, 540.0];
-/// Points become so much smaller, before anything is left out.
+/// The factor by which points shrink at most, before anything is left out.
 const SMALLEST: f32 = 0.66;
 
-/// What of the panel has room.
+/// The parts of the panel that fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Room {
     /// Everything.
@@ -27,17 +27,17 @@ pub enum Room {
 /// The measures of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measures {
-    /// Pixels of a point.
+    /// The pixels per point.
     pub scale: f32,
-    /// What of the panel has room.
+    /// The parts of the panel that fit.
     pub room: Room,
-    /// Width of the panel, in points.
+    /// The width of the panel, in points.
     pub panel_width: f32,
 }
 
 impl Measures {
-    /// Returns the measures of a picture of `size` pixels whose window has `window_scale` pixels a
-    /// point.
+    /// Returns the measures of a picture of `size` pixels whose window has `window_scale` pixels
+    /// per point.
     pub fn of(size: [u32; 2], window_scale: f32) -> Self {
         let window_scale =
             if window_scale.is_finite() { window_scale.clamp(0.5, 8.0) } else { 1.0 };

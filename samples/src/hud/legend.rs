@@ -1,4 +1,4 @@
-//! Legends: what the colours mean that explain a picture.
+//! Legends: the meanings of the colours in a picture.
 
 use bench::legend::LegendEntry;
 use epaint::{Color32, Pos2, Rect, pos2, vec2};
@@ -9,7 +9,7 @@ use super::style::{MARGIN, NAME, Style, VALUE};
 
 const TITLE: Style = Style::text(11.5, VALUE);
 const MEANING: Style = Style::text(11.0, NAME);
-/// Of one colour, and of each colour of a scale.
+/// The width of one colour, and of each colour of a scale.
 const SWATCH: f32 = 14.0;
 const STEP: f32 = 5.0;
 const HEIGHT: f32 = 8.0;

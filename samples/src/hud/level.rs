@@ -1,23 +1,23 @@
-//! How much the HUD shows.
+//! The amount of text in the HUD.
 
 use clap::ValueEnum;
 
-/// How much of the HUD is wanted.
+/// The amount of text in the HUD.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum HudLevel {
-    /// No text, but what went wrong.
+    /// No text, but errors.
     #[default]
     Off,
     /// The numbers that a person looks for first.
     #[value(name = "on")]
     Compact,
-    /// These, and all others that have room.
+    /// These numbers, and all others that fit.
     #[value(name = "details")]
     Detailed,
 }
 
 impl HudLevel {
-    /// Returns the level after this one; after all, nothing.
+    /// Returns the level after this one; after the last one, the first.
     pub const fn next(self) -> Self {
         match self {
             Self::Off => Self::Compact,

@@ -1,11 +1,11 @@
-//! Outlines of areas of the picture that need a look.
+//! Outlines of areas of the picture that differ.
 
 use epaint::{Rect, Shape, Stroke, StrokeKind, pos2};
 
 use super::canvas::Canvas;
 use super::style::BAD;
 
-/// Width of an outline in points.
+/// The width of an outline in points.
 const WIDTH_POINTS: f32 = 2.0;
 
 /// Outlines areas, each given by its left, top, right and bottom edge in pixels.

@@ -1,8 +1,8 @@
-//! The head-up display: what the engine does, in numbers, a graph and signs over the picture.
+//! The head-up display: the engine's state in numbers, a graph and signs over the picture.
 //!
-//! A [`HudPage`] has plain values. [`Measures`] says how large points are and what has room; each
-//! part draws itself on a canvas: the [overview](self), the lower edge, legends, signs, and the
-//! page of keys.
+//! A [`HudPage`] has plain values. [`Measures`] determines the size of points and the parts that
+//! fit; each part draws itself on a canvas: the [overview](self), the lower edge, legends, signs,
+//! and the page of keys.
 
 mod canvas;
 mod graph;
@@ -29,7 +29,7 @@ pub use layout::{Measures, PANEL_SHARE, Room};
 pub use level::HudLevel;
 pub use page::{Figure, Help, HudPage, Legend, Overview, Sign, Split, Verdict};
 
-/// Lays pages out with fonts of its own.
+/// The layout of pages, with fonts of its own.
 pub struct Hud {
     fonts: Fonts,
 }
@@ -41,8 +41,8 @@ impl Default for Hud {
 }
 
 impl Hud {
-    /// Lays `page` out for a picture of `size` pixels, `scale` of them a point of the window, in
-    /// place of what is in `overlay`. What has no room is left out.
+    /// Lays `page` out for a picture of `size` pixels, `scale` of them per point of the window,
+    /// replacing the contents of `overlay`. Parts that do not fit are left out.
     ///
     /// # Errors
     /// An atlas that the device cannot hold.
@@ -98,7 +98,7 @@ impl Hud {
         canvas.shapes
     }
 
-    /// Hands the glyphs on that were drawn for the first time.
+    /// Uploads the glyphs that were drawn for the first time.
     fn upload_atlas(&mut self, overlay: &mut FlatOverlay) -> Result<(), render::Error> {
         let Some(delta) = self.fonts.font_image_delta() else { return Ok(()) };
         let ImageData::Color(image) = &delta.image;
@@ -120,7 +120,7 @@ fn vertex(vertex: &epaint::Vertex, scale: f32) -> FlatVertex {
     }
 }
 
-/// Returns a number with its thousands apart.
+/// Returns a number with its thousands separated.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);

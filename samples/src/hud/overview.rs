@@ -44,7 +44,7 @@ pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, measures: &Measures) -> Opt
     Some(area)
 }
 
-/// Returns all of the overview, `width` points wide. Returns where it ends below.
+/// Draws the whole overview, `width` points wide. Returns its lower end.
 fn full(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
     let (left, right) = (MARGIN, MARGIN + width);
     let strategy = Style { colour: MARK, ..TITLE };
@@ -60,7 +60,7 @@ fn full(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
     canvas.text_within(pos2(left, y), Align::Left, width, &overview.hint, UNIT).max.y
 }
 
-/// Returns the rate, large, and the time of a frame.
+/// Draws the rate, large, and the time of a frame. Returns their lower end.
 fn headline(canvas: &mut Canvas<'_>, overview: &Overview, y: f32, width: f32) -> f32 {
     let rate = canvas.text(pos2(MARGIN, y), Align::Left, &overview.rate.value, LARGE);
     let small = canvas.row(UNIT);
@@ -74,7 +74,7 @@ fn headline(canvas: &mut Canvas<'_>, overview: &Overview, y: f32, width: f32) ->
     rate.max.y + 1.0
 }
 
-/// Numbers in columns, what they are below them.
+/// Draws numbers in columns, with their names below. Returns their lower end.
 fn figures(canvas: &mut Canvas<'_>, figures: &[Figure], y: f32, width: f32) -> f32 {
     let column = width / figures.len().max(1) as f32;
     let below = y + canvas.row(MIDDLE);
@@ -90,7 +90,8 @@ fn figures(canvas: &mut Canvas<'_>, figures: &[Figure], y: f32, width: f32) -> f
     below + canvas.row(UNIT) + 2.0
 }
 
-/// Returns what is drawn of the objects in the frustum, as a share and as a sum.
+/// Draws the drawn part of the objects in the frustum, as a share and as a sum. Returns its lower
+/// end.
 fn bar(canvas: &mut Canvas<'_>, Split { drawn, culled }: Split, y: f32, width: f32) -> f32 {
     let whole = Rect::from_min_size(pos2(MARGIN, y), vec2(width, BAR_HEIGHT));
     canvas.fill(whole, DIM);
@@ -110,7 +111,7 @@ fn bar(canvas: &mut Canvas<'_>, Split { drawn, culled }: Split, y: f32, width: f
     canvas.text_within(at, Align::Left, width, &sum, UNIT).max.y + 2.0
 }
 
-/// Names and times side by side.
+/// Draws names and times side by side. Returns their lower end.
 fn times(canvas: &mut Canvas<'_>, times: &[Figure], y: f32, width: f32) -> f32 {
     let column = width / times.len().max(1) as f32;
     let (high, low) = (canvas.row(MIDDLE), canvas.row(UNIT));
@@ -124,7 +125,7 @@ fn times(canvas: &mut Canvas<'_>, times: &[Figure], y: f32, width: f32) -> f32 {
     y + high
 }
 
-/// Returns a check mark or a warning triangle, and a sentence.
+/// Draws a check mark or a warning triangle, and a sentence. Returns their lower end.
 fn verdict(canvas: &mut Canvas<'_>, verdict: &Verdict, y: f32, width: f32) -> f32 {
     let row = canvas.row(ROW_NAME);
     let (text, colour) = match verdict {
@@ -152,7 +153,7 @@ fn verdict(canvas: &mut Canvas<'_>, verdict: &Verdict, y: f32, width: f32) -> f3
     canvas.text_within(at, Align::Left, MARGIN + width - at.x, text, style).max.y + 1.0
 }
 
-/// Returns the most important numbers alone, one below the other.
+/// Draws the most important numbers alone, one below the other. Returns their lower end.
 fn narrow(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
     let [objects, in_frustum, drawn] = &overview.objects;
     let mut y = GAP;
@@ -165,7 +166,8 @@ fn narrow(canvas: &mut Canvas<'_>, overview: &Overview, width: f32) -> f32 {
     y
 }
 
-/// Groups of names and values below `y`, as many as there is room for above `bottom`.
+/// Draws groups of names and values below `y`, as many as fit above `bottom`. Returns their lower
+/// end.
 fn details(canvas: &mut Canvas<'_>, page: &HudPage, width: f32, y: f32, bottom: f32) -> f32 {
     let (row, right) = (canvas.row(ROW_NAME), MARGIN + width);
     let mut y = y;

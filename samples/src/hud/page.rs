@@ -1,9 +1,9 @@
-//! What is written and drawn over a picture, from plain values.
+//! The contents of the HUD over a picture, as plain values.
 
 use bench::legend::LegendEntry;
 use render::Rect;
 
-/// Everything that is shown over one picture.
+/// The contents of the HUD over one picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct HudPage {
     /// The most important numbers, in the upper left.
@@ -14,17 +14,16 @@ pub struct HudPage {
     pub legends: Vec<Legend>,
     /// Areas to outline: left, top, right and bottom edge in pixels.
     pub marks: Vec<[u32; 4]>,
-    /// What goes on that must be seen without reading.
+    /// Signs that must be understood without reading.
     pub signs: Vec<Sign>,
     /// All keys, over the middle of the picture.
     pub help: Option<Help>,
-    /// What was asked for: a list or field, or rows about something, above what is at the lower
-    /// edge.
+    /// The answer to a request: a list or field, or rows about something, above the lower edge.
     pub asked: Option<String>,
-    /// Something that went wrong or was just done, at the lower edge.
+    /// A message about an error or a finished action, at the lower edge.
     pub toast: Option<String>,
-    /// What is on its way, and how much of it is done (0 to 1, where that is known): a bar in place
-    /// of the toast.
+    /// The scene that is loading, and the fraction of it that is done (0 to 1, where that is
+    /// known): a bar in place of the toast.
     pub progress: Option<(String, Option<f32>)>,
 }
 
@@ -33,36 +32,36 @@ pub struct HudPage {
 pub struct Overview {
     /// The scene.
     pub scene: String,
-    /// The strategy that decides what is drawn.
+    /// The strategy that decides about draws.
     pub strategy: String,
-    /// Frames a second.
+    /// The frames per second.
     pub rate: Figure,
-    /// Time from frame to frame.
+    /// The time from frame to frame.
     pub frame_time: Figure,
-    /// The last frames, oldest first (milliseconds a frame).
+    /// The last frames, oldest first (milliseconds per frame).
     pub frames_ms: Vec<f32>,
-    /// What `frames_ms` are of, as a caption.
+    /// The kind of frames in `frames_ms`, as a caption.
     pub caption: &'static str,
-    /// What a frame may take (milliseconds), drawn as a line across the graph.
+    /// The budget of a frame (milliseconds), drawn as a line across the graph.
     pub budget_ms: Option<f32>,
     /// Objects: of the scene, in the frustum, drawn.
     pub objects: [Figure; 3],
-    /// How many of those in the frustum are drawn, and how many are not.
+    /// The numbers of those in the frustum that are drawn, and that are not.
     pub split: Option<Split>,
-    /// Time of the GPU and of the CPU.
+    /// The times of the GPU and of the CPU.
     pub times: [Figure; 2],
-    /// Whether the picture is right.
+    /// The correctness of the picture.
     pub verdict: Verdict,
-    /// The keys that lead on.
+    /// The keys to try next.
     pub hint: String,
 }
 
-/// A number and what it is.
+/// A number and its name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Figure {
     /// The number.
     pub value: String,
-    /// What it counts or measures.
+    /// The quantity that it counts or measures.
     pub name: &'static str,
 }
 
@@ -75,12 +74,12 @@ pub struct Split {
     pub culled: u64,
 }
 
-/// Whether the picture equals the one without occlusion culling.
+/// The equality of the picture to the one without occlusion culling.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub enum Verdict {
-    /// It does, and why.
+    /// They are equal, for this reason.
     Exact(String),
-    /// It may not, and why.
+    /// They may differ, for this reason.
     Inexact(String),
     /// There is no picture yet.
     #[default]
@@ -90,19 +89,19 @@ pub enum Verdict {
 /// The meaning of some colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
-    /// What is coloured.
+    /// The coloured things.
     pub title: &'static str,
     /// Colours and their meanings.
     pub entries: Vec<LegendEntry>,
-    /// The part of the picture that it explains: it is in the upper left of that; `None` for the
-    /// whole picture, where it is in the upper right.
+    /// The part of the picture that it explains, with the legend in its upper left; `None` for the
+    /// whole picture, with the legend in the upper right.
     pub area: Option<Rect>,
 }
 
-/// What goes on, shown by a frame and a shape.
+/// A state, shown by a frame and a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
-    /// The culling stands still.
+    /// The culling is frozen.
     Frozen,
     /// The camera's path is recorded.
     Recording,
@@ -113,6 +112,6 @@ pub enum Sign {
 /// The keys, in groups.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Help {
-    /// What the groups are about, and their keys with what they do.
+    /// The titles of the groups, and their keys with their actions.
     pub groups: Vec<(&'static str, Vec<(String, String)>)>,
 }

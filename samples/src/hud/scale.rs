@@ -1,26 +1,26 @@
-//! The scale of the graph of frame times: no single frame decides it.
+//! The scale of the graph of frame times, which no single frame decides.
 
-/// This share of the frames decides how high the graph reaches; slower ones are cut and marked.
+/// The share of the frames that decides the graph's height; slower ones are cut and marked.
 const DECISIVE_SHARE: f32 = 0.9;
-/// So much more than the decisive frames is shown.
+/// The factor of the scale over the decisive frames.
 const HEADROOM: f32 = 1.25;
-/// Scales end at these numbers times a power of ten.
+/// The ends of scales, times a power of ten.
 const STEPS: [f32; 7] = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5];
 
-/// What the graph's height stands for.
+/// The values that the graph's height represents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraphScale {
     /// The upper end (milliseconds).
     pub top_ms: f32,
     /// The slowest frame (milliseconds).
     pub slowest_ms: f32,
-    /// How many frames are beyond the upper end.
+    /// The number of frames beyond the upper end.
     pub cut: usize,
 }
 
 impl GraphScale {
-    /// Returns the scale for frames that took `frames_ms` and may take `budget_ms`; `None` without
-    /// a frame.
+    /// Returns the scale for frames that took `frames_ms`, with the budget `budget_ms`; `None`
+    /// without a frame.
     pub fn of(frames_ms: &[f32], budget_ms: Option<f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = frames_ms.iter().copied().filter(|ms| ms.is_finite()).collect();
         sorted.sort_unstable_by(f32::total_cmp);
@@ -32,7 +32,7 @@ impl GraphScale {
         Some(Self { top_ms, slowest_ms, cut })
     }
 
-    /// Returns how high a frame reaches, from 0 to 1.
+    /// Returns the height of a frame's bar, from 0 to 1.
     pub fn height(&self, ms: f32) -> f32 {
         (ms / self.top_ms).clamp(0.0, 1.0)
     }

@@ -6,7 +6,7 @@ use super::canvas::Canvas;
 use super::page::Sign;
 use super::style::PANEL;
 
-/// Width of the frame around the picture, in points.
+/// The width of the frame around the picture, in points.
 const FRAME: f32 = 3.0;
 const BADGE: f32 = 24.0;
 
@@ -48,7 +48,7 @@ fn frame(canvas: &mut Canvas<'_>, area: Rect, colour: Color32) {
     }
 }
 
-/// Two bars for a stop, a disc for a recording, a camera for a picture.
+/// Draws two bars for a stop, a disc for a recording, a camera for a picture.
 fn draw_badge(canvas: &mut Canvas<'_>, sign: Sign, area: Rect) {
     canvas.fill(area, PANEL);
     let colour = sign.colour();

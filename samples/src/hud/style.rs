@@ -3,50 +3,51 @@
 use epaint::Color32;
 use epaint::text::{FontFamily, FontId};
 
-/// Space between texts and edges, in points.
+/// The space between texts and edges, in points.
 pub const MARGIN: f32 = 8.0;
-/// Behind all text. Nearly opaque, since blending is linear and bright scenes shine through.
+/// The background of all text. Nearly opaque, since blending is linear and bright scenes shine
+/// through.
 pub const PANEL: Color32 = Color32::from_rgba_premultiplied(9, 11, 15, 246);
 /// Names and units.
 pub const NAME: Color32 = Color32::from_rgb(176, 186, 200);
 /// Values.
 pub const VALUE: Color32 = Color32::from_rgb(235, 240, 245);
-/// What is as it should be.
+/// Values that are as they should be.
 pub const GOOD: Color32 = Color32::from_rgb(86, 196, 150);
-/// What takes longer than it may, or may be wrong.
+/// Values that exceed their budget, or may be wrong.
 pub const BAD: Color32 = Color32::from_rgb(245, 130, 80);
 /// Keys, toasts and marks.
 pub const MARK: Color32 = Color32::from_rgb(250, 210, 90);
-/// Lines of a scale, and what is left of a bar.
+/// Lines of a scale, and the rest of a bar.
 pub const DIM: Color32 = Color32::from_rgb(84, 94, 110);
 
-/// How a text looks.
+/// The look of a text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
-    /// Height of the letters, in points.
+    /// The height of the letters, in points.
     pub points: f32,
-    /// Colour of the letters.
+    /// The colour of the letters.
     pub colour: Color32,
-    /// Whether all letters are as wide as each other, as in columns of numbers.
+    /// The widths of the letters.
     pub family: Family,
 }
 
-/// Which letters.
+/// The widths of letters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Each as wide as it needs.
+    /// Each letter has its own width.
     Proportional,
-    /// All as wide as each other.
+    /// All letters have the same width, as in columns of numbers.
     Monospace,
 }
 
 impl Style {
-    /// Proportional letters.
+    /// Returns a style of proportional letters.
     pub const fn text(points: f32, colour: Color32) -> Self {
         Self { points, colour, family: Family::Proportional }
     }
 
-    /// Monospaced letters.
+    /// Returns a style of monospaced letters.
     pub const fn number(points: f32, colour: Color32) -> Self {
         Self { points, colour, family: Family::Monospace }
     }
@@ -64,12 +65,13 @@ impl Style {
 mod tests {
     use super::*;
 
-    /// Linear light of an encoded channel.
+    /// Returns the linear light of an encoded channel.
     fn light(encoded: f64) -> f64 {
         if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
     }
 
-    /// Relative luminance of a colour over white, blended in linear light as the GPU does.
+    /// Returns the relative luminance of a colour over white, blended in linear light as the GPU
+    /// does.
     fn luminance(colour: Color32) -> f64 {
         let [red, green, blue, alpha] = colour.to_array().map(|part| f64::from(part) / 255.0);
         let part = |encoded: f64| light(encoded / alpha) * alpha + (1.0 - alpha);

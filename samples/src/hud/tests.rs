@@ -171,7 +171,8 @@ fn details_that_have_no_room_are_named() {
     assert_eq!(all_shown([960, 540]), (false, true));
 }
 
-/// What is said for a while is beside the panel: nothing of that is lost, however much is said.
+/// Checks that messages are beside the panel, so that details lose nothing to messages of any
+/// length.
 #[test]
 fn what_is_said_takes_nothing_from_the_details() {
     let rows = |page: &HudPage, size| {

@@ -1,5 +1,5 @@
-//! The lower edge: what was asked for, and below it what was done or went wrong, or how far a scene
-//! has come.
+//! The lower edge: the answer to a request, and below it the newest message, or the progress of a
+//! scene.
 
 use epaint::{Rect, Shape, pos2, vec2};
 
@@ -8,11 +8,11 @@ use super::page::HudPage;
 use super::style::{DIM, GOOD, MARGIN, MARK, Style};
 
 const TEXT: Style = Style::text(13.0, MARK);
-/// Numbers and marks of rows stand below each other.
+/// The style of rows: numbers and marks stand below each other.
 const ROWS: Style = Style::number(11.5, MARK);
 const BAR: [f32; 2] = [320.0, 10.0];
 
-/// Draws the lower edge from `left` on. Returns where it begins above.
+/// Draws the lower edge from `left` on. Returns its upper end.
 pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, left: f32) -> f32 {
     // There is always room for a row, so that a toast moves nothing.
     let reserved = canvas.screen.max.y - canvas.row(TEXT) - 4.0 * MARGIN;
@@ -26,7 +26,7 @@ pub fn draw(canvas: &mut Canvas<'_>, page: &HudPage, left: f32) -> f32 {
     asked.or(lowest).map_or(reserved, |area| (area.min.y - MARGIN).min(reserved))
 }
 
-/// Returns a text whose lower left is at that place.
+/// Draws a text whose lower left is at that place. Returns its area.
 fn toast(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32; 2]) -> Rect {
     let widest = canvas.screen.width() - left - 4.0 * MARGIN;
     let galley = canvas.wrapped(text.to_owned(), style, widest);
@@ -39,7 +39,7 @@ fn toast(canvas: &mut Canvas<'_>, text: &str, style: Style, [left, bottom]: [f32
     area
 }
 
-/// Returns a bar, and above it what is on its way.
+/// Draws a bar, and above it the name of the step. Returns their area.
 fn progress(canvas: &mut Canvas<'_>, what: &str, fraction: Option<f32>, left: f32) -> Rect {
     let screen = canvas.screen;
     let row = canvas.row(TEXT);

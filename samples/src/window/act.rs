@@ -1,4 +1,4 @@
-//! What actions do to a session. Those that are about a window do nothing here.
+//! The effect of actions on a session. Actions about a window do nothing here.
 
 use super::actions::Action;
 use super::menu;
@@ -15,7 +15,7 @@ const GPU_KNOWS: &str =
     "only the GPU knows what pyramid draws: choose another strategy to see its decisions";
 
 impl Session {
-    /// Does it, or says in the picture why it cannot be.
+    /// Carries the action out, or shows in the picture why it cannot be.
     ///
     /// # Errors
     /// When the device fails.
@@ -80,7 +80,7 @@ impl Session {
         }
     }
 
-    /// Says what became of something that was asked of the view of the scene.
+    /// Shows the result of a request to the view of the scene.
     fn answer(&mut self, ask: impl FnOnce(&mut SceneView) -> Result<String, String>) {
         match ask(&mut self.scene_view) {
             Ok(told) => self.tell(told),
@@ -88,17 +88,17 @@ impl Session {
         }
     }
 
-    /// Says something in the picture.
+    /// Shows a message in the picture.
     pub fn tell(&mut self, text: String) {
         self.toast.tell(self.clock.now(), text);
     }
 
-    /// Says in the picture what cannot be, also where there is no HUD.
+    /// Shows an error in the picture, also where there is no HUD.
     pub fn refuse(&mut self, text: String) {
         self.toast.refuse(self.clock.now(), text);
     }
 
-    /// Returns how many frames are in flight.
+    /// Returns the number of frames in flight.
     pub fn frames_in_flight(&self) -> usize {
         self.renderer.frames_in_flight()
     }
@@ -130,7 +130,7 @@ impl Session {
         }
     }
 
-    /// Says why an explanation that is on shows nothing.
+    /// Shows why an explanation that is on shows nothing.
     fn tell_if_unexplained(&mut self) {
         let is_on = self.has_top_down || self.explanation.has_boxes;
         if is_on && self.strategy == Strategy::Pyramid {
@@ -207,7 +207,7 @@ impl Session {
         }
     }
 
-    /// Writes the path that is recorded, if one is. If that fails, it is recorded on.
+    /// Writes the path that is recorded, if one is. If that fails, the recording continues.
     ///
     /// # Errors
     /// When the file cannot be written.

@@ -1,4 +1,4 @@
-//! What keys and scripts can have done.
+//! The actions of keys and scripts.
 
 use gpu::PresentMode;
 
@@ -6,48 +6,48 @@ use bench::choices::parse_strategy;
 use bench::options::MAX_FRAMES_IN_FLIGHT;
 use bench::strategy::Strategy;
 
-/// Something to be done between two frames.
+/// An action between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// Go on with the next strategy that the device can.
+    /// A switch to the next strategy that the device supports.
     NextStrategy,
-    /// Go on with this one.
+    /// A switch to this strategy.
     Strategy(Strategy),
     /// One more frame in flight, or one only after the most.
     NextFramesInFlight,
-    /// So many.
+    /// This number of frames in flight.
     FramesInFlight(u32),
-    /// Go on with the next present mode.
+    /// A switch to the next present mode.
     NextPresentMode,
-    /// Go on with this one.
+    /// A switch to this present mode.
     PresentMode(PresentMode),
-    /// The culling stands still while the camera flies on, or goes on.
+    /// A freeze of the culling while the camera flies on, or its end.
     Freeze,
     /// Frames with and without culling in turn, and the pixels that differ.
     Compare,
-    /// What the object at a pixel is, or that in the middle, and why it is drawn or not.
+    /// The name of the object at a pixel, or in the middle, and the reason why it is drawn or not.
     Identify(Option<[u32; 2]>),
     /// The view from above in a corner.
     TopDown,
-    /// The boxes that are tested, coloured by what is known of them.
+    /// The boxes that are tested, coloured by their history.
     Boxes,
     /// The edges of all triangles.
     Wireframe,
     /// The GPU time of every pass.
     TimePasses,
-    /// A picture of what is on the screen.
+    /// A picture of the screen.
     Screenshot,
-    /// The camera's path goes into a file, or that is written.
+    /// The start of recording the camera's path, or its end, with the file.
     Record,
-    /// All that is written over the picture.
+    /// The next amount of text over the picture.
     Hud,
-    /// Time in the scene stands still, or goes on.
+    /// A stop of the time in the scene, or its end.
     Pause,
-    /// One step of time further.
+    /// One step of time.
     Step,
-    /// The next clip plays alone.
+    /// The next clip, playing alone.
     NextClip,
-    /// All clips play.
+    /// All clips, playing at once.
     AllClips,
     /// The camera of the scene's file with this number, from 1 on.
     Camera(u32),
@@ -59,18 +59,17 @@ pub enum Action {
     OpenPath,
     /// The page of all keys.
     Help,
-    /// The whole screen, or a window again.
+    /// The full screen, or a window again.
     FullScreen,
-    /// The mouse looks around without a button held, or is free again.
+    /// The mouse captured to look around without a button held, or free again.
     CaptureMouse,
-    /// Closes what is open, frees the mouse, or quits the second time.
+    /// The key Esc: closes the open page, frees the mouse, or quits the second time.
     Escape,
-    /// The end.
+    /// The end of the program.
     Quit,
 }
 
-/// The keys: how they are called, what they do, as text and as an action; in the order of
-/// [`GROUPS`].
+/// The keys: their names, their actions as text, and their actions; in the order of [`GROUPS`].
 pub const KEYS: [(&str, &str, Action); 20] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
@@ -94,7 +93,7 @@ pub const KEYS: [(&str, &str, Action); 20] = [
     ("R", "record the path", Action::Record),
 ];
 
-/// What the keys are about, and how many are about that.
+/// The titles of groups of keys, and the number of keys in each.
 pub const GROUPS: [(&str, usize); 4] =
     [("Scene and window", 7), ("Culling", 4), ("Explanations", 5), ("Frames", 4)];
 
@@ -106,10 +105,10 @@ pub const FILE_KEYS: [(&str, &str, Action); 4] = [
     ("L", "all clips", Action::AllClips),
 ];
 
-/// What the numbers do.
+/// The action of the numbers.
 pub const CAMERA_KEYS: (&str, &str) = ("1 to 9", "cameras of the file");
 
-/// What the camera is steered with.
+/// The keys that steer the camera.
 pub const STEERING: [(&str, &str); 5] = [
     ("WASD QE", "fly, down, up"),
     ("Shift", "faster"),
@@ -119,8 +118,8 @@ pub const STEERING: [(&str, &str); 5] = [
 ];
 
 impl Action {
-    /// Returns what the key of that name does: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a digit, or a
-    /// letter of any case.
+    /// Returns the action of the key of that name: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a digit,
+    /// or a letter of any case.
     pub fn of_key(name: &str) -> Option<Self> {
         let same = |(key, _, _): &&(&str, &str, Action)| key.eq_ignore_ascii_case(name);
         if let Some(number) = name.parse().ok().filter(|number| (1..=9).contains(number)) {
@@ -129,10 +128,10 @@ impl Action {
         KEYS.iter().chain(&FILE_KEYS).find(same).map(|(_, _, action)| *action)
     }
 
-    /// Returns an action as scripts write it.
+    /// Parses an action as scripts write it.
     ///
     /// # Errors
-    /// A sentence, where there is no such action or value.
+    /// A sentence, if there is no such action or value.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut words = text.split_ascii_whitespace();
         let (name, value) = (words.next().unwrap_or_default(), words.next());
@@ -265,7 +264,7 @@ mod tests {
         assert_eq!(GROUPS.iter().map(|(_, count)| count).sum::<usize>(), KEYS.len());
     }
 
-    /// What the window has, the README has.
+    /// Checks that every key of the window is in the README.
     #[test]
     fn the_readme_lists_every_key() {
         let readme = include_str!("../../README.md");

@@ -1,4 +1,5 @@
-//! The program in its window: winit's events in, frames out when the pacer says so.
+//! The program in its window: receives winit's events and draws frames when the pacer asks for
+//! them.
 
 use std::time::{Duration, Instant};
 
@@ -20,16 +21,16 @@ use super::source::Source;
 use bench::run_error::RunError;
 use bench::signals::Signals;
 
-/// So far a wheel without notches turns for one.
+/// The distance of a wheel without notches that counts as one notch.
 const PIXELS_A_NOTCH: f32 = 40.0;
-/// Nothing wakes the loop for a signal: it sleeps at most that long.
+/// The longest sleep of the loop, since no signal wakes it.
 const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 
 /// Runs in a window until that is closed, or a signal comes.
 ///
 /// # Errors
-/// No display, or one that fails; a device or a file that is not what it should be; messages of the
-/// validation layer.
+/// No display, or one that fails; an unsuited device or a bad file; messages of the validation
+/// layer.
 pub fn run(
     source: &Source,
     options: &ShowOptions,
@@ -66,7 +67,7 @@ pub(super) fn no_display(error: impl std::fmt::Display) -> RunError {
     ))
 }
 
-/// What winit calls.
+/// The handler that winit calls.
 struct App<'a> {
     source: &'a Source,
     options: &'a ShowOptions,
@@ -79,7 +80,7 @@ struct App<'a> {
 }
 
 impl App<'_> {
-    /// Goes on, or ends with what went wrong.
+    /// Continues, or ends with the error.
     fn follow(&mut self, event_loop: &ActiveEventLoop, result: Result<Next, RunError>) {
         match result {
             Ok(Next::Now) => event_loop.set_control_flow(ControlFlow::Poll),
@@ -97,7 +98,7 @@ impl App<'_> {
 }
 
 impl App<'_> {
-    /// Does what a key does; returns true if that is the end.
+    /// Carries out the action of a key; returns true if that is the end.
     fn key(&mut self, event: &KeyEvent) -> Result<bool, RunError> {
         let Some(opened) = &mut self.opened else { return Ok(false) };
         let is_escape = event.physical_key == PhysicalKey::Code(KeyCode::Escape);

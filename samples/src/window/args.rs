@@ -24,7 +24,7 @@ Exit codes: 0 all went well; 2 the command line is wrong; 1 the machine cannot d
 cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM ended it: that writes what \
 there is, and a second one ends it at once.";
 
-/// Flies through a city in a window, and shows what the engine thinks.
+/// Flies through a city in a window, and shows the state of the engine.
 ///
 /// The keys are listed on the screen. The same program runs without a window: --headless.
 #[derive(Clone, Debug, Parser)]
@@ -36,14 +36,14 @@ there is, and a second one ends it at once.";
     after_help = help_with_keys(EXAMPLES, &[])
 )]
 pub struct CityArguments {
-    /// What to fly through: city or field
+    /// The scene to fly through: city or field
     #[arg(long, value_name = "city|field", default_value = "city", help_heading = "Scene")]
     pub scene: SceneArgument,
     /// The numbers that it is made from.
     #[command(flatten)]
     pub made: MadeArguments,
-    /// The camera goes along a path, until you take over: street, fly, cut, or a file that was
-    /// recorded, whose name ends in .txt or has a slash [default: it stands where street begins]
+    /// The path of the camera, until you steer: street, fly, cut, or a recorded file, whose name
+    /// ends in .txt or has a slash [default: it stands where street begins]
     #[arg(
         long,
         visible_alias = "replay",
@@ -52,17 +52,17 @@ pub struct CityArguments {
         help_heading = "Scene"
     )]
     pub path: Option<PathChoice>,
-    /// How it is shown.
+    /// The options of showing it.
     #[command(flatten)]
     pub show: ShowArguments,
 }
 
 impl CityArguments {
-    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come
-    /// later.
+    /// Returns the source of the scene and the options of showing it. Looks at nothing but the
+    /// arguments: files and devices come later.
     ///
     /// # Errors
-    /// A scene out of a file.
+    /// A scene's file.
     pub fn options(&self) -> Result<(Source, ShowOptions), UsageError> {
         let made = match &self.scene {
             SceneArgument::Made(scene) => self.made.of(*scene),

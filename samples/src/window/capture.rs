@@ -14,10 +14,10 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// Captures this frame when its turn comes. To be called before there is a device.
+    /// Prepares to capture this frame. Must be called before there is a device.
     ///
     /// # Errors
-    /// Where RenderDoc did not load its library into this program.
+    /// A program into which RenderDoc did not load its library.
     pub fn new(frame: u32) -> Result<Self, RunError> {
         let renderdoc = RenderDoc::new().map_err(|error| {
             RunError::machine(format!(
@@ -27,7 +27,7 @@ impl Capture {
         Ok(Self { renderdoc, frame, is_running: false })
     }
 
-    /// Frame `frame` begins.
+    /// Begins the capture if `frame` is the one.
     pub fn begin(&mut self, frame: u32) {
         if frame == self.frame && !self.is_running {
             self.renderdoc.start_frame_capture(null(), null());
@@ -35,7 +35,8 @@ impl Capture {
         }
     }
 
-    /// It was submitted, and presented if there is a window. Answers whether it was captured.
+    /// Ends the capture after the frame was submitted, and presented if there is a window. Returns
+    /// true if it was captured.
     pub fn end(&mut self) -> bool {
         if std::mem::take(&mut self.is_running) {
             self.renderdoc.end_frame_capture(null(), null());

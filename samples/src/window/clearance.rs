@@ -1,10 +1,10 @@
-//! How far a view is clear of what stands around it.
+//! The clearance of a view: the free distance before it.
 
 use cull::{Aabb, Camera};
 use glam::{Affine3A, Vec3};
 use scene::{Mesh, Scene};
 
-/// Rays per row and per column, over the middle half of the picture.
+/// The rays per row and per column, over the middle half of the picture.
 const RAYS: usize = 5;
 
 /// Returns the median distance, in metres, at which rays through the middle of a view meet a
@@ -38,7 +38,8 @@ fn meets_box(bounds: &Aabb, eye: Vec3, ray: Vec3) -> bool {
     enter <= leave && leave >= 0.0
 }
 
-/// Returns the nearest triangle along the ray, from either side (Möller and Trumbore, 1997).
+/// Returns the distance of the nearest triangle of a mesh along the ray, from either side (Möller
+/// and Trumbore, 1997).
 fn nearest_of_mesh_m(mesh: &Mesh, transform: &Affine3A, eye: Vec3, ray: Vec3) -> f32 {
     let inverse = transform.inverse();
     let (eye, ray) = (inverse.transform_point3(eye), inverse.transform_vector3(ray));

@@ -3,7 +3,7 @@
 /// Returns the text that was copied last.
 ///
 /// # Errors
-/// A sentence, where there is none or the desktop does not give it.
+/// A sentence, if there is none or the desktop does not provide it.
 pub fn text() -> Result<String, String> {
     let text = arboard::Clipboard::new().and_then(|mut clipboard| clipboard.get_text());
     text.map_err(|error| format!("nothing can be pasted: {error}; type the path"))

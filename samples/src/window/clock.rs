@@ -1,9 +1,9 @@
-//! The clock of a frame loop: the one that displays and GPUs tell their times on, where there is
+//! The clock of a frame loop: the one that displays and GPUs report their times on, where there is
 //! one.
 
 use pacing::Time;
 
-/// Reads the time. All of them read the same.
+/// A reader of the time. All of them read the same.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Clock;
 
@@ -17,7 +17,7 @@ impl Clock {
         Time::from_nanos(seconds.saturating_mul(1_000_000_000).saturating_add(nanos))
     }
 
-    /// Returns the time now, since the first time anybody asked.
+    /// Returns the time now, since the first call.
     #[cfg(not(unix))]
     pub fn now(&self) -> Time {
         static ORIGIN: std::sync::LazyLock<std::time::Instant> =

@@ -1,4 +1,4 @@
-//! A session while it compares: two frames of each moment, of which one is shown.
+//! A session during a comparison: two frames of each moment, of which one is shown.
 
 use cull::Camera;
 use gpu::{Readback, Tick};
@@ -29,7 +29,7 @@ impl Session {
         Ok(())
     }
 
-    /// Returns what there is to say of the comparison.
+    /// Returns the text about the comparison, if there is one.
     pub(super) fn comparison_text(&self) -> Option<String> {
         let comparison = self.comparison.as_ref()?;
         let shown = match comparison.shown() {
@@ -44,7 +44,7 @@ impl Session {
     }
 
     /// Draws a frame by the strategy in use; while frames are compared, also one without culling.
-    /// The one that is shown comes last, and is copied to `picture`.
+    /// The one that is shown is drawn last, and is copied to `picture`.
     pub(super) fn render(
         &mut self,
         camera: Camera,
@@ -107,7 +107,7 @@ impl Session {
         Ok(tick)
     }
 
-    /// Compares what is still on its way, and says what was found in all.
+    /// Compares the pending pictures, and logs the result of the whole comparison.
     pub(super) fn finish_comparison(&mut self) -> Result<(), RunError> {
         let Some(mut comparison) = self.comparison.take() else { return Ok(()) };
         self.renderer.device().drain()?;

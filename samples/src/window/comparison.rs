@@ -10,32 +10,32 @@ use super::differences::{Differences, PixelArea};
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
 
-/// Each side is shown for this long in turn.
+/// The time for which each side is shown in turn.
 const TURN_S: f64 = 0.5;
-/// Pairs that may be on their way; a frame that finds none free is not compared.
+/// The pairs that may be pending; a frame that finds no free pair is not compared.
 const PAIRS: usize = 3;
-/// Areas that differed stay marked for this long.
+/// The time for which areas that differed stay marked.
 const MARKED_FOR: Duration = Duration::from_secs(2);
 
 /// One frame of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// With culling, by the strategy in use.
+    /// The frame with culling, by the strategy in use.
     Culled,
-    /// Without: all that is in the frustum.
+    /// The frame without: all objects in the frustum.
     Unculled,
 }
 
-/// What was found so far.
+/// The results so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Pairs that were compared.
+    /// The pairs that were compared.
     pub frames: u64,
-    /// Pairs among them that differed.
+    /// The pairs among them that differed.
     pub differing: u64,
-    /// Pixels that differed in the newest pair.
+    /// The pixels that differed in the newest pair.
     pub newest_pixels: u64,
-    /// Pixels that differed at most.
+    /// The most pixels that differed in any pair.
     pub worst_pixels: u64,
 }
 
@@ -63,13 +63,13 @@ impl Tally {
 /// The two pictures of one moment.
 struct Pair {
     pictures: [Readback; 2],
-    /// When both are there; `None` if nothing is on its way.
+    /// The tick after which both can be read; `None` if nothing is pending.
     tick: Option<Tick>,
 }
 
-/// A comparison that goes on.
+/// A running comparison.
 pub struct Comparison {
-    /// Of the frames without culling, so that they leave the other's history alone.
+    /// The history of the frames without culling, which leaves the other's alone.
     pub(super) unculled: ViewState,
     pairs: Vec<Pair>,
     strategy: Strategy,
@@ -113,17 +113,17 @@ impl Comparison {
         }
     }
 
-    /// Returns what was found so far.
+    /// Returns the results so far.
     pub fn tally(&self) -> Tally {
         self.tally
     }
 
-    /// Returns where pictures differ or lately did.
+    /// Returns the areas in which pictures differ or recently did.
     pub fn marks(&self, now: Time) -> &[PixelArea] {
         if now < self.marked_until { &self.marks } else { &[] }
     }
 
-    /// Starts the count anew if it was of another strategy.
+    /// Resets the count if it was of another strategy.
     pub fn follow(&mut self, strategy: Strategy) {
         if self.strategy != strategy {
             self.strategy = strategy;
@@ -134,7 +134,7 @@ impl Comparison {
         }
     }
 
-    /// Returns the place of a pair that is free, for pictures of the renderer's size.
+    /// Returns the index of a free pair, for pictures of the renderer's size.
     ///
     /// # Errors
     /// No memory.
@@ -150,21 +150,22 @@ impl Comparison {
         Ok(Some(self.pairs.len() - 1))
     }
 
-    /// Returns where a side of a pair is copied to, beside the history of the frames without
-    /// culling.
+    /// Returns the buffer that a side of a pair is copied to, beside the history of the frames
+    /// without culling.
     pub fn split(&mut self, pair: usize, side: Side) -> (&mut ViewState, Option<&Readback>) {
         let picture = self.pairs.get(pair).map(|pair| &pair.pictures[side as usize]);
         (&mut self.unculled, picture)
     }
 
-    /// Takes that both pictures of a pair are there when `tick` is over.
+    /// Records that both pictures of a pair can be read when `tick` is over.
     pub fn sent(&mut self, pair: usize, tick: Tick) {
         if let Some(pair) = self.pairs.get_mut(pair) {
             pair.tick = Some(tick);
         }
     }
 
-    /// Compares what is there by now; never waits. Returns true if anything differed.
+    /// Compares the pictures that can be read by now; never waits. Returns true if anything
+    /// differed.
     ///
     /// # Errors
     /// A lost device.

@@ -1,14 +1,14 @@
-//! The pixels in which two pictures differ, and where they are.
+//! The pixels in which two pictures differ, and their areas.
 
-/// Side of the squares that a picture is looked at in, in pixels.
+/// The side of the squares that a picture is compared in, in pixels.
 const TILE_PIXELS: usize = 16;
-/// More areas than this are joined to one.
+/// The most areas; more are joined to one.
 const MOST_AREAS: usize = 48;
 
 /// A rectangle of pixels: left, top, right and bottom edge.
 pub type PixelArea = [u32; 4];
 
-/// What two pictures differ in.
+/// The differences between two pictures.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Differences {
     /// Pixels that are not the same, bit for bit.
@@ -18,7 +18,7 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// Compares two pictures of `width` pixels a row, four bytes a pixel. Pictures of different
+    /// Compares two pictures of `width` pixels per row, four bytes per pixel. Pictures of different
     /// lengths differ in every pixel that one of them lacks.
     pub fn between(a: &[u8], b: &[u8], width: u32) -> Self {
         if a == b || width == 0 {
@@ -49,7 +49,8 @@ impl Differences {
         found
     }
 
-    /// Adds the marked tiles of a row, neighbours as one, and joined with what they continue.
+    /// Adds the marked tiles of a row. Neighbours become one area, joined with the area that they
+    /// continue.
     fn add_runs(&mut self, is_marked: &[bool], width: usize, [top, bottom]: [u32; 2]) {
         let mut tile = 0;
         while tile < is_marked.len() {

@@ -1,9 +1,9 @@
-//! The window system that a window opens on.
+//! The window system on which a window opens.
 
 use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
-/// Opens the event loop on Wayland, or on X11 where `WAYLAND_DISPLAY` names nothing that answers.
+/// Opens the event loop on Wayland, or on X11 where `WAYLAND_DISPLAY` names no running compositor.
 ///
 /// # Errors
 /// When there is no display.
@@ -23,7 +23,7 @@ fn is_set(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|value| !value.is_empty())
 }
 
-/// Returns true if a Wayland display is named, and nobody listens there.
+/// Returns true if a Wayland display is named that has no listener.
 #[cfg(target_os = "linux")]
 fn is_stale_wayland() -> bool {
     use std::os::unix::net::UnixStream;

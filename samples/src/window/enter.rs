@@ -1,4 +1,4 @@
-//! Another scene takes the place of the one that is shown; everything that was chosen stays chosen.
+//! The change to another scene; everything that the user chose stays.
 
 use std::path::Path;
 
@@ -15,11 +15,11 @@ use bench::strategy::Strategy;
 use bench::terminal::shown;
 
 impl Session {
-    /// Shows `loaded` from now on, from its first frame. What it replaces goes when the GPU is
-    /// through.
+    /// Shows `loaded` from now on, from its first frame. The previous scene is freed when the GPU
+    /// is done with it.
     ///
     /// # Errors
-    /// A device that cannot do it; then it goes on with what it showed.
+    /// A device that fails; then the previous scene stays.
     pub fn enter(&mut self, loaded: LoadedScene) -> Result<(), RunError> {
         let LoadedScene { mut renderer, mut scene_view } = loaded;
         if renderer.size() != self.renderer.size() {
@@ -61,7 +61,7 @@ impl Session {
         self.explain()
     }
 
-    /// Says once what of a file is not shown, and which keys lead on.
+    /// Shows once the parts of a file that are not shown, and the keys to try next.
     fn tell_notes(&mut self, notes: Vec<String>) {
         let others = notes.len().saturating_sub(1);
         let more = (others > 0).then(|| format!("... and {others} more, see the log"));
@@ -72,17 +72,17 @@ impl Session {
         }
     }
 
-    /// Tells how far another scene has come, or that none is on its way.
+    /// Shows the progress of a scene that is loading, or removes it if none is.
     pub fn await_scene(&mut self, progress: Option<Progress>) {
         self.awaited = progress;
     }
 
-    /// Says something until something else is said.
+    /// Shows a message until another replaces it.
     pub fn keep_telling(&mut self, text: String) {
         self.toast.keep_telling(text);
     }
 
-    /// Says for as long as nothing else is said that a source cannot be shown, and why.
+    /// Shows the error of a source until another message replaces it.
     pub fn refuse_source(&mut self, source: &Source, error: &RunError) {
         self.toast.keep_telling(format!("{} cannot be shown: {error}", source.name()));
     }

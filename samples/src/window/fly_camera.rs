@@ -1,23 +1,21 @@
-//! A camera that flies where it is steered: the same way in the same time, however many frames that
-//! takes.
+//! A camera that flies as it is steered: the same way in the same time, in any number of frames.
 
 use cull::Camera;
 use glam::Vec3;
 
-/// So many times as fast in a hurry.
+/// The factor of the speed in a hurry.
 const HURRY: f32 = 6.0;
-/// So many times as fast for each notch of the wheel, and how far that goes from the speed it began
-/// with.
+/// The factor of the speed for each notch of the wheel, and the limit of all notches.
 const NOTCH: f32 = 1.25;
 const MOST_TIMES: f32 = 1e3;
-/// Radians for a pixel that the mouse moved.
+/// The angle in radians for each pixel that the mouse moved.
 const TURN_RAD: f32 = 0.003;
-/// Looking straight up or down would leave no side to turn to.
+/// The steepest view: looking straight up or down would leave no side to turn to.
 const STEEPEST_RAD: f32 = 1.55;
-/// After a pause the camera goes on, it does not jump.
+/// The longest step: after a pause the camera goes on, it does not jump.
 const LONGEST_STEP_S: f32 = 0.1;
 
-/// Where it is steered: each from -1 to 1.
+/// The direction in which it is steered: each component from -1 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Steering {
     /// Ahead, or back.
@@ -26,12 +24,12 @@ pub struct Steering {
     pub right: f32,
     /// Up, or down.
     pub up: f32,
-    /// Whether it hurries.
+    /// True if it hurries.
     pub hurries: bool,
 }
 
 impl Steering {
-    /// Returns both together: two hands are no faster than one.
+    /// Returns the sum of both, limited: two inputs are no faster than one.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         let sum = |a: f32, b: f32| (a + b).clamp(-1.0, 1.0);
@@ -52,14 +50,14 @@ pub struct FlyCamera {
     rise_rad: f32,
     fov_y: f32,
     near: f32,
-    /// Metres in a second at first.
+    /// The speed in metres per second at first.
     speed_m: f32,
-    /// How many times as much by now.
+    /// The factor of the speed from notches.
     times: f32,
 }
 
 impl FlyCamera {
-    /// Begins where another camera is, upright, at so many metres a second.
+    /// Creates a camera in the place of another, upright, at so many metres per second.
     pub fn new(camera: Camera, speed_m: f32) -> Self {
         let forward = camera.forward.try_normalize().unwrap_or(Vec3::X);
         Self {
@@ -73,12 +71,12 @@ impl FlyCamera {
         }
     }
 
-    /// Goes on from where another camera is, as fast as before.
+    /// Moves to the place of another camera, with the same speed.
     pub fn go_to(&mut self, camera: Camera) {
         *self = Self { times: self.times, ..Self::new(camera, self.speed_m) };
     }
 
-    /// Flies faster, or more slowly, by so many notches of a wheel.
+    /// Changes the speed by so many notches of a wheel.
     pub fn hasten(&mut self, notches: f32) {
         if notches.is_finite() {
             let times = self.times * NOTCH.powf(notches.clamp(-9.0, 9.0));
@@ -86,12 +84,12 @@ impl FlyCamera {
         }
     }
 
-    /// Returns the speed in metres a second, without hurry.
+    /// Returns the speed in metres per second, without hurry.
     pub fn speed_m(&self) -> f32 {
         self.speed_m * self.times
     }
 
-    /// Returns what it sees.
+    /// Returns the camera.
     pub fn camera(&self) -> Camera {
         Camera {
             eye: self.eye,
@@ -123,7 +121,7 @@ impl FlyCamera {
         }
     }
 
-    /// Looks around as the mouse moved: pixels to the right and down.
+    /// Turns the view as the mouse moved: pixels to the right and down.
     pub fn turn(&mut self, right: f64, down: f64) {
         if !(right.is_finite() && down.is_finite()) {
             return;

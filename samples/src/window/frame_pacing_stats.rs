@@ -1,10 +1,10 @@
-//! How evenly frames came under the conditions that hold: others start anew.
+//! The frame pacing under the current conditions; a change of them resets it.
 
 use pacing::{FrameStatistics, FrameTiming, HitchRule, PacedFrameId, PacingError, Summary};
 
 use super::conditions::Conditions;
 
-/// Statistics are over so many frames.
+/// The number of frames in the statistics.
 const FRAMES: usize = 600;
 
 /// The newest frames under the same conditions.
@@ -12,7 +12,7 @@ const FRAMES: usize = 600;
 pub struct FramePacingStats {
     statistics: FrameStatistics,
     conditions: Option<Conditions>,
-    /// The first frame under these conditions. Its time is from a frame under others to it.
+    /// The first frame under these conditions. Its time counts from a frame under others.
     first: Option<PacedFrameId>,
 }
 
@@ -20,14 +20,14 @@ impl FramePacingStats {
     /// Creates statistics over no frame.
     ///
     /// # Errors
-    /// None that can come with the number of frames that is built in.
+    /// An error of the number of frames, which cannot come with the one that is built in.
     pub fn new() -> Result<Self, PacingError> {
         let statistics = FrameStatistics::new(FRAMES, HitchRule::default())?;
         Ok(Self { statistics, conditions: None, first: None })
     }
 
-    /// Takes that the frame `next` and later ones come under `conditions`. Frames under others are
-    /// forgotten.
+    /// Notes that the frame `next` and later ones come under `conditions`. Frames under others are
+    /// removed.
     pub fn follow(&mut self, conditions: Conditions, next: PacedFrameId) {
         if self.conditions != Some(conditions) {
             self.statistics.clear();
@@ -35,15 +35,15 @@ impl FramePacingStats {
         }
     }
 
-    /// Takes a frame in, unless its time says anything about the conditions before: of some frames
-    /// that is known only later.
+    /// Records a frame, unless its time belongs to the conditions before: of some frames that is
+    /// known only later.
     pub fn record(&mut self, frame: PacedFrameId, timing: FrameTiming) {
         if self.first.is_none_or(|first| frame > first) {
             self.statistics.record(timing);
         }
     }
 
-    /// Returns all numbers over the frames held.
+    /// Returns all numbers over the recorded frames.
     pub fn summary(&mut self) -> Summary {
         self.statistics.summary()
     }

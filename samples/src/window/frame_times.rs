@@ -1,4 +1,4 @@
-//! The newest frames: how long they took, and what of that went where.
+//! The newest frames: their times on the CPU and on the GPU.
 
 use std::collections::VecDeque;
 
@@ -9,12 +9,12 @@ use render::{FrameReport, OVERLAY_PASSES};
 use super::comparison::Side;
 use super::conditions::Conditions;
 
-/// As many frames as a graph shows.
+/// The number of frames in a graph.
 const KEPT: usize = 130;
-/// What the CPU needs is over so many frames, and what the GPU needs over so many that were timed.
+/// The number of frames in the CPU's median; the GPU's is over as many that were timed.
 const CPU_FRAMES: usize = 32;
 const GPU_FRAMES: usize = 5;
-/// The rate is over so much time, if there are as many frames (milliseconds).
+/// The time over which the rate is taken, if there are as many frames (milliseconds).
 const RATE_MS: f32 = 1000.0;
 
 /// The newest numbers of one kind. Allocates nothing.
@@ -42,7 +42,7 @@ impl<const COUNT: usize> Recent<COUNT> {
         (first..self.count).map(|place| self.ring[place % COUNT])
     }
 
-    /// Returns the number in the middle: that of no frame that is an exception.
+    /// Returns the median, which no exceptional frame affects.
     fn median(&self) -> Option<f32> {
         let mut sorted = self.ring;
         let sorted = &mut sorted[..self.count.min(COUNT)];
@@ -64,44 +64,44 @@ pub struct FrameTimes {
     last: Option<Time>,
     cpu: Recent<CPU_FRAMES>,
     overlay_cpu: Recent<CPU_FRAMES>,
-    /// With culling and without.
+    /// The times with culling and without.
     gpu: [Recent<GPU_FRAMES>; 2],
     overlay_gpu: Recent<GPU_FRAMES>,
-    /// Since the newest frame.
+    /// The time of laying out since the newest frame.
     layout_ms: f32,
     passes: Vec<PassTime>,
-    /// What is on its way under these conditions, oldest first.
+    /// The pending frames under these conditions, oldest first.
     sent: VecDeque<Side>,
 }
 
 impl FrameTimes {
-    /// Forgets everything where `conditions` are not those of the frames before.
+    /// Removes everything if `conditions` are not those of the frames before.
     pub fn follow(&mut self, conditions: Conditions) {
         if self.conditions != Some(conditions) {
             *self = Self { conditions: Some(conditions), ..Self::default() };
         }
     }
 
-    /// Takes that a frame started.
+    /// Records that a frame started.
     pub fn push(&mut self, started: Time) {
         if let Some(last) = self.last.replace(started) {
             self.intervals.push(started.since(last).as_secs_f32() * 1e3);
         }
     }
 
-    /// Takes that the CPU needed `ms` to lay out the overlay of the next frames.
+    /// Records that the CPU needed `ms` to lay out the overlay of the next frames.
     pub fn laid_out(&mut self, ms: f32) {
         self.layout_ms += ms;
     }
 
-    /// Takes what a frame cost on the CPU.
+    /// Records the CPU times of a frame.
     pub fn take(&mut self, report: &FrameReport) {
         let overlay_ms = std::mem::take(&mut self.layout_ms);
         self.cpu.push(report.cpu.as_secs_f32() * 1e3);
         self.overlay_cpu.push(report.overlay_cpu.as_secs_f32() * 1e3 + overlay_ms);
     }
 
-    /// Takes that a frame with or without culling was sent off; `passes` are of the one that had
+    /// Records that a frame with or without culling was submitted; `passes` are of the one that had
     /// its slot before, if its passes were timed.
     pub fn sent(&mut self, side: Side, passes: &[PassTime]) {
         self.sent.push_back(side);
@@ -137,18 +137,18 @@ impl FrameTimes {
         (count > 0).then(|| sum_ms / count as f32)
     }
 
-    /// Returns the usual time of the engine on the CPU and the mean one of the overlay, which is
+    /// Returns the median time of the engine on the CPU and the mean one of the overlay, which is
     /// laid out in some frames only, in milliseconds.
     pub fn cpu_ms(&self) -> [Option<f32>; 2] {
         [self.cpu.median(), self.overlay_cpu.mean()]
     }
 
-    /// Returns the usual times of the engine and of the overlay on the GPU, in milliseconds.
+    /// Returns the median times of the engine and of the overlay on the GPU, in milliseconds.
     pub fn gpu_ms(&self) -> [Option<f32>; 2] {
         [self.gpu[Side::Culled as usize].median(), self.overlay_gpu.median()]
     }
 
-    /// Returns the usual time on the GPU of frames without culling, where those are compared with.
+    /// Returns the median time on the GPU of frames without culling, during a comparison.
     pub fn unculled_gpu_ms(&self) -> Option<f32> {
         self.gpu[Side::Unculled as usize].median()
     }
@@ -252,7 +252,8 @@ mod tests {
         }
     }
 
-    /// One in eight frames is timed, and each moment has two: a pair's first.
+    /// Checks that frames with and without culling are timed apart: one in eight frames is timed,
+    /// and of each pair of frames the first.
     #[test]
     fn frames_with_and_without_culling_are_timed_apart() {
         let mut times = FrameTimes::default();

@@ -1,8 +1,8 @@
-//! A gamepad: sticks and triggers steer, buttons do actions.
+//! A gamepad: sticks and triggers steer, buttons trigger actions.
 //!
-//! [`PadState`] turns numbers of the device into a flight, and [`action_of`] buttons into actions:
-//! pure. A thread reads what Linux has under `/dev/input`: without a gamepad, or without the right
-//! to read it, it looks again from time to time.
+//! [`PadState`] turns numbers of the device into steering, and [`action_of`] buttons into actions:
+//! pure. A thread reads the devices that Linux has under `/dev/input`. Without a gamepad, or
+//! without the right to read it, the thread looks again from time to time.
 
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -13,11 +13,11 @@ use evdev::{AbsoluteAxisCode, Device, EventSummary, KeyCode};
 use super::actions::Action;
 use super::fly_camera::Steering;
 
-/// A stick that is let go rests within this share of its way.
+/// The share of its way within which a released stick rests.
 const DEAD_ZONE: f32 = 0.15;
-/// A stick at its end turns the camera by so many pixels of the mouse a second.
+/// The rate at which a stick at its end turns the camera, in pixels of the mouse per second.
 const TURN_PIXELS_A_SECOND: f64 = 700.0;
-/// Without a gamepad, one is looked for this often.
+/// The interval at which a missing gamepad is looked for.
 const LOOK_INTERVAL: Duration = Duration::from_secs(3);
 
 /// An axis of a gamepad.
@@ -25,11 +25,11 @@ const LOOK_INTERVAL: Duration = Duration::from_secs(3);
 pub enum Axis {
     /// The left stick to the right.
     LeftX,
-    /// The left stick to the hand.
+    /// The left stick towards the hand.
     LeftY,
     /// The right stick to the right.
     RightX,
-    /// The right stick to the hand.
+    /// The right stick towards the hand.
     RightY,
     /// The left trigger.
     LeftTrigger,
@@ -37,7 +37,7 @@ pub enum Axis {
     RightTrigger,
 }
 
-/// Where sticks and triggers are: sticks from -1 to 1, triggers from 0 to 1.
+/// The positions of sticks and triggers: sticks from -1 to 1, triggers from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PadState {
     left: [f32; 2],
@@ -46,7 +46,7 @@ pub struct PadState {
 }
 
 impl PadState {
-    /// Takes a device's number for an axis that goes from `least` to `most`.
+    /// Sets an axis that goes from `least` to `most` to a device's number.
     pub fn set(&mut self, axis: Axis, value: i32, [least, most]: [i32; 2]) {
         let span = (f64::from(most) - f64::from(least)).max(1.0);
         let share = ((f64::from(value) - f64::from(least)) / span).clamp(0.0, 1.0) as f32;
@@ -61,22 +61,22 @@ impl PadState {
         }
     }
 
-    /// Returns where it steers: the left stick moves, the triggers go down and up.
+    /// Returns the steering: the left stick moves, the triggers go down and up.
     pub fn steering(&self) -> Steering {
         let [right, back] = shaped(self.left);
         let [down, up] = self.triggers.map(|trigger| shaped([trigger, 0.0])[0]);
         Steering { ahead: -back, right, up: up - down, hurries: false }
     }
 
-    /// Returns how far the right stick turns the camera in `seconds`, in pixels of the mouse to the
-    /// right and down.
+    /// Returns the movement by which the right stick turns the camera in `seconds`, in pixels of
+    /// the mouse to the right and down.
     pub fn turn(&self, seconds: f32) -> [f64; 2] {
         shaped(self.right).map(|part| f64::from(part) * TURN_PIXELS_A_SECOND * f64::from(seconds))
     }
 }
 
-/// Returns a stick's place without the dead zone in its middle, with fine control near it: by its
-/// distance, so that a direction stays one.
+/// Returns a stick's position without the dead zone in its middle, with fine control near it: by
+/// its distance, so that its direction is kept.
 fn shaped([x, y]: [f32; 2]) -> [f32; 2] {
     let distance = x.hypot(y);
     if distance <= DEAD_ZONE {
@@ -86,7 +86,7 @@ fn shaped([x, y]: [f32; 2]) -> [f32; 2] {
     [x, y].map(|part| part / distance * beyond * beyond)
 }
 
-/// Returns what a button does.
+/// Returns the action of a button.
 pub fn action_of(button: KeyCode) -> Option<Action> {
     match button {
         KeyCode::BTN_SOUTH => Some(Action::NextStrategy),
@@ -99,7 +99,7 @@ pub fn action_of(button: KeyCode) -> Option<Action> {
     }
 }
 
-/// A thread that reads the first gamepad there is.
+/// A thread that reads the first gamepad found.
 pub struct Gamepad {
     state: Arc<Mutex<PadState>>,
     actions: mpsc::Receiver<Action>,
@@ -117,7 +117,7 @@ impl Gamepad {
         Some(Self { state, actions })
     }
 
-    /// Returns where sticks and triggers are.
+    /// Returns the positions of sticks and triggers.
     pub fn state(&self) -> PadState {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -145,7 +145,7 @@ fn look_and_read(state: &Mutex<PadState>, actions: &mpsc::Sender<Action>) {
     }
 }
 
-/// Reads a device until it is gone; returns false if nobody wants it any more.
+/// Reads a device until it is gone; returns false if its reader is dropped.
 fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Action>) -> bool {
     let Ok(ranges) = device.get_absinfo() else { return true };
     let ranges: Vec<_> =
@@ -174,7 +174,7 @@ fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Act
     true
 }
 
-/// Returns which axis a code of the kernel stands for (Documentation/input/gamepad.rst).
+/// Returns the axis of a code of the kernel (Documentation/input/gamepad.rst).
 fn axis_of(code: AbsoluteAxisCode) -> Option<Axis> {
     match code {
         AbsoluteAxisCode::ABS_X => Some(Axis::LeftX),

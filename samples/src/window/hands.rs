@@ -1,4 +1,4 @@
-//! What the mouse and single keys do to an open window, and what is chosen from its lists.
+//! The effects of the mouse and of single keys on an open window, and the choices from its lists.
 
 use std::path::PathBuf;
 
@@ -17,11 +17,11 @@ use super::source::Source;
 use bench::options::MadeScene;
 use bench::run_error::RunError;
 
-/// A scene that is chosen from the list is made of about so many objects.
+/// The approximate number of objects of a scene that is chosen from the list.
 const MADE_OBJECTS: u32 = 10_000;
 
 impl Opened {
-    /// Does what Esc does now; returns true if that is the end.
+    /// Carries out Esc; returns true if that is the end.
     pub(super) fn escape(&mut self) -> bool {
         let closes = self.session.has_page().then_some(Escape::Close);
         let frees = self.pointer.is_looking().then_some(Escape::Free);
@@ -46,7 +46,7 @@ impl Opened {
         self.window.set_fullscreen(wanted);
     }
 
-    /// Does what the mouse wants.
+    /// Carries out an action of the mouse.
     pub(super) fn point(&mut self, action: Option<PointerAction>) {
         match action {
             Some(PointerAction::Grab) => self.grab(),
@@ -63,8 +63,8 @@ impl Opened {
         }
     }
 
-    /// Keeps the mouse in the window. Not every window system can; looking around works all the
-    /// same, up to the edge of the screen.
+    /// Keeps the mouse in the window. Not every window system supports it; looking around works all
+    /// the same, up to the edge of the screen.
     fn grab(&self) {
         let locked = self.window.set_cursor_grab(CursorGrabMode::Locked);
         let _free = locked.or_else(|_| self.window.set_cursor_grab(CursorGrabMode::Confined));
@@ -76,19 +76,19 @@ impl Opened {
         self.window.set_cursor_visible(true);
     }
 
-    /// Takes that the window is hidden by others, or shows again.
+    /// Notes that the window is hidden by others, or shows again.
     pub(super) fn set_occluded(&mut self, is_occluded: bool) {
         self.is_occluded = is_occluded;
         self.not_before = Time::ZERO;
     }
 
-    /// Takes notches of the wheel.
+    /// Changes the camera's speed by notches of the wheel.
     pub(super) fn hasten(&mut self, notches: f32) {
         self.session.hasten(notches);
         self.next_layout = Time::ZERO;
     }
 
-    /// Begins to load or make a scene in place of the one that is shown.
+    /// Begins to load or make a scene that replaces the one shown.
     pub(super) fn load(&mut self, source: &Source, options: &ShowOptions) {
         let size = self.session.renderer().size();
         let device = self.session.renderer().device().clone();
@@ -102,13 +102,13 @@ impl Opened {
         }
     }
 
-    /// Returns the list of scenes, that which is shown selected.
+    /// Returns the list of scenes, with the one shown selected.
     pub(super) fn scenes(&self) -> Menu {
         let [shown, ..] = self.session.subject();
         menu::scenes(scene_files::to_choose(&self.files), shown)
     }
 
-    /// Takes a key while a list or field is open.
+    /// Handles a key while a list or field is open.
     ///
     /// # Errors
     /// When the device fails.

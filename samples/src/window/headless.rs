@@ -1,5 +1,5 @@
-//! The program without a window: the same frames, one a sixtieth of a second, as pictures if
-//! wanted.
+//! The program without a window: the same frames, each a sixtieth of a second after the other, as
+//! pictures if asked for.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -20,13 +20,13 @@ use bench::signals::Signals;
 use bench::terminal::shown;
 
 const FRAME_SECONDS: f32 = 1.0 / 60.0;
-/// The text changes every so many frames.
+/// The number of frames between changes of the text.
 const HUD_FRAMES: u32 = 15;
 
-/// Draws the frames that the options ask for, or as many as there are before a signal.
+/// Draws the frames that the options ask for, or those before a signal.
 ///
 /// # Errors
-/// A device or a file that is not what it should be; messages of the validation layer.
+/// An unsuited device or a bad file; messages of the validation layer.
 pub fn run(
     source: &Source,
     options: &ShowOptions,

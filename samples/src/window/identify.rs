@@ -1,4 +1,5 @@
-//! A session while an object is selected: it is outlined, and a card says why it is drawn or not.
+//! A session while an object is selected: it is outlined, and a card explains why it is drawn or
+//! not.
 
 use cull::ObjectId;
 use render::Pick;
@@ -8,15 +9,15 @@ use super::page_text::Facts;
 use super::session::Session;
 use bench::run_error::RunError;
 
-/// The object that is selected, and the question for the next one.
+/// The object that is selected, and the pixel for the next selection.
 #[derive(Debug, Default)]
 pub struct Selection {
-    /// The pixel to ask about before the next frame.
+    /// The pixel to identify before the next frame.
     pixel: Option<[u32; 2]>,
-    /// On its way.
+    /// The pending pick.
     pick: Option<Pick>,
     object: Option<ObjectId>,
-    /// The card is to be written to the log when its answers are there.
+    /// True if the card is to be logged when its results are read back.
     is_new: bool,
 }
 
@@ -28,8 +29,8 @@ impl Session {
         self.selection.pixel = Some([x.min(width - 1), y.min(height - 1)]);
     }
 
-    /// Takes what is known by now, then asks about the pixel that was clicked last; never waits.
-    /// For the scene as the last frame drew it.
+    /// Handles the results known by now, then picks at the pixel that was clicked last; never
+    /// waits. For the scene as the last frame drew it.
     pub(super) fn follow_selection(&mut self) -> Result<(), RunError> {
         if let Some(pick) = &self.selection.pick {
             // A newer click waits, so that many of them cannot keep all from being answered.
@@ -53,7 +54,7 @@ impl Session {
         Ok(())
     }
 
-    /// Writes what is said of an object to the log, once after it was selected.
+    /// Logs the card of an object, once after it was selected.
     pub(super) fn log_selection(&mut self) {
         if std::mem::take(&mut self.selection.is_new) {
             let rows = self.card().into_iter().map(|(name, value)| format!("{name}: {value}"));
@@ -61,7 +62,7 @@ impl Session {
         }
     }
 
-    /// Returns what there is to say of the selected object; nothing if it is gone.
+    /// Returns the facts about the selected object; none if it is gone.
     pub(super) fn card(&self) -> Facts {
         let view = match &self.frozen {
             Some(snapshot) => snapshot.view,

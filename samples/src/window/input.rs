@@ -1,4 +1,4 @@
-//! The keys that are held, and what those that are struck do.
+//! The held keys, and the actions of struck ones.
 
 use winit::event::{ElementState, KeyEvent};
 use winit::keyboard::{KeyCode, ModifiersState, PhysicalKey};
@@ -7,7 +7,7 @@ use super::actions::Action;
 use super::fly_camera::Steering;
 use super::menu::MenuKey;
 
-/// Keys that steer, by their place on the keyboard: what they mean in a layout does not matter.
+/// The keys that steer, by their place on the keyboard, whatever they mean in a layout.
 const HELD: [KeyCode; 8] = [
     KeyCode::KeyW,
     KeyCode::KeyS,
@@ -19,7 +19,7 @@ const HELD: [KeyCode; 8] = [
     KeyCode::ShiftRight,
 ];
 
-/// Keys that do something, by their place on a US keyboard, and their names in the key table. The
+/// The keys with actions, by their place on a US keyboard, and their names in the key table. The
 /// place counts, not the character: in a Cyrillic or Greek layout no letter has a Latin character.
 const NAMED: [(KeyCode, &str); 43] = [
     (KeyCode::Tab, "Tab"),
@@ -67,7 +67,7 @@ const NAMED: [(KeyCode, &str); 43] = [
     (KeyCode::Digit9, "9"),
 ];
 
-/// The keys that are held.
+/// The held keys.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Input {
     held: [bool; HELD.len()],
@@ -75,7 +75,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// Takes a key that went down or up; returns what is to be done.
+    /// Handles a key that went down or up; returns its action.
     pub fn key(&mut self, event: &KeyEvent) -> Option<Action> {
         let PhysicalKey::Code(code) = event.physical_key else { return None };
         let is_down = event.state == ElementState::Pressed;
@@ -86,7 +86,7 @@ impl Input {
         if is_down && !event.repeat { self.action_of(code) } else { None }
     }
 
-    /// Returns what a key does while a list or field is open.
+    /// Returns the effect of a key while a list or field is open.
     pub fn menu_key(&self, event: &KeyEvent) -> Option<MenuKey> {
         if event.state != ElementState::Pressed {
             return None;
@@ -109,7 +109,7 @@ impl Input {
         }
     }
 
-    /// Takes the modifiers that are held now.
+    /// Sets the modifiers that are held now.
     pub fn set_modifiers(&mut self, modifiers: ModifiersState) {
         self.modifiers = modifiers;
     }
@@ -136,12 +136,12 @@ impl Input {
         }
     }
 
-    /// Forgets what is held: events of keys that are released elsewhere never come.
+    /// Releases all keys: events of keys that are released elsewhere never come.
     pub fn release(&mut self) {
         *self = Self::default();
     }
 
-    /// Returns where the keys steer.
+    /// Returns the steering of the keys.
     pub fn steering(&self) -> Steering {
         let between = |forth: usize, back: usize| {
             f32::from(u8::from(self.held[forth])) - f32::from(u8::from(self.held[back]))
@@ -174,7 +174,8 @@ mod tests {
         input.release();
         assert_eq!(input.steering(), Steering::default());
     }
-    /// The layout changes what a key writes, never which key it is.
+    /// Checks that every key of the tables has a place on the keyboard: the layout changes the
+    /// character of a key, never its place.
     #[test]
     fn every_key_of_the_tables_has_a_place_on_the_keyboard() {
         let input = Input::default();

@@ -1,33 +1,34 @@
-//! The key Esc: closes what is open, frees the mouse, and quits when it is struck twice.
+//! The key Esc: closes the open page, frees the mouse, and quits when it is struck twice.
 
 use std::time::Duration;
 
 use pacing::Time;
 
-/// A second Esc within this time quits.
+/// The time within which a second Esc quits.
 pub const CONFIRM_WITHIN: Duration = Duration::from_secs(4);
 
-/// What one Esc does.
+/// The effect of one Esc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Escape {
-    /// Closes the list, field or page over the picture.
+    /// The list, field or page over the picture closes.
     Close,
-    /// Frees the mouse.
+    /// The mouse is freed.
     Free,
-    /// Asks for a second one.
+    /// A second one is asked for.
     Ask,
-    /// Quits.
+    /// The program quits.
     Quit,
 }
 
-/// Remembers when Esc asked for confirmation.
+/// The time at which Esc asked for confirmation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Leaving {
     asked: Option<Time>,
 }
 
 impl Leaving {
-    /// Returns what an Esc at `now` does where something may be open, and the mouse captured.
+    /// Returns the effect of an Esc at `now`, with something open or not, and the mouse captured or
+    /// not.
     pub fn escape(&mut self, now: Time, open: Option<Escape>) -> Escape {
         if let Some(first) = open {
             self.asked = None;

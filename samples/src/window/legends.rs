@@ -11,8 +11,7 @@ pub fn from_above(area: Option<Rect>) -> Legend {
     Legend { title: legend::TITLE_FROM_ABOVE, entries: legend::from_above(), area }
 }
 
-/// Returns the legends of everything that is explained; `is_frozen` where the picture is of a
-/// moment that stands still.
+/// Returns the legends of everything that is explained; `is_frozen` while the culling is frozen.
 pub fn of(explanation: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
     let mut legends = Vec::new();
     if is_frozen {

@@ -1,4 +1,4 @@
-//! What a session shows: a scene on the device, and the view of it.
+//! The scene that a session shows: on the device, with its view.
 
 use std::ops::ControlFlow;
 
@@ -18,16 +18,16 @@ use bench::options::{MadeScene, PathChoice};
 use bench::run_error::RunError;
 use bench::scene_file::{self, Told};
 
-/// A scene that can be drawn, and how it lives.
+/// A scene that can be drawn, with its cameras and its motion.
 pub struct LoadedScene {
-    /// What draws it.
+    /// The renderer that draws it.
     pub renderer: Renderer,
-    /// Its cameras, and what moves in it.
+    /// Its cameras, and its motion.
     pub scene_view: SceneView,
 }
 
 impl LoadedScene {
-    /// Returns an empty sky, until something comes.
+    /// Creates an empty sky, until a scene is loaded.
     ///
     /// # Errors
     /// When the device fails.
@@ -48,10 +48,10 @@ impl LoadedScene {
         Ok(Self { renderer, scene_view: SceneView::still("nothing", camera) })
     }
 
-    /// Makes a scene.
+    /// Makes a generated scene.
     ///
     /// # Errors
-    /// Numbers that no scene can be made from; a path that it does not have; a device that cannot.
+    /// Numbers from which no scene can be made; a path that it does not have; a device that fails.
     pub fn made(
         device: &Device,
         made: &MadeScene,
@@ -77,10 +77,10 @@ impl LoadedScene {
         })
     }
 
-    /// Loads a file, tells how far that has come, and gives up when it is told to.
+    /// Loads a file, reports the progress, and gives up if the observer asks for it.
     ///
     /// # Errors
-    /// A file that cannot be shown; a camera that it does not have; a device that cannot.
+    /// A file that cannot be shown; a camera that it does not have; a device that fails.
     pub fn of_file(
         device: &Device,
         (file, settings): (&std::path::Path, &FileSource),
@@ -106,7 +106,7 @@ impl LoadedScene {
     }
 }
 
-/// Returns where one stands at first: in a street, or over it all where there are none.
+/// Returns the first camera: in a street, or above the scene where there are none.
 fn start(routes: &Routes) -> Result<Course, RunError> {
     let made = |path| Course::new(&PathChoice::Made(path), routes);
     made(choices::CameraPath::Street).or_else(|_| made(choices::CameraPath::Fly))

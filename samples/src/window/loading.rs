@@ -1,4 +1,4 @@
-//! A scene on its way to the device, on a thread of its own: the frame loop goes on.
+//! A scene that is loading on a thread of its own, while the frame loop goes on.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,23 +13,23 @@ use super::source::Source;
 use bench::run_error::RunError;
 use bench::scene_file::{self, Told};
 
-/// How far it has come.
+/// The progress of loading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// What is being done.
+    /// The current step.
     pub what: String,
-    /// How much of that is done, 0 to 1, where it is known.
+    /// The fraction of it that is done, 0 to 1, where it is known.
     pub fraction: Option<f32>,
 }
 
-/// What both threads look at.
+/// The state that both threads share.
 #[derive(Default)]
 struct Shared {
     progress: Mutex<Progress>,
     is_given_up: AtomicBool,
 }
 
-/// A scene that is being loaded or made. Dropped, it is given up, which is waited for: the device
+/// A scene that is being loaded or made. Dropping it gives it up and waits for that: the device
 /// outlives it.
 pub struct Loading {
     source: Source,
@@ -38,7 +38,7 @@ pub struct Loading {
 }
 
 impl Loading {
-    /// Begins to load or make what `source` says for frames of `size`.
+    /// Begins to load or make the scene of `source` for frames of `size`.
     ///
     /// # Errors
     /// When the system has no thread for it.
@@ -77,17 +77,17 @@ impl Loading {
         Ok(Self { source: source.clone(), shared, thread: Some(thread) })
     }
 
-    /// Returns what is loaded.
+    /// Returns the source that is loaded.
     pub fn source(&self) -> &Source {
         &self.source
     }
 
-    /// Returns how far it has come.
+    /// Returns the progress.
     pub fn progress(&self) -> Progress {
         self.shared.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Returns what became of it, once that is known.
+    /// Returns the result, once it is known.
     pub fn finished(&mut self) -> Option<Result<LoadedScene, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         let crashed = |_| RunError::machine(format!("loading {} failed", self.source.name()));

@@ -5,34 +5,34 @@ use std::path::PathBuf;
 use bench::choices;
 use bench::strategy::Strategy;
 
-/// More characters are no path.
+/// The most characters of a path.
 const MOST_CHARACTERS: usize = 4096;
-/// Rows of a list that are shown at once.
+/// The rows of a list that are shown at once.
 const SHOWN_ROWS: usize = 14;
 
-/// What is chosen in the end.
+/// The choice that a list or field ends with.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// Decide by this strategy.
+    /// This strategy.
     Strategy(Strategy),
-    /// Show this made scene.
+    /// This generated scene.
     Made(choices::Scene),
-    /// Show this file.
+    /// This file.
     File(PathBuf),
-    /// Type the path of a file.
+    /// A path to be typed.
     TypePath,
 }
 
 /// A row of a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// What it says.
+    /// Its text.
     pub label: String,
-    /// What it stands for.
+    /// Its choice.
     pub choice: Choice,
 }
 
-/// What a key does in a list or field.
+/// The effect of a key in a list or field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MenuKey {
     /// One row up.
@@ -47,31 +47,31 @@ pub enum MenuKey {
     First,
     /// The last row.
     Last,
-    /// Takes what is selected or typed.
+    /// The selected or typed choice is taken.
     Enter,
-    /// Removes the last character.
+    /// The last character is removed.
     Backspace,
-    /// Characters that were typed or pasted.
+    /// Typed or pasted characters are appended.
     Text(String),
-    /// Asks for the text of the clipboard, which comes as [`MenuKey::Text`].
+    /// The text of the clipboard is asked for, which comes as [`MenuKey::Text`].
     Paste,
 }
 
 /// A list or field that is open.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Menu {
-    /// One of several.
+    /// A list of rows.
     List {
-        /// What is chosen.
+        /// Its title.
         title: &'static str,
         /// The rows, at least one.
         rows: Vec<Row>,
-        /// The place of the row that is selected.
+        /// The index of the row that is selected.
         selected: usize,
     },
-    /// The path of a file.
+    /// A field for the path of a file.
     Path {
-        /// What was typed.
+        /// The typed text.
         text: String,
     },
 }
@@ -88,7 +88,7 @@ impl Menu {
         Self::Path { text: String::new() }
     }
 
-    /// Returns it as text, a row a line, with a mark at what is selected.
+    /// Returns it as text, one line per row, with a mark at the selected one.
     pub fn text(&self) -> String {
         match self {
             Self::List { title, rows, selected } => {
@@ -119,7 +119,7 @@ impl Menu {
         }
     }
 
-    /// Takes a key; returns what was chosen by it. In a list, a digit chooses the row of that
+    /// Handles a key; returns the choice made by it. In a list, a digit chooses the row of that
     /// number.
     pub fn key(&mut self, key: &MenuKey) -> Option<Choice> {
         match self {
@@ -162,7 +162,7 @@ impl Menu {
     }
 }
 
-/// Appends what was typed, without line breaks and other controls.
+/// Appends typed text, without line breaks and other controls.
 fn append(text: &mut String, typed: &str) {
     let room = MOST_CHARACTERS.saturating_sub(text.chars().count());
     text.extend(typed.chars().filter(|character| !character.is_control()).take(room));
@@ -185,7 +185,7 @@ fn path_of(text: &str) -> Option<PathBuf> {
     (!text.is_empty()).then(|| home.unwrap_or_else(|| PathBuf::from(text)))
 }
 
-/// Returns the list of strategies that the device can, each with its number.
+/// Returns the list of strategies that the device supports, each with its number.
 pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     let row = |strategy: &Strategy| Row {
         label: strategy.name().into(),
@@ -196,8 +196,8 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     Menu::list("strategy", rows, |row| row.choice == Choice::Strategy(current))
 }
 
-/// Returns the list of scenes: the made ones, then files, each once. That of the name `shown` is
-/// selected.
+/// Returns the list of scenes: the generated ones, then files, each once. The one of the name
+/// `shown` is selected.
 pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
     let made = [choices::Scene::City, choices::Scene::Field];
     let made = made.map(|scene| Row { label: scene.to_string(), choice: Choice::Made(scene) });

@@ -1,10 +1,10 @@
 //! The programs `city` and `viewer`, in a window and without one.
 //!
-//! [`args`] and [`viewer_args`] turn command lines into a [`source`] and [how to show](show) it. It
-//! becomes a [`loaded_scene`]: a renderer, and the [`scene_view`] with its cameras and what moves;
-//! files do so while frames go on ([`loading`]). A [`session`] draws one frame after the other,
-//! whoever asks: [`app`] when its [`screen`]'s pacer says so, [`headless`] at once. Keys and
-//! scripts have [`actions`] done ([`act`]).
+//! [`args`] and [`viewer_args`] turn command lines into a [`source`] and [options of showing](show)
+//! it. It becomes a [`loaded_scene`]: a renderer, and the [`scene_view`] with its cameras and its
+//! motion; files do so while frames go on ([`loading`]). A [`session`] draws one frame after the
+//! other on request: of [`app`] when its [`screen`]'s pacer allows it, of [`headless`] at once.
+//! Keys and scripts trigger [`actions`] ([`act`]).
 
 pub mod act;
 pub mod actions;
@@ -67,10 +67,10 @@ use session::Files;
 use show::ShowOptions;
 use source::Source;
 
-/// Runs as the options say, to the end; answers the signal, if one brought it about.
+/// Runs the program with its options to the end; returns the signal, if one caused it.
 ///
 /// # Errors
-/// No display; a device or a file that is not what it should be; messages of the validation layer.
+/// No display; an unsuited device or a bad file; messages of the validation layer.
 pub fn run(source: &Source, options: &ShowOptions) -> Result<Option<Signal>, RunError> {
     let files = Files::open(source, options)?;
     let trace = ("--trace", options.trace.as_deref());
@@ -87,7 +87,7 @@ pub fn run(source: &Source, options: &ShowOptions) -> Result<Option<Signal>, Run
     }
 }
 
-/// Runs what the command line asks for, says what went wrong, and what the program ends with.
+/// Runs the program of the command line, prints its errors, and returns the exit code.
 pub fn end(options: Result<(Source, ShowOptions), RunError>) -> ExitCode {
     let mut ending = Ending::default();
     match options.and_then(|(source, options)| run(&source, &options)) {
@@ -97,7 +97,7 @@ pub fn end(options: Result<(Source, ShowOptions), RunError>) -> ExitCode {
     ending.exit()
 }
 
-/// Keeps the first error, which is the cause; the others are told on the log.
+/// Keeps the first error, which is the cause; the others are logged.
 fn first_error<const COUNT: usize>(results: [Result<(), RunError>; COUNT]) -> Result<(), RunError> {
     let mut errors = results.into_iter().filter_map(Result::err);
     let first = errors.next();
@@ -105,7 +105,7 @@ fn first_error<const COUNT: usize>(results: [Result<(), RunError>; COUNT]) -> Re
     first.map_or(Ok(()), Err)
 }
 
-/// Makes what the validation layer found an error of the program.
+/// Returns an error if the validation layer found one.
 fn check_log(log: &ValidationLog) -> Result<(), RunError> {
     let messages = log.drain();
     match messages.first() {

@@ -1,4 +1,4 @@
-//! What an object is and why it is drawn or not, in words.
+//! The description of an object, in words, with the reason why it is drawn or not.
 
 use cull::{
     Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Tester,
@@ -8,12 +8,12 @@ use glam::Vec3;
 use super::page_text::{Facts, fact};
 use bench::strategy::Strategy;
 
-/// What there is to say of an object.
+/// The data that describe an object.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectCard<'a> {
     /// The plan's decision and the history.
     pub explained: &'a LeafExplanation,
-    /// What the newest answers say, and the frame that asked.
+    /// The newest outcome, and its frame.
     pub outcome: Option<(FrameId, Outcome)>,
     /// The name of its mesh, if it is known.
     pub mesh: Option<&'a str>,
@@ -21,7 +21,7 @@ pub struct ObjectCard<'a> {
     pub triangles: u64,
     /// The eye of the explained frame, in metres.
     pub eye: Vec3,
-    /// Who decided.
+    /// The strategy that decided.
     pub strategy: Strategy,
 }
 
@@ -133,7 +133,8 @@ impl ObjectCard<'_> {
     }
 }
 
-/// Says when a test comes that is due in frame `due`. It waits where it is not worth its price yet.
+/// Returns words for the time of a test that is due in frame `due`. The test waits while it does
+/// not pay yet.
 fn until(due: u64, now: u64) -> String {
     match due.checked_sub(now) {
         None | Some(0) => "due, once it is worth its price".to_owned(),
@@ -154,8 +155,8 @@ mod tests {
     const CAMERA: Camera =
         Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, fov_y: 1.0, near: 0.1 };
 
-    /// Returns a wall, a cube behind it, and one behind the eye, after some frames in which the
-    /// wall alone shows.
+    /// Returns the facts about an object after some frames, in which the wall alone shows: of a
+    /// wall, a cube behind it, and a cube behind the eye.
     fn facts(object: u32, strategy: Strategy) -> String {
         let cube = |z: f32, half: f32| {
             cull::Aabb::new(Vec3::new(-half, -half, z - 1.0), Vec3::new(half, half, z))

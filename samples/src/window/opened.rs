@@ -1,4 +1,4 @@
-//! A window that is open, and what one turn of its loop does.
+//! An open window, and one turn of its loop.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -29,14 +29,15 @@ use super::title::Title;
 use bench::run;
 use bench::run_error::RunError;
 
-/// Text over the picture changes so often.
+/// The interval of changes to the text over the picture.
 const HUD_INTERVAL: Duration = Duration::from_millis(250);
-/// Frames of a window that nobody sees, and looks at one without a pixel, come so often.
+/// The interval of frames of a hidden window, and of checks of one without a pixel.
 const HIDDEN_INTERVAL: Duration = Duration::from_millis(250);
-/// Frames come so often while there is nothing to show yet, and text while something is on its way.
+/// The interval of frames while there is nothing to show yet, and of changes to the text while
+/// something is loading.
 const WAITING_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The window and what draws in it. What is made later goes first.
+/// The window and the objects that draw in it. Later ones are dropped first.
 pub(super) struct Opened {
     pub(super) arrivals: PendingScenes,
     pub(super) session: Session,
@@ -44,10 +45,10 @@ pub(super) struct Opened {
     pub(super) window: Arc<Window>,
     pub(super) instance: Instance,
     pub(super) pointer: Pointer,
-    /// Where the cursor is, in pixels from the upper left.
+    /// The position of the cursor, in pixels from the upper left.
     pub(super) cursor: [f64; 2],
     pub(super) gamepad: Option<Gamepad>,
-    /// Files that were opened, the newest last.
+    /// The opened files, the newest last.
     pub(super) files: Vec<PathBuf>,
     pub(super) leaving: Leaving,
     pub(super) title: Title,
@@ -55,14 +56,14 @@ pub(super) struct Opened {
     pub(super) is_occluded: bool,
     pub(super) is_gone: bool,
     display: DisplayLink,
-    /// The one that was told.
+    /// The fallback that was reported.
     pub(super) fallback: Option<Fallback>,
     pub(super) last_frame: Option<Time>,
     pub(super) next_layout: Time,
     pub(super) not_before: Time,
 }
 
-/// What the loop does next.
+/// The next step of the loop.
 pub(super) enum Next {
     At(Time),
     Now,
@@ -121,7 +122,7 @@ impl Opened {
         })
     }
 
-    /// Returns one turn of the loop.
+    /// Runs one turn of the loop, and returns its next step.
     pub(super) fn turn(
         &mut self,
         input: &Input,
@@ -222,7 +223,7 @@ impl Opened {
         }
     }
 
-    /// Does an action; answers whether it was the end.
+    /// Carries out an action; returns true if it was the end.
     pub(super) fn act(&mut self, action: Action) -> Result<bool, RunError> {
         match action {
             Action::Quit => return Ok(true),
@@ -257,8 +258,8 @@ impl Opened {
         self.session.tell(format!("present mode {mode}"));
     }
 
-    /// Says which present mode it is, if not the one that was wanted. That is known when the window
-    /// has its images.
+    /// Reports the present mode, if it is not the one that was asked for. That is known when the
+    /// window has its images.
     fn tell_fallback(&mut self) {
         let fallback = self.screen.swapchain().fallback();
         if let Some(Fallback { wanted, taken }) = fallback
@@ -273,7 +274,7 @@ impl Opened {
         self.session.clock.now()
     }
 
-    /// Writes what is left, and tears all down.
+    /// Writes the remaining files, and destroys the window and its objects.
     pub(super) fn close(self, options: &ShowOptions) -> Result<(), RunError> {
         let Self { arrivals, session, mut screen, window, instance, .. } = self;
         // Whatever is on its way is given up before the device goes.

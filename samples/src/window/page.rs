@@ -15,16 +15,16 @@ use super::session::Session;
 use crate::hud::{Help, HudLevel, HudPage, Legend, Sign};
 use bench::run_error::RunError;
 
-/// While the HUD is shown, one in so many frames has its passes timed.
+/// The interval of frames whose passes are timed while the HUD is shown.
 const TIMED_INTERVAL_FRAMES: u64 = 8;
-/// A screenshot is shown for so long.
+/// The time for which a screenshot is shown.
 const FLASH: Duration = Duration::from_millis(800);
-/// So many frames are remembered until their answers are home.
+/// The most frames that are remembered until their results are read back.
 const MOST_VIEWED: usize = 64;
 
 impl Session {
-    /// Lays the HUD out, or without one only what cannot be or went wrong, and signs; `scale`
-    /// pixels are a point. Where there is nothing to draw, nothing is kept for it.
+    /// Lays the HUD out; without one, errors and signs only. `scale` pixels are a point. While
+    /// there is nothing to draw, no HUD is kept.
     ///
     /// # Errors
     /// When the device fails.
@@ -48,7 +48,7 @@ impl Session {
         Ok(laid_out?)
     }
 
-    /// Times passes as often as is wanted: of all frames for who asks, of some for the HUD.
+    /// Times passes: of all frames on request, of some for the HUD.
     fn time_passes(&mut self) -> Result<(), RunError> {
         let has_timestamps = self.renderer.device().capabilities().has(gpu::Optional::Timestamps);
         let wanted = match (self.is_timing_passes, self.hud_level) {
@@ -77,8 +77,7 @@ impl Session {
         }
     }
 
-    /// Takes what the newest frame cost, and remembers what it was seen from until its answers are
-    /// home.
+    /// Records the costs of the newest frame, and keeps its camera until its results are read back.
     pub(super) fn measure(&mut self, camera: Camera) {
         self.times.take(&self.report);
         if self.viewed.len() == MOST_VIEWED {
@@ -162,8 +161,8 @@ impl Session {
         }
     }
 
-    /// Returns what was asked for and is answered in words: the list or field that is open, or else
-    /// what a comparison found and what is said of the selected object.
+    /// Returns the answer to a request, in words: the list or field that is open, or else the
+    /// results of a comparison and the card of the selected object.
     fn asked_for(&self) -> Option<String> {
         if let Some(menu) = &self.menu {
             return Some(menu.text());
@@ -180,7 +179,7 @@ impl Session {
         selected.into_iter().chain(explained).collect()
     }
 
-    /// Returns what must be seen without reading.
+    /// Returns the signs that must be understood without reading.
     fn signs(&self, now: Time) -> Vec<Sign> {
         let is_new = |taken: Time| now.since(taken) < FLASH;
         // A screenshot does not show that one was taken.
@@ -193,7 +192,7 @@ impl Session {
         signs.into_iter().filter_map(|(is_on, sign)| is_on.then_some(sign)).collect()
     }
 
-    /// Returns all keys.
+    /// Returns the page of all keys.
     fn help(&self) -> Help {
         let own = |(key, action): (&str, &str)| (key.to_owned(), action.to_owned());
         let mut groups = vec![("Camera", STEERING.map(own).to_vec())];

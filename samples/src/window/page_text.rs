@@ -1,4 +1,4 @@
-//! The text of the HUD, from plain values. What is not known is shown as that.
+//! The text of the HUD, from plain values. Unknown values are shown as such.
 
 use std::time::Duration;
 
@@ -13,50 +13,50 @@ use crate::hud::{Figure, Overview, Split, Verdict, grouped};
 use bench::strategy::Strategy;
 
 const UNKNOWN: &str = "-";
-/// Passes beyond this many are summed up.
+/// The rows of passes; those beyond this many are summed up.
 const PASS_ROWS: usize = 8;
 
 /// A group of names and values.
 pub type Facts = Vec<(String, String)>;
 
-/// All that the text of a page is about.
+/// The values that the text of a page is made from.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
     /// The number of the next frame.
     pub frame: u32,
     /// The name of the scene.
     pub scene: &'a str,
-    /// Of the newest frame, if there is one.
+    /// The report of the newest frame, if there is one.
     pub report: &'a FrameReport,
-    /// Of the newest frame whose answers are home.
+    /// The outcome of the newest frame whose results were read back.
     pub outcome: Option<&'a FrameOutcome>,
-    /// Objects of the scene.
+    /// The objects of the scene.
     pub objects: u64,
     /// Objects in the frustum of the frame of the outcome.
     pub in_frustum: Option<u64>,
-    /// What the newest frames took.
+    /// The times of the newest frames.
     pub times: &'a FrameTimes,
-    /// Whether passes are listed one by one.
+    /// True if passes are listed one by one.
     pub lists_passes: bool,
     /// GPU memory in use.
     pub used_bytes: u64,
     /// The device's name.
     pub device: &'a str,
-    /// Of the picture, in pixels.
+    /// The size of the picture, in pixels.
     pub size: [u32; 2],
     /// The strategy.
     pub strategy: Strategy,
-    /// Whether the culling stands still.
+    /// True if the culling is frozen.
     pub is_frozen: bool,
-    /// Whether the path is recorded.
+    /// True if the path is recorded.
     pub is_recording: bool,
-    /// How draws depend on answers.
+    /// The way in which draws depend on results.
     pub predicates: &'a str,
-    /// How many frames are under way at once.
+    /// The number of frames in flight.
     pub frames_in_flight: usize,
-    /// What a comparison with and without culling found, while it goes on.
+    /// The results of a comparison with and without culling, while it runs.
     pub compared: Option<Tally>,
-    /// Where pictures are shown, if they are.
+    /// The facts about the window, if there is one.
     pub screen: Option<&'a ScreenFacts>,
 }
 
@@ -178,7 +178,7 @@ impl Known<'_> {
         ]
     }
 
-    /// Returns what all this text costs, beside the engine's own numbers.
+    /// Returns the costs of all this text, beside the engine's own numbers.
     fn overlay(&self) -> Facts {
         let ([_, cpu], [_, gpu]) = (self.times.cpu_ms(), self.times.gpu_ms());
         vec![fact("this overlay, CPU", in_ms(cpu)), fact("this overlay, GPU", in_ms(gpu))]
@@ -215,7 +215,7 @@ fn what_is_shown(screen: &ScreenFacts) -> Vec<(String, String)> {
     facts
 }
 
-/// Returns how evenly the newest frames came.
+/// Returns the frame pacing of the newest frames.
 fn how_evenly(screen: &ScreenFacts) -> Facts {
     let summary = &screen.summary;
     let of = |times: Option<Distribution>, pick: fn(&Distribution) -> Duration| {
@@ -237,7 +237,7 @@ fn how_evenly(screen: &ScreenFacts) -> Facts {
     ]
 }
 
-/// Returns how evenly the newest frames came, in one line.
+/// Returns the frame pacing of the newest frames in one line.
 pub fn in_short(screen: &ScreenFacts) -> String {
     let facts: Vec<String> =
         how_evenly(screen).into_iter().map(|(name, value)| format!("{name} {value}")).collect();
@@ -253,7 +253,7 @@ fn ms(ms: Option<f64>) -> String {
     ms.map_or(UNKNOWN.to_owned(), |ms| format!("{ms:.2} ms"))
 }
 
-/// Returns three digits that matter, and the unit.
+/// Returns three significant digits, and the unit.
 pub(super) fn in_ms(ms: Option<f32>) -> String {
     match ms {
         None => UNKNOWN.to_owned(),
@@ -263,7 +263,7 @@ pub(super) fn in_ms(ms: Option<f32>) -> String {
     }
 }
 
-/// Returns three digits that matter.
+/// Returns three significant digits.
 fn digits(ms: f64) -> String {
     match ms {
         _ if ms < 9.995 => format!("{ms:.2}"),
@@ -272,7 +272,7 @@ fn digits(ms: f64) -> String {
     }
 }
 
-/// Returns a number that fits a column: of millions, three digits that matter.
+/// Returns a number that fits a column: from millions on, three significant digits.
 fn short(number: u64) -> String {
     match number {
         0..1_000_000 => grouped(number),

@@ -1,4 +1,4 @@
-//! Scenes that come while the window is open: the one it was opened for, and files dropped into it.
+//! Scenes that are loaded while the window is open: the first one, and files dropped into it.
 
 use gpu::Device;
 
@@ -11,20 +11,20 @@ use bench::run_error::RunError;
 
 const DROP_ONE: &str = "drop a glTF file (.glb or .gltf) into this window";
 
-/// What is on its way.
+/// The scenes that are loading.
 pub struct PendingScenes {
     loading: Option<Loading>,
-    /// Whether nothing was shown yet of what the window was opened for.
+    /// True until the scene for which the window was opened is shown.
     is_first: bool,
-    /// Whether it was said what to do with an empty window.
+    /// True if the message about an empty window was shown.
     is_invited: bool,
 }
 
 impl PendingScenes {
-    /// Returns what is shown at once, and what is on its way.
+    /// Returns the loading scenes, and the one to show at once.
     ///
     /// # Errors
-    /// A scene that cannot be made; a device that cannot do it.
+    /// A scene that cannot be made; a device that fails.
     pub fn open(
         source: &Source,
         device: &Device,
@@ -48,17 +48,17 @@ impl PendingScenes {
         Ok((Self { loading, is_first, is_invited }, loaded))
     }
 
-    /// Returns true if the window still waits for what it was opened for.
+    /// Returns true if the window still waits for its first scene.
     pub fn is_first_awaited(&self) -> bool {
         self.is_first
     }
 
-    /// Returns true if anything is on its way.
+    /// Returns true if any scene is loading.
     pub fn is_awaited(&self) -> bool {
         self.loading.is_some()
     }
 
-    /// Begins to load or make another scene, in place of any other that is on its way.
+    /// Begins to load or make another scene, in place of any other that is loading.
     ///
     /// # Errors
     /// When the system has no thread for it.
@@ -75,11 +75,12 @@ impl PendingScenes {
         Ok(())
     }
 
-    /// Looks what has come, and has `session` show it; answers whether anything is to be told.
+    /// Checks for loaded scenes, and makes `session` show them; returns true if there is any
+    /// progress to show.
     ///
     /// # Errors
-    /// What the window was opened for cannot be shown; a failed device. Another file that cannot be
-    /// shown leaves the scene as it is, and is told of.
+    /// The first scene cannot be shown; a failed device. Another file that cannot be shown leaves
+    /// the scene as it is, with a message.
     pub fn look(&mut self, session: &mut Session) -> Result<bool, RunError> {
         if !std::mem::replace(&mut self.is_invited, true) {
             session.keep_telling(DROP_ONE.to_owned());

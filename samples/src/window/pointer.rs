@@ -1,26 +1,26 @@
-//! The mouse: looks around while a button is held or while it is captured; a click asks what is
-//! there.
+//! The mouse: looks around while a button is held or while it is captured; a click identifies an
+//! object.
 
-/// Counts pixels: a mouse that moved less between press and release has clicked.
+/// The distance in pixels: a mouse that moved less between press and release has clicked.
 const DRAG_PIXELS: f64 = 4.0;
 
-/// A button that does something.
+/// A button with an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Button {
-    /// A click identifies what it hits.
+    /// The left button: a click identifies the object that it hits.
     Left,
-    /// A click captures the mouse, or frees it.
+    /// The right button: a click captures the mouse, or frees it.
     Right,
 }
 
-/// What an event of the mouse has the window do.
+/// The effect of an event of the mouse on the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointerAction {
-    /// Keep the mouse in the window and hide it.
+    /// The mouse is kept in the window and hidden.
     Grab,
-    /// Let it go and show it.
+    /// The mouse is let go and shown.
     Release,
-    /// Say what is under it; in the middle of the picture if the mouse is captured.
+    /// The object under it is identified; in the middle of the picture if the mouse is captured.
     Identify,
 }
 
@@ -28,7 +28,7 @@ pub enum PointerAction {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pointer {
     is_captured: bool,
-    /// The button that is held, and how far the mouse moved since, in pixels.
+    /// The button that is held, and the distance that the mouse moved since, in pixels.
     held: Option<(Button, f64)>,
 }
 
@@ -47,12 +47,12 @@ impl Pointer {
         self.held.is_some_and(|(_, moved_pixels)| moved_pixels >= DRAG_PIXELS)
     }
 
-    /// Takes a press. A second button does nothing while one is held.
+    /// Handles a press. A second button does nothing while one is held.
     pub fn press(&mut self, button: Button) {
         self.held.get_or_insert((button, 0.0));
     }
 
-    /// Takes a movement, in pixels to the right and down.
+    /// Handles a movement, in pixels to the right and down.
     pub fn move_by(&mut self, right: f64, down: f64) -> Option<PointerAction> {
         let was_looking = self.is_looking();
         if let Some((_, moved_pixels)) = &mut self.held {
@@ -61,7 +61,7 @@ impl Pointer {
         (self.is_looking() && !was_looking).then_some(PointerAction::Grab)
     }
 
-    /// Takes a release.
+    /// Handles a release.
     pub fn release(&mut self, button: Button) -> Option<PointerAction> {
         let (held, moved_pixels) = self.held.take_if(|(held, _)| *held == button)?;
         match held {
@@ -79,7 +79,7 @@ impl Pointer {
         if self.is_captured { PointerAction::Grab } else { PointerAction::Release }
     }
 
-    /// Frees the mouse, whatever it does; `None` if it was free.
+    /// Frees the mouse from any mode; `None` if it was free.
     pub fn free(&mut self) -> Option<PointerAction> {
         let was_looking = self.is_looking();
         *self = Self::default();

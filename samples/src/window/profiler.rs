@@ -4,18 +4,18 @@
 use gpu::PassTime;
 use pacing::Time;
 
-/// Something that the CPU is at.
+/// A scope of the CPU's work.
 pub struct Scope {
-    /// What the trace calls it.
+    /// Its name in the trace.
     pub name: &'static str,
-    /// Since when.
+    /// The time of its beginning.
     pub began: Time,
     #[cfg(feature = "tracy")]
     _zone: Option<tracy_client::Span>,
 }
 
 impl Scope {
-    /// It begins now, at `began`. For a profiler it ends when this is dropped.
+    /// Begins a scope now, at `began`. For a profiler it ends when this is dropped.
     pub fn begin(name: &'static str, began: Time) -> Self {
         Self {
             name,
@@ -27,8 +27,8 @@ impl Scope {
     }
 }
 
-/// What Tracy is told besides scopes. It listens on this machine only, and keeps nothing while
-/// nobody is connected. Without the feature `tracy` there is no thread and no socket.
+/// The connection to Tracy besides scopes. It listens on this machine only, and keeps nothing while
+/// no profiler is connected. Without the feature `tracy` there is no thread and no socket.
 #[cfg(feature = "tracy")]
 pub struct Profiler {
     client: tracy_client::Client,
@@ -42,7 +42,7 @@ impl Profiler {
         Self { client: tracy_client::Client::start(), plots: Vec::new() }
     }
 
-    /// A frame was submitted, and these passes came home.
+    /// Sends that a frame was submitted, with the passes that were read back.
     pub fn frame(&mut self, passes: &[PassTime]) {
         self.client.frame_mark();
         if !tracy_client::Client::is_connected() {
@@ -61,7 +61,7 @@ impl Profiler {
     }
 }
 
-/// Nobody to tell.
+/// The connection without Tracy.
 #[cfg(not(feature = "tracy"))]
 pub struct Profiler;
 
@@ -72,6 +72,6 @@ impl Profiler {
         Self
     }
 
-    /// Tells nobody.
+    /// Sends nothing.
     pub fn frame(&mut self, _: &[PassTime]) {}
 }

@@ -1,10 +1,10 @@
-//! The files that can be chosen: those that were opened, and those beside them.
+//! The files that can be chosen: those opened before, and those beside them.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Entries of a folder that are looked at.
+/// The entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 10_000;
 
 /// Returns the glTF files that were opened, the newest first, and those in the folder of the

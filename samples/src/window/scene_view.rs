@@ -1,4 +1,4 @@
-//! What is around a scene: where one begins, where the camera goes by itself, and what moves.
+//! The view of a scene: the first camera, the camera's own paths, and the scene's motion.
 
 use std::path::Path;
 
@@ -15,20 +15,20 @@ use bench::playback::{self, Clips};
 use bench::recorded_path::RecordedPath;
 use bench::run_error::RunError;
 
-/// One clip takes the place of another within so many seconds.
+/// The time of the transition from one clip to another, in seconds.
 const FADE_S: f64 = 0.3;
-/// So far goes one step while time stands still.
+/// The step of time while time stands still, in seconds.
 const STEP_S: f64 = 1.0 / 60.0;
-/// After a pause of the program time goes on, it does not jump.
+/// The longest step: after a pause of the program time goes on, it does not jump.
 const LONGEST_STEP_S: f32 = 0.25;
-/// Where everything is of a size that people walk in, so many metres a second.
+/// The speed of flight where everything is of a size that people walk in, in metres per second.
 const WALKING_M: f32 = 4.0;
-/// A view is before a wall where its middle is not clear for so many metres.
+/// The clear distance in its middle without which a view is before a wall.
 const WALL_M: f32 = 2.5;
-/// A scene is crossed in about so many seconds.
+/// The approximate time of crossing a scene, in seconds.
 const CROSSING_S: f32 = 30.0;
 
-/// Who moves the camera, until somebody steers.
+/// The guide of the camera, until the user steers.
 #[derive(Debug)]
 enum Guide {
     Nobody,
@@ -41,19 +41,19 @@ enum Guide {
 
 /// The view of a scene: its cameras, its paths, and what moves in it.
 pub struct SceneView {
-    /// What files that are written are called after.
+    /// The name after which written files are called.
     pub name: String,
-    /// Where one begins.
+    /// The first camera.
     pub start: Camera,
-    /// How fast one flies, in metres a second.
+    /// The speed of flight, in metres per second.
     pub speed_m: f32,
-    /// What there is to tell about it once.
+    /// The messages about it that are shown once.
     pub notes: Vec<String>,
-    /// Which keys lead on from where one begins.
+    /// The keys to try next from the first camera.
     pub hint: Option<String>,
     guide: Guide,
     names: MeshNames,
-    /// From where all of a file is seen.
+    /// The camera that sees all of a file's scene.
     overview: Camera,
     life: Option<Life>,
 }
@@ -75,15 +75,15 @@ impl MeshNames {
     }
 }
 
-/// What moves in a scene out of a file.
+/// The motion in a scene out of a file.
 struct Life {
     animator: SceneAnimator,
     cameras: Vec<import::SceneCamera>,
-    /// Which clips play.
+    /// The clips that play.
     clips: Clips,
-    /// When objects take coarser forms; never where it is `None`.
+    /// The policy for coarser levels of detail; `None` for none.
     detail: Option<DetailPolicy>,
-    /// What time it is in the scene.
+    /// The time in the scene.
     seconds: f64,
     is_paused: bool,
 }
@@ -93,7 +93,7 @@ fn detail_policy(error_pixels: f32) -> DetailPolicy {
 }
 
 impl SceneView {
-    /// Returns where nothing moves but the camera.
+    /// Creates the view of a scene in which nothing moves but the camera.
     pub fn still(name: &str, start: Camera) -> Self {
         Self {
             name: name.to_owned(),
@@ -108,26 +108,26 @@ impl SceneView {
         }
     }
 
-    /// Creates the same, and the meshes of `scene` have names.
+    /// Returns the same view, with names of the meshes of `scene`.
     pub fn with_names(mut self, scene: &Scene) -> Self {
         self.names = MeshNames::of(scene);
         self
     }
 
-    /// Returns the name of an object's mesh; `None` for objects that came later.
+    /// Returns the name of an object's mesh; `None` for objects that were added later.
     pub fn mesh_name(&self, object: ObjectId) -> Option<&str> {
         let mesh = *self.names.meshes.get(object.0 as usize)?;
         self.names.names.get(mesh as usize).map(String::as_str)
     }
 
-    /// Creates the same, and the camera goes its own way.
+    /// Returns the same view, with a camera on this path.
     pub fn with_course(mut self, course: Option<Course>) -> Self {
         self.guide = course.map_or(Guide::Nobody, Guide::Course);
         self
     }
 
-    /// Returns what a file brought, seen on pictures of that size at first, whose left is covered
-    /// up to a share of the width.
+    /// Creates the view of a file's scene, seen on pictures of that size at first, whose left is
+    /// covered up to a share of the width.
     ///
     /// # Errors
     /// A camera that the file does not have; a recorded path that is none.
@@ -191,7 +191,7 @@ impl SceneView {
         })
     }
 
-    /// Returns where the camera is by itself in a frame of `size` pixels; nowhere where somebody
+    /// Returns the camera of its own path in a frame of `size` pixels; `None` where the user
     /// steers.
     pub fn camera(&self, frame: u32, size: [u32; 2]) -> Option<Camera> {
         match (&self.guide, &self.life) {
@@ -204,12 +204,12 @@ impl SceneView {
         }
     }
 
-    /// From here on somebody steers. Answers whether nobody did before.
+    /// Lets the user steer from now on. Returns true if the camera followed a path before.
     pub fn take_over(&mut self) -> bool {
         !matches!(std::mem::replace(&mut self.guide, Guide::Nobody), Guide::Nobody)
     }
 
-    /// Lets `seconds` pass; cameras go to where they are then.
+    /// Lets `seconds` pass; cameras move to their places.
     pub fn advance(&mut self, seconds: f32) {
         let Some(life) = &mut self.life else { return };
         if !life.is_paused && seconds.is_finite() {
@@ -218,8 +218,8 @@ impl SceneView {
         life.animator.pose(life.seconds);
     }
 
-    /// Brings everything in `renderer` to where it is now; what `camera`, the only one, cannot see
-    /// takes no pose. Without one everything does.
+    /// Moves everything in `renderer` to its place at the current time. Meshes that `camera`, the
+    /// only one, cannot see get no pose; without a camera all do.
     ///
     /// # Errors
     /// When the renderer refuses a change.
@@ -237,7 +237,7 @@ impl SceneView {
         Ok(())
     }
 
-    /// Lets objects take the forms that are fine enough for `camera`.
+    /// Selects the levels of detail that are fine enough for `camera`.
     pub fn choose_detail(&self, renderer: &mut Renderer, camera: &Camera) {
         if let Some(policy) = self.life.as_ref().and_then(|life| life.detail) {
             renderer.choose_detail(&[*camera], &policy);
@@ -249,20 +249,20 @@ impl SceneView {
         self.life.is_some()
     }
 
-    /// Time stands still, or goes on. Answers what there is to tell.
+    /// Stops or continues time. Returns the message about it.
     ///
     /// # Errors
-    /// Why that cannot be.
+    /// The reason why that cannot be.
     pub fn toggle_pause(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.is_paused = !life.is_paused;
         Ok(if life.is_paused { "time stands still" } else { "time goes on" }.to_owned())
     }
 
-    /// Returns one step further, and time stands still.
+    /// Advances one step, and stops time. Returns the message about it.
     ///
     /// # Errors
-    /// Why that cannot be.
+    /// The reason why that cannot be.
     pub fn step(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.is_paused = true;
@@ -273,7 +273,7 @@ impl SceneView {
     /// Plays the next clip alone.
     ///
     /// # Errors
-    /// Why that cannot be.
+    /// The reason why that cannot be.
     pub fn next_clip(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.clips = life.clips.next(&life.animator);
@@ -285,7 +285,7 @@ impl SceneView {
     /// Plays all clips at once.
     ///
     /// # Errors
-    /// Why that cannot be.
+    /// The reason why that cannot be.
     pub fn all_clips(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.clips = Clips::all(&life.animator, None);
@@ -294,8 +294,8 @@ impl SceneView {
         Ok(told)
     }
 
-    /// Looks at everything where the clip plays no more that moves the camera: without it that is
-    /// where nobody looks from, often inside of something.
+    /// Looks at everything if the clip no longer plays that moves the camera: without the clip its
+    /// place was never meant for a view, and is often inside of something.
     fn leave_standing_camera(&mut self) {
         let (Guide::Camera(place), Some(life)) = (&self.guide, &self.life) else { return };
         let Some(camera) = life.cameras.get(*place) else { return };
@@ -308,7 +308,7 @@ impl SceneView {
     /// Looks through a camera of the file, counted from 1.
     ///
     /// # Errors
-    /// Why that cannot be.
+    /// The reason why that cannot be.
     pub fn look_through(&mut self, number: u32) -> Result<String, String> {
         let place = (number as usize).saturating_sub(1);
         let Some(life) = &mut self.life else { return Err(NO_FILE.to_owned()) };
@@ -329,7 +329,7 @@ impl SceneView {
         Ok(told)
     }
 
-    /// Returns what there is to tell of it all the time.
+    /// Returns the facts that are always shown.
     pub fn facts(&self) -> Option<Facts> {
         let life = self.life.as_ref()?;
         let camera = match self.guide {
@@ -359,8 +359,7 @@ impl SceneView {
     }
 }
 
-/// Says how to look through the first of `count` cameras, which a clip moves, and through the
-/// others.
+/// Returns the keys for the first of `count` cameras, which a clip moves, and for the others.
 fn how_to_look(first: &str, count: usize) -> String {
     let others = match count {
         0 | 1 => String::new(),

@@ -1,4 +1,5 @@
-//! Where pictures are shown, and when: a swapchain and the pacer that says when to start frames.
+//! The display of pictures and its timing: a swapchain and the pacer that decides when frames
+//! start.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -18,25 +19,25 @@ use super::frame_pacing_stats::FramePacingStats;
 use super::show::ShowOptions;
 use bench::run_error::RunError;
 
-/// Frames whose end is still of interest.
+/// The most frames whose end is still of interest.
 const MOST_QUEUED: usize = 64;
-/// A swapchain that was not made yet is taken to have so many images.
+/// The number of images that a swapchain is assumed to have before it is made.
 const USUAL_IMAGES: u32 = 3;
-/// The longest that the loop blocks to learn when a picture shows: keys wait meanwhile.
+/// The longest time that the loop blocks to learn when a picture shows: keys wait meanwhile.
 const LONGEST_LOOK: Duration = Duration::from_millis(20);
 
-/// What there is to tell of a screen.
+/// The facts about a window's swapchain.
 #[derive(Clone, Copy, Debug)]
 pub struct ScreenFacts {
     /// The present mode in use.
     pub mode: PresentMode,
-    /// The one that was wanted, where the window has it not.
+    /// The mode that was asked for, if the window does not have it.
     pub fallback: Option<PresentMode>,
     /// Images of the window.
     pub images: u32,
     /// The refresh period, once it is known.
     pub refresh: Option<Duration>,
-    /// How evenly frames came.
+    /// The frame pacing.
     pub summary: Summary,
 }
 
@@ -60,18 +61,18 @@ pub struct Screen {
     queued: VecDeque<Queued>,
     reports: PresentReports,
     refresh: Refresh,
-    /// Which swapchain the pacer knows of: its mode, its images, how often it was replaced.
+    /// The swapchain that the pacer knows: its mode, its images, the number of replacements.
     known: (PresentMode, usize, u64),
     /// The present mode that was asked for last: the swapchain follows with its next image.
     wanted: PresentMode,
 }
 
 impl Screen {
-    /// Shows pictures of `device` in the window of `surface`; its monitor refreshes in about
-    /// `refresh`, if that is known.
+    /// Prepares to show pictures of `device` in the window of `surface`; its monitor refreshes in
+    /// about `refresh`, if that is known.
     ///
     /// # Errors
-    /// A device that cannot; a failed call.
+    /// A device that does not support it; a failed call.
     pub fn new(
         device: &Device,
         surface: &Surface,
@@ -120,7 +121,7 @@ impl Screen {
         })
     }
 
-    /// Returns what to do now: delivers what became known, then asks the pacer.
+    /// Returns the next step: delivers the times that became known, then asks the pacer.
     ///
     /// # Errors
     /// A lost device.
@@ -140,7 +141,7 @@ impl Screen {
     /// Shows the newest picture of `renderer` as the pacer's `frame`.
     ///
     /// # Errors
-    /// What has no name in [`gpu::PresentSkipped`].
+    /// Errors that are not in [`gpu::PresentSkipped`].
     pub fn show(
         &mut self,
         renderer: &Renderer,
@@ -172,12 +173,12 @@ impl Screen {
         Ok(Shown::Presented(presented))
     }
 
-    /// The frame that started will not be shown.
+    /// Notes that the frame that started will not be shown.
     pub fn drop_frame(&mut self, frame: PacedFrameId) {
         self.pacer.feedback(frame, Feedback::Dropped);
     }
 
-    /// Returns whether a frame may begin: not while a hidden window holds the one before back.
+    /// Returns true if a frame may begin: not while a hidden window holds the one before back.
     ///
     /// # Errors
     /// A failed call.
@@ -185,7 +186,7 @@ impl Screen {
         Ok(self.swapchain.is_ready()?)
     }
 
-    /// Changes how pictures follow each other.
+    /// Changes the present mode.
     pub fn set_mode(&mut self, mode: PresentMode) {
         self.wanted = mode;
         self.swapchain.set_mode(mode);
@@ -196,7 +197,7 @@ impl Screen {
         self.wanted
     }
 
-    /// Changes how many pictures are on their way.
+    /// Changes the number of frames in flight.
     ///
     /// # Errors
     /// A failed call.
@@ -207,7 +208,7 @@ impl Screen {
         self.pacer.choose(options).map_err(RunError::machine)
     }
 
-    /// Returns what there is to tell.
+    /// Returns the facts to show.
     pub fn facts(&mut self) -> ScreenFacts {
         ScreenFacts {
             mode: self.swapchain.mode(),
@@ -218,7 +219,7 @@ impl Screen {
         }
     }
 
-    /// Takes the conditions of the frame `next`: statistics over others start anew.
+    /// Notes the conditions of the frame `next`: another set of them resets the statistics.
     pub fn follow(&mut self, conditions: Conditions, next: PacedFrameId) {
         self.evenness.follow(conditions, next);
     }
@@ -228,7 +229,7 @@ impl Screen {
         &self.swapchain
     }
 
-    /// Tells the pacer of another swapchain.
+    /// Informs the pacer of another swapchain.
     fn follow_swapchain(&mut self) -> Result<(), RunError> {
         let swapchain = &self.swapchain;
         if swapchain.image_count() == 0 {
@@ -253,7 +254,7 @@ impl Screen {
         self.pacer.present_through(presentation).map_err(RunError::machine)
     }
 
-    /// Looks what became of the frames that are queued. Never waits.
+    /// Checks the results of the frames that are queued. Never waits.
     fn look(&mut self) -> Result<(), RunError> {
         let (completed, at) = (self.device.completed()?, self.clock.now());
         let (queued, pacer) = (&mut self.queued, &mut self.pacer);
@@ -292,7 +293,7 @@ impl Screen {
         Ok(())
     }
 
-    /// Sleeps in the driver rather than in the loop, where that tells when a picture shows.
+    /// Sleeps in the driver rather than in the loop, if the driver reports when a picture shows.
     fn await_showing(&mut self, wait: &Wait) -> Result<(), RunError> {
         if !matches!(wait.reason, WaitReason::Deadline | WaitReason::QueueFull(_)) {
             return Ok(());
@@ -310,7 +311,7 @@ impl Screen {
     }
 }
 
-/// Returns the same mode, as the pacer calls it.
+/// Returns the same mode in the pacer's terms.
 fn pacers(mode: PresentMode) -> pacing::PresentationMode {
     match mode {
         PresentMode::Fifo => pacing::PresentationMode::Fifo,

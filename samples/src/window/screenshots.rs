@@ -1,4 +1,4 @@
-//! Pictures on their way to files: nobody waits for the GPU to have drawn them.
+//! Pictures on their way to files, without waiting for the GPU.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -27,17 +27,17 @@ pub struct Screenshots {
 /// Pictures that could not be written.
 struct Lost {
     count: u32,
-    /// Why the first could not be.
+    /// The reason for the first one.
     reason: String,
 }
 
 impl Screenshots {
-    /// A picture that is there when `tick` is over, for the file at `path`.
+    /// Adds a picture that can be read when `tick` is over, for the file at `path`.
     pub fn push(&mut self, picture: Rc<Readback>, tick: Tick, path: PathBuf) {
         self.pending.push(Pending { picture, tick, path });
     }
 
-    /// Writes what is there by now; answers the newest file that was written.
+    /// Writes the pictures that can be read by now; returns the newest file that was written.
     ///
     /// # Errors
     /// A lost device; a file that cannot be written.
@@ -59,7 +59,7 @@ impl Screenshots {
         failed.map_or(Ok(newest), Err)
     }
 
-    /// Writes a picture that is there, under a name that is free. Returns its path.
+    /// Writes a picture that can be read, under a name that is free. Returns its path.
     ///
     /// # Errors
     /// A file that cannot be written: that is also an error in the [end](Self::finish).

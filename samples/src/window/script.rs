@@ -1,7 +1,7 @@
-//! Scripts: what is to be done before which frame, so that a run can be repeated without a hand.
+//! Scripts: actions before numbered frames, so that a run can be repeated automatically.
 //!
-//! A line is the number of a frame and a [`Action`]: `60 strategy pyramid`. Frames count from 0,
-//! and do not go back. Empty lines and lines that begin with `#` mean nothing.
+//! A line is the number of a frame and an [`Action`]: `60 strategy pyramid`. Frames count from 0,
+//! and do not go back. Empty lines and lines that begin with `#` are ignored.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use bench::input_file;
 use bench::options::UsageError;
 use bench::terminal::shown;
 
-/// A larger file is no script.
+/// The largest file that is read.
 const MOST_BYTES: u64 = 16 << 20;
 
 /// Actions in the order of their frames.
@@ -24,7 +24,7 @@ impl Script {
     /// Reads a file.
     ///
     /// # Errors
-    /// A file that cannot be read, or the first line that cannot be, with its number.
+    /// A file that cannot be read, or the number of the first bad line.
     pub fn read(path: &Path) -> Result<Self, UsageError> {
         let shown = shown(path);
         let refuse = |reason: &dyn std::fmt::Display| {
@@ -53,7 +53,7 @@ impl Script {
         Ok(Self { lines, next: 0 })
     }
 
-    /// Returns the next action that is to be done before `frame`.
+    /// Returns the next action that is due before `frame`.
     pub fn next_before(&mut self, frame: u32) -> Option<Action> {
         let (due, action) = *self.lines.get(self.next)?;
         if due > frame {

@@ -1,5 +1,4 @@
-//! The program without its window: a scene, a camera, and one frame after the other, whoever shows
-//! them.
+//! The program without its window: a scene, a camera, and one frame after the other on request.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -37,7 +36,7 @@ use bench::run_error::RunError;
 use bench::strategy::Strategy;
 use bench::terminal::{output::say_wrote, shown};
 
-/// A flight.
+/// A session: one run of a program.
 pub struct Session {
     pub(super) clock: Clock,
     pub(super) renderer: Renderer,
@@ -47,34 +46,34 @@ pub struct Session {
     pub(super) frame: u32,
     pub(super) fly: FlyCamera,
     pub(super) scene_view: SceneView,
-    /// How far another scene has come that is on its way.
+    /// The progress of another scene that is loading.
     pub(super) awaited: Option<Progress>,
     pub(super) frozen: Option<VisibilitySnapshot>,
-    /// What the newest frame was seen from.
+    /// The camera of the newest frame.
     pub(super) seen_from: Camera,
     pub(super) explanation: DebugOverlay,
-    /// While frames with and without culling are compared.
+    /// The running comparison of frames with and without culling.
     pub(super) comparison: Option<Comparison>,
     pub(super) selection: Selection,
     /// The list or field that is open.
     pub(super) menu: Option<Menu>,
     pub(super) has_top_down: bool,
     pub(super) hud_level: HudLevel,
-    /// The page of all keys is open.
+    /// True if the page of all keys is open.
     pub(super) has_help: bool,
-    /// What is written over the picture is no longer true.
+    /// True if the text over the picture is out of date.
     pub(super) is_page_stale: bool,
-    /// While there is something to write over the picture.
+    /// The HUD, while there is something to show over the picture.
     pub(super) hud: Option<Hud>,
     pub(super) toast: Toast,
     pub(super) times: FrameTimes,
-    /// How pictures follow each other in the window.
+    /// The present mode of the window.
     pub(super) present_mode: Option<PresentMode>,
     /// The number of the scene.
     pub(super) scene: u32,
-    /// What the newest frames were seen from, oldest first.
+    /// The cameras of the newest frames, oldest first.
     pub(super) viewed: VecDeque<(FrameId, Camera)>,
-    /// When the newest screenshot was taken.
+    /// The time of the newest screenshot.
     pub(super) photographed: Option<Time>,
     pub(super) report: FrameReport,
     pub(super) outcome: Option<FrameOutcome>,
@@ -92,10 +91,10 @@ pub struct Session {
 }
 
 impl Session {
-    /// Shows `loaded`.
+    /// Creates a session that shows `loaded`.
     ///
     /// # Errors
-    /// A device that cannot do it.
+    /// A device that fails.
     pub fn new(
         device: &Device,
         options: &ShowOptions,
@@ -156,41 +155,40 @@ impl Session {
         self.frame
     }
 
-    /// Returns the names of the scene, of the strategy, and of what is counted as drawn in a
-    /// second.
+    /// Returns the names of the scene, of the strategy, and of the counted frames per second.
     pub fn subject(&self) -> [&str; 3] {
         let unit = self.comparison.as_ref().map_or("frames/s", |_| "pairs/s");
         [&self.scene_view.name, self.strategy.name(), unit]
     }
 
-    /// Returns what draws.
+    /// Returns the renderer.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
     }
 
-    /// Returns the next action that the script has for the next frame.
+    /// Returns the next action of the script for the next frame.
     pub fn next_scripted(&mut self) -> Option<super::actions::Action> {
         self.script.next_before(self.frame)
     }
 
-    /// Returns true once if what is written over the picture is no longer true.
+    /// Returns true once if the text over the picture is out of date.
     pub fn take_stale_page(&mut self) -> bool {
         std::mem::take(&mut self.is_page_stale)
     }
 
-    /// Looks elsewhere, as the mouse moved; the camera's own way ends.
+    /// Turns the view as the mouse moved; the camera's own path ends.
     pub fn turn(&mut self, right: f64, down: f64) {
         self.take_over();
         self.fly.turn(right, down);
     }
 
-    /// Flies faster, or more slowly, by so many notches of a wheel.
+    /// Changes the camera's speed by so many notches of a wheel.
     pub fn hasten(&mut self, notches: f32) {
         self.fly.hasten(notches);
         self.tell(format!("speed {:.2} m/s", self.fly.speed_m()));
     }
 
-    /// From here on somebody steers.
+    /// Lets the user steer from now on.
     fn take_over(&mut self) {
         if self.scene_view.take_over() {
             self.fly.go_to(self.seen_from);
@@ -200,7 +198,7 @@ impl Session {
     /// Draws pictures of another size from now on.
     ///
     /// # Errors
-    /// A size that the device cannot; no memory.
+    /// A size that the device does not support; no memory.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), RunError> {
         self.renderer.resize(size)?;
         self.explain()
@@ -218,9 +216,9 @@ impl Session {
         self.fly.camera()
     }
 
-    /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if it is
-    /// wanted. A frame is copied to one place only: a screenshot of it is written from there, so
-    /// whoever uses the same place again waits for the frame and calls [`Session::after_frame`]
+    /// Draws the next frame, `seconds` after the last one, and copies it to `picture`, if there is
+    /// one. A frame is copied to one place only, and a screenshot of it is written from there. So a
+    /// caller that uses the same place again waits for the frame and calls [`Session::after_frame`]
     /// before the next.
     ///
     /// # Errors
@@ -278,7 +276,7 @@ impl Session {
         Ok(tick)
     }
 
-    /// Returns where the screenshot that is wanted is copied to, which is `picture` if there is
+    /// Returns the buffer for the screenshot that was asked for, which is `picture` if there is
     /// one, and its file.
     fn screenshot(
         &mut self,
@@ -296,12 +294,12 @@ impl Session {
         Ok(Some((picture, self.folder.join(name))))
     }
 
-    /// From here to [`Session::end_scope`] lies what traces and profilers show under this name.
+    /// Begins a scope that traces and profilers show under this name, until [`Session::end_scope`].
     pub fn begin_scope(&self, name: &'static str) -> Scope {
         Scope::begin(name, self.clock.now())
     }
 
-    /// It is over now.
+    /// Ends the scope.
     pub fn end_scope(&mut self, scope: Scope) {
         if let Some(trace) = &mut self.trace {
             trace.cpu(scope.name, scope.began, self.clock.now());
@@ -319,8 +317,8 @@ impl Session {
         Ok(())
     }
 
-    /// Does what is to be done when the frame is submitted, and presented if there is a window:
-    /// pictures are written that are there, shaders are looked after.
+    /// Finishes a frame that was submitted, and presented if there is a window: writes pictures
+    /// that can be read, and checks the shaders for changes.
     ///
     /// # Errors
     /// When the device fails.
@@ -352,7 +350,7 @@ impl Session {
         Ok(())
     }
 
-    /// Shows the explanations that are wanted, the view from above in the lower right.
+    /// Shows the explanations that are on, the view from above in the lower right.
     pub(super) fn explain(&mut self) -> Result<(), RunError> {
         let corner = corner(self.renderer.size()).filter(|_| self.has_top_down);
         self.explanation.top_down = corner;
@@ -362,11 +360,11 @@ impl Session {
         Ok(())
     }
 
-    /// Writes what is left: a path being recorded, pictures on their way, the trace. Each, whatever
-    /// becomes of the others.
+    /// Writes the remaining files: a path being recorded, pending pictures, the trace. Each is
+    /// tried regardless of failures of the others.
     ///
     /// # Errors
-    /// When a file cannot be written, or a screenshot could not be before.
+    /// A file that cannot be written, or a screenshot that could not be before.
     pub fn finish(mut self, options: &ShowOptions) -> Result<(), RunError> {
         let compared = self.finish_comparison();
         let recording = self.stop_recording();
@@ -381,11 +379,11 @@ impl Session {
     }
 }
 
-/// What a session needs from outside, found before there is a device.
+/// The files that a session needs, opened before there is a device.
 pub struct Files {
-    /// What is done by itself.
+    /// The actions without input.
     pub script: Script,
-    /// The frame that is captured.
+    /// The capture of a frame.
     pub capture: Option<Capture>,
 }
 
@@ -393,7 +391,7 @@ impl Files {
     /// Reads the files that the options name.
     ///
     /// # Errors
-    /// One that cannot be read, or is not what it should be.
+    /// A file that cannot be read, or has other contents.
     pub fn open(source: &Source, options: &ShowOptions) -> Result<Self, RunError> {
         if let Some(file) = source.recorded_path() {
             RecordedPath::read(file)?;

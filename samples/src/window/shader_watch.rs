@@ -1,4 +1,4 @@
-//! Tells when the shaders in a folder were changed.
+//! A watch over a folder of shaders, for changes.
 
 use std::fs;
 use std::path::PathBuf;
@@ -6,17 +6,18 @@ use std::time::{Duration, SystemTime};
 
 use pacing::Time;
 
-/// Between two looks.
+/// The time between two checks.
 const INTERVAL: Duration = Duration::from_millis(300);
 
-/// A folder that is looked at now and then.
+/// A folder that is checked at intervals.
 pub struct ShaderWatch {
     folder: PathBuf,
     seen: Seen,
     next_look: Time,
 }
 
-/// What changes when a file does: how many there are, their size in all, and the newest change.
+/// The values that change when a file does: the number of files, their size in all, and the newest
+/// change.
 type Seen = (usize, u64, Option<SystemTime>);
 
 impl ShaderWatch {
@@ -30,7 +31,7 @@ impl ShaderWatch {
         &self.folder
     }
 
-    /// Returns true if something has changed since the last time this was true. Looks a few times a
+    /// Returns true if something has changed since it last returned true. Checks a few times per
     /// second.
     pub fn has_changed(&mut self, now: Time) -> bool {
         if now < self.next_look {

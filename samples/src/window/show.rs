@@ -1,4 +1,4 @@
-//! What the command lines of `city` and `viewer` share: how something is shown, whatever it is.
+//! The options that `city` and `viewer` share: the ways to show any scene.
 
 use std::path::PathBuf;
 
@@ -12,43 +12,44 @@ use gpu::PresentMode;
 use super::actions::present_mode;
 use crate::hud::HudLevel;
 
-/// How something is shown, as it was asked for.
+/// The options of showing a scene, as the command line has them.
 #[derive(Clone, Debug, Args)]
 pub struct ShowArguments {
-    /// What is to be done before which frame: a file of lines such as `60 strategy pyramid`
+    /// File of actions before frames: lines such as `60 strategy pyramid`
     #[arg(long, value_name = "FILE", help_heading = "Frames")]
     pub script: Option<PathBuf>,
     /// Size of the window, or of the frames, in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Frames")]
     pub size: FrameSize,
-    /// Who decides what is drawn; `walkthrough --list-strategies` has the names
+    /// Strategy that decides about draws; `walkthrough --list-strategies` has the names
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     #[arg(value_parser = parse_product)]
     pub strategy: Strategy,
-    /// What the governor does: leave out tests that cost more than they save, by costs that are
-    /// measured at the start and corrected by what frames take; or nothing
+    /// Costs in the cost model. measured: on the device at the start, corrected by the times of the
+    /// frames; tests that cost more than they save are left out. ignored: everything is tested
     #[arg(long, value_name = "COSTS", default_value = "measured", help_heading = "Frames")]
     pub costs: Costs,
-    /// How many frames the CPU may be ahead of the GPU
+    /// Number of frames that the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Frames")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
     pub frames_in_flight: u32,
-    /// How pictures follow each other in the window [default: fifo]
+    /// Present mode of the window [default: fifo]
     #[arg(long, value_name = "fifo|fifo_relaxed|mailbox|immediate", help_heading = "Frames")]
     #[arg(value_parser = present_mode, conflicts_with = "headless")]
     pub present_mode: Option<PresentMode>,
-    /// At most so many frames a second in the window [default: as the screen goes]
+    /// Most frames per second in the window [default: the rate of the screen]
     #[arg(long, value_name = "HZ", help_heading = "Frames")]
     #[arg(value_parser = frame_limit, conflicts_with = "headless")]
     pub frame_limit: Option<f64>,
-    /// End after so many frames [default: 120 without a window, never with one]
+    /// Number of frames after which the program ends [default: 120 without a window, never with
+    /// one]
     #[arg(long, value_name = "N", help_heading = "Frames")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
     pub frames: Option<u32>,
     /// Open no window
     #[arg(long, help_heading = "Frames")]
     pub headless: bool,
-    /// How much text is over the picture at the start [default: on in a window]
+    /// Amount of text over the picture at the start [default: on in a window]
     #[arg(long, value_name = "LEVEL", help_heading = "Frames")]
     pub hud: Option<HudLevel>,
     /// Measure the GPU time of every pass from the start
@@ -72,40 +73,40 @@ pub struct ShowArguments {
     pub capture: Option<u32>,
 }
 
-/// How something is shown. Every value is in its range.
+/// The options of showing a scene. Every value is in its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShowOptions {
-    /// What is done by itself.
+    /// The actions without input.
     pub script: Option<PathBuf>,
-    /// Size at the start.
+    /// The size at the start.
     pub size: FrameSize,
-    /// Who decides at the start.
+    /// The strategy at the start.
     pub strategy: Strategy,
-    /// Whether tests must pay.
+    /// The costs of the cost model.
     pub costs: Costs,
-    /// How many frames are in flight at the start.
+    /// The number of frames in flight at the start.
     pub frames_in_flight: u32,
-    /// How pictures follow each other at the start.
+    /// The present mode at the start.
     pub present_mode: PresentMode,
-    /// At most so many frames a second.
+    /// The most frames per second.
     pub frame_limit_hz: Option<f64>,
-    /// The end, in frames.
+    /// The number of frames after which the program ends.
     pub frames: Option<u32>,
-    /// Whether there is no window.
+    /// True if there is no window.
     pub is_headless: bool,
-    /// How much text there is at the start.
+    /// The amount of text at the start.
     pub hud: HudLevel,
-    /// Whether passes are timed at the start.
+    /// True if passes are timed at the start.
     pub times_passes: bool,
-    /// Which device draws.
+    /// The device that draws.
     pub device: DeviceChoice,
-    /// What the validation layer looks at.
+    /// The checks of the validation layer.
     pub validation: Validation,
-    /// Folder of GLSL that is watched.
+    /// The folder of GLSL that is watched.
     pub shaders: Option<PathBuf>,
-    /// Folder for what is written.
+    /// The folder for written files.
     pub out: Option<PathBuf>,
-    /// File for a trace.
+    /// The file for a trace.
     pub trace: Option<PathBuf>,
     /// The frame that RenderDoc captures.
     pub capture: Option<u32>,
@@ -114,7 +115,7 @@ pub struct ShowOptions {
 const HEADLESS_FRAMES: u32 = 120;
 
 impl ShowArguments {
-    /// Returns what they mean together.
+    /// Returns the options with their defaults.
     pub fn options(&self) -> ShowOptions {
         let hud = if self.headless { HudLevel::Off } else { HudLevel::Compact };
         ShowOptions {
@@ -139,7 +140,7 @@ impl ShowArguments {
     }
 }
 
-/// Reads the name of a strategy that needs to know nothing beforehand.
+/// Reads the name of a strategy that needs no knowledge in advance.
 fn parse_product(text: &str) -> Result<Strategy, String> {
     match parse_strategy(text)? {
         Strategy::Ideal => Err(

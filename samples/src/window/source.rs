@@ -1,29 +1,29 @@
-//! Where what is shown comes from.
+//! The source of a scene.
 
 use std::path::PathBuf;
 
 use bench::options::{MadeScene, PathChoice};
 
-/// Where it comes from.
+/// The source of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// It is made.
+    /// A scene that is generated.
     Made {
-        /// From these numbers.
+        /// The numbers from which it is generated.
         made: MadeScene,
-        /// Where the camera goes by itself.
+        /// The camera's own path.
         path: Option<PathChoice>,
     },
-    /// Out of a glTF file.
+    /// A scene in a glTF file.
     File {
         /// The file.
         file: PathBuf,
-        /// How it is shown.
+        /// The options of showing it.
         settings: FileSource,
     },
-    /// Nowhere, until a file is dropped into the window.
+    /// No scene, until a file is dropped into the window.
     Nothing {
-        /// How that is shown then.
+        /// The options of showing that file.
         settings: FileSource,
     },
 }
@@ -38,7 +38,7 @@ impl Source {
         }
     }
 
-    /// Returns the file, if it comes out of one.
+    /// Returns the file, if it is one.
     pub fn file(&self) -> Option<&PathBuf> {
         match self {
             Self::File { file, .. } => Some(file),
@@ -68,17 +68,16 @@ impl Source {
     }
 }
 
-/// How a file is shown.
+/// The options of showing a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileSource {
     /// The camera to begin with; the first one if none is named.
     pub camera: Option<String>,
-    /// The recorded path along which the camera goes.
+    /// The recorded path of the camera.
     pub recorded: Option<PathBuf>,
-    /// What all light is multiplied with; `None` is 1, with lights dimmed that are too bright for
-    /// that.
+    /// The factor of all light; `None` is 1, with lights dimmed that are too bright for that.
     pub exposure: Option<f32>,
-    /// By how many pixels surfaces may be off where objects take coarser forms; `None` has the
-    /// finest.
+    /// The largest error of surfaces in pixels with coarser levels of detail; `None` for the finest
+    /// level.
     pub detail_pixels: Option<f32>,
 }

@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use pacing::Time;
 
-/// The title changes this often.
+/// The interval of changes to the title.
 const INTERVAL: Duration = Duration::from_millis(500);
 
-/// Counts frames between two titles.
+/// A counter of the frames between two titles.
 #[derive(Clone, Debug, Default)]
 pub struct Title {
     /// Scene, strategy and unit of the frames that are counted.
@@ -18,7 +18,7 @@ pub struct Title {
 
 impl Title {
     /// Counts a frame that began at `now`; returns the next title when one is due. The `unit` is
-    /// what frames a second are called.
+    /// the name of frames per second.
     pub fn count(&mut self, now: Time, [scene, strategy, unit]: [&str; 3]) -> Option<String> {
         if self.subject != [scene, strategy, unit] {
             // Frames of another scene or strategy say nothing of these.

@@ -1,4 +1,4 @@
-//! What is told at the lower edge of the picture, for a while.
+//! Messages at the lower edge of the picture, shown for a while.
 
 use std::time::Duration;
 
@@ -6,11 +6,11 @@ use pacing::Time;
 
 const FOR: Duration = Duration::from_secs(5);
 
-/// What there is to tell: the newest thing, and why shaders do not compile, as long as they do not.
+/// The messages to show: the newest one, and the error of shaders until they compile.
 #[derive(Clone, Debug, Default)]
 pub struct Toast {
     newest: String,
-    /// `None` until something else takes its place.
+    /// The end of its time; `None` until another message replaces it.
     until: Option<Time>,
     weight: Weight,
     broken_shaders: Option<String>,
@@ -18,51 +18,51 @@ pub struct Toast {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Weight {
-    /// What was done, as was wanted.
+    /// A request that was carried out.
     #[default]
     Done,
-    /// What cannot be, or went wrong: told also to who wants no text.
+    /// A request that cannot be carried out, or an error: shown also without the HUD.
     Refused,
 }
 
 impl Toast {
-    /// Tells for some seconds what was done, and on the log.
+    /// Shows for some seconds an action that was carried out, and logs it.
     pub fn tell(&mut self, now: Time, text: String) {
         tracing::info!("{text}");
         self.put(text, Some(now.after(FOR)), Weight::Done);
     }
 
-    /// Tells for some seconds what cannot be.
+    /// Shows for some seconds a request that cannot be carried out.
     pub fn refuse(&mut self, now: Time, text: String) {
         tracing::warn!("{text}");
         self.put(text, Some(now.after(FOR)), Weight::Refused);
     }
 
-    /// Tells what went wrong, until something else is told.
+    /// Shows an error until another message replaces it.
     pub fn keep_telling(&mut self, text: String) {
         tracing::warn!("{text}");
         self.put(text, None, Weight::Refused);
     }
 
-    /// Tells why shaders do not compile, below all else, until they do.
+    /// Shows the error of shaders, below all else, until they compile.
     pub fn shaders_are_broken(&mut self, text: String) {
         tracing::warn!("{text}");
         self.broken_shaders = Some(text);
     }
 
-    /// They compile.
+    /// Removes the error of shaders.
     pub fn shaders_work(&mut self) {
         self.broken_shaders = None;
     }
 
-    /// Returns what there is to tell.
+    /// Returns the messages to show.
     pub fn at(&self, now: Time) -> Option<String> {
         let is_over = self.until.is_some_and(|until| now >= until);
         let newest = (!is_over && !self.newest.is_empty()).then_some(self.newest.as_str());
         join(newest, self.broken_shaders.as_deref())
     }
 
-    /// Returns what there is to tell who wants no text: what cannot be, and what went wrong.
+    /// Returns the messages to show without the HUD: refusals and errors.
     pub fn refused_at(&self, now: Time) -> Option<String> {
         match self.weight {
             Weight::Refused => self.at(now),

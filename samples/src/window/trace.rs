@@ -1,4 +1,4 @@
-//! A trace of what CPU and GPU did when, on one time line, as Chrome and Perfetto read it.
+//! A trace of the CPU's and the GPU's work on one time line, in the format of Chrome and Perfetto.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 
 use bench::outputs::{WriteError, write_file};
 
-/// More events than this are not kept, but counted.
+/// The most events that are kept; more are counted.
 const MOST_EVENTS: usize = 1 << 20;
-/// The clocks are compared again after this time, because they drift.
+/// The time after which the clocks are compared again, because they drift.
 const COMPARE_EVERY_NS: u64 = 500_000_000;
 
 const CPU: u32 = 1;
@@ -22,19 +22,19 @@ const GPU: u32 = 2;
 struct Event {
     name: &'static str,
     thread: u32,
-    /// On the GPU's own clock for its events, until they are written.
+    /// The time of its beginning; on the GPU's own clock for its events, until they are written.
     began_ns: f64,
     took_ns: f64,
-    /// From its clock to ours, if it is known.
+    /// The offset from its clock to ours, if it is known.
     offset_ns: Option<f64>,
 }
 
-/// How the GPU's clock is brought to ours.
+/// The relation of the GPU's clock to ours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Calibration {
     /// Both were read at once; so many nanoseconds may lie between the readings.
     Read { offset_ns: f64, deviation_ns: u64, at_ns: u64 },
-    /// What the GPU did lies between our submitting it and our knowing of it.
+    /// The GPU's work lies between our submission and our knowledge of its end.
     Bounds { least_ns: f64, most_ns: f64 },
 }
 
@@ -47,8 +47,8 @@ impl Calibration {
         Self::Read { offset_ns, deviation_ns, at_ns }
     }
 
-    /// Work that was submitted and known to be finished at these times of ours ran between those of
-    /// the GPU's clock.
+    /// Narrows the bounds: work that was submitted and known to be finished at these times of ours
+    /// ran between these times of the GPU's clock.
     fn narrow(&mut self, ours_ns: [f64; 2], gpu_ns: [f64; 2]) {
         if let Self::Bounds { least_ns, most_ns } = self {
             *least_ns = least_ns.max(ours_ns[0] - gpu_ns[0]);
@@ -56,8 +56,8 @@ impl Calibration {
         }
     }
 
-    /// Returns what to add to times of the GPU. Work never starts before it is submitted, and soon
-    /// after.
+    /// Returns the offset to add to times of the GPU. Work never starts before it is submitted, and
+    /// soon after.
     fn offset_ns(&self) -> f64 {
         let offset = match *self {
             Self::Read { offset_ns, .. } => offset_ns,
@@ -66,7 +66,7 @@ impl Calibration {
         if offset.is_finite() { offset } else { 0.0 }
     }
 
-    /// Returns how that was found out, for who reads the trace.
+    /// Returns the method of the calibration in words, for the reader of the trace.
     fn how(&self) -> String {
         match self {
             Self::Read { deviation_ns, .. } => {
@@ -81,7 +81,7 @@ impl Calibration {
     }
 }
 
-/// What happened, up to a number of events.
+/// The events, up to a maximal number.
 #[derive(Clone, Debug, Default)]
 struct Events {
     kept: Vec<Event>,
@@ -100,17 +100,17 @@ impl Events {
     }
 }
 
-/// Collects what happens until it is written.
+/// A collector of events until they are written.
 pub struct Trace {
     device: Device,
     events: Events,
     calibration: Calibration,
-    /// When the frames on their way were submitted, oldest first.
+    /// The times of submission of the frames in flight, oldest first.
     submitted: VecDeque<Time>,
 }
 
 impl Trace {
-    /// Creates a trace of what `device` does from now on.
+    /// Creates a trace of the work of `device` from now on.
     ///
     /// # Errors
     /// A failed call.
@@ -124,15 +124,16 @@ impl Trace {
         })
     }
 
-    /// Something that the CPU did.
+    /// Adds an event of the CPU.
     pub fn cpu(&mut self, name: &'static str, from: Time, to: Time) {
         let took_ns = to.since(from).as_nanos() as f64;
         let began_ns = from.as_nanos() as f64;
         self.push(Event { name, thread: CPU, began_ns, took_ns, offset_ns: None });
     }
 
-    /// Notes that a frame whose recording began at `began` was submitted, as one of so many in flight;
-    /// what came home of the passes of the frame that had its slot before is known since `known`.
+    /// Adds that a frame whose recording began at `began` was submitted, as one of so many in
+    /// flight. The passes that were read back, of the frame that had its slot before, are known
+    /// since `known`.
     ///
     /// # Errors
     /// A failed call.
@@ -173,7 +174,8 @@ impl Trace {
         Ok(())
     }
 
-    /// Frames on their way never come home: the ring of frames was made anew.
+    /// Removes the frames in flight, whose passes are never read back: the ring of frames was
+    /// replaced.
     pub fn forget_submitted(&mut self) {
         self.submitted.clear();
     }
@@ -193,7 +195,7 @@ impl Trace {
     }
 }
 
-/// Returns the format is "Trace Event Format" (Google, 2016): complete events, in microseconds.
+/// Returns the trace in the "Trace Event Format" (Google, 2016): complete events, in microseconds.
 fn to_json(events: &Events, calibration: &Calibration, device: &str) -> Value {
     let Events { kept: events, left_out } = events;
     let placed = |event: &Event| match event.thread {

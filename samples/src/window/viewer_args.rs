@@ -24,7 +24,7 @@ Exit codes: 0 all went well; 2 the command line or the file is wrong; 1 the mach
 cannot be written; 129, 130 or 143 a closed terminal, Ctrl-C or SIGTERM ended it: that writes what \
 there is, and a second one ends it at once.";
 
-/// Shows the scene of a glTF file in a window, alive, with occlusion culling.
+/// Shows the scene of a glTF file in a window, with its animations, and with occlusion culling.
 ///
 /// The keys are listed on the screen; another file can be dropped into the window. The same program
 /// runs without a window: --headless.
@@ -41,30 +41,30 @@ pub struct ViewerArguments {
     /// it
     #[arg(value_name = "FILE")]
     pub file: Option<PathBuf>,
-    /// The camera of the file to begin with, by its name [default: the first one; where there is
+    /// The first camera, by its name in the file [default: the file's first one; where there is
     /// none or a clip has it right before a wall, a place from which all is seen]
     #[arg(long, value_name = "NAME", help_heading = "Scene")]
     pub camera: Option<String>,
-    /// The camera goes along a path that was recorded, whose name ends in .txt or has a slash
+    /// Recorded path of the camera, whose name ends in .txt or has a slash
     #[arg(long, visible_alias = "replay", value_name = "FILE", help_heading = "Scene")]
     #[arg(value_parser = recorded_path, conflicts_with = "camera")]
     pub path: Option<PathBuf>,
-    /// What all light is multiplied with before it is brought to the screen [default: 1, with the
-    /// lights dimmed where they would leave nothing but white]
+    /// Factor of all light before the tone mapping [default: 1, with the lights dimmed where they
+    /// would leave nothing but white]
     #[arg(long, value_name = "FACTOR", value_parser = positive, help_heading = "Scene")]
     pub exposure: Option<f32>,
-    /// Objects take coarser forms where that moves no surface by more than so many pixels [default:
-    /// never]
+    /// Largest error of surfaces in pixels, for coarser levels of detail [default: the finest
+    /// level]
     #[arg(long, value_name = "PIXELS", value_parser = positive, help_heading = "Scene")]
     pub detail: Option<f32>,
-    /// How it is shown.
+    /// The options of showing it.
     #[command(flatten)]
     pub show: ShowArguments,
 }
 
 impl ViewerArguments {
-    /// Returns what is shown, and how. Looks at nothing but the arguments: files and devices come
-    /// later.
+    /// Returns the source of the scene and the options of showing it. Looks at nothing but the
+    /// arguments: files and devices come later.
     ///
     /// # Errors
     /// Arguments about a file where none is named.

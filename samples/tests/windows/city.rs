@@ -1,4 +1,4 @@
-//! Runs `city` without a window, and with what cannot be.
+//! Runs `city` without a window, with good and bad input.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -71,7 +71,7 @@ fn without_renderdoc_a_capture_is_refused_with_a_reason() {
     assert!(message.contains("renderdoccmd capture"), "{message}");
 }
 
-/// The path that is recorded is walked again with the same pictures, by both programs.
+/// Checks that a recorded path is walked again with the same pictures, by both programs.
 #[test]
 fn a_recorded_path_is_walked_again_bit_for_bit() {
     let scratch = Scratch::new("city-path");
@@ -111,7 +111,7 @@ fn a_recorded_path_is_walked_again_bit_for_bit() {
     }
 }
 
-/// Whatever is done while it runs, the picture stays what it is.
+/// Checks that no change of strategies and frames in flight changes the picture.
 #[test]
 fn strategies_and_frames_in_flight_change_no_pixel() {
     let scratch = Scratch::new("city-switches");
@@ -162,7 +162,7 @@ fn explanations_are_drawn_and_go_again() {
     assert!(picture(3) != picture(5) && picture(5) != picture(7));
 }
 
-/// Where every frame is written anyway, a screenshot is the same picture.
+/// Checks that a screenshot is the same picture as the frame that is written anyway.
 #[test]
 fn a_screenshot_is_the_frame_it_was_taken_of() {
     let scratch = Scratch::new("city-screenshots");
@@ -178,7 +178,8 @@ fn a_screenshot_is_the_frame_it_was_taken_of() {
     assert!(first != second, "nobody walked");
 }
 
-/// What could not be written is named at the end, which is not a good one; all else is there.
+/// Checks that files that could not be written are named at the end, which is a failure; all others
+/// are written.
 #[test]
 fn what_cannot_be_written_is_no_success() {
     let scratch = Scratch::new("city-unwritten");
@@ -203,7 +204,7 @@ fn what_cannot_be_written_is_no_success() {
     assert_eq!(scratch.names("out"), ["path_00005.txt"]);
 }
 
-/// Screenshots and paths of an earlier run stay what they are.
+/// Checks that screenshots and paths of an earlier run are left alone.
 #[test]
 fn names_that_are_taken_are_left_alone() {
     let scratch = Scratch::new("city-again");
@@ -224,7 +225,8 @@ fn names_that_are_taken_are_left_alone() {
     }
 }
 
-/// Scripts and paths are files: what has no end is refused at once.
+/// Checks that scripts and paths that are no regular files are refused at once: they may have no
+/// end.
 #[test]
 fn what_has_no_end_is_not_read() {
     let scratch = Scratch::new("city-endless");
@@ -245,7 +247,7 @@ fn what_has_no_end_is_not_read() {
     }
 }
 
-/// A signal is as good an end as any: all is written.
+/// Checks that a signal ends the program with all files written.
 #[test]
 fn a_signal_ends_it_and_all_is_written() {
     for (signal, code) in [
@@ -276,7 +278,7 @@ fn a_signal_ends_it_and_all_is_written() {
     }
 }
 
-/// One freezes to look at it from elsewhere: the view from above and the wires stay.
+/// Checks that a frozen culling stays explained: the view from above and the wireframe stay.
 #[test]
 fn what_is_frozen_is_explained() {
     let scratch = Scratch::new("city-frozen");
@@ -294,7 +296,7 @@ fn what_is_frozen_is_explained() {
     assert!(differs(&from_above, &wireframe, false) > 100, "there are wires");
 }
 
-/// Nobody knows what it drew, so it is not frozen.
+/// Checks that a strategy whose draws only the GPU knows is not frozen.
 #[test]
 fn what_only_the_gpu_knows_is_not_frozen() {
     let scratch = Scratch::new("city-pyramid");
@@ -308,8 +310,8 @@ fn what_only_the_gpu_knows_is_not_frozen() {
     }
 }
 
-/// What cannot be explained is said, whichever comes first: the strategy or what is to be
-/// explained.
+/// Checks the message about a strategy that cannot be explained, in both orders: strategy first, or
+/// explanation first.
 #[test]
 fn what_only_the_gpu_knows_is_not_explained() {
     let scratch = Scratch::new("city-unexplained");
@@ -354,7 +356,7 @@ fn check_trace(text: &str) {
     assert!(trace["otherData"]["gpu_clock"].as_str().unwrap().contains("within"), "{trace}");
 }
 
-/// Shaders that change while it runs, the second time to something that does not compile.
+/// Checks that shaders that change while it runs are loaded; the second change does not compile.
 #[cfg(feature = "shader-compiler")]
 #[test]
 fn shaders_are_loaded_while_it_runs() {

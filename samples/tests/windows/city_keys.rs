@@ -18,7 +18,7 @@ const RETURN: u32 = 0xff0d;
 const MARK: [u8; 3] = [250, 210, 90];
 const STRIKE: Duration = Duration::from_millis(20);
 
-/// Gives the server a layout in which no letter is Latin.
+/// Sets the server's layout to one in which no letter is Latin.
 fn use_russian(server: &Xvfb) {
     let status =
         Command::new("setxkbmap").args(["-display", server.display(), "ru"]).status().unwrap();
@@ -123,7 +123,7 @@ fn the_wheel_says_how_fast() {
     running.end_well();
 }
 
-/// The test is the window manager: it does what it is asked for.
+/// Checks that full screen is asked for and left; the test is the window manager.
 #[test]
 fn full_screen_and_back() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("keys-full"));

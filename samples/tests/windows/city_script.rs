@@ -1,4 +1,4 @@
-//! Scripts of `city` without a window: comparing with no culling, asking what an object is.
+//! Scripts of `city` without a window: comparing with no culling, identifying an object.
 
 use std::fs;
 
@@ -89,7 +89,8 @@ fn an_object_says_why_it_is_drawn_or_not() {
     }
 }
 
-/// From outside of the frozen view, what it left out can be asked about.
+/// Checks that an object that a frozen view left out can be identified from outside of the frozen
+/// view.
 #[test]
 fn what_a_frozen_view_left_out_says_so() {
     let scratch = Scratch::new("script-frozen");

@@ -11,7 +11,7 @@ use harness::{Scratch, pixels, program};
 use tests::weston::Weston;
 use tests::xvfb::Xvfb;
 
-/// The sign over a picture while the path is recorded.
+/// The colour of the sign over a picture while the path is recorded.
 const RECORDING: [u8; 3] = [255, 70, 60];
 
 #[test]
@@ -75,7 +75,7 @@ fn keys_do_what_they_say() {
     running.end_well();
 }
 
-/// What cannot be is told without the HUD, too, and goes again.
+/// Checks that errors are shown without the HUD, too, and disappear.
 #[test]
 fn what_cannot_be_is_told_without_the_hud() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-told"));
@@ -143,7 +143,7 @@ fn a_display_that_dies_leaves_the_trace() {
     assert!(trace.contains("\"render\""), "{} bytes", trace.len());
 }
 
-/// 1,000 changes while it runs, one before each frame.
+/// Checks that the picture survives 1,000 changes, one before each frame.
 #[test]
 fn whatever_is_switched_the_picture_stays() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-switches"));
@@ -187,7 +187,7 @@ fn whatever_is_switched_the_picture_stays() {
     running.end_well();
 }
 
-/// What is said at the end is of the newest conditions alone.
+/// Checks that the statistics at the end are of the newest conditions alone.
 #[test]
 fn statistics_start_anew_with_another_strategy_or_size() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-statistics"));
@@ -203,7 +203,7 @@ fn statistics_start_anew_with_another_strategy_or_size() {
     }
 }
 
-/// Each time the next one is meant, although no image followed yet.
+/// Checks that each step means the next mode, although no image followed yet.
 #[test]
 fn two_steps_in_one_frame_are_two_present_modes() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-steps"));
@@ -252,7 +252,7 @@ fn it_runs_under_wayland() {
     }
 }
 
-/// A variable that outlived its compositor is no reason to do without the display that is there.
+/// Checks that a variable of a terminated compositor does not hide the display that exists.
 #[test]
 fn a_stale_wayland_display_falls_back_to_x11() {
     let (server, scratch) = (Xvfb::start(), Scratch::new("window-stale"));

@@ -60,7 +60,7 @@ impl Running {
         }
     }
 
-    /// Waits for its end, which is a good one: so says the validation layer, too.
+    /// Waits for its end, and checks that it is a success without messages of the validation layer.
     pub fn end_well(mut self) {
         let status = self.end();
         assert!(status.success(), "{status}: {}", self.log());
@@ -74,7 +74,7 @@ impl Drop for Running {
     }
 }
 
-/// Returns the picture of a camera that stands still, drawn without a window.
+/// Returns the picture of a resting camera, drawn without a window.
 pub fn headless(scratch: &Scratch, arguments: &[&str]) -> Vec<[u8; 3]> {
     let all = ["--headless", "--frames", "2", "--objects", "500", "--device", "llvmpipe"];
     let all = [&all[..], arguments, &["--out", "headless"]].concat();

@@ -1,5 +1,4 @@
-//! What pictures of files show that programs made wrong before: points, lines, blended parts of one
-//! mesh.
+//! Pictures of files that showed errors before: points, lines, transparent parts of one mesh.
 
 use std::fs;
 
@@ -74,8 +73,8 @@ fn halves() -> Vec<u8> {
     file
 }
 
-/// At edges of triangles, derivatives are taken beyond them: no mixture of all texels may be seen
-/// there.
+/// Checks that textures have no seams at edges of triangles: derivatives are taken beyond the
+/// edges, and no mixture of all texels may be seen there.
 #[test]
 fn transformed_textures_have_no_seams_where_triangles_meet() {
     for device in ["llvmpipe", "swiftshader"] {

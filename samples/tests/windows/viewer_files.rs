@@ -1,4 +1,4 @@
-//! Runs `viewer` over files without a window: right ones, and what cannot be.
+//! Runs `viewer` over files without a window: valid ones and bad ones.
 
 use std::fs;
 use std::ops::ControlFlow;

@@ -93,7 +93,8 @@ fn a_file_that_cannot_be_shown_ends_with_2_in_a_window_too() {
     assert!(running.log().contains("error: cut.glb: "), "{}", running.log());
 }
 
-/// A broken file leaves the scene as it is and says why; a whole one takes its place.
+/// Checks that a broken file leaves the scene as it is with a message, and that a valid one
+/// replaces it.
 #[test]
 fn files_can_be_dropped_into_the_window() {
     let (server, scratch) = (Xvfb::start(), scratch("viewer-window-drop"));

@@ -48,8 +48,8 @@ impl Seen {
         self.connection.get_input_focus().unwrap().reply().unwrap();
     }
 
-    /// Returns what is in the window now: red, green, blue; rows from the top. Nothing while it is
-    /// not all on the screen.
+    /// Returns the pixels of the window now: red, green, blue; rows from the top. `None` while it
+    /// is not all on the screen.
     pub fn pixels(&self) -> Option<Vec<[u8; 3]>> {
         let geometry = self.connection.get_geometry(self.window).unwrap().reply().ok()?;
         let (width, height) = (geometry.width, geometry.height);
@@ -59,12 +59,12 @@ impl Seen {
         Some(image.data.chunks_exact(4).map(|pixel| [pixel[2], pixel[1], pixel[0]]).collect())
     }
 
-    /// Waits until the window shows this.
+    /// Waits until the window shows these pixels.
     pub fn await_pixels(&self, expected: &[[u8; 3]], what: &str) {
         self.await_that(what, |found| found == expected);
     }
 
-    /// Waits until the window shows something that is as it should be.
+    /// Waits until the window shows pixels that satisfy the condition.
     pub fn await_that(&self, what: &str, is_right: impl Fn(&[[u8; 3]]) -> bool) {
         let began = Instant::now();
         while !self.pixels().is_some_and(|found| is_right(&found)) {
@@ -83,7 +83,7 @@ impl Seen {
         self.press_code(self.code_of(symbol), time);
     }
 
-    /// Returns the place of the key that has a symbol in the server's layout.
+    /// Returns the key code that has a symbol in the server's layout.
     pub fn code_of(&self, symbol: u32) -> u8 {
         let setup = self.connection.setup();
         let (least, most) = (setup.min_keycode, setup.max_keycode);
@@ -94,7 +94,7 @@ impl Seen {
         least + u8::try_from(place.expect("a key with that symbol")).unwrap()
     }
 
-    /// Holds the key at a place for a while.
+    /// Holds the key of a code for a while.
     pub fn press_code(&self, code: u8, time: Duration) {
         // Nobody gives the window the focus where no window manager is.
         self.focus();
@@ -138,7 +138,7 @@ impl Seen {
         self.button(number, BUTTON_RELEASE_EVENT);
     }
 
-    /// Puts the mouse at a place of the screen.
+    /// Moves the mouse to a place of the screen.
     pub fn point_at(&self, place: [i16; 2]) {
         self.fake(MOTION_NOTIFY_EVENT, 0, place);
         std::thread::sleep(Duration::from_millis(20));
@@ -153,7 +153,7 @@ impl Seen {
         }
     }
 
-    /// Returns true if somebody else may grab the pointer.
+    /// Returns true if another client may grab the pointer.
     pub fn is_pointer_free(&self) -> bool {
         let (root, mode) = (self.root, GrabMode::ASYNC);
         let grab = self.connection.grab_pointer(
@@ -174,7 +174,7 @@ impl Seen {
         is_free
     }
 
-    /// Waits until the window's title is as it should be.
+    /// Waits until the window's title satisfies the condition.
     pub fn await_title(&self, is_right: impl Fn(&str) -> bool) {
         let atom = |name: &[u8]| self.connection.intern_atom(false, name).unwrap();
         let name = atom(b"_NET_WM_NAME").reply().unwrap().atom;
@@ -191,7 +191,7 @@ impl Seen {
         }
     }
 
-    /// Listens to what programs ask of a window manager.
+    /// Listens to requests to a window manager.
     pub fn manage(&self) {
         let aux = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
         self.connection.change_window_attributes(self.root, &aux).unwrap();
@@ -255,7 +255,7 @@ impl Seen {
         source
     }
 
-    /// Hands what is selected over as soon as it is asked for as `kind`; there is no other.
+    /// Hands the selection over when it is requested as `kind`; other requests do not come.
     fn hand_over(&self, kind: &[u8], bytes: &[u8]) {
         let (connection, kind) = (&self.connection, self.atom(kind));
         let began = Instant::now();

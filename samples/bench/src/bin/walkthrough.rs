@@ -26,7 +26,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what the arguments say.
+/// Runs the walk that the arguments describe.
 fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
     let mut ending = Ending::default();
     if arguments.list_strategies {

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
-/// Makes one page of many reports of walkthrough: every strategy side by side, and whether the
-/// figures that are asked for are reached.
+/// Makes one page from many reports of walkthrough: every strategy side by side, and the figures
+/// asked for with those that were reached.
 ///
-/// Repetitions of a case (scene, path, number of objects) are found by what the reports say, not by
-/// the names of their files. What was not measured is named as such.
+/// Repetitions of a case (scene, path, number of objects) are found by the reports' contents, not
+/// by the names of their files. Missing measurements are named as such.
 #[derive(Clone, Debug, Parser)]
 #[command(
     name = "compare",
@@ -43,7 +43,8 @@ pub struct Arguments {
     /// Print the names of the walks that must be repeated before they can be judged, and end
     #[arg(long)]
     pub noisy: bool,
-    /// File whose lines say what was left out of the measurement and why, for page and tables
+    /// File of notes for page and tables: a line for each thing that was left out of the
+    /// measurement, with the reason
     #[arg(long, value_name = "FILE.txt")]
     pub notes: Option<PathBuf>,
 }

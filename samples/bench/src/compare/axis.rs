@@ -2,7 +2,7 @@
 
 use super::spread;
 
-/// How values spread over an axis.
+/// The spread of values over an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences are equally far.
@@ -17,9 +17,9 @@ pub struct Axis {
     scale: Scale,
     least: f64,
     most: f64,
-    /// Where it has ticks, with what they say.
+    /// The ticks' values, with their labels.
     pub ticks: Vec<(f64, String)>,
-    /// What it shows, with the unit.
+    /// The quantity on it, with the unit.
     pub label: String,
 }
 
@@ -68,7 +68,7 @@ impl Axis {
         }
     }
 
-    /// Creates the same axis with ticks of one's own.
+    /// Returns the same axis with these ticks.
     pub fn with_ticks(self, ticks: Vec<(f64, String)>) -> Self {
         Self { ticks, ..self }
     }
@@ -78,8 +78,8 @@ impl Axis {
         self.most
     }
 
-    /// Returns where a value lies: 0 at the least, 1 at the largest, beyond them for those beyond.
-    /// Values that a logarithmic axis has no place for lie at its begin.
+    /// Returns the place of a value: 0 at the least, 1 at the largest, beyond them for values
+    /// beyond. Values that a logarithmic axis has no place for lie at its beginning.
     pub fn place(&self, value: f64) -> f64 {
         let place = match self.scale {
             Scale::Linear => (value - self.least) / (self.most - self.least),
@@ -96,7 +96,7 @@ fn round_step(wanted: f64) -> f64 {
     multiple.unwrap_or(10.0) * unit
 }
 
-/// Returns a tick's value without digits that say nothing.
+/// Returns a tick's value without insignificant digits.
 fn plain(value: f64) -> String {
     if value >= 1.0 {
         return spread::thousands(value);

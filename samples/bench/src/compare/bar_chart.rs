@@ -1,27 +1,27 @@
-//! A chart of horizontal bars over a logarithmic axis: one count a strategy.
+//! A chart of horizontal bars over a logarithmic axis: one count per strategy.
 
 use super::axis::Axis;
 use super::canvas::{Align, Canvas, DrawError, Size};
 use super::palette::{self, FAINT, GRID, INK};
 use super::spread::thousands;
 
-/// Room for what stands around the bars.
+/// The margin around the bars.
 const ABOVE: i32 = 40;
 const LEFT: i32 = 146;
 const RIGHT: i32 = 76;
 const BELOW: i32 = 30;
-/// Height of a row and of the bar in it.
+/// The height of a row, and the height of the bar in it.
 const ROW: i32 = 26;
 const BAR: i32 = 16;
-/// Where the axis begins, so that a bar of 1 can be seen; 0 has no bar.
+/// The axis' beginning, low enough that a bar of 1 can be seen; 0 has no bar.
 const LEAST: f64 = 0.6;
 
 /// A chart of bars.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarChart {
-    /// What stands above it.
+    /// The text above it.
     pub title: String,
-    /// Each strategy with its count, from above; none where it was not measured.
+    /// Each strategy with its count, from above; `None` where it was not measured.
     pub bars: Vec<(String, Option<f64>)>,
 }
 
@@ -32,7 +32,7 @@ impl BarChart {
         ABOVE.unsigned_abs() + BELOW.unsigned_abs() + rows * ROW.unsigned_abs()
     }
 
-    /// Draws it all over a canvas.
+    /// Draws the chart all over a canvas.
     ///
     /// # Errors
     /// When it cannot be drawn.

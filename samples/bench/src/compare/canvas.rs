@@ -11,26 +11,26 @@ use thiserror::Error;
 
 use super::palette::{self, Colour};
 
-/// A place in a picture, from its upper left corner.
+/// A position in a picture, from its upper left corner.
 pub type Pixel = (i32, i32);
 
-/// A picture could not be drawn.
+/// The error of a picture that could not be drawn.
 #[derive(Debug, Error)]
 #[error("a plot could not be drawn: {0}")]
 pub struct DrawError(String);
 
-/// How a text stands to its place.
+/// The alignment of a text to its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// It begins there.
+    /// The text begins there.
     Left,
-    /// It is centred there.
+    /// The text is centred there.
     Centre,
-    /// It ends there.
+    /// The text ends there.
     Right,
 }
 
-/// How large a text is.
+/// The size of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
     /// Ticks and notes.
@@ -41,12 +41,12 @@ pub enum Size {
     Title,
 }
 
-/// Part of a picture that is drawn on.
+/// A part of a picture that is drawn on.
 pub struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
 }
 
-/// Draws a picture of `width` by `height` pixels and gives its SVG.
+/// Draws a picture of `width` by `height` pixels and returns its SVG.
 ///
 /// # Errors
 /// When it cannot be drawn.
@@ -74,7 +74,7 @@ pub fn picture(
     Ok(svg)
 }
 
-/// Text as it stands in XML and HTML.
+/// Returns the text escaped for XML and HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -84,7 +84,7 @@ fn failed(error: impl std::fmt::Display) -> DrawError {
 }
 
 impl Canvas<'_> {
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     pub fn size(&self) -> (i32, i32) {
         let (width, height) = self.area.dim_in_pixel();
         (i32::try_from(width).unwrap_or(i32::MAX), i32::try_from(height).unwrap_or(i32::MAX))

@@ -1,4 +1,5 @@
-//! Reports put together: all repetitions and parts of one case, and what can be told from them.
+//! Reports put together: all repetitions and parts of one case, and the ratios that follow from
+//! them.
 //!
 //! A case may have been measured in parts, since plain frustum culling leaves caches cold for those
 //! that follow it. A ratio of two strategies that never ran in one walk is tied through a third one
@@ -14,23 +15,23 @@ use crate::statistics::Summary;
 pub const IDEAL: &str = "ideal";
 /// The baseline.
 pub const FRUSTUM: &str = "frustum";
-/// What all this is about.
+/// The engine's own method, which all figures are about.
 pub const ANTUMBRA: &str = "antumbra";
-/// How many frames the path `cut` stays in one place.
+/// The number of frames for which the path `cut` stays in one place.
 const FRAMES_BETWEEN_CUTS: usize = 10;
 
-/// What tells one case from another.
+/// The key of a case.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Place {
-    /// Name of the scene.
+    /// The name of the scene.
     pub scene: String,
-    /// Name of the camera's path.
+    /// The name of the camera's path.
     pub path: String,
-    /// About how many objects: what was asked for, where that is known.
+    /// The approximate number of objects: the one asked for, where that is known.
     pub objects: u64,
-    /// How many per cent of the objects move.
+    /// The percentage of the objects that move.
     pub moving: u64,
-    /// How many views are drawn.
+    /// The number of views.
     pub views: u64,
 }
 
@@ -64,7 +65,7 @@ fn two_digits(count: u64) -> u64 {
 /// A ratio of two strategies' times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ratio {
-    /// Over the repetitions.
+    /// The spread over the repetitions.
     pub spread: Spread,
     /// The strategy that ties the two together where they ran in no common walk.
     pub through: Option<String>,
@@ -136,8 +137,8 @@ impl<'a> Case<'a> {
         with.into_iter().filter_map(|report| report.run(strategy)).collect()
     }
 
-    /// Returns the runs of a strategy where it walked alone; elsewhere, if it never did. What
-    /// others leave in the caches weighs on CPU times.
+    /// Returns the runs of a strategy where it walked alone; elsewhere, if it never did. Runs of
+    /// other strategies in the same walk affect the caches and so the CPU times.
     fn runs_alone(&self, strategy: &str) -> Vec<&'a MeasuredRun> {
         let alone = self.timed().into_iter().filter(|report| report.runs.len() == 1);
         let runs: Vec<_> = alone.filter_map(|report| report.run(strategy)).collect();
@@ -155,8 +156,9 @@ impl<'a> Case<'a> {
         names
     }
 
-    /// A's frame time over B's: the median of the ratios frame by frame (of the medians, in reports
-    /// that do not have it). Tied through a third strategy where the two ran in no common walk.
+    /// Returns A's frame time over B's: the median of the ratios frame by frame (of the medians, in
+    /// reports that do not have it). Tied through a third strategy where the two ran in no common
+    /// walk.
     pub fn ratio(&self, a: &str, b: &str) -> Option<Ratio> {
         if let Some(spread) = self.direct_ratio(a, b) {
             return Some(Ratio { spread, through: None });
@@ -181,7 +183,7 @@ impl<'a> Case<'a> {
         Spread::of(self.timed().iter().filter_map(of))
     }
 
-    /// A's 95th percentile over B's, from walks that both took part in.
+    /// Returns A's 95th percentile over B's, from walks that both took part in.
     pub fn p95_ratio(&self, a: &str, b: &str) -> Option<Spread> {
         let of = |report: &&Measured| -> Option<f64> {
             Some(report.run(a)?.frame_ms.p95? / report.run(b)?.frame_ms.p95?)
@@ -189,7 +191,8 @@ impl<'a> Case<'a> {
         Spread::of(self.timed().iter().filter_map(of))
     }
 
-    /// A's time over B's for the frame after a jump of the path `cut`, the median over the jumps.
+    /// Returns A's time over B's for the frame after a jump of the path `cut`, the median over the
+    /// jumps.
     ///
     /// A time is taken when the CPU may go on, so a frame's work on the device shows as many places
     /// later as frames are in flight. Of these places the one with the largest ratio counts.
@@ -207,7 +210,7 @@ impl<'a> Case<'a> {
         Spread::of(self.runs(strategy).iter().filter_map(|run| run.frame_ms.median))
     }
 
-    /// Returns a strategy's median CPU time a frame in milliseconds.
+    /// Returns a strategy's median CPU time per frame in milliseconds.
     pub fn cpu_ms(&self, strategy: &str) -> Option<Spread> {
         Spread::of(self.runs_alone(strategy).iter().filter_map(|run| run.cpu_ms.median))
     }

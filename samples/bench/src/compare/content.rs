@@ -1,4 +1,4 @@
-//! What a comparison has to tell, without its form: the page and the table are made of it.
+//! The content of a comparison without its form: the page and the table are made from it.
 
 use super::canvas::DrawError;
 use super::cases::{ANTUMBRA, Cases, FRUSTUM, IDEAL, Place};
@@ -15,7 +15,7 @@ use crate::strategy::Strategy;
 /// The paths whose frame times are plotted, with their sizes.
 const SHOWN_PATHS: [(&str, u64); 4] =
     [("street", 10_000), ("cut", 10_000), ("fly", 10_000), ("street", 40_000)];
-/// The frames that the figures are asked for.
+/// The frame size that the figures are asked for.
 const ASKED_SIZE: [u32; 2] = [1280, 720];
 
 /// One strategy on `street`, over all sizes.
@@ -23,36 +23,35 @@ const ASKED_SIZE: [u32; 2] = [1280, 720];
 pub struct MethodRow {
     /// Its name.
     pub strategy: String,
-    /// Frame time in times of the yardstick's, at each of the sizes.
+    /// The frame times at each of the sizes, as multiples of the yardstick's.
     pub ratios: Vec<Option<Spread>>,
-    /// At each of the sizes, whether it was measured to be faster than the ideal by more than the
-    /// noise.
+    /// True at each size where it was measured to be faster than the ideal by more than the noise.
     pub impossible: Vec<bool>,
-    /// At the size of the details: CPU time of a frame in milliseconds.
+    /// The CPU time per frame in milliseconds, at the size of the details.
     pub cpu_ms: Option<Spread>,
-    /// Draws a frame.
+    /// The draws per frame.
     pub draws: Option<Spread>,
-    /// Boxes tested a frame, by whatever means.
+    /// The boxes tested per frame, by all mechanisms.
     pub tests: Option<Spread>,
-    /// Occlusion queries a frame.
+    /// The occlusion queries per frame.
     pub queries: Option<Spread>,
-    /// Wrong pixels in all settings, if any frame was compared.
+    /// The wrong pixels in all settings, if any frame was compared.
     pub pixels_wrong: Option<u64>,
 }
 
-/// Everything there is to tell.
+/// The content of a comparison.
 pub struct Content {
     /// The device: its name, its driver, its Vulkan version.
     pub device: String,
     /// The days of the measurements.
     pub days: String,
-    /// Sizes of the timed frames, how many, and how often repeated.
+    /// The sizes of the timed frames, their number, and the number of repetitions.
     pub frames: String,
-    /// How steady the machine was, in a sentence without its end.
+    /// The steadiness of the machine, in a sentence without its end.
     pub steadiness: String,
-    /// Pictures of what was walked through; may be empty.
+    /// Pictures of the walks; may be empty.
     pub thumbnails: Vec<Thumbnail>,
-    /// What a reader must be warned of; may be empty.
+    /// Warnings to the reader; may be empty.
     pub warnings: Vec<String>,
     /// The strategy that ratios are taken to.
     pub yardstick: &'static str,
@@ -62,22 +61,22 @@ pub struct Content {
     pub detail_size: Option<u64>,
     /// Every strategy on `street`.
     pub methods: Vec<MethodRow>,
-    /// What is asked for and what was found.
+    /// The figures: asked for, and found.
     pub figures: Vec<Figure>,
     /// Wrong pixels.
     pub books: Vec<Book>,
-    /// What was not measured, and why.
+    /// The missing measurements, with the reasons.
     pub left_out: Vec<String>,
     /// Ratios over sizes.
     pub ratios: Option<Plot>,
     /// The other plots.
     pub plots: Vec<Plot>,
-    /// File and command line of every report.
+    /// The file and the command line of every report.
     pub commands: Vec<(String, String)>,
 }
 
 impl Content {
-    /// Gathers it from reports of one device, of which there must be at least one.
+    /// Gathers the content from reports of one device, of which there must be at least one.
     ///
     /// # Errors
     /// When a plot cannot be drawn.
@@ -121,7 +120,7 @@ impl Content {
         })
     }
 
-    /// Returns how many figures have each verdict, in words.
+    /// Returns the verdicts in words, with the number of figures that have each.
     pub fn verdicts(&self) -> Vec<(Verdict, usize)> {
         Verdict::COUNTED
             .into_iter()
@@ -132,7 +131,7 @@ impl Content {
             .collect()
     }
 
-    /// Returns the result in a sentence: what `antumbra` takes at the size of the details.
+    /// Returns the result in a sentence: the time of `antumbra` at the size of the details.
     pub fn headline(&self) -> Option<String> {
         let size = self.detail_size?;
         let column = self.sizes.iter().position(|column| *column == size)?;
@@ -155,7 +154,7 @@ impl Content {
     }
 }
 
-/// Returns the sizes at which anything can be told in times of the yardstick.
+/// Returns the sizes at which there are ratios to the yardstick.
 fn ratio_sizes(cases: &Cases<'_>, sizes: &[u64], yardstick: &str) -> Vec<u64> {
     let known = |size: &&u64| {
         let case = cases.at(&Place::still("city", "street", **size));
@@ -209,8 +208,8 @@ fn methods(
     names.into_iter().map(row).collect()
 }
 
-/// Strategies that smaller cases have and larger ones have not, and those of this build without
-/// any.
+/// Returns sentences about strategies that smaller cases have and larger ones have not, and about
+/// those of this build without any case.
 fn left_out(cases: &Cases<'_>, sizes: &[u64]) -> Vec<String> {
     let mut sentences = Vec::new();
     let at = |size: u64| cases.at(&Place::still("city", "street", size));

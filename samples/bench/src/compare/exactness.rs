@@ -1,10 +1,10 @@
-//! Wrong pixels of every strategy: how many frames were compared, and what came out.
+//! Wrong pixels of every strategy: the number of compared frames, and the result.
 
 use super::cases::{Cases, Place};
 use super::palette;
 use crate::strategy::Strategy;
 
-/// What can make exactness harder.
+/// The circumstances that can make exactness harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Setting {
     /// The scene stands still, one eye looks.
@@ -13,7 +13,7 @@ pub enum Setting {
     Moving,
     /// Several views of one scene.
     Views,
-    /// Both.
+    /// Objects move, before several views.
     MovingViews,
 }
 
@@ -21,7 +21,7 @@ impl Setting {
     /// Every setting.
     pub const ALL: [Self; 4] = [Self::Still, Self::Moving, Self::Views, Self::MovingViews];
 
-    /// In words.
+    /// Returns its name in words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Still => "still scenes",
@@ -40,7 +40,7 @@ impl Setting {
         }
     }
 
-    /// Returns true if a strategy cannot be asked for here: that it was not compared is no gap.
+    /// Returns true if a strategy cannot run here: that it was not compared is no gap.
     fn refuses(self, strategy: &str) -> bool {
         let moves = matches!(self, Self::Moving | Self::MovingViews);
         moves && strategy.parse().is_ok_and(Strategy::needs_still_scene)
@@ -52,21 +52,21 @@ impl Setting {
 pub struct Book {
     /// Its name.
     pub strategy: String,
-    /// Whether it promises the picture of plain frustum culling. A strategy that this build does
-    /// not know promises nothing, nor does one that was given a threshold in some report.
+    /// True if it promises the picture of plain frustum culling. A strategy that this build does
+    /// not know promises nothing, nor does one that ran with a threshold in some report.
     pub is_exact: bool,
-    /// In which setting.
+    /// The setting.
     pub setting: Setting,
-    /// Whether it is refused there by design.
+    /// True if it is refused there by design.
     pub is_refused: bool,
-    /// How many frames were compared.
+    /// The number of compared frames.
     pub frames_compared: u64,
-    /// How many of their pixels differed.
+    /// The number of their pixels that differed.
     pub pixels_wrong: u64,
 }
 
 /// Returns a book for every strategy of the reports and every setting, by setting and then in the
-/// order of the palette. What was not compared has 0 frames.
+/// order of the palette. A strategy that was not compared has 0 frames.
 pub fn books(cases: &Cases<'_>) -> Vec<Book> {
     let mut names: Vec<&str> = Vec::new();
     for (_, case) in cases.iter() {

@@ -1,48 +1,49 @@
-//! The figures that are asked for, each with what was found: the table that says what is reached.
+//! The figures that are asked for, each with the measured value: the table of the goals and the
+//! results.
 
 use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place, Ratio};
 use super::exactness::{self, Setting};
 use super::noise::{self, NOISE_MAX};
 use super::spread::{Spread, objects, short};
 
-/// What `antumbra` may take on `street`, in times of the ideal, by the number of objects.
+/// The goals of `antumbra` on `street`, as multiples of the ideal's time, by the number of objects.
 pub const STREET_GOALS: [(u64, f64); 4] =
     [(2_000, 1.15), (10_000, 1.22), (40_000, 1.32), (100_000, 1.40)];
-/// Those that it must beat in every case.
+/// The strategies that it must beat in every case.
 const RIVALS: [&str; 4] = ["coherent", "pyramid", "stop_and_wait", "next_frame"];
 
-/// What a figure must be.
+/// The goal of a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asked {
-    /// This or less.
+    /// This value or less.
     AtMost(f64),
-    /// More than this.
+    /// More than this value.
     MoreThan(f64),
-    /// Nothing: it is counted and shown.
+    /// No goal: it is counted and shown.
     Shown,
 }
 
-/// Whether it is.
+/// The result of a figure against its goal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// In every repetition.
+    /// Reached in every repetition.
     Reached,
-    /// The median is, but not every repetition.
+    /// Reached by the median, but not in every repetition.
     ReachedInMedian,
-    /// The median is not.
+    /// Missed by the median.
     Missed,
-    /// It is below what nobody can be below: the measurement is wrong.
+    /// Below the theoretical bound: the measurement is wrong.
     Impossible,
-    /// The machine was too busy: its noise hides what there is.
+    /// Not decidable: the machine was too busy, and its noise hides the result.
     TooNoisy,
-    /// Something that it needs is missing.
+    /// Not measured: a part of the figure is missing.
     NotMeasured,
-    /// Nothing was asked.
+    /// Shown only: there is no goal.
     Shown,
 }
 
 impl Verdict {
-    /// Those that are counted: all of what something was asked.
+    /// The verdicts that are counted: all of figures with a goal.
     pub const COUNTED: [Self; 6] = [
         Self::Reached,
         Self::ReachedInMedian,
@@ -52,7 +53,7 @@ impl Verdict {
         Self::NotMeasured,
     ];
 
-    /// In words, with a mark that is more than a colour.
+    /// Returns its name in words, with a mark that is more than a colour.
     pub fn words(self) -> &'static str {
         match self {
             Self::Reached => "✓ reached",
@@ -69,27 +70,27 @@ impl Verdict {
 /// One row of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Scene, path and size.
+    /// The scene, path and size.
     pub case: String,
-    /// What is measured.
+    /// The measured quantity.
     pub what: String,
-    /// What it must be.
+    /// The goal.
     pub asked: Asked,
-    /// What it is.
+    /// The measured value.
     pub found: Option<Spread>,
-    /// Part of what the figure needs was not measured: what there is can only speak against it.
+    /// True if part of the figure was not measured: the rest can only speak against it.
     pub is_partial: bool,
-    /// The noise of the machine while it was measured, as a part of the ideal's time, if it is
+    /// The noise of the machine during the measurement, as a part of the ideal's time, if it is
     /// known.
     pub noise: Option<f64>,
-    /// Something in it was measured to be faster than the ideal, by more than the noise.
+    /// True if a part of it was measured to be faster than the ideal, by more than the noise.
     pub is_impossible: bool,
-    /// What a reader must know beside it; may be empty.
+    /// A note for the reader beside it; may be empty.
     pub note: String,
 }
 
 impl Figure {
-    /// Returns whether it is reached.
+    /// Returns its result against the goal.
     pub fn verdict(&self) -> Verdict {
         let Some(found) = &self.found else {
             return Verdict::NotMeasured;
@@ -110,7 +111,7 @@ impl Figure {
         }
     }
 
-    /// Returns what is asked, in words.
+    /// Returns the goal in words.
     pub fn asked_words(&self) -> String {
         match self.asked {
             Asked::AtMost(0.0) => "0".to_owned(),
@@ -120,7 +121,7 @@ impl Figure {
         }
     }
 
-    /// Returns what was found, in words.
+    /// Returns the measured value in words.
     pub fn found_words(&self) -> String {
         let Some(found) = &self.found else {
             return "not measured".to_owned();
@@ -150,7 +151,7 @@ impl Figure {
         }
     }
 
-    /// Says in which case it was measured, and of which strategies.
+    /// Adds the case in which it was measured, and the strategies.
     fn measured_in(mut self, case: &Case<'_>, strategies: &[&str]) -> Self {
         self.noise = noise::of_case(case);
         let least = noise::least_possible(case);
@@ -211,7 +212,7 @@ fn street<'a>(cases: &Cases<'a>, size: u64) -> Case<'a> {
     cases.at(&Place::still("city", "street", size))
 }
 
-/// As "street 10k"; the city is where it is not said.
+/// Returns the case's name, as "street 10k"; the scene is named where it is not the city.
 pub fn case_name(scene: &str, path: &str, size: u64) -> String {
     let size = objects(size as f64);
     match (scene, path) {
@@ -245,7 +246,7 @@ fn ratio_at(
     figure.measured_in(&case, &[ANTUMBRA, over])
 }
 
-/// Returns the nearest of the rivals, in times of `antumbra`.
+/// Returns the nearest of the rivals, as a multiple of the time of `antumbra`.
 fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
     let case = street(cases, size);
     let (mut nearest, mut missing) = (None::<(&str, Spread)>, Vec::new());
@@ -301,7 +302,8 @@ fn cpu_growth(cases: &Cases<'_>) -> Figure {
     Figure::new("street 10k to 1M", what, Asked::AtMost(1.5), found).noted(notes.join("; "))
 }
 
-/// Wrong pixels of all exact strategies in each setting, and of those that are not exact.
+/// Returns the wrong pixels of all exact strategies in each setting, and of those that are not
+/// exact.
 fn wrong_pixels(cases: &Cases<'_>) -> Vec<Figure> {
     let books = exactness::books(cases);
     let mut figures = Vec::new();

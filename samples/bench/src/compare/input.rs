@@ -1,5 +1,5 @@
 //! Reads the reports of `walkthrough` back: a folder of JSON files, as much of each as a comparison
-//! needs. Keys that are not known are left alone, and those that came later may be missing.
+//! needs. Unknown keys are ignored, and newer keys may be missing.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -13,10 +13,10 @@ use crate::provenance::Provenance;
 use crate::statistics::Summary;
 use crate::terminal::shown;
 
-/// A larger file is none of ours: a report of a million frames and a dozen strategies is smaller.
+/// The largest file that is read: a report of a million frames and a dozen strategies is smaller.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// Why there is nothing to compare.
+/// The reasons why there is nothing to compare.
 #[derive(Debug, Error)]
 pub enum InputError {
     /// The folder cannot be read.
@@ -25,9 +25,9 @@ pub enum InputError {
         shown(folder)
     )]
     Folder {
-        /// What was asked for.
+        /// The folder that was asked for.
         folder: PathBuf,
-        /// What the system says.
+        /// The system's reason.
         reason: std::io::Error,
     },
     /// The folder has no report.
@@ -36,20 +36,20 @@ pub enum InputError {
     /// The notes cannot be read.
     #[error("cannot read the notes '{}': {reason}; name a text file", shown(file))]
     Notes {
-        /// Which file.
+        /// The file of notes.
         file: PathBuf,
-        /// What the system says.
+        /// The system's reason.
         reason: std::io::Error,
     },
-    /// A file is no report.
+    /// A file that is no report.
     #[error(
         "'{}' is no report of walkthrough: {reason}; remove it or measure it again",
         shown(file)
     )]
     Broken {
-        /// Which file.
+        /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// The error in it.
         reason: String,
     },
 }
@@ -61,25 +61,25 @@ pub struct Measured {
     /// The file's name without its folder.
     #[serde(skip)]
     pub file: String,
-    /// What drew.
+    /// The device that drew.
     pub device: MeasuredDevice,
-    /// What was drawn.
+    /// The scene that was drawn.
     pub scene: MeasuredScene,
-    /// Name of the camera's path.
+    /// The name of the camera's path.
     pub path: String,
-    /// Whether a signal ended the walk.
+    /// True if a signal ended the walk.
     pub cut_short: bool,
-    /// Timed frames of each strategy.
+    /// The timed frames of each strategy.
     pub frames: u32,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// How many frames the CPU was allowed to be ahead.
+    /// The number of frames that the CPU was allowed to be ahead.
     pub frames_in_flight: u32,
-    /// How hidden draws were skipped.
+    /// The way in which hidden draws were skipped.
     pub predicates: String,
-    /// What showed no more pixels than this counted as hidden.
+    /// The largest number of visible pixels that counted as hidden.
     pub threshold_pixels: u32,
-    /// One entry a strategy.
+    /// The runs, one per strategy.
     pub runs: Vec<MeasuredRun>,
     /// "A/B": ratio of the medians.
     pub ratios: BTreeMap<String, Option<f64>>,
@@ -93,11 +93,11 @@ pub struct Measured {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(default)]
 pub struct MeasuredDevice {
-    /// Its name, as the driver gives it.
+    /// Its name, as the driver reports it.
     pub name: String,
     /// Name and version of the driver.
     pub driver: String,
-    /// The Vulkan version it implements.
+    /// The Vulkan version that it implements.
     pub api: String,
 }
 
@@ -107,7 +107,7 @@ pub struct MeasuredDevice {
 pub struct MeasuredScene {
     /// Its name on the command line.
     pub name: String,
-    /// How many objects it really has.
+    /// The exact number of its objects.
     pub objects: u64,
 }
 
@@ -117,25 +117,25 @@ pub struct MeasuredScene {
 pub struct MeasuredRun {
     /// Its name.
     pub strategy: String,
-    /// Time of a frame in milliseconds.
+    /// The time of a frame in milliseconds.
     pub frame_ms: Summary,
     /// The time of every frame, in the order of the path.
     pub frame_times_ms: Vec<Option<f64>>,
-    /// CPU time of the engine in a frame, in milliseconds.
+    /// The CPU time of the engine per frame, in milliseconds.
     pub cpu_ms: Summary,
-    /// Draws a frame.
+    /// The draws per frame.
     pub draws: Option<u64>,
-    /// Boxes tested a frame, by whatever means.
+    /// The boxes tested per frame, by all mechanisms.
     pub tests: Option<u64>,
-    /// Occlusion queries a frame.
+    /// The occlusion queries per frame.
     pub queries: Option<u64>,
-    /// Nodes of the hierarchy that the culler looked at in a frame.
+    /// The nodes of the hierarchy that the culler visited per frame.
     pub nodes_visited: Option<u64>,
-    /// Timed frames compared with plain frustum culling.
+    /// The timed frames that were compared with plain frustum culling.
     pub frames_verified: u64,
-    /// Frames compared that only warmed up.
+    /// The warm-up frames that were compared.
     pub warm_up_frames_verified: u64,
-    /// Pixels that differed in them.
+    /// The pixels that differed in them.
     pub pixels_wrong: Option<u64>,
 }
 
@@ -146,7 +146,7 @@ impl Measured {
     }
 
     /// Returns the value of an option in the command line that made the report, as `--option value`
-    /// or `--option=value`; the last where it was said several times, as `walkthrough` has it.
+    /// or `--option=value`; the last one of several, as in `walkthrough`.
     pub fn argument(&self, option: &str) -> Option<&str> {
         let words = &self.provenance.command;
         let with_sign = format!("{option}=");
@@ -168,7 +168,7 @@ impl Measured {
 /// Reads every `.json` file of a folder, in the order of their names.
 ///
 /// # Errors
-/// When the folder cannot be read or has no report, or one of its files is none: which and why.
+/// When the folder cannot be read or has no report, or for a file that is none, with the reason.
 pub fn read_folder(folder: &Path) -> Result<Vec<Measured>, InputError> {
     let failed = |reason| InputError::Folder { folder: folder.to_owned(), reason };
     let mut files = Vec::new();
@@ -187,7 +187,7 @@ pub fn read_folder(folder: &Path) -> Result<Vec<Measured>, InputError> {
     files.into_iter().map(read_report).collect()
 }
 
-/// Reads the lines of a file of notes, each once; ends of sentences are taken off.
+/// Reads the lines of a file of notes, each once; full stops at the ends are removed.
 ///
 /// # Errors
 /// When the file cannot be read.
@@ -216,10 +216,10 @@ fn read_report(file: PathBuf) -> Result<Measured, InputError> {
     Ok(measured)
 }
 
-/// Returns one report out of its JSON.
+/// Returns the report in this JSON.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The first error in it.
 pub fn parse(text: &str) -> Result<Measured, String> {
     let measured: Measured = serde_json::from_str(text).map_err(|error| error.to_string())?;
     if measured.scene.name.is_empty() || measured.path.is_empty() || measured.runs.is_empty() {

@@ -1,7 +1,8 @@
-//! Places labels beside the ends of lines so that none lies over another.
+//! Places labels beside the ends of lines so that none overlaps another.
 
 /// Moves wanted places apart until neighbours are `gap` from each other, as little as possible, and
-/// keeps them between `least` and `most` while there is room. Answers in the order of the wanted.
+/// keeps them between `least` and `most` while there is room. Returns them in the order of
+/// `wanted`.
 pub fn spread_apart(wanted: &[i32], gap: i32, least: i32, most: i32) -> Vec<i32> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by_key(|&place| wanted.get(place));
@@ -33,7 +34,8 @@ pub fn spread_apart(wanted: &[i32], gap: i32, least: i32, most: i32) -> Vec<i32>
 
 #[derive(Clone, Copy)]
 struct Block {
-    /// Sum over its labels of where the block's first one would have to be for it to be right.
+    /// The sum over its labels of the place of the block's first label that would put the label
+    /// right.
     wanted_sum: f64,
     count: u32,
 }

@@ -1,4 +1,4 @@
-//! A chart of lines: grid, axes, one line a strategy with its name at its end.
+//! A chart of lines: grid, axes, one line per strategy with its name at its end.
 
 use std::collections::BTreeMap;
 
@@ -8,22 +8,22 @@ use super::cases::{ANTUMBRA, IDEAL};
 use super::labels::spread_apart;
 use super::palette::{self, FAINT, GOAL, GRID, INK};
 
-/// Room for what stands around the plot.
+/// The margins around the plot.
 const ABOVE: i32 = 78;
 const BELOW: i32 = 58;
 const LEFT: i32 = 62;
 const RIGHT: i32 = 166;
-/// Room for a name in a row of them.
+/// The width of a name in a row of them.
 const NAME_WIDTH: i32 = 104;
-/// From one label to the next.
+/// The distance between labels.
 const LABEL_GAP: i32 = 18;
 
 /// One value of a line, with its spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Along the axis below.
+    /// The value along the axis below.
     pub x: f64,
-    /// The value itself.
+    /// The value along the axis at the left.
     pub y: f64,
     /// The smallest of the repetitions.
     pub least: f64,
@@ -31,7 +31,7 @@ pub struct Point {
     pub most: f64,
 }
 
-/// Whether a line's points are shown.
+/// The look of a line's points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marks {
     /// A line alone: many points, close together.
@@ -52,7 +52,7 @@ pub struct Series {
 /// A chart of lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineChart {
-    /// What stands above it.
+    /// The text above it.
     pub title: String,
     /// The axis below.
     pub x: Axis,
@@ -60,9 +60,9 @@ pub struct LineChart {
     pub y: Axis,
     /// The lines; those that come later lie above.
     pub series: Vec<Series>,
-    /// What is asked of `antumbra`, as x and y.
+    /// The goals of `antumbra`, as x and y.
     pub goals: Vec<(f64, f64)>,
-    /// Whether points are shown.
+    /// The look of points.
     pub marks: Marks,
 }
 
@@ -76,7 +76,7 @@ struct Frame {
 }
 
 impl LineChart {
-    /// Draws it all over a canvas.
+    /// Draws the chart all over a canvas.
     ///
     /// # Errors
     /// When it cannot be drawn.
@@ -143,7 +143,8 @@ impl LineChart {
         Ok(())
     }
 
-    /// Returns the parts of a line that lie within the axis, cut where it leaves it at the top.
+    /// Returns the parts of a line that lie within the axis, cut where the line leaves it at the
+    /// top.
     fn parts_below_the_top(&self, points: &[Point]) -> Vec<Vec<(f64, f64)>> {
         let top = self.y.most();
         let mut parts = vec![Vec::new()];
@@ -204,8 +205,8 @@ impl LineChart {
         Ok(())
     }
 
-    /// Draws the names of the lines that leave the plot at the top and do not come back, where
-    /// they do.
+    /// Draws the names of lines that leave the plot at the top and do not return, at the points
+    /// where they leave.
     fn draw_names_above(&self, canvas: &Canvas<'_>, frame: Frame) -> Result<(), DrawError> {
         let mut exits: Vec<(&str, i32)> = Vec::new();
         for series in &self.series {

@@ -4,7 +4,7 @@ use super::content::Content;
 use super::exactness::{Book, Setting};
 use super::spread::{Spread, objects, short, thousands};
 
-/// Returns the tables, with what they were measured on.
+/// Returns the tables, with the device and the frames of the measurement.
 pub fn render(content: &Content) -> String {
     let mut text = "# Every method side by side\n\n".to_owned();
     if let Some(headline) = content.headline() {
@@ -20,7 +20,7 @@ pub fn render(content: &Content) -> String {
     text + &exactness(&content.books)
 }
 
-/// Returns a row of a table; bars within cells would end them.
+/// Returns a row of a table; bars are escaped, since within cells they would end them.
 fn row(cells: &[String]) -> String {
     let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
     format!("| {} |\n", cells.join(" | "))

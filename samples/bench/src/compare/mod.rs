@@ -2,8 +2,8 @@
 //! picture.
 //!
 //! [`input`] reads the reports back, [`cases`] puts repetitions and parts together, [`figures`] and
-//! [`exactness`] say what is reached, [`plots`] draws, and [`content`] gathers it all for [`page`]
-//! and [`markdown`]. [`noise`] says whether the machine was steady enough to judge.
+//! [`exactness`] compare them with the goals, [`plots`] draws, and [`content`] gathers it all for
+//! [`page`] and [`markdown`]. [`noise`] decides if the machine was steady enough to judge.
 
 pub mod args;
 pub mod axis;
@@ -38,26 +38,25 @@ use self::input::{InputError, Measured, read_folder, read_notes};
 use crate::outputs::write_file;
 use crate::terminal::{Ending, output::say_wrote, print};
 
-/// Why there is no comparison: one sentence that says what is wrong and what to do.
+/// The reasons why there is no comparison: one sentence that names the error and the remedy.
 #[derive(Debug, Error)]
 pub enum CompareError {
-    /// What was given is not what is needed.
+    /// Input that cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The reports stem from different devices.
+    /// Reports of different devices.
     #[error("the reports stem from {0}: put those of each device into a folder of its own")]
     Devices(String),
-    /// The picture cannot be drawn, since there is nothing in it.
+    /// A picture that cannot be drawn, since there is nothing in it.
     #[error("no report of the city on path street compares strategies: --svg has nothing to show")]
     NoPicture,
-    /// A plot failed.
+    /// A plot that failed.
     #[error(transparent)]
     Draw(#[from] DrawError),
 }
 
 impl CompareError {
-    /// Returns what the program ends with: 2 where the user can mend it, 1 where the machine
-    /// failed.
+    /// Returns the exit code: 2 for errors that the user can correct, 1 where the machine failed.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) | Self::Devices(_) | Self::NoPicture => 2,
@@ -66,7 +65,7 @@ impl CompareError {
     }
 }
 
-/// Does what the arguments say: prints the result, then writes each file that can be.
+/// Runs the comparison: prints the result, then writes each file that can be written.
 ///
 /// # Errors
 /// When there is nothing to compare.

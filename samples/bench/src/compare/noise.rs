@@ -1,6 +1,7 @@
-//! How steady the machine was: how far the ideal's own time spreads over the repetitions of a walk.
+//! The steadiness of the machine: the spread of the ideal's own time over the repetitions of a
+//! walk.
 //!
-//! What is asked of the others is asked in times of the ideal, and that draws the same each time.
+//! The goals are multiples of the ideal's time, and the ideal draws the same each time.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +9,7 @@ use super::cases::{Case, Cases, IDEAL, Place};
 use super::figures::case_name;
 use super::input::Measured;
 
-/// The most that the ideal's time may spread, as a part of its median, where anything is judged.
+/// The largest spread of the ideal's time, as a part of its median, with which figures are judged.
 pub const NOISE_MAX: f64 = 0.1;
 
 /// Returns the width of the narrowest range that holds more than half of the times, as a part of
@@ -42,7 +43,7 @@ fn walks<'a>(case: &Case<'a>) -> Vec<(&'a Measured, Option<f64>)> {
     walks.into_values().filter_map(of).collect()
 }
 
-/// Returns the noise of a case: that of its least steady walk. `None` where none was repeated.
+/// Returns the noise of a case: the noise of its least steady walk. `None` where none was repeated.
 pub fn of_case(case: &Case<'_>) -> Option<f64> {
     walks(case).into_iter().filter_map(|(_, noise)| noise).max_by(f64::total_cmp)
 }
@@ -59,7 +60,7 @@ pub fn is_below_ideal(case: &Case<'_>, strategy: &str) -> bool {
 }
 
 /// Returns the names of the walks that are to be repeated: those too noisy to judge, or measured
-/// once. A name is that of the report's file without the number of the repetition.
+/// once. A name is the name of the report's file without the number of the repetition.
 pub fn to_repeat(cases: &Cases<'_>) -> Vec<String> {
     let walks = cases.iter().flat_map(|(_, case)| walks(case));
     let noisy = walks.filter(|(_, noise)| noise.is_none_or(|noise| noise >= NOISE_MAX));
@@ -76,7 +77,7 @@ fn stem_of(file: &str) -> &str {
     }
 }
 
-/// Returns what a reader must know of the machine, in a sentence.
+/// Returns a sentence about the noise of the machine, for the reader.
 pub fn verdict(cases: &Cases<'_>) -> String {
     let known = |(place, case): (&Place, &Case<'_>)| {
         Some((case_name(&place.scene, &place.path, place.objects), of_case(case)?))

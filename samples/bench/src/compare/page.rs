@@ -1,4 +1,5 @@
-//! The comparison as one HTML page that needs nothing else: plots, tables, how it was measured.
+//! The comparison as one HTML page that needs no other file: plots, tables, and the conditions of
+//! the measurement.
 
 use super::canvas::escaped;
 use super::cases::ANTUMBRA;

@@ -1,8 +1,8 @@
-//! The colours of the plots: one a strategy, fixed by its name, so that it is the same in every
+//! The colours of the plots: one per strategy, fixed by its name, so that it is the same in every
 //! plot of every report.
 //!
-//! The hues are those of Okabe and Ito, which people with any colour vision can tell apart, with
-//! lightnesses that keep contrast on the background; variants of one method share its hue and
+//! The hues are from Okabe and Ito, whose palette people with any colour vision can distinguish,
+//! with lightnesses that keep contrast on the background; variants of one method share its hue and
 //! differ by dashes. Every line has its name beside it as well. A picture is drawn in the light
 //! colours, and its style sheet exchanges them where the reader's system is dark.
 
@@ -19,18 +19,18 @@ const fn colour(light: u32, dark: u32) -> Colour {
     Colour { light, dark }
 }
 
-/// Behind everything.
+/// The background.
 pub const BACKGROUND: Colour = colour(0xFF_FF_FF, 0x14_18_1D);
-/// Text, and what must be seen first.
+/// Text, and marks that must be seen first.
 pub const INK: Colour = colour(0x1F_23_28, 0xE8_EC_F0);
 /// Text that stands back: units, ticks.
 pub const FAINT: Colour = colour(0x5B_64_6E, 0x9A_A4_AF);
 /// Lines of the grid.
 pub const GRID: Colour = colour(0xE4_E7_EB, 0x2B_32_3A);
-/// What is asked for.
+/// Goals.
 pub const GOAL: Colour = colour(0x1F_23_29, 0xE8_EC_F1);
 
-/// Name, colour and dashes (empty: a whole line) of the strategies that are known.
+/// The name, colour and dashes (empty: a solid line) of the known strategies.
 const STRATEGIES: [(&str, Colour, &str); 12] = [
     ("frustum", colour(0x7A_7A_7A, 0xA0_A0_A0), ""),
     ("naive", colour(0x8A_5A_2B, 0xC4_96_66), ""),
@@ -45,7 +45,7 @@ const STRATEGIES: [(&str, Colour, &str); 12] = [
     ("antumbra_compute", colour(0xC8_86_02, 0xF0_B3_38), "14 5 3 5"),
     ("ideal", colour(0x1F_23_2A, 0xE8_EC_F2), "4 7"),
 ];
-/// For a strategy that came after this list.
+/// The colour of a strategy that is not in this list.
 const OTHER: Colour = colour(0x6A_51_A3, 0xA9_95_DB);
 
 impl Colour {
@@ -55,7 +55,7 @@ impl Colour {
         RGBColor(red, green, blue)
     }
 
-    /// As an SVG has it: "#RRGGBB".
+    /// Returns the colour as SVG writes it: "#RRGGBB".
     pub fn light_hex(self) -> String {
         format!("#{:06X}", self.light)
     }
@@ -77,7 +77,8 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     STRATEGIES.iter().map(|(name, ..)| *name)
 }
 
-/// Returns where strategies stand in legends and bars: the order of the list above, others last.
+/// Returns the place of a strategy in legends and bars: in the order of the list above, others
+/// last.
 pub fn place_of(name: &str) -> usize {
     STRATEGIES.iter().position(|(known, ..)| *known == name).unwrap_or(STRATEGIES.len())
 }
@@ -87,8 +88,8 @@ fn all() -> impl Iterator<Item = Colour> {
     STRATEGIES.iter().map(|(_, colour, _)| *colour).chain(inks)
 }
 
-/// Returns the style sheet of a picture: dashes, fonts, and the dark colours in the place of the
-/// light ones.
+/// Returns the style sheet of a picture: dashes, fonts, and the dark colours instead of the light
+/// ones.
 pub fn style_sheet() -> String {
     let mut css = "text{font-family:system-ui,-apple-system,'Segoe UI',Roboto,'Liberation Sans',\
                    'DejaVu Sans',sans-serif}polyline{stroke-linejoin:round;stroke-linecap:round}"
@@ -134,7 +135,7 @@ mod tests {
         assert_eq!(light.len(), count, "the dark ones are found by them");
     }
 
-    /// Relative luminance as WCAG 2 defines it.
+    /// Returns the relative luminance as WCAG 2 defines it.
     fn luminance(colour: u32) -> f64 {
         let [_, channels @ ..] = colour.to_be_bytes();
         let linear = |channel: u8| {

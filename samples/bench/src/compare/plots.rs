@@ -11,15 +11,15 @@ use super::palette;
 use super::spread::{Spread, objects};
 use crate::strategy::Strategy;
 
-/// Width of a plot over the whole page, in pixels.
+/// The width of a plot over the whole page, in pixels.
 const WIDTH: u32 = 1120;
 const HEIGHT: u32 = 430;
-/// Ratios up to this are shown once more, larger.
+/// The largest ratio that is shown once more, larger.
 const NEAR: f64 = 3.6;
-/// Frame times that differ by more than this are shown on a logarithmic axis.
+/// The ratio of frame times above which they are shown on a logarithmic axis.
 const WIDE: f64 = 5.0;
 
-/// A plot, and what a reader must know to read it.
+/// A plot, and the text that explains it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
     /// Its SVG.
@@ -28,8 +28,9 @@ pub struct Plot {
     pub caption: String,
 }
 
-/// Over scene sizes on `street`, the frame time of every strategy in times of the ideal's (of plain
-/// frustum culling's, where the ideal was not measured): all of it, and what is near the ideal.
+/// Plots the frame time of every strategy over scene sizes on `street`, as a multiple of the
+/// ideal's (of plain frustum culling's, where the ideal was not measured): the whole range, and the
+/// range near the ideal.
 ///
 /// # Errors
 /// When it cannot be drawn.
@@ -80,7 +81,7 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     Ok(Some(Plot { svg, caption }))
 }
 
-/// Returns what is asked of `antumbra` at the sizes of an axis.
+/// Returns the goals of `antumbra` at the sizes of an axis.
 fn goals(x: &Axis) -> Vec<(f64, f64)> {
     let goals = STREET_GOALS.into_iter().map(|(size, goal)| (size as f64, goal));
     goals.filter(|(size, _)| (0.0..=1.0).contains(&x.place(*size))).collect()
@@ -93,7 +94,7 @@ pub fn yardstick(cases: &Cases<'_>, sizes: &[u64]) -> &'static str {
     if sizes.iter().any(measured) { IDEAL } else { FRUSTUM }
 }
 
-/// CPU time over scene sizes on `street`.
+/// Plots the CPU time over scene sizes on `street`.
 ///
 /// # Errors
 /// When it cannot be drawn.
@@ -120,7 +121,7 @@ pub fn cpu_times(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     Ok(Some(Plot { svg, caption: caption.to_owned() }))
 }
 
-/// Returns the time of every frame over one path.
+/// Plots the time of every frame over one path.
 ///
 /// # Errors
 /// When it cannot be drawn.
@@ -162,7 +163,8 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     Ok(Some(Plot { svg, caption }))
 }
 
-/// Returns when the work of a jump shows: later, but for those that wait for it within the frame.
+/// Returns a caption about the frames in which the work of a jump shows: later, but for strategies
+/// that wait for it within the frame.
 fn caption_of_cuts(strategies: &[&str], late: u32) -> String {
     let waits = |name: &&&str| name.parse().is_ok_and(Strategy::is_blocking);
     let waiting: Vec<&str> = strategies.iter().filter(waits).copied().collect();
@@ -176,7 +178,7 @@ fn caption_of_cuts(strategies: &[&str], late: u32) -> String {
     caption + "."
 }
 
-/// Tests, queries and draws a frame of every strategy.
+/// Plots the tests, queries and draws per frame of every strategy.
 ///
 /// # Errors
 /// When it cannot be drawn.
@@ -217,7 +219,7 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
     Ok(Some(Plot { svg, caption }))
 }
 
-/// Returns a line for each strategy, `antumbra` on top of all.
+/// Returns a line for each strategy, `antumbra` above all others.
 fn lines(names: Vec<&str>, line: impl Fn(&str) -> Vec<Point>) -> Vec<Series> {
     let mut names = names;
     names.sort_by_key(|name| (*name == ANTUMBRA, palette::place_of(name)));

@@ -1,4 +1,4 @@
-//! A figure over several repetitions: its median, and how far they spread.
+//! A figure over several repetitions: its median and its spread.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Of values in any order; those that are not finite are left out.
+    /// Creates a spread of values in any order; those that are not finite are left out.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
@@ -33,7 +33,7 @@ impl Spread {
         self.sorted.last().copied().unwrap_or(f64::NAN)
     }
 
-    /// Returns how many values there are.
+    /// Returns the number of values.
     pub fn count(&self) -> usize {
         self.sorted.len()
     }
@@ -55,7 +55,7 @@ impl Spread {
     }
 }
 
-/// As "1.23 (1.20 to 1.31)", or the bare value where there is one.
+/// Shows it as "1.23 (1.20 to 1.31)", or the bare value where there is one.
 impl fmt::Display for Spread {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}", short(self.median()))?;
@@ -66,7 +66,7 @@ impl fmt::Display for Spread {
     }
 }
 
-/// Returns a number with the digits that a person wants: "1.23", "45.6", "158", "0".
+/// Returns a number with the significant digits: "1.23", "45.6", "158", "0".
 pub fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),

@@ -12,25 +12,25 @@ use super::cases::{Case, Cases, Place};
 use super::figures::case_name;
 use crate::input_file;
 
-/// The most pixels of a thumbnail from left to right and from top to bottom.
+/// The most pixels of a thumbnail, horizontally and vertically.
 const SIZE_MAX: [u32; 2] = [240, 135];
-/// A larger file is no picture of a walk.
+/// The largest file that is read: a larger one is no picture of a walk.
 const MOST_BYTES: u64 = 256 << 20;
 
 /// A picture of a scene on a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Thumbnail {
-    /// What it shows.
+    /// The scene and the path in it.
     pub caption: String,
-    /// Its pixels from left to right and from top to bottom.
+    /// Its size in pixels.
     pub size: [u32; 2],
     /// A PNG as `data:` URI.
     pub uri: String,
 }
 
-/// Returns a picture for each scene and path that stands still before one eye. The pictures of the
-/// report `NAME.json` lie in the folder `NAME` in `folder`; the first one by its name is taken.
-/// Second, returns sentences about those that could not be shown.
+/// Returns a picture for each scene and path that stands still before one eye, and sentences about
+/// those that could not be shown. The pictures of the report `NAME.json` lie in the folder `NAME`
+/// in `folder`; the first one by its name is taken.
 pub fn thumbnails(folder: &Path, cases: &Cases<'_>) -> (Vec<Thumbnail>, Vec<String>) {
     let (mut found, mut missing) = (Vec::<((&str, &str), Thumbnail)>::new(), Vec::new());
     for (place, case) in cases.iter().filter(|(place, _)| place.moving == 0 && place.views == 1) {

@@ -1,4 +1,4 @@
-//! Tests of the report: its keys, its ratios, and that nothing but finite numbers gets in.
+//! Tests of the report: its keys, its ratios, and that all its numbers are finite.
 
 use super::*;
 use crate::measurement::{FrameMeasurement, RunMeasurement};

@@ -1,4 +1,4 @@
-//! What goes wrong while results are written, collected for the end.
+//! Failures while results are written, collected for the end.
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use super::output::say;
 use crate::signals::Signal;
 
-/// The end of a program whose work is done: each result is written whatever becomes of the others.
+/// The end of a program whose work is done: each result is written regardless of failures of the
+/// others.
 #[derive(Debug, Default)]
 pub struct Ending {
     failures: Vec<String>,
@@ -14,23 +15,23 @@ pub struct Ending {
 }
 
 impl Ending {
-    /// Keeps the reason for the end if something failed; passes on what did not.
+    /// Keeps the error for the end if something failed; returns the value otherwise.
     pub fn attempt<T>(&mut self, result: Result<T, impl Display>) -> Option<T> {
         result.map_err(|error| self.fail(error)).ok()
     }
 
-    /// Adds something that failed.
+    /// Adds a failure.
     pub fn fail(&mut self, error: impl Display) {
         self.failures.push(error.to_string());
     }
 
-    /// Adds the signal that brought the end about.
+    /// Adds the signal that caused the end.
     pub fn interrupted(&mut self, signal: Option<Signal>) {
         self.signal = signal;
     }
 
-    /// Says what failed, a line each. Returns 1 if something did, else the code of the signal, else
-    /// 0.
+    /// Prints the failures, a line each. Returns 1 if there are any, else the code of the signal,
+    /// else 0.
     pub fn exit(self) -> ExitCode {
         for failure in &self.failures {
             say(&format!("error: {failure}"));
@@ -43,7 +44,7 @@ impl Ending {
     }
 }
 
-/// Says what made the work impossible, and returns its exit code.
+/// Prints the error that made the work impossible, and returns its exit code.
 pub fn refuse(error: &impl Display, exit_code: u8) -> ExitCode {
     say(&format!("error: {error}"));
     ExitCode::from(exit_code)

@@ -1,8 +1,8 @@
-//! Where the programs meet the terminal: command lines in, text out, and how they end.
+//! The programs' side of the terminal: command lines in, text out, and exit codes.
 //!
 //! [`start()`] reads the command line and starts the log, [`output`] writes to standard output and
-//! standard error, [`ending`] collects what went wrong on the way to the exit code. [`style`] says
-//! what the terminal can show, and [`names`] how file names are shown.
+//! standard error, [`ending`] collects failures on the way to the exit code. [`style`] finds the
+//! terminal's capabilities, and [`names`] escapes file names.
 
 pub mod ending;
 pub mod names;

@@ -3,8 +3,8 @@
 use std::fmt::{self, Write};
 use std::path::Path;
 
-/// Shows a file's name on one line: control characters, invisible marks that reorder text, and
-/// bytes that are no UTF-8 are escaped.
+/// Returns a file's name on one line: control characters, invisible marks that reorder text, and
+/// bytes that are not UTF-8 are escaped.
 pub fn shown(path: &Path) -> Shown<'_> {
     Shown(path)
 }
@@ -27,7 +27,8 @@ impl fmt::Display for Shown<'_> {
     }
 }
 
-/// Escapes what a terminal would obey instead of show; line breaks and tabs stay.
+/// Returns the text with everything escaped that a terminal would obey instead of show; line breaks
+/// and tabs stay.
 pub fn harmless(text: &str) -> String {
     let mut harmless = String::with_capacity(text.len());
     for character in text.chars() {

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::names::harmless;
 use crate::outputs::WriteError;
 
-/// Writes text to standard output. A reader that has gone away has seen what it wanted.
+/// Writes text to standard output. A reader that has closed it is no error.
 ///
 /// # Errors
 /// When the text cannot be written, as on a full disk.
@@ -20,7 +20,7 @@ pub fn print(text: &str) -> Result<(), WriteError> {
     }
 }
 
-/// Writes a line to standard error. Where that is full or closed, nobody can be informed.
+/// Writes a line to standard error. Where that is full or closed, the line is lost.
 pub fn say(text: &str) {
     let _nobody_reads = writeln!(io::stderr().lock(), "{}", harmless(text));
 }

@@ -1,4 +1,4 @@
-//! How a program begins: its command line, its help, its log.
+//! The start of a program: its command line, its help, its log.
 
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
@@ -15,11 +15,11 @@ use super::style::{has_colour, width};
 /// The most columns of help: longer lines are hard to read.
 const HELP_WIDTH_MAX: usize = 100;
 
-/// Reads the command line and starts the log at `level` where `RUST_LOG` does not say otherwise.
+/// Reads the command line and starts the log at `level` unless `RUST_LOG` sets another.
 ///
 /// # Errors
-/// The exit code where nothing remains to be done: help or version were printed, or what is wrong
-/// with the command line.
+/// The exit code where nothing remains to be done: help or version were printed, or an error in the
+/// command line.
 pub fn start<A: Parser>(level: &str) -> Result<A, ExitCode> {
     let arguments = parse().map_err(|error| answer(&error))?;
     let asked = std::env::var("RUST_LOG").ok().and_then(|text| text.parse::<Targets>().ok());
@@ -46,7 +46,7 @@ fn parse<A: CommandFactory + FromArgMatches>() -> Result<A, clap::Error> {
     A::from_arg_matches_mut(&mut matches).map_err(|error| error.format(&mut command))
 }
 
-/// Prints what the parser has to say.
+/// Prints the answer of the parser: help, version or an error.
 fn answer(error: &clap::Error) -> ExitCode {
     let mut ending = Ending::default();
     if !error.use_stderr() {
@@ -57,7 +57,7 @@ fn answer(error: &clap::Error) -> ExitCode {
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
-/// Returns the text with colours where those are shown and no argument brings escape codes of its
+/// Returns the text with colours where those are shown and no argument contains escape codes of its
 /// own.
 fn styled(error: &clap::Error, stream: &impl IsTerminal) -> String {
     let text = error.render();

@@ -1,4 +1,4 @@
-//! What a terminal can show: colours, lines that are drawn again, and how wide it is.
+//! The capabilities of a terminal: colours, redrawn lines, width.
 
 use std::io::{self, IsTerminal};
 
@@ -6,7 +6,7 @@ use terminal_size::{Width, terminal_size_of};
 
 /// The columns of text that goes into a file or a pipe.
 pub const PLAIN_WIDTH: usize = 120;
-/// The columns of a terminal that does not say how wide it is.
+/// The columns of a terminal of unknown width.
 const UNKNOWN_WIDTH: usize = 80;
 /// The least columns that text is wrapped to.
 const LEAST_WIDTH: usize = 40;
@@ -21,7 +21,7 @@ pub fn has_colour(stream: &impl IsTerminal) -> bool {
     can_redraw(stream) && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-/// Returns the columns that text for standard output has.
+/// Returns the columns of text for standard output.
 pub fn width() -> usize {
     let output = io::stdout();
     if !output.is_terminal() {

@@ -1,4 +1,4 @@
-//! Runs `walkthrough` with what cannot be: one sentence, the right exit code, nothing left behind.
+//! Runs `walkthrough` with bad input: one sentence, the right exit code, nothing left behind.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -179,7 +179,7 @@ fn without_the_validation_layer_it_ends_with_1_and_says_what_to_do() {
     }
 }
 
-/// Runs walks and `--list-devices` on a machine made poorer; each must end with 1 and one error.
+/// Checks that walks and `--list-devices` end with 1 and one error on a machine made poorer.
 fn assert_machine_is_blamed(name: &str, poorer: impl Fn(&mut Command)) {
     let scratch = Scratch::new(name);
     let walk = ["--out", "made/pictures", "--report", "made/report.json"];
@@ -294,7 +294,8 @@ fn a_damaged_driver_manifest_is_not_called_a_lack_of_memory() {
     assert!(message.contains("VK_LOADER_DEBUG") && !message.contains("fewer"), "{message}");
 }
 
-/// What is left for a scene of 2,000,000 objects is too little, however much the driver takes.
+/// Checks the message where a scene of 2,000,000 objects gets too little memory, regardless of how
+/// much the driver takes.
 #[cfg(target_os = "linux")]
 #[test]
 fn too_little_memory_for_a_scene_is_said_in_a_sentence() {
@@ -312,8 +313,8 @@ fn too_little_memory_for_a_scene_is_said_in_a_sentence() {
     assert!(!message.contains("panicked") && !message.contains("allocation of"), "{message}");
 }
 
-/// A cache that is no regular file, or larger than any, is left alone and costs neither time nor
-/// memory.
+/// Checks that a cache that is no regular file, or larger than any, is left alone and costs neither
+/// time nor memory.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_pipeline_cache_that_is_no_cache_is_left_alone() {

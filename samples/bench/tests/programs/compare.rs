@@ -1,4 +1,4 @@
-//! Runs `compare` as a user does: a page of reports, and one sentence where that cannot be.
+//! Runs `compare` as a user does: a page of reports, and one sentence on failure.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -45,7 +45,7 @@ fn write(scratch: &Scratch, name: &str, report: &Value) {
     fs::write(folder.join(name), report.to_string()).expect("the target folder is writable");
 }
 
-/// Fails unless it is well-formed, has a title, and names these strategies.
+/// Checks that it is well-formed, has a title, and names these strategies.
 fn assert_picture(svg: &str, strategies: &[&str]) {
     let document = roxmltree::Document::parse(svg).expect("well-formed");
     let texts = |tag: &str| -> Vec<String> {
@@ -156,7 +156,7 @@ fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
     assert_eq!(String::from_utf8_lossy(&noisy.stdout), "b\n");
 }
 
-/// The result is seen whatever becomes of the files, and each is tried.
+/// Checks that the result is printed if the files fail, and that each file is tried.
 #[test]
 fn a_full_disk_costs_its_file_only() {
     let scratch = Scratch::new("compare-full");

@@ -24,7 +24,7 @@ use std::process::Command;
 
 const WALKTHROUGH: &str = env!("CARGO_BIN_EXE_walkthrough");
 
-/// `walkthrough` in `folder`.
+/// Returns `walkthrough` in `folder`.
 fn walkthrough(folder: &Path, arguments: &[&str]) -> Command {
     harness::program(WALKTHROUGH, folder, arguments)
 }

@@ -1,5 +1,5 @@
-//! Runs `walkthrough` where results are in danger: full disks, signals, names that are taken,
-//! crowds.
+//! Runs `walkthrough` where results are in danger: full disks, signals, taken names, concurrent
+//! runs.
 
 use std::fs;
 use std::io::Read;
@@ -29,7 +29,7 @@ fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Fails unless the table is there, each of the failures is said, and the exit code is 1.
+/// Checks that the table is printed, each of the failures too, and that the exit code is 1.
 fn assert_table_and_failures(output: &Output, failures: &[&str]) {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(1), "{message}");

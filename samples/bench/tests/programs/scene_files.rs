@@ -1,4 +1,4 @@
-//! Runs `walkthrough` over scenes out of files: right ones, and what cannot be.
+//! Runs `walkthrough` over scenes out of files: valid ones and bad ones.
 
 use std::fs;
 use std::process::Output;
@@ -14,7 +14,7 @@ fn scratch(name: &str) -> Scratch {
     scratch
 }
 
-/// Returns a walk of which every frame is compared; its report.
+/// Runs a walk of which every frame is compared, and returns its report.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     let small = ["--quiet", "--frames=24", "--size=128x72", "--validation=sync", "--verify=every"];
     let rest = ["--costs=ignored", "--scene=small.glb", "--report=report.json", "--device", device];
@@ -106,7 +106,7 @@ fn scenes_of_blended_objects_alone_are_exact_with_every_strategy() {
     }
 }
 
-/// The whole clip once from end to end, in however many frames.
+/// Checks that the whole clip is walked once from end to end, in any number of frames.
 #[test]
 fn the_camera_goes_from_end_to_end_in_any_number_of_frames() {
     let scratch = scratch("scene-ends");

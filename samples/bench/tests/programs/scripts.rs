@@ -1,4 +1,4 @@
-//! Runs ci/compare and ci/demo with programs that only pretend: what the scripts themselves decide.
+//! Runs ci/compare and ci/demo with stand-ins for the programs: the scripts' own decisions.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use harness::{Scratch, stderr};
 
-/// Knows some strategies; a walk leaves its options where its report was to be.
+/// A stand-in that knows some strategies; a walk leaves its options in the place of its report.
 const WALKTHROUGH: &str = r#"#!/bin/sh
 case " $* " in *" --list-strategies "*) printf 'frustum\nantumbra\nideal\n'; exit ;; esac
 case "$*" in *ideal*--moving*) echo "error: --strategy ideal and --moving 10 do not go together" >&2; exit 2 ;; esac
@@ -19,11 +19,12 @@ while [ "$#" -gt 1 ]; do
 done
 "#;
 
-/// Builds nothing; what it is to run it names.
+/// A stand-in that builds nothing; it names the program that it should run.
 const CARGO: &str = "#!/bin/sh\n[ \"$1\" != run ] || echo \"$*\"\n";
 
-/// Held while a program is written and while one is started: a child that another test starts
-/// in between has the file open for writing until it is replaced, and no one may run it (ETXTBSY).
+/// The lock held while a program is written and while one is started. A child that another test
+/// starts in between has the file open for writing until it is replaced, and executing it would
+/// fail (ETXTBSY).
 static PROGRAMS: Mutex<()> = Mutex::new(());
 
 fn program(path: &Path, text: &str) {
@@ -89,8 +90,8 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
     assert!(scratch.names("out/reports").contains(&"street-2000.3.json".to_owned()));
 }
 
-/// What is noisy is repeated as long as it is, up to a bound; the first walk of a case leaves a
-/// picture.
+/// Checks that noisy walks are repeated while they are noisy, up to a bound; the first walk of a
+/// case leaves a picture.
 #[test]
 fn noisy_walks_are_repeated_and_no_others() {
     let scratch = tree("script-noise", "compare");

@@ -12,7 +12,7 @@ const FRAMES: u64 = 12;
 const SIZE: [u32; 2] = [96, 64];
 
 /// Walks through a small city on `device`, every frame compared, and returns the report. Without
-/// prices, which differ from run to run, everything is tested.
+/// measured costs, which differ from run to run, everything is tested.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     walk_by(scratch, device, &[&["--costs=ignored"], more].concat())
 }
@@ -60,7 +60,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// Every key of the contract, with a value that can be.
+/// Checks that every key of the contract has a plausible value.
 fn assert_report(report: &Value, device: &str) {
     let name = report["device"]["name"].as_str().expect("a name");
     assert!(name.to_lowercase().contains(device), "{name}");
@@ -121,7 +121,8 @@ fn assert_run(run: &Value, scene_triangles: f64) {
     assert!(run["predicated_draws"].is_u64() && run["result_age_frames"].is_object());
 }
 
-/// The pictures that a person looks at: whole PNG files of the right size that show something.
+/// Checks the pictures that a person looks at: whole PNG files of the right size that are not
+/// blank.
 fn assert_pictures(scratch: &Scratch) {
     let names = scratch.names("pictures");
     let expected = [
@@ -141,7 +142,7 @@ fn assert_pictures(scratch: &Scratch) {
     }
 }
 
-/// Returns the colours of a picture, three bytes a pixel.
+/// Returns the colours of a picture, three bytes per pixel.
 fn decode(file: &Path) -> Vec<u8> {
     let bytes = fs::read(file).expect("a picture");
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));

@@ -1,4 +1,4 @@
-//! The whole text of pages whose every value is known, and of one of which nothing is.
+//! The whole text of pages whose values are all known, and of one whose values are all unknown.
 
 use std::time::Duration;
 
@@ -29,7 +29,7 @@ fn pass(label: &'static str, gpu_ms: f64) -> PassTime {
     PassTime { label, gpu_ms, began_ns: 0 }
 }
 
-/// Returns one line a fact, an empty line between groups.
+/// Returns one line per fact, an empty line between groups.
 fn text(known: &Known<'_>) -> String {
     let line = |(name, value): &(String, String)| format!("{name}: {value}\n");
     let groups = known.details();

@@ -1,4 +1,4 @@
-//! Tests of the cases: what belongs together, ratios, ties, cuts.
+//! Tests of the cases: grouping, ratios, ties, cuts.
 
 use super::super::testing::{measured, verified, walked};
 use super::*;

@@ -1,4 +1,4 @@
-//! Tests of the content: headline, rows, what was left out, warnings.
+//! Tests of the content: headline, rows, missing measurements, warnings.
 
 use super::super::testing::{measured, verified};
 use super::*;

@@ -1,4 +1,4 @@
-//! Tests of the figures: reached, not reached, missing.
+//! Tests of the figures: reached, missed, not measured.
 
 use super::super::input::Measured;
 use super::super::testing::{measured, verified, walked};
